@@ -1,0 +1,46 @@
+"""MeshLaw: the elastic force of one flank of a gear pair, (c, delta, psi; h) -> U, F, M, shares.
+
+The face is cut into slices. In slice s at face coordinate y_s the tooth pair p has the local position
+xi = c' - p + shift_s on the path of contact, in mesh cycles, with c' = cycle_sign * c + cycle_offset. Its line load
+f (N/m) and approach x (m) obey
+
+    x = C(xi) f + A f (B(xi) - ln f) + sum_q c_|p-q|(xi) f_q        (x > 0, else f = 0)
+    x = delta + psi y_s - gap(xi) - h_p
+
+C holds tooth and body compliance, A and B the Hertz line contact, c_n the compliance between pair p and pair p + n
+(tabulated at the xi of the pair that is ahead, i.e. of the smaller p). F = sum fraction f width,
+M = sum fraction f width y. U is the strain energy, so F = dU/d delta, M = dU/d psi.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.records import Record, array, integer, scalar, text
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshLaw(Record):
+    """Pair compliances on a grid of local positions, the same for every slice."""
+
+    model: str = text()
+    flank: str = text()  # "drive" | "coast"
+    face_coordinate: np.ndarray = array("slice", units="m")  # y_s, 0 at mid face
+    slice_width: np.ndarray = array("slice", units="m")  # sums to the face width
+    cycle_shift: np.ndarray = array("slice", units="1")  # y_s tan(beta_b) / p_bt with the sign of the hand
+    cycle_sign: int = integer()  # +1 drive, -1 coast
+    cycle_offset: float = scalar(units="1")
+    position_start: float = scalar(units="1")  # first xi of the uniform grid
+    position_step: float = scalar(units="1")
+    compliance: np.ndarray = array("position", units="m2/N")  # C
+    contact_slope: float = scalar(units="m2/N")  # A
+    contact_offset: np.ndarray = array("position", units="1")  # B
+    coupling: np.ndarray = array("neighbour", "position", units="m2/N")  # c_1, c_2, ...
+    gap: np.ndarray = array("position", units="m", infinite=True)  # inf: no contact possible
+    fraction: np.ndarray = array("position", units="1")  # part of the slice that can be in contact
+    base_pitch: float = scalar(units="m")  # transverse base pitch p_bt
+    pinion_teeth: int = integer()
+    wheel_teeth: int = integer()
+    wheel_tooth_offset: int = integer()  # pair p: pinion tooth cycle_sign*p, wheel tooth cycle_sign*p + this
