@@ -190,7 +190,7 @@ def _rope(rope: float, lines: LineTable, f_r: float) -> str:
     text = f"The rope mode lies at {rope:.2f} Hz ({rope / f_r:.2f} f_r)"
     if near:
         return f"{text}: on the lines of order {', '.join(map(str, near))}, which it can raise without any fault."
-    return f"{text}, beside all of these lines."
+    return f"{text}: between these lines, on none of them."
 
 
 def _axis(axis: str) -> str:
