@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from pipelines.layout import Layout
@@ -114,7 +115,7 @@ def derive(scene: Scene, layout: Layout) -> Facts:
     )
 
 
-def _warnings(scene: Scene, layout: Layout, stages: list[StageFacts]):
+def _warnings(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[str]:
     for number, (stage, pair, facts) in enumerate(zip(scene.stages, layout.pairs, stages, strict=True), 1):
         place = f"stages.{number}"
         if facts.transverse_contact_ratio < 1.2:
