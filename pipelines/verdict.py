@@ -8,9 +8,8 @@ import numpy as np
 
 from pipelines.diagnosis import Diagnosis
 from pipelines.grid import Grid
-from pipelines.lines import LineTable
+from pipelines.lines import LOADS, LineTable
 
-LOADS = {"rope": "rope load", "static-torque": "constant torque"}
 SIDEBANDS_WANTED = 3  # of the eight around one mesh order, and one envelope harmonic: the fault is seen
 
 
