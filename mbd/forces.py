@@ -15,9 +15,9 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from fem.contact.evaluate import evaluate, law_tables
 from numba import njit
 
-from fem.contact.evaluate import evaluate, law_tables
 from mbd.load import Rope
 from mbd.machine import Machine
 

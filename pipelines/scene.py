@@ -118,7 +118,9 @@ class ShaftModel(Table):
         Literal["torsion", "timoshenko"], Field(description="torsion: rigid but in twist; timoshenko: beam elements")
     ] = "timoshenko"
     element_length_mm: Annotated[float, Field(gt=0, description="longest beam element")] = 40.0
-    damping_ratio: Annotated[float, Field(ge=0, lt=1, description="of the shaft's own modes")] = 0.005
+    damping_time_us: Annotated[float, Field(ge=0, le=1000, description="material damping = this time * stiffness")] = (
+        0.5
+    )
 
 
 class BearingTable(Table):

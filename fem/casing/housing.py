@@ -108,9 +108,7 @@ class Housing:
 
     def ground_points(self) -> dict[str, np.ndarray]:
         """Middle of the underside of each foot (3,)."""
-        return {
-            name: np.array([*(0.5 * (low + high))[:2], low[2]]) for name, (low, high) in self.foot_boxes().items()
-        }
+        return {name: np.array([*(0.5 * (low + high))[:2], low[2]]) for name, (low, high) in self.foot_boxes().items()}
 
     def with_sensors(self, *names: str) -> Self:
         """The same housing with only the named sensors, in the order asked."""
@@ -187,7 +185,9 @@ def _foot_problems(housing: Housing) -> list[str]:
         if not getattr(feet, name) > 0.0:
             problems.append(f"foot {name} is {_mm(getattr(feet, name))}; it must be positive")
     if feet.thickness <= feet.standoff:
-        problems.append(f"feet of thickness {_mm(feet.thickness)} do not reach the floor {_mm(feet.standoff)} above them")
+        problems.append(
+            f"feet of thickness {_mm(feet.thickness)} do not reach the floor {_mm(feet.standoff)} above them"
+        )
     if 2 * feet.inset >= housing.width:
         problems.append(f"feet reach {_mm(feet.inset)} under the floor and meet in the middle; reduce the inset")
     ends = sorted((x - feet.length / 2, x + feet.length / 2) for x in feet.x)

@@ -108,7 +108,9 @@ def sector_mesh(gear: Gear, refinement: float = 1.0) -> SectorMesh:
 
     # columns of the body: cut, root land, under the tooth, root land, cut
     land = with_middles(np.linspace(0.0, fillet.middle, _count(fillet.middle, 0.12 * size)))
-    top_r = np.concatenate([fillet.radius(land[:-1]), np.full(len(across), flank_radius[0]), fillet.radius(land[-2::-1])])
+    top_r = np.concatenate(
+        [fillet.radius(land[:-1]), np.full(len(across), flank_radius[0]), fillet.radius(land[-2::-1])]
+    )
     top_t = np.concatenate([-fillet.angle(land[:-1]), flank_angle[0] * across, fillet.angle(land[-2::-1])])
     top_r[[0, -1]], top_t[0], top_t[-1] = gear.root_radius, -math.pi / gear.teeth, math.pi / gear.teeth
     even_t = np.linspace(-1.0, 1.0, len(top_t)) * math.pi / gear.teeth
