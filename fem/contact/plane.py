@@ -11,7 +11,9 @@ pressure of resultant f gives
 so that each body approaches by f (G_ii + K (1/4 + ln(w/a))). With a^2 = 4 f R / (pi E*), 1/E* = sum (1 - nu^2)/E and
 A = 1/(pi E*) the sum over both bodies is
 
-    x = C f + A f (B - ln f),   C = G_ii + G_ii',   B = 1/2 + ln(w^2 pi E* / (4 R)).
+    x = C f + A f (B - ln f),   C = G_ii + G_ii' - 2 A ln(d/w),   B = 1/2 + ln(d^2 pi E* / (4 R)).
+
+The depth d divides the same approach between the two terms; d = m_n keeps a < d at any bearable load.
 
 Helical teeth: the rings are helical bodies (`fem.plane_elasticity`), so that a tooth bends and twists in its own
 direction. The force normal to the flank is f / cos(beta_b) per unit face width, f per unit length of contact line, and
@@ -142,7 +144,8 @@ class Plane:
 
     def tables(self, pair: GearPair, path: PathPoints) -> PairCompliance:
         """Compliances of one slice at the positions of `path`."""
-        half_width = self.patch * pair.pinion.normal_module
+        depth = pair.pinion.normal_module
+        half_width = self.patch * depth
         reach = max(1, math.ceil((len(path.xi) - 3) / self.positions) - 1)
         rings = self.rings(pair, reach)
         weights = [
@@ -151,7 +154,9 @@ class Plane:
                 rings, (pair.pinion, pair.wheel), (path.pinion_radius, path.wheel_radius), strict=True
             )
         ]
-        own = sum(np.einsum("pi,ij,pj->p", w, r.matrix[0], w) for w, r in zip(weights, rings, strict=True))
+        own = np.zeros(len(path.xi))
+        for weight, ring in zip(weights, rings, strict=True):
+            own += np.einsum("pi,ij,pj->p", weight, ring.matrix[0], weight)
         coupling = np.zeros((reach, len(path.xi)))
         here = np.arange(len(path.xi))
         for n in range(1, reach + 1):
@@ -162,12 +167,13 @@ class Plane:
                 coupling[n - 1] += np.einsum("pi,ij,pj->p", weight[behind], ring.matrix[tooth], weight)
         cosine = math.cos(pair.base_helix_angle)
         reduced = 1.0 / (1.0 / pair.pinion_material.plane_strain_modulus + 1.0 / pair.wheel_material.plane_strain_modulus)
+        slope = 1.0 / (math.pi * reduced * cosine)
         radius = self.contact_radius(pair, path) / cosine
         return PairCompliance(
-            compliance=np.asarray(own),
+            compliance=own - 2 * slope * math.log(depth / half_width),
             coupling=coupling,
-            contact_slope=1.0 / (math.pi * reduced * cosine),
-            contact_offset=0.5 + np.log(half_width**2 * math.pi * reduced / (4 * radius)),
+            contact_slope=slope,
+            contact_offset=0.5 + np.log(depth**2 * math.pi * reduced / (4 * radius)),
         )
 
     def rings(self, pair: GearPair, reach: int) -> tuple[FlankCompliance, FlankCompliance]:
