@@ -54,7 +54,7 @@ class FlankCompliance:
     def patches(self, centre: np.ndarray, half_width: float) -> tuple[np.ndarray, np.ndarray]:
         """Elliptical pressure patches as nodal forces of unit sum.
 
-        A patch that would reach over the tip corner is moved down to end there.
+        A patch that would reach over the tip corner (or below the meshed flank) is moved to end there.
 
         Parameters
         ----------
@@ -63,17 +63,8 @@ class FlankCompliance:
         Returns
         -------
         weight (position, node), centre (position,) as used
-
-        Raises
-        ------
-        ValueError : a patch reaches below the meshed flank
         """
-        centre = np.minimum(np.asarray(centre, dtype=float), self.tip_arc - half_width)
-        if (centre - half_width < self.arc[0]).any():
-            raise ValueError(
-                f"flank: a contact patch at arc length {centre.min():.4g} m with half-width {half_width:.3g} m reaches below "
-                f"the middle of the fillet at {self.arc[0]:.4g} m; reduce the half-width or the extent of the path of contact"
-            )
+        centre = np.clip(np.asarray(centre, dtype=float), self.arc[0] + half_width, self.tip_arc - half_width)
         n = 48  # Gauss-Chebyshev points of the second kind: the ellipse is their weight function
         angle = np.pi * np.arange(1, n + 1) / (n + 1)
         weight = 2.0 / (n + 1) * np.sin(angle) ** 2
