@@ -15,9 +15,10 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from fem.contact.evaluate import evaluate, law_tables
 from numba import njit
 
+from fem.contact.evaluate import evaluate, law_tables
+from fem.contact.law import MeshLaw
 from mbd.load import Rope
 from mbd.machine import Machine
 
@@ -60,8 +61,7 @@ def force_table(machine: Machine, loads: dict[str, float], stiffness: dict[str, 
     sizes = np.array([len(c) for c in clearances], dtype=np.int64)
     starts = np.concatenate([[0], np.cumsum(sizes)])[:-1].astype(np.int64)
     n_mesh = len(machine.meshes)
-    if laws:
-        laws += [laws[0]] * (-len(laws) % FLANK_GROUP)
+    laws += [laws[0] if laws else law_tables(_empty_law())] * (FLANK_GROUP - 1 - (len(laws) - 1) % FLANK_GROUP)
     stiff = np.zeros((2 * n_mesh, 2))
     for i, mesh in enumerate(machine.meshes):
         stiff[2 * i] = stiffness[mesh.name]
@@ -85,6 +85,32 @@ def force_table(machine: Machine, loads: dict[str, float], stiffness: dict[str, 
     )
 
 
+def _empty_law() -> MeshLaw:
+    """A law without contact: gives the compiled code its types when a machine has no mesh."""
+    two, none = np.ones(2), np.full(2, np.inf)
+    return MeshLaw(
+        model="none",
+        flank="drive",
+        face_coordinate=np.zeros(1),
+        slice_width=np.ones(1),
+        cycle_shift=np.zeros(1),
+        cycle_sign=1,
+        cycle_offset=0.0,
+        position_start=0.0,
+        position_step=1.0,
+        compliance=two,
+        contact_slope=0.0,
+        contact_offset=two,
+        coupling=np.zeros((0, 2)),
+        gap=none,
+        fraction=two,
+        base_pitch=1.0,
+        pinion_teeth=1,
+        wheel_teeth=1,
+        wheel_tooth_offset=0,
+    )
+
+
 def _rope_constants(machine: Machine, ratios: dict[str, float]) -> dict[str, np.ndarray]:
     load = machine.load
     if not isinstance(load, Rope):
@@ -104,7 +130,7 @@ def _rope_constants(machine: Machine, ratios: dict[str, float]) -> dict[str, np.
     }
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy")
 def row_forces(table, angle, u, v, force, slope_u, slope_v, log):
     """Residual forces at row displacements u and rates v, motor angle ``angle`` (rad); fills force, slopes and log.
 
@@ -171,7 +197,7 @@ def row_forces(table, angle, u, v, force, slope_u, slope_v, log):
         log[k, 3], log[k, 4], log[k, 5] = 0.5 * max(u[r], 0.0) ** 2, stiff, (total - elastic) * v[r]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy")
 def partner(row, n_flank):
     """First and second row of the element that ``row`` belongs to."""
     if row < 2 * n_flank:
@@ -179,7 +205,7 @@ def partner(row, n_flank):
     return row, row
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy")
 def solve_dense(matrix, right):
     """Gaussian elimination with partial pivoting in place; the answer is in ``right``; False if singular."""
     n = len(right)

@@ -96,8 +96,8 @@ class MeshSpec:
             slope = _shift_slope(law)
             if slope is not None and abs(abs(slope) - math.tan(self.base_helix_angle)) > 1e-3:
                 raise MachineError(
-                    f"mesh {self.name}: the slices of the {law.flank} law shift by {abs(slope):.5f} per face width, but "
-                    f"tan(base_helix_angle) is {math.tan(self.base_helix_angle):.5f}."
+                    f"mesh {self.name}: the slices of the {law.flank} law shift by {abs(slope):.5f} per face width, "
+                    f"but tan(base_helix_angle) is {math.tan(self.base_helix_angle):.5f}."
                 )
 
     @property

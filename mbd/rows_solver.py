@@ -6,20 +6,29 @@ With the predictions u_p, v_p without the new forces and the constant matrices G
 
 The flank potentials are convex and G_u is positive, so the solution is unique; a step that raises the residual is
 halved (the force law has kinks where a contact opens).
+
+Compiled code is kept on disk. The compiler looks only at the file of the function it stores, so what is stored is made
+by a factory whose argument is a digest of every file it is built from.
 """
 
 from __future__ import annotations
 
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
 from numba import njit
 
+import fem.contact.evaluate
+import mbd.forces
 from mbd.forces import partner, row_forces, solve_dense
 
 MAX_ITERATIONS = 60
 MAX_HALVINGS = 8
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy")
 def move_rows(predicted, flexibility, force, result):
     """result = predicted + flexibility @ force; rows beyond the forces are observed only."""
     for r in range(len(predicted)):
@@ -29,7 +38,7 @@ def move_rows(predicted, flexibility, force, result):
         result[r] = total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy")
 def residual_size(force, target, scale):
     """Largest |target - force| in units of ``scale``."""
     worst = 0.0
@@ -38,8 +47,8 @@ def residual_size(force, target, scale):
     return worst
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def solve_rows(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
+@njit(nogil=True, error_model="numpy")
+def iterate(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
     """Iterate on ``force`` (in: guess, out: solution); returns the iterations used, or -1 without convergence."""
     m = len(force)
     n_flank = len(table.tau)
@@ -75,3 +84,25 @@ def solve_rows(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
             part *= 0.5
         force[:] = trial
     return -1
+
+
+def source_digest(*files: str) -> int:
+    """Checksum of the sources that the compiled row solver is made of, and of ``files``."""
+    total = 0
+    contact = sorted(Path(str(fem.contact.evaluate.__file__)).parent.glob("*.py"))
+    for name in (*contact, mbd.forces.__file__, __file__, *files):
+        total = zlib.crc32(Path(str(name)).read_bytes(), total)
+    return total
+
+
+def _compiled(digest: int) -> Callable:
+    @njit(cache=True, nogil=True, error_model="numpy")
+    def solve(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
+        if digest < 0:  # part of the key under which the compiled code is stored
+            return -1
+        return iterate(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance)
+
+    return solve
+
+
+solve_rows = _compiled(source_digest())

@@ -17,6 +17,7 @@ Cowper (1966), J. Appl. Mech. 33(2), 335-340 (shear coefficient of the hollow ci
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import Literal
@@ -95,7 +96,7 @@ class ShaftSpec:
             raise MachineError(f"{where}: model {self.model!r} is unknown; known: timoshenko, torsion.")
         if not self.sections:
             raise MachineError(f"{where}: has no section; give at least one.")
-        for before, after in zip(self.sections, self.sections[1:], strict=False):
+        for before, after in itertools.pairwise(self.sections):
             if abs(before.y_end - after.y_start) > 1e-9:
                 raise MachineError(
                     f"{where}: sections must follow one another, but one ends at {before.y_end} m and the next "
@@ -134,7 +135,7 @@ def shaft_nodes(spec: ShaftSpec, stations: tuple[float, ...] = ()) -> np.ndarray
     fixed = [s.y_start for s in spec.sections] + [spec.y_end] + [d.y for d in spec.disks] + list(stations)
     points = np.unique(np.round(np.array(fixed), 9))
     nodes = [points[:1]]
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in itertools.pairwise(points):
         n = max(1, math.ceil((b - a) / spec.element_length - 1e-9))
         nodes.append(a + (b - a) * np.arange(1, n + 1) / n)
     return np.concatenate(nodes)
