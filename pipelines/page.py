@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import io
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -38,12 +39,21 @@ table { border-collapse: collapse; font-size: .88rem; margin: .6rem 0 1.4rem; fo
 caption { text-align: left; font-weight: 600; padding: .2rem 0 .4rem; }
 th, td { padding: .28rem .75rem; text-align: left; border-bottom: 1px solid #e6eaee; vertical-align: top; }
 th { border-bottom: 2px solid #b9c2cb; font-weight: 600; vertical-align: bottom; }
+sub { line-height: 0; }
 td.number, th.number { text-align: right; white-space: nowrap; }
 tr.stands td { background: #fbeeea; font-weight: 600; }
 details summary { cursor: pointer; color: #2a6f97; margin: .6rem 0; }
-pre { font-size: .8rem; background: #f6f8fa; padding: .8rem; overflow-x: auto; white-space: pre-wrap; word-break: break-word; }
+pre { font-size: .8rem; background: #f6f8fa; padding: .8rem; white-space: pre-wrap; word-break: break-word; }
 @media print { h2 { break-after: avoid; } figure, tr { break-inside: avoid; } nav { display: none; } }
 """
+
+
+SYMBOL = re.compile(r"(?<![A-Za-z])([A-Za-z])_([a-z])(?![A-Za-z0-9_])")
+
+
+def typeset(text: str) -> str:
+    """Text for the page, symbols such as f_r with their subscript."""
+    return SYMBOL.sub(r"<i>\1</i><sub>\2</sub>", html.escape(text))
 
 
 def document(title: str, body: Sequence[str]) -> str:
@@ -52,7 +62,8 @@ def document(title: str, body: Sequence[str]) -> str:
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{html.escape(title)}</title><style>{STYLE}</style></head>\n<body><main>\n{content}\n</main></body></html>\n"
+        f"<title>{html.escape(title)}</title><style>{STYLE}</style></head>\n"
+        f"<body><main>\n{content}\n</main></body></html>\n"
     )
 
 
@@ -75,7 +86,7 @@ def contents(titles: Sequence[str]) -> str:
 def paragraph(text: str, style: str = "") -> str:
     """A paragraph, in a named style."""
     mark = f' class="{style}"' if style else ""
-    return f"<p{mark}>{html.escape(text)}</p>"
+    return f"<p{mark}>{typeset(text)}</p>"
 
 
 def answer(sentences: Sequence[str], positive: bool) -> str:
@@ -86,7 +97,7 @@ def answer(sentences: Sequence[str], positive: bool) -> str:
 
 def table(grid: Grid) -> str:
     """A table that scrolls sideways where the screen is narrow."""
-    return f'<div class="wide">{grid.to_html()}</div>'
+    return f'<div class="wide">{grid.to_html(typeset)}</div>'
 
 
 def folded(summary: str, inside: str) -> str:
@@ -99,11 +110,11 @@ def preformatted(text: str) -> str:
     return f"<pre>{html.escape(text)}</pre>"
 
 
-def picture(figure: Figure, caption: str, dpi: int = 130) -> str:
+def picture(figure: Figure, caption: str, dpi: int = 115) -> str:
     """A figure as an inlined PNG, with its caption as alternative text."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=dpi)
     data = base64.b64encode(buffer.getvalue()).decode("ascii")
     text = html.escape(caption, quote=True)
     image = f'<img alt="{text}" src="data:image/png;base64,{data}">'
-    return f"<figure>{image}<figcaption>{html.escape(caption)}</figcaption></figure>"
+    return f"<figure>{image}<figcaption>{typeset(caption)}</figcaption></figure>"

@@ -25,7 +25,7 @@ from pipelines.plots import (
     stiffness_figure,
     waveform_figure,
 )
-from pipelines.verdict import case_name, grade, headline, lines_grid, modulation, sentences, summary_grid
+from pipelines.verdict import case_name, criterion, grade, headline, lines_grid, modulation, sentences, summary_grid
 
 if TYPE_CHECKING:
     import xarray
@@ -129,7 +129,7 @@ def _answer(contents: ReportContents) -> list[str]:
             return []
         return [page.answer([f"No diagnosis: {text}"], positive=False)]
     every = [*contents.diagnoses, *contents.seeds]
-    texts = [headline(every), *(s for d in contents.diagnoses for s in sentences(d))]
+    texts = [headline(every), criterion(every[0]), *(s for d in contents.diagnoses for s in sentences(d))]
     seen = any(grade(d.lines.where(window=w)) == "seen" for d in every for w in d.settings.windows)
     return [page.answer(texts, positive=seen), page.table(summary_grid(every))]
 
@@ -227,8 +227,8 @@ def _directions(contents: ReportContents) -> list[str]:
         depths = [modulation(diagnosis.lines.where(window=w), "faulty") for w in windows]
         parts.append(
             page.paragraph(
-                f"Sidebands of f_m over f_m, root sum square, {case_name(diagnosis)}: {depths[0]:.1f} dB in {windows[0]}, "
-                f"{depths[1]:.1f} dB in {windows[1]}; the modulation is clearer in "
+                f"Root sum square of the sidebands of f_m over f_m, {case_name(diagnosis)}: {depths[0]:.1f} dB in "
+                f"{windows[0]}, {depths[1]:.1f} dB in {windows[1]}; the modulation is clearer in "
                 f"{windows[0] if depths[0] > depths[1] else windows[1]} by {abs(depths[0] - depths[1]):.1f} dB."
             )
         )
@@ -256,9 +256,8 @@ def _envelope_table(contents: ReportContents) -> list[str]:
     parts = [
         page.paragraph(
             f"Harmonics of f_r in the envelope and sidebands n f_m + k f_r in the spectrum at {settings.sensor} "
-            f"({settings.axis}). A line stands (shaded) if the faulty run is at least {settings.difference_limit:g} dB over "
-            f"the healthy control with the same deviations and at least {settings.floor_limit:g} dB over its local floor, "
-            "the median between the orders one revolution frequency to either side. Sensor noise is in both runs."
+            f"({settings.axis}); lines that stand are shaded. The floor is the median between the orders, one f_r to "
+            "either side. The stated sensor noise is in both runs. The rope mode is printed beside each line."
         )
     ]
     for diagnosis in contents.diagnoses:
