@@ -1,0 +1,259 @@
+"""A pair of external cylindrical gears on parallel axes: working geometry after ISO 21771:2007.
+
+`Rack`, `Gear` and `GeometryError` are re-exported, so this module is the door to gear geometry.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+from scipy.optimize import brentq
+
+from fem.gears.gear import Gear, GeometryError, Rack, involute, require
+from fem.gears.profile import form_radius
+from fem.materials import STEEL, Material
+
+__all__ = ["Gear", "GearPair", "GeometryError", "Rack"]
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GearPair:
+    """Pinion (driving in lifting) and wheel on parallel axes.
+
+    Parameters
+    ----------
+    pinion, wheel : Gear with equal module, helix angle and rack pressure angle; opposite hands when helical
+    centre_distance : m, or None for the distance without backlash that follows from the profile shifts
+    backlash_allowance : m along the transverse line of action, added to the backlash that the centre distance gives;
+        it stands for the tooth thickness allowances, which the elastic tooth does not show
+    pinion_material, wheel_material : Material
+
+    Raises
+    ------
+    GeometryError : the gears do not fit together, teeth jam, tips meet roots, contact below the involute, or the total
+        contact ratio is below 1
+
+    Position along the transverse line of action: xi in base pitches from the pitch point, positive in recess. With the
+    pinion driving, contact runs from xi_start = -approach / p_bt (wheel tip) to xi_end = recess / p_bt (pinion tip).
+    """
+
+    pinion: Gear
+    wheel: Gear
+    centre_distance: float | None = None
+    backlash_allowance: float = 0.0
+    pinion_material: Material = STEEL
+    wheel_material: Material = STEEL
+
+    def __post_init__(self) -> None:
+        p, w = self.pinion, self.wheel
+        label = self.label
+        for name in ("normal_module", "helix_angle"):
+            a, b = getattr(p, name), getattr(w, name)
+            require(
+                math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-15),
+                f"{label}: {name} differs, pinion {a!r}, wheel {b!r}; meshing gears need the same",
+            )
+        require(
+            math.isclose(p.rack.pressure_angle, w.rack.pressure_angle, rel_tol=1e-12),
+            f"{label}: rack pressure_angle differs, pinion {p.rack.pressure_angle!r}, wheel "
+            f"{w.rack.pressure_angle!r} rad; meshing gears need the same",
+        )
+        require(
+            p.helix_angle == 0.0 or p.hand != w.hand,
+            f"{label}: both gears are {p.hand} hand; meshing external helical gears need opposite hands",
+        )
+        require(
+            math.isfinite(self.backlash_allowance),
+            f"{label}: backlash_allowance is {self.backlash_allowance!r} m; give a finite number",
+        )
+        if self.centre_distance is None:
+            object.__setattr__(self, "centre_distance", self._tight_centre_distance())
+        base_sum = p.base_radius + w.base_radius
+        require(
+            math.isfinite(self.axis_distance) and self.axis_distance > base_sum,
+            f"{label}: centre_distance {self.axis_distance!r} m is not above the sum of the base radii "
+            f"{base_sum:.6g} m; the base circles would overlap: raise it",
+        )
+        self._check_backlash()
+        self._check_clearance()
+        self._check_contact()
+        for gear, name in ((p, "pinion"), (w, "wheel")):
+            if gear.undercut and form_radius(gear) > gear.base_radius + 1e-3 * gear.normal_module:
+                logger.warning(
+                    "%s: the %s (z=%d, x=%.4g) is undercut; its involute starts at radius %.6g m (base circle %.6g m). "
+                    "Raise its profile shift to avoid this.",
+                    label, name, gear.teeth, gear.profile_shift, form_radius(gear), gear.base_radius,
+                )  # fmt: skip
+
+    @property
+    def label(self) -> str:
+        """Short name for messages."""
+        return f"gear pair {self.pinion.teeth}/{self.wheel.teeth}"
+
+    def _tight_centre_distance(self) -> float:
+        p, w = self.pinion, self.wheel
+        shift = p.profile_shift + w.profile_shift
+        target = involute(p.transverse_pressure_angle) + 2.0 * shift / (p.teeth + w.teeth) * math.tan(
+            p.rack.pressure_angle
+        )
+        require(
+            target > 0.0,
+            f"{self.label}: the sum of profile shifts {shift:.4g} leaves no working pressure angle (inv alpha_wt = "
+            f"{target:.3g}, limit > 0): raise a profile shift",
+        )
+        angle = brentq(lambda alpha: involute(alpha) - target, 1e-9, math.radians(60.0), xtol=1e-15)
+        return (p.base_radius + w.base_radius) / math.cos(angle)
+
+    def _check_backlash(self) -> None:
+        # profile shifts are tabulated to 4 digits, so a tight pair may overlap by about 1e-4 modules
+        limit = -1e-4 * self.pinion.normal_module
+        require(
+            self._raw_backlash >= limit,
+            f"{self.label}: the teeth jam, backlash along the line of action is {self._raw_backlash:.4g} m at the "
+            f"centre distance {self.axis_distance:.6g} m (limit {limit:.2g} m, free of backlash at "
+            f"{self._tight_centre_distance():.6g} m): raise centre_distance or reduce a profile shift",
+        )
+
+    def _check_clearance(self) -> None:
+        for tip, root, name in ((self.pinion, self.wheel, "pinion"), (self.wheel, self.pinion, "wheel")):
+            clearance = self.axis_distance - tip.tip_radius - root.root_radius
+            require(
+                clearance > 0.0,
+                f"{self.label}: the {name} tips touch the root circle of the other gear, tip clearance "
+                f"{clearance:.4g} m (limit > 0; usual 0.1 to 0.4 modules): give the {name} a negative tip_alteration",
+            )
+
+    def _check_contact(self) -> None:
+        for gear, approach, name in (
+            (self.pinion, self.approach_length, "pinion"),
+            (self.wheel, self.recess_length, "wheel"),
+        ):
+            lowest = gear.base_radius * math.tan(self.working_pressure_angle) - approach
+            form = math.sqrt(form_radius(gear) ** 2 - gear.base_radius**2)
+            require(
+                lowest >= form - 1e-9 * gear.base_radius,
+                f"{self.label}: interference at the {name} root, the other gear's tip would touch at roll length "
+                f"{lowest:.6g} m but the involute starts at {form:.6g} m: raise the {name}'s profile shift or give the "
+                "other gear a negative tip_alteration",
+            )
+        require(
+            self.transverse_contact_ratio > 0.0 and self.total_contact_ratio >= 1.0,
+            f"{self.label}: total contact ratio {self.total_contact_ratio:.4f} (eps_alpha "
+            f"{self.transverse_contact_ratio:.4f}, eps_beta {self.overlap_ratio:.4f}) is below 1; the motion would be "
+            "interrupted: reduce centre_distance, lengthen the tips, or raise helix angle or face width",
+        )
+
+    @property
+    def axis_distance(self) -> float:
+        """Working centre distance a_w (m)."""
+        assert self.centre_distance is not None  # set on creation
+        return self.centre_distance
+
+    @property
+    def ratio(self) -> float:
+        """Tooth ratio u = z2 / z1."""
+        return self.wheel.teeth / self.pinion.teeth
+
+    @property
+    def face_width(self) -> float:
+        """Common face width b (m)."""
+        return min(self.pinion.face_width, self.wheel.face_width)
+
+    @property
+    def base_pitch(self) -> float:
+        """Transverse base pitch p_bt (m)."""
+        return self.pinion.base_pitch
+
+    @property
+    def base_helix_angle(self) -> float:
+        """beta_b (rad)."""
+        return self.pinion.base_helix_angle
+
+    @cached_property
+    def working_pressure_angle(self) -> float:
+        """alpha_wt = arccos((r_b1 + r_b2) / a) (rad)."""
+        return math.acos((self.pinion.base_radius + self.wheel.base_radius) / self.axis_distance)
+
+    @property
+    def working_radii(self) -> tuple[float, float]:
+        """Operating pitch radii r_w1, r_w2 (m)."""
+        cosine = math.cos(self.working_pressure_angle)
+        return self.pinion.base_radius / cosine, self.wheel.base_radius / cosine
+
+    @property
+    def working_pitch(self) -> float:
+        """Transverse pitch on the operating pitch circles p_wt (m)."""
+        return 2.0 * math.pi * self.working_radii[0] / self.pinion.teeth
+
+    @property
+    def working_thicknesses(self) -> tuple[float, float]:
+        """Transverse tooth thicknesses on the operating pitch circles s_w1, s_w2 (m, arcs)."""
+        r1, r2 = self.working_radii
+        return self.pinion.tooth_thickness(r1), self.wheel.tooth_thickness(r2)
+
+    @property
+    def thickness_cycle(self) -> float:
+        """tau = s_w1 / p_wt: how far, in mesh cycles, the coast flank of a pinion tooth lags its drive flank."""
+        return self.working_thicknesses[0] / self.working_pitch
+
+    @property
+    def _raw_backlash(self) -> float:
+        play = self.working_pitch - sum(self.working_thicknesses)
+        return play * math.cos(self.working_pressure_angle) + self.backlash_allowance
+
+    @property
+    def backlash(self) -> float:
+        """j_bt: play along the transverse line of action, from centre distance and allowance (m, >= 0)."""
+        return max(0.0, self._raw_backlash)
+
+    def _lengths(self) -> tuple[float, float]:
+        tangent = math.tan(self.working_pressure_angle)
+        p, w = self.pinion, self.wheel
+        recess = math.sqrt(p.tip_radius**2 - p.base_radius**2) - p.base_radius * tangent
+        approach = math.sqrt(w.tip_radius**2 - w.base_radius**2) - w.base_radius * tangent
+        return approach, recess
+
+    @property
+    def approach_length(self) -> float:
+        """Path of contact from the wheel's tip circle to the pitch point (m)."""
+        return self._lengths()[0]
+
+    @property
+    def recess_length(self) -> float:
+        """Path of contact from the pitch point to the pinion's tip circle (m)."""
+        return self._lengths()[1]
+
+    @property
+    def xi_start(self) -> float:
+        """First position of the path of contact, cycles from the pitch point (< 0)."""
+        return -self.approach_length / self.base_pitch
+
+    @property
+    def xi_end(self) -> float:
+        """Last position of the path of contact, cycles from the pitch point."""
+        return self.recess_length / self.base_pitch
+
+    @property
+    def transverse_contact_ratio(self) -> float:
+        """eps_alpha."""
+        return sum(self._lengths()) / self.base_pitch
+
+    @property
+    def overlap_ratio(self) -> float:
+        """eps_beta = b tan beta_b / p_bt."""
+        return self.face_width * math.tan(self.base_helix_angle) / self.base_pitch
+
+    @property
+    def total_contact_ratio(self) -> float:
+        """eps_gamma = eps_alpha + eps_beta."""
+        return self.transverse_contact_ratio + self.overlap_ratio
+
+    def roll_lengths(self, xi: float) -> tuple[float, float]:
+        """Distances from the base tangent points of pinion and wheel to the contact point at xi (m)."""
+        tangent, shift = math.tan(self.working_pressure_angle), xi * self.base_pitch
+        return self.pinion.base_radius * tangent + shift, self.wheel.base_radius * tangent - shift
