@@ -81,7 +81,7 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
                 annotation_clip=False,
                 arrowprops={"arrowstyle": "-", "color": colour, "lw": 0.9, "shrinkB": 3},
             )
-    _draw_axes(axes, picture, (left - 0.04 * (right - left), bottom))
+    _draw_axes(axes, picture, (right - 0.06 * (right - left), bottom))
     width = 0.16 * (right - left)
     axes.set_xlim(left - width, right + width)
     axes.set_ylim(bottom + LABEL_HEIGHT, top - LABEL_HEIGHT)

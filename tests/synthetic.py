@@ -32,7 +32,7 @@ def response(
     modulation = 1 + runout * np.cos(wheel + phase[0])
     for k in range(1, 5):
         modulation = modulation + fault / k * np.cos(k * wheel + phase[k])
-    strength = np.abs(speed) / speed.max()
+    strength = np.abs(speed) / (30 * np.pi)
     tone = strength * modulation * (np.cos(2 * np.pi * MESH * time) + 0.5 * np.cos(2 * np.pi * 2 * MESH * time))
     resonance = 0.05 * np.cos(2 * np.pi * 1234.5 * time)
     rope = 0.02 * np.cos(2 * np.pi * 7.9 * time) if load == "rope" else 0 * time
