@@ -60,10 +60,8 @@ def factorize(K: sp.spmatrix, *, solver: Solver = "auto", block: int = 3) -> Fac
     K = sp.csc_matrix(K)
     if not np.isfinite(K.data).all():
         raise ValueError(f"matrix to factorise has {int((~np.isfinite(K.data)).sum())} entries that are not finite")
-    if solver == "cholmod" or (solver == "auto" and cholmod_available()):
-        factor = _cholmod(K)
-    else:
-        factor = _superlu(K, block)
+    use_cholmod = solver == "cholmod" or (solver == "auto" and cholmod_available())
+    factor = _cholmod(K) if use_cholmod else _superlu(K, block)
     _check_residual(K, factor)
     return factor
 

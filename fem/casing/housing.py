@@ -2,14 +2,15 @@
 
 Axes: x across the shafts, y along them (0 at mid width of the box), z up; the origin lies on the axis of shaft 1.
 The box is one body: four walls, floor and cover of one thickness. Each boss is a cylinder along y, flush with the
-inner face of its side wall and standing out of the outer face; the bore goes through it. Each foot is a block under
-and beside the lower edge of a side wall; its underside stands below the floor and is the ground face.
+outer face of its side wall and standing into the box; the bore goes through it. Each foot is a square pad under the
+floor, flush with a side wall; its underside is a ground face.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Self
 
 import numpy as np
@@ -31,19 +32,16 @@ class Bore:
     side: int
     diameter: float
     boss_diameter: float
-    boss_length: float  # along y, wall included
+    boss_length: float  # along y, from the outer face of the wall inwards
 
 
 @dataclass(frozen=True, kw_only=True)
 class Feet:
-    """Six equal feet (m), three along each long side; `x` are the middles of the three."""
+    """Six equal square pads (m) under the floor, three along each side wall; `x` are the middles of the three."""
 
     x: tuple[float, float, float]
-    length: float = 0.060  # along x
-    width: float = 0.040  # standing out of the side wall
-    inset: float = 0.020  # reaching under the floor
-    thickness: float = 0.025  # underside to upper face
-    standoff: float = 0.005  # underside below the underside of the floor
+    length: float = 0.060  # side of the square
+    height: float = 0.015  # below the underside of the floor
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +58,7 @@ class Housing:
 
     length: float  # outside, x
     width: float  # outside, y
-    height: float  # outside, z, without the standoff of the feet
+    height: float  # outside, z, without the feet
     wall_thickness: float
     left: float  # x of the outer face of the wall at -x; negative when shaft 1 lies inside
     axis_height: float  # height of z = 0 above the underside of the floor
@@ -76,7 +74,7 @@ class Housing:
     def box(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner (3,) of the outer box."""
         low = np.array([self.left, -self.width / 2, -self.axis_height])
-        return low, low + [self.length, self.width, self.height]
+        return low, low + np.array([self.length, self.width, self.height])
 
     def bore(self, name: str) -> Bore:
         """The bore called `name`; `HousingError` with the known names if absent."""
@@ -87,23 +85,22 @@ class Housing:
 
     def bore_span(self, bore: Bore) -> tuple[float, float]:
         """y of the two ends of a bore, the lower first."""
-        inner = bore.side * (self.width / 2 - self.wall_thickness)
-        return tuple(sorted((inner, inner + bore.side * bore.boss_length)))  # type: ignore[return-value]
+        outer = bore.side * self.width / 2
+        inner = outer - bore.side * bore.boss_length
+        return min(outer, inner), max(outer, inner)
 
     def bore_centre(self, bore: Bore) -> np.ndarray:
         """Middle of a bore (3,): the bearing point."""
         return np.array([bore.x, sum(self.bore_span(bore)) / 2, bore.z])
 
     def foot_boxes(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Corners of the six foot blocks; ground_1, 3, 5 at -y and ground_2, 4, 6 at +y, both along x."""
-        feet, boxes = self.feet, {}
-        bottom = -self.axis_height - feet.standoff
-        for place, x in enumerate(feet.x):
-            for side in (-1, 1):
-                ends = sorted((side * (self.width / 2 - feet.inset), side * (self.width / 2 + feet.width)))
-                low = np.array([x - feet.length / 2, ends[0], bottom])
-                high = np.array([x + feet.length / 2, ends[1], bottom + feet.thickness])
-                boxes[f"ground_{2 * place + (1 if side < 0 else 2)}"] = (low, high)
+        """Corners of the six pads; ground_1, 3, 5 at -y and ground_2, 4, 6 at +y, both along x."""
+        side, boxes = self.feet.length, {}
+        bottom = -self.axis_height - self.feet.height
+        for place, x in enumerate(self.feet.x):
+            for number, y in ((2 * place + 1, -self.width / 2), (2 * place + 2, self.width / 2 - side)):
+                low = np.array([x - side / 2, y, bottom])
+                boxes[f"ground_{number}"] = (low, low + np.array([side, side, self.feet.height]))
         return boxes
 
     def ground_points(self) -> dict[str, np.ndarray]:
@@ -153,6 +150,10 @@ def _bore_problems(housing: Housing) -> list[str]:
             problems.append(
                 f"{bore.name}: boss length {_mm(bore.boss_length)} is less than the wall {_mm(wall)} it contains"
             )
+        if bore.boss_length > (limit := housing.width / 2 - wall / 2):
+            problems.append(
+                f"{bore.name}: boss length {_mm(bore.boss_length)} reaches the opposite boss (limit {_mm(limit)})"
+            )
         radius = bore.boss_diameter / 2
         room = min(bore.x - low[0], high[0] - bore.x, bore.z - low[2], high[2] - bore.z) - wall - radius
         if room < 0.0:
@@ -160,11 +161,6 @@ def _bore_problems(housing: Housing) -> list[str]:
                 f"{bore.name}: boss at x = {_mm(bore.x)}, z = {_mm(bore.z)} leaves its side wall by {_mm(-room)}; "
                 "enlarge or move the box"
             )
-        foot_top = low[2] - housing.feet.standoff + housing.feet.thickness
-        for x in housing.feet.x:
-            aside = max(abs(bore.x - x) - housing.feet.length / 2, 0.0)
-            if 0.0 <= (gap := math.hypot(aside, max(bore.z - foot_top, 0.0)) - radius) < ligament or gap < 0.0:
-                problems.append(f"{bore.name}: boss and the foot at x = {_mm(x)} are {_mm(gap)} apart; move the foot")
     for i, one in enumerate(housing.bores):
         for two in housing.bores[i + 1 :]:
             if one.side != two.side:
@@ -181,21 +177,19 @@ def _bore_problems(housing: Housing) -> list[str]:
 
 def _foot_problems(housing: Housing) -> list[str]:
     problems, feet = [], housing.feet
-    for name in ("length", "width", "inset", "thickness", "standoff"):
+    for name in ("length", "height"):
         if not getattr(feet, name) > 0.0:
             problems.append(f"foot {name} is {_mm(getattr(feet, name))}; it must be positive")
-    if feet.thickness <= feet.standoff:
+    if 2 * feet.length >= housing.width:
         problems.append(
-            f"feet of thickness {_mm(feet.thickness)} do not reach the floor {_mm(feet.standoff)} above them"
+            f"feet of {_mm(feet.length)} meet in the middle of the box (limit {_mm(housing.width / 2)}); shorten them"
         )
-    if 2 * feet.inset >= housing.width:
-        problems.append(f"feet reach {_mm(feet.inset)} under the floor and meet in the middle; reduce the inset")
     ends = sorted((x - feet.length / 2, x + feet.length / 2) for x in feet.x)
-    for (_, end), (start, _) in zip(ends, ends[1:], strict=False):
+    for (_, end), (start, _) in pairwise(ends):
         if start <= end:
             problems.append(f"two feet overlap by {_mm(end - start)} in x; shorten or move them")
     low, high = housing.box
-    if ends[0][0] < low[0] or ends[-1][1] > high[0]:
+    if ends[0][0] < low[0] - 1e-12 or ends[-1][1] > high[0] + 1e-12:
         problems.append(
             f"feet from x = {_mm(ends[0][0])} to {_mm(ends[-1][1])} leave the box "
             f"({_mm(low[0])} to {_mm(high[0])}); move them inwards"

@@ -3,34 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from fem.casing.housing import Bore, Feet, Housing, Sensor
 
 RIG_SHAFTS = (0.0, 0.07668, 0.18275, 0.31569)  # m
-RIG_BORES = (0.047, 0.052, 0.072, 0.085)  # m, outer diameters of bearings 6204, 6205, 6207, 6209
+RIG_BORES = (0.047, 0.062, 0.075, 0.095)  # m
+RIG_BOSSES = (0.065, 0.080, 0.097, 0.120)  # m
 
 
 def housing_for_shafts(
     shaft_x: Sequence[float] = RIG_SHAFTS,
     *,
     bore_diameters: Sequence[float] = RIG_BORES,
+    boss_diameters: Sequence[float] = RIG_BOSSES,
     shaft_z: Sequence[float] | None = None,
     length: float = 0.600,
     width: float = 0.300,
     height: float = 0.250,
     wall_thickness: float = 0.010,
-    left: float = -0.130,
+    left: float = -0.120,
     axis_height: float = 0.125,
-    boss_wall: float = 0.010,
     boss_length: float = 0.030,
+    foot_length: float = 0.060,
+    foot_height: float = 0.015,
+    sensors: Sequence[Sensor] | None = None,
 ) -> Housing:
     """A housing with two bearings per shaft, odd numbers at -y and even numbers at +y, in shaft order.
 
     Parameters
     ----------
     shaft_x, shaft_z : m, axes of the shafts (z = 0 by default)
-    bore_diameters : m, one per shaft
-    boss_wall : m, thickness of the ring around each bore
+    bore_diameters, boss_diameters : m, one per shaft
+    sensors : `usual_sensors` by default
     others : m, see `Housing`
 
     Raises
@@ -38,22 +43,20 @@ def housing_for_shafts(
     HousingError : the parts do not fit together
     """
     bores = []
-    for i, (x, diameter) in enumerate(zip(shaft_x, bore_diameters, strict=True)):
-        for side in (-1, 1):
+    for i, (x, bore, boss) in enumerate(zip(shaft_x, bore_diameters, boss_diameters, strict=True)):
+        for number, side in ((2 * i + 1, -1), (2 * i + 2, 1)):
             bores.append(
                 Bore(
-                    name=f"bearing_{2 * i + (1 if side < 0 else 2)}",
+                    name=f"bearing_{number}",
                     x=x,
                     z=0.0 if shaft_z is None else shaft_z[i],
                     side=side,
-                    diameter=diameter,
-                    boss_diameter=diameter + 2 * boss_wall,
+                    diameter=bore,
+                    boss_diameter=boss,
                     boss_length=boss_length,
                 )
             )
-    foot = Feet(x=(0.0, 0.0, 0.0))
-    ends = left + 0.05 * length + foot.length / 2, left + 0.95 * length - foot.length / 2
-    feet = Feet(x=(ends[0], sum(ends) / 2, ends[1]))
+    inset = 0.05 * length + foot_length / 2
     bare = Housing(
         length=length,
         width=width,
@@ -62,33 +65,22 @@ def housing_for_shafts(
         left=left,
         axis_height=axis_height,
         bores=tuple(bores),
-        feet=feet,
+        feet=Feet(x=(left + inset, left + length / 2, left + length - inset), length=foot_length, height=foot_height),
     )
-    return Housing(**{**bare.__dict__, "sensors": usual_sensors(bare)})
+    return replace(bare, sensors=usual_sensors(bare) if sensors is None else tuple(sensors))
 
 
 def usual_sensors(housing: Housing) -> tuple[Sensor, ...]:
-    """Nine sensors: four on bosses of the wall at -y (sensor_3 on bearing_3), one on a boss at +y, two on the cover,
-    one on the end wall at the output, one on a foot. With fewer than four shafts those on missing bosses are left out.
+    """Nine sensors: eight on the bosses (sensor_i on the rim of bearing_i, above the bore), one on the cover.
+
+    With fewer than four shafts, those on missing bosses are left out.
     """
+    sensors = []
+    for bore in housing.bores[:8]:
+        above = bore.z + (bore.diameter + bore.boss_diameter) / 4
+        name = bore.name.replace("bearing", "sensor")
+        sensors.append(Sensor(name=name, position=(bore.x, bore.side * housing.width / 2, above)))
     low, high = housing.box
     middle = 0.5 * (low + high)
-    known = {bore.name: bore for bore in housing.bores}
-    places: dict[str, tuple[float, float, float]] = {}
-    on_boss = {"sensor_1": "bearing_1", "sensor_2": "bearing_2", "sensor_3": "bearing_3"}
-    on_boss |= {"sensor_4": "bearing_5", "sensor_5": "bearing_7"}
-    for sensor, bearing in on_boss.items():
-        if bearing in known:  # on top of the boss, in the middle of the part that stands out of the wall
-            bore = known[bearing]
-            y = bore.side * (housing.width + bore.boss_length - housing.wall_thickness) / 2
-            places[sensor] = (bore.x, y, bore.z + bore.boss_diameter / 2)
-    places["sensor_6"] = (low[0] + 0.3 * housing.length, 0.2 * housing.width, high[2])
-    places["sensor_7"] = (low[0] + 0.7 * housing.length, -0.2 * housing.width, high[2])
-    places["sensor_8"] = (high[0], 0.15 * housing.width, middle[2] + 0.2 * housing.height)
-    foot_low, foot_high = housing.foot_boxes()["ground_5"]
-    places["sensor_9"] = (
-        0.5 * (foot_low[0] + foot_high[0]),
-        -(housing.width + housing.feet.width) / 2,
-        foot_high[2],
-    )
-    return tuple(Sensor(name=name, position=tuple(map(float, place))) for name, place in places.items())  # type: ignore[arg-type]
+    sensors.append(Sensor(name="sensor_9", position=(float(middle[0]), 0.0, float(high[2]))))
+    return tuple(sensors)

@@ -24,7 +24,7 @@ QUALITY_LIMIT = 0.05
 _MM = 1000.0
 
 
-def mesh_housing(housing: Housing, *, element_size: float = 0.018, curved: bool = True) -> CasingMesh:
+def mesh_housing(housing: Housing, *, element_size: float = 0.022, curved: bool = True) -> CasingMesh:
     """Mesh a housing with ten-node tetrahedra.
 
     Parameters
@@ -51,7 +51,7 @@ def mesh_housing(housing: Housing, *, element_size: float = 0.018, curved: bool 
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(2)
         if curved:
-            gmsh.model.mesh.optimize("HighOrder")
+            gmsh.model.mesh.optimize("HighOrder")  # acts on elements that curving has distorted
         mesh = _extract(gmsh, housing, patches, element_size, curved)
     _log.info("casing mesh: %d nodes, %d tetrahedra", len(mesh.nodes), len(mesh.elements))
     return mesh
@@ -68,9 +68,10 @@ def _session() -> Iterator[Any]:
             for option, value in {
                 "General.Terminal": 0,
                 "General.NumThreads": 1,
+                "Mesh.MaxNumThreads3D": 1,
                 "Mesh.RandomSeed": 1,
                 "Mesh.Algorithm": 6,
-                "Mesh.Algorithm3D": 1,
+                "Mesh.Algorithm3D": 10,  # HXT: the best worst element of gmsh's algorithms on this kind of body, and quick
                 "Mesh.Optimize": 1,
                 "Mesh.ElementOrder": 1,
                 "Mesh.MeshSizeFromPoints": 0,
