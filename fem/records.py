@@ -48,7 +48,7 @@ def names(dim: str) -> Any:
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Record:
-    """Base of all results that cross a stage border. Subclass with ``@dataclass(frozen=True, eq=False, kw_only=True)``."""
+    """Base of all results that cross a stage border. Subclasses: ``@dataclass(frozen=True, eq=False, kw_only=True)``"""
 
     def __post_init__(self) -> None:
         sizes: dict[str, int] = {}

@@ -1,0 +1,150 @@
+"""Collisions: what of the gearbox would run into something else, found before anything is computed.
+
+Everything is a cylinder along y or a flat wall: tip circles against neighbouring shafts, gears, bosses and walls,
+shafts against walls.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from pipelines.errors import Problem
+from pipelines.layout import Layout
+from pipelines.scene import FlexibleBase, HousingTable, Scene
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A body of revolution about the axis of `shaft`, between two y (m)."""
+
+    name: str
+    path: str
+    shaft: int
+    radius: float
+    start: float
+    end: float
+
+    def overlaps(self, other: Cylinder) -> bool:
+        """Whether both occupy some of the same y."""
+        return self.start < other.end and other.start < self.end
+
+
+def gears(scene: Scene, layout: Layout) -> list[Cylinder]:
+    """Tip cylinders of all gears, pinion and wheel of stage 1 first."""
+    found = []
+    for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True)):
+        middle, half = stage.position_mm / 1000, stage.face_width_mm / 2000
+        for shaft, gear, name in ((number, pair.pinion, "pinion"), (number + 1, pair.wheel, "wheel")):
+            label = f"tip circle of the stage {number + 1} {name}"
+            found.append(Cylinder(label, f"stages.{number + 1}", shaft, gear.tip_radius, middle - half, middle + half))
+    return found
+
+
+def shafts(scene: Scene) -> list[Cylinder]:
+    """All shaft sections."""
+    return [
+        Cylinder(
+            f"shaft {number}",
+            f"shafts.{number}",
+            number - 1,
+            section.diameter_mm / 2000,
+            section.start_mm / 1000,
+            section.end_mm / 1000,
+        )
+        for number, shaft in enumerate(scene.shafts, 1)
+        for section in shaft.sections
+    ]
+
+
+def bosses(housing: HousingTable) -> list[Cylinder]:
+    """Bearing bosses inside both side walls."""
+    outer, length = housing.width_mm / 2000, housing.boss_length_mm / 1000
+    found = []
+    for index, diameter in enumerate(housing.boss_diameters_mm):
+        for number, start in ((2 * index + 1, -outer), (2 * index + 2, outer - length)):
+            name = f"boss of bearing {number}"
+            found.append(
+                Cylinder(name, "casing.housing.boss_diameters_mm", index, diameter / 2000, start, start + length)
+            )
+    return found
+
+
+def _clashes(first: list[Cylinder], second: list[Cylinder], layout: Layout) -> Iterator[Problem]:
+    for one in first:
+        for two in second:
+            if one.shaft == two.shaft or not one.overlaps(two):
+                continue
+            distance = math.dist(layout.axes[one.shaft], layout.axes[two.shaft])
+            if distance <= one.radius + two.radius:
+                needed = one.radius + two.radius
+                yield Problem(
+                    one.path,
+                    f"{one.name} (radius {one.radius * 1000:.2f} mm) hits {two.name} (radius "
+                    f"{two.radius * 1000:.2f} mm): their axes are {distance * 1000:.2f} mm apart, "
+                    f"{needed * 1000:.2f} mm are needed",
+                    "Move one along the shafts (position_mm), or change sizes or directions",
+                )
+
+
+def _mates(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """Gears that overlap in y and are not a pair, on neighbouring shafts or on the same one."""
+    bodies = gears(scene, layout)
+    for i, one in enumerate(bodies):
+        for j, two in enumerate(bodies[i + 1 :], i + 1):
+            if i // 2 == j // 2:
+                continue
+            if one.shaft == two.shaft and one.overlaps(two):
+                yield Problem(
+                    two.path,
+                    f"{two.name} and {one.name} share shaft {one.shaft + 1} and overlap along it",
+                    "Change position_mm of one of the stages",
+                )
+            yield from _clashes([one], [two], layout)
+
+
+def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterator[Problem]:
+    wall = housing.wall_thickness_mm / 1000
+    left = housing.left_end_mm / 1000 + wall
+    right = (housing.left_end_mm + housing.length_mm) / 1000 - wall
+    floor = -housing.shaft_height_mm / 1000 + wall
+    cover = (housing.height_mm - housing.shaft_height_mm) / 1000 - wall
+    side = housing.width_mm / 2000 - wall
+    for body in gears(scene, layout):
+        x, z = layout.axes[body.shaft]
+        rooms = {
+            "left end wall": x - body.radius - left,
+            "right end wall": right - x - body.radius,
+            "floor": z - body.radius - floor,
+            "cover": cover - z - body.radius,
+            "-y side wall": body.start + side,
+            "+y side wall": side - body.end,
+        }
+        for name, room in rooms.items():
+            if room <= 0:
+                yield Problem(
+                    body.path,
+                    f"{body.name} hits the {name}: {-room * 1000:.2f} mm too far",
+                    "Make the housing larger or move the gear",
+                )
+    for number, shaft in enumerate(scene.shafts, 1):
+        for bearing, y in zip((2 * number - 1, 2 * number), shaft.bearing_positions_mm, strict=True):
+            low, high = housing.width_mm / 2 - housing.boss_length_mm, housing.width_mm / 2
+            if not low <= abs(y) <= high or (y < 0) != (bearing % 2 == 1):
+                sign = "-" if bearing % 2 else "+"
+                yield Problem(
+                    f"shafts.{number}.bearing_positions_mm",
+                    f"bearing {bearing} at y = {y:g} mm is outside its boss ({sign}{low:g} to {sign}{high:g} mm)",
+                    "Move the bearing into the boss or change boss_length_mm",
+                )
+
+
+def find_collisions(scene: Scene, layout: Layout) -> list[Problem]:
+    """Everything that touches what it must not touch."""
+    problems = [*_mates(scene, layout), *_clashes(gears(scene, layout), shafts(scene), layout)]
+    if isinstance(scene.casing, FlexibleBase):
+        housing = scene.casing.housing
+        problems += _clashes(gears(scene, layout), bosses(housing), layout)
+        problems += _wall_clashes(scene, layout, housing)
+    return problems

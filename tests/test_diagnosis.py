@@ -1,0 +1,180 @@
+"""Diagnosis: known modulations stand, equal runs show nothing, noise buries what it should."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+import xarray
+from synthetic import MESH, RATE, WHEEL, response
+
+from pipelines.diagnosis import DiagnosisError, DiagnosisSettings, diagnose, envelope_band
+from pipelines.export import save_diagnoses
+from pipelines.lines import LineTable
+from pipelines.verdict import grade, headline, lines_grid, modulation, sentences, summary_grid
+
+WINDOWS = {"lifting": (0.5, 2.5), "lowering": (3.0, 5.0)}
+
+
+def settings(**changes):
+    values = {
+        "revolution_frequency": WHEEL,
+        "mesh_frequency": MESH,
+        "windows": WINDOWS,
+        "rope_mode": {"lifting": 7.9, "lowering": 7.6},
+        "fault": "one tooth of the stage 1 wheel missing",
+        "shaft": "shaft_2",
+    }
+    return DiagnosisSettings(**(values | changes))
+
+
+@pytest.fixture(scope="module")
+def clear():
+    return diagnose(response(), response("healthy"), settings())
+
+
+def test_known_modulation_comes_back(clear):
+    lifting = clear.lines.where(window="lifting")
+    carrier = lifting.where(kind="mesh", mesh_harmonic=1)
+    assert carrier.faulty[0] == pytest.approx(np.linalg.norm([0.4, -0.3, 0.8]), rel=1e-3)
+    for k in (2, 3, 4):  # the fault alone modulates these orders: sidebands m/2
+        pair = lifting.where(mesh_harmonic=1)
+        ratio = pair.faulty[np.abs(pair.order) == k] / carrier.faulty[0]
+        np.testing.assert_allclose(ratio, 0.4 / k / 2, rtol=0.01)
+    envelope = lifting.where(kind="envelope")
+    np.testing.assert_allclose(envelope.faulty[1:4] / carrier.faulty[0], 0.4 / np.arange(2, 5), rtol=0.02)
+    np.testing.assert_allclose(envelope.frequency, WHEEL * np.arange(1, 6))
+
+
+def test_counts_and_verdict_of_a_clear_fault(clear):
+    lifting = clear.lines.where(window="lifting")
+    assert len(clear.lines) == 2 * (5 + 2 * 9)
+    assert lifting.where(kind="sideband").stands.sum() == 16
+    assert grade(lifting) == "seen"
+    assert "seen at sensor_3 (resultant of its axes) in all 2 cases" in headline([clear])
+    first = sentences(clear)[0]
+    assert "8 of 8 sidebands around 300 Hz" in first
+    assert "control itself shows" in first  # the run-out of the healthy run is shown, not denied
+    assert "7.90 Hz (1.45 f_r)" in first
+
+
+def test_equal_runs_show_nothing_and_say_why():
+    healthy = response("healthy")
+    found = diagnose(healthy, healthy, settings(reason="The face is too wide."))
+    assert found.lines.without_mesh().stands.sum() == 0
+    # the noise of the two runs is drawn independently, so equal runs differ in the noise alone
+    strong = found.lines.over_floor > 30
+    assert np.abs(found.lines.difference[strong]).max() < 1.0
+    assert "not seen" in headline([found])
+    text = sentences(found)[0]
+    assert "none of 21 lines stands" in text
+    assert "pitch deviations repeat with the same revolution" in text
+    assert "The face is too wide." in text
+
+
+def test_noise_buries_the_fault():
+    found = diagnose(response(noise=30.0), response("healthy", noise=30.0), settings())
+    assert found.lines.without_mesh().stands.sum() <= 1
+    assert "do not clear the local floor" in sentences(found)[0]
+
+
+def test_run_out_hides_the_fault_in_its_own_order():
+    masked = diagnose(response(runout=0.5), response("healthy", runout=0.5), settings())
+    first = masked.lines.where(window="lifting", kind="sideband", order=1)
+    third = masked.lines.where(window="lifting", kind="sideband", order=3)
+    assert first.stands.sum() == 0
+    assert first.healthy_shows.all()
+    assert third.stands.all()
+
+
+def test_weaker_lowering_reads_weaker():
+    found = diagnose(response(lowering=0.1), response("healthy"), settings())
+    depth = {w: modulation(found.lines.where(window=w), "faulty") for w in WINDOWS}
+    assert depth["lifting"] - depth["lowering"] > 6
+
+
+def test_rope_mode_on_a_line_is_named():
+    found = diagnose(response(), response("healthy"), settings(rope_mode={"lifting": 2 * WHEEL + 0.5}))
+    near = found.lines.where(near_rope=1)
+    assert set(np.abs(near.order)) == {2}
+    assert set(near.window) == {"lifting"}
+    assert "on the lines of order 2" in sentences(found)[0]
+    assert found.lines.where(window="lowering").rope_mode.max() == 0
+
+
+def test_band_rules_do_not_look_at_the_faulty_run(clear):
+    rate_band = envelope_band(settings(band="resonance"), [clear.spectra["healthy", "lifting"]], RATE)
+    assert rate_band[0] <= 1234.5 <= rate_band[1]
+    assert clear.band == (150.0, 450.0)
+    given = diagnose(response(), response("healthy"), settings(band=(500.0, 700.0)))
+    assert given.band == (500.0, 700.0)
+    assert given.lines.where(window="lifting", kind="envelope").stands[:4].all()
+
+
+def test_noise_of_a_sensor_does_not_depend_on_the_other_sensors(clear):
+    alone = [response(state).sel(sensor=["sensor_3"]) for state in ("missing-tooth", "healthy")]
+    found = diagnose(*alone, settings())
+    np.testing.assert_array_equal(found.lines.faulty, clear.lines.faulty)
+
+
+def test_runs_that_are_no_pair_are_refused():
+    faulty = response(duration=3.0)
+    short = {"windows": {"lifting": (0.5, 2.5)}}
+    with pytest.raises(DiagnosisError, match=r"seed: 1 .* 2"):
+        diagnose(faulty, response("healthy", seed=2, duration=3.0), settings(**short))
+    with pytest.raises(DiagnosisError, match="load"):
+        diagnose(faulty, response("healthy", load="static-torque", duration=3.0), settings(**short))
+    with pytest.raises(DiagnosisError, match="30000 samples"):
+        diagnose(faulty, response("healthy", duration=4.0), settings(**short))
+    healthy = response("healthy", duration=3.0)
+    with pytest.raises(DiagnosisError, match="sensor_9"):
+        diagnose(faulty, healthy, settings(sensor="sensor_9", **short))
+    with pytest.raises(DiagnosisError, match="constant speed"):
+        diagnose(faulty, healthy, settings(windows={"ramp": (2.0, 3.0)}))
+    with pytest.raises(DiagnosisError, match="band"):
+        settings(band="best")
+
+
+def test_tables_name_every_line(clear):
+    grid = lines_grid(clear, "lifting")
+    assert len(grid.rows) == 23
+    assert {row[0] for row in grid.rows} >= {"envelope f_r", "envelope 5 f_r", "f_m - 4 f_r", "2 f_m + f_r", "f_m"}
+    assert (
+        grid.to_markdown().count("stands")
+        == len(grid.marked)
+        == clear.lines.where(window="lifting").without_mesh().stands.sum()
+    )
+    assert len(grid.to_text().splitlines()) == 26
+    assert grid.to_html().count("<tr") == 24
+    assert grid.to_rich().row_count == 23
+
+
+def test_seed_summary_has_a_column_per_seed():
+    free = diagnose(
+        response(deviations="off", runout=0.0), response("healthy", deviations="off", runout=0.0), settings()
+    )
+    seeds = [
+        diagnose(response(seed=s, runout=0.1 * s), response("healthy", seed=s, runout=0.1 * s), settings())
+        for s in (1, 2)
+    ]
+    torque = diagnose(response(load="static-torque"), response("healthy", load="static-torque"), settings(rope_mode={}))
+    grid = summary_grid([free, *seeds, torque])
+    assert grid.headers == ("load", "window", "error-free", "seed 1", "seed 2")
+    assert [row[:2] for row in grid.rows] == [(a, b) for a in ("rope load", "constant torque") for b in WINDOWS]
+    assert grid.rows[0][2] == "4/5 · 8/8 · 8/8"
+    assert grid.rows[2][2] == "-"
+
+
+def test_saved_lines_come_back(clear, tmp_path):
+    nc, table, summary = save_diagnoses(tmp_path, [clear, clear])
+    back = LineTable.load(nc)
+    np.testing.assert_array_equal(back.difference, np.tile(clear.lines.difference, 2))
+    assert back.label == clear.lines.label * 2
+    with xarray.open_dataset(nc, engine="h5netcdf") as dataset:
+        assert dataset.faulty.attrs["units"] == "m s-2"
+    rows = list(csv.reader(table.read_text(encoding="utf-8").splitlines()))
+    assert "difference [dB]" in rows[0]
+    assert len(rows) == 1 + 2 * 46
+    content = json.loads(summary.read_text(encoding="utf-8"))
+    assert content["cases"][0]["segments"]["lifting"]["samples"] == 16_500
+    assert content["lines"][0]["label"] == "f_r"
