@@ -2,6 +2,9 @@
 
 `tables` is the tuple of `fem.contact.evaluate.law_tables`. `work` holds one column per candidate pair of a slice, named
 by the row numbers below, then MAX_PAIRS rows of coupling compliances and MAX_PAIRS rows for the linear system.
+
+All compiled functions live in this one file: numba's cache on disk notices a change of the file that holds a function,
+but not of the files that hold the functions it calls.
 """
 
 from __future__ import annotations
@@ -343,3 +346,52 @@ def evaluate_flank(
         k_mixed += stiffness * y
         k_tilt += stiffness * y * y
     return force, moment, energy, k, k_mixed, k_tilt, sign * rate
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def evaluate(
+    tables: tuple, cycle: float, delta: float, psi: float, clearance_pinion: np.ndarray, clearance_wheel: np.ndarray
+) -> tuple:
+    """Response of one flank at one state.
+
+    Parameters
+    ----------
+    tables : from `law_tables`
+    cycle : mesh cycle c of the gears (1); the law turns it into its own c'
+    delta, psi : approach along the transverse line of action (m) and tilt (rad)
+    clearance_pinion (z1,), clearance_wheel (z2,) : m, +inf for a missing tooth
+
+    Returns
+    -------
+    F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N), dM/d psi (N m), dU/dc (J)
+    """
+    return evaluate_flank(tables, cycle, delta, psi, clearance_pinion, clearance_wheel, np.empty(0))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def evaluate_shares(
+    tables: tuple, cycle: float, delta: float, psi: float, h1: np.ndarray, h2: np.ndarray, pair_force: np.ndarray
+) -> tuple:
+    """As `evaluate`, and add the force (N) of pair p to pair_force[p - floor(c') + pair_force.size // 2].
+
+    c' = cycle_sign c + cycle_offset. Pairs outside the array are left out; 2 `share_reach` + 1 places hold all.
+    """
+    return evaluate_flank(tables, cycle, delta, psi, h1, h2, pair_force)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def evaluate_many(
+    tables: tuple,
+    cycle: np.ndarray,
+    delta: np.ndarray,
+    psi: np.ndarray,
+    h1: np.ndarray,
+    h2: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    """Rows of `evaluate` for states given as arrays (n,), into out (n, 7)."""
+    none = np.empty(0)
+    for i in range(cycle.size):
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3], out[i, 4], out[i, 5], out[i, 6] = evaluate_flank(
+            tables, cycle[i], delta[i], psi[i], h1, h2, none
+        )
