@@ -166,7 +166,9 @@ class Plane:
             for weight, ring, tooth in zip(weights, rings, (-n, n), strict=True):
                 coupling[n - 1] += np.einsum("pi,ij,pj->p", weight[behind], ring.matrix[tooth], weight)
         cosine = math.cos(pair.base_helix_angle)
-        reduced = 1.0 / (1.0 / pair.pinion_material.plane_strain_modulus + 1.0 / pair.wheel_material.plane_strain_modulus)
+        reduced = 1.0 / (
+            1.0 / pair.pinion_material.plane_strain_modulus + 1.0 / pair.wheel_material.plane_strain_modulus
+        )
         slope = 1.0 / (math.pi * reduced * cosine)
         radius = self.contact_radius(pair, path) / cosine
         return PairCompliance(
@@ -178,10 +180,13 @@ class Plane:
 
     def rings(self, pair: GearPair, reach: int) -> tuple[FlankCompliance, FlankCompliance]:
         """Flank compliances of pinion and wheel."""
+        from threadpoolctl import threadpool_limits
+
         out = []
-        for gear, material in ((pair.pinion, pair.pinion_material), (pair.wheel, pair.wheel_material)):
-            mesh = sector_mesh(gear, self.refinement)
-            out.append(flank_compliance(mesh, material.elastic_modulus, material.poisson_ratio, reach))
+        with threadpool_limits(1):  # the matrices are small: more threads only wait for one another
+            for gear, material in ((pair.pinion, pair.pinion_material), (pair.wheel, pair.wheel_material)):
+                mesh = sector_mesh(gear, self.refinement)
+                out.append(flank_compliance(mesh, material.elastic_modulus, material.poisson_ratio, reach))
         return out[0], out[1]
 
     def contact_radius(self, pair: GearPair, path: PathPoints) -> np.ndarray:
