@@ -1,4 +1,4 @@
-"""Rung `plane`: ring compliances against published tooth compliances and a whole ring, contact split, limits of the law."""
+"""Rung `plane`: ring against published tooth compliances and a whole ring, contact split, limits of the law."""
 
 import math
 
@@ -205,7 +205,7 @@ def test_patches_have_unit_sum_and_the_variance_of_an_ellipse():
 
 
 def test_contact_split_on_a_half_plane():
-    """mean u = u(0) - K f / 4 for an elliptical pressure: u = -K int p ln|x - s| ds summed over sources between the places."""
+    """mean u = u(0) - K f / 4 for an elliptical pressure; u = -K int p ln|x - s| ds, sources between the places."""
     n = 2000
     source, place = np.cos(np.pi * (np.arange(n) + 0.5) / n), np.cos(np.pi * np.arange(n + 1) / n)
     part = 2 / n * (1 - source**2)  # p ds of unit resultant on (-1, 1)
@@ -217,7 +217,7 @@ def test_contact_split_on_a_half_plane():
 
 
 def test_single_pair_stiffness_against_a_contact_solution(spur):
-    """c' = f / x at the pitch point, 20/55, m 2: plane strain contact of the true flanks (pressure from the contact itself)."""
+    """c' = f / x at the pitch point, 20/55, m 2: against plane strain contact of the true flanks."""
     for load, truth in ((50e3, 15.090), (100e3, 15.547), (400e3, 16.550)):
         assert load / approach(spur, load) / 1e9 == pytest.approx(truth, rel=0.005)
 
