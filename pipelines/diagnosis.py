@@ -15,6 +15,7 @@ Bands of the envelope. None of the rules looks at the faulty run.
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -167,7 +168,7 @@ def envelope_band(settings: DiagnosisSettings, healthy: list[Spectrum], rate: fl
 
 
 def noisy_signal(run: xarray.Dataset, settings: DiagnosisSettings, stream: int) -> np.ndarray:
-    """The channel's signals (time, axes) with the stated noise; seed, stream, sensor and axis fix the noise."""
+    """The channel's signals (time, axes) with the stated noise; seed, load, stream, sensor and axis fix it."""
     sensors, axes = [str(s) for s in run.sensor.values], [str(a) for a in run.axis.values]
     if settings.sensor not in sensors:
         raise DiagnosisError(f"sensor {settings.sensor!r}: not in this run, it has {', '.join(sensors) or 'none'}")
@@ -177,10 +178,11 @@ def noisy_signal(run: xarray.Dataset, settings: DiagnosisSettings, stream: int) 
     rms, seed = float(run.attrs.get("sensor_noise", 0.0)), int(run.attrs.get("seed", 0))
     # its number, not its index, enters the seed: the noise must not depend on which other sensors were recorded
     number = int("".join(filter(str.isdigit, settings.sensor)) or 0)
+    load = zlib.crc32(str(run.attrs["load"]).encode())
     columns = []
     for axis in wanted:
         clean = run.acceleration.sel(sensor=settings.sensor, axis=axis).values
-        columns.append(with_noise(clean, rms, [seed, stream, number, axes.index(axis)]))
+        columns.append(with_noise(clean, rms, [seed, stream, number, axes.index(axis), load]))
     return np.stack(columns, axis=1)
 
 

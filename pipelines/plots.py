@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
+from pipelines.lines import LOADS
 from pipelines.spectrum import Spectrum
 
 if TYPE_CHECKING:
@@ -71,20 +73,21 @@ def draw_stiffness(axes: Axes, curve: StiffnessPlot) -> None:
     axes.set_ylim(0, None)
     axes.margins(x=0)
     _dress(axes, curve.title, "mesh cycle", "stiffness, N/µm")
-    axes.legend(loc="lower right", ncols=2)
+    _legend(axes)
 
 
 def drive_figure(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]) -> Figure:
     """Speeds of the motors and the input shaft, and the rope force where there is a rope; windows shaded."""
+    motors: tuple[tuple[str, dict[str, Any]], ...] = (
+        ("motor 1", {"lw": 3.2, "alpha": 0.45, "color": FIRST}),
+        ("motor 2", {"ls": "--", "color": SECOND}),
+    )
     has_rope = "rope_force" in run
     panels = np.atleast_1d(new_figure(5.6 if has_rope else 3.2).subplots(1 + has_rope, 1, sharex=True))
     figure = panels[0].figure
     time = run.time.values
-    for (name, style), speed in zip(
-        (("motor 1", {"lw": 3.2, "alpha": 0.45, "color": FIRST}), ("motor 2", {"ls": "--", "color": SECOND})),
-        run.motor_speed.transpose("motor", "time").values if "motor_speed" in run else (),
-        strict=False,
-    ):
+    speeds = run.motor_speed.transpose("motor", "time").values if "motor_speed" in run else ()
+    for (name, style), speed in zip(motors, speeds, strict=False):
         panels[0].plot(time, speed * RPM, label=name, **style)
     if "shaft_speed" in run:
         panels[0].plot(time, run.shaft_speed.isel(shaft=0).values * RPM, label="input shaft", color="black", lw=0.8)
@@ -93,9 +96,9 @@ def drive_figure(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]
         panels[1].plot(time, run.rope_force.values / 1e3, color=FIRST, lw=0.9)
         _dress(panels[1], "Rope force", "time, s", "force, kN")
     for panel in panels:
+        panel.margins(x=0, y=0.16)
         _shade(panel, windows)
-        panel.margins(x=0)
-    panels[0].legend(loc="lower left")
+    _legend(panels[0])
     return figure
 
 
@@ -116,8 +119,8 @@ def waveform_figure(
         last = name == list(runs)[-1]
         _dress(whole, f"{sensor} {axis}, {name}", "time, s" if last else "", "acceleration, m/s²")
         _dress(detail, f"0.1 s from {start:g} s, {name}", "time, s" if last else "", "")
+        whole.margins(x=0, y=0.16)
         _shade(whole, windows)
-        whole.margins(x=0)
         detail.margins(x=0)
     return figure
 
@@ -132,8 +135,8 @@ def spectrum_figure(diagnosis: Diagnosis, window: str) -> Figure:
         spectrum = diagnosis.spectra[state, window]
         _draw_spectrum(axes, spectrum, (0.0, end), colour, state)
         for order in range(1, 5):
-            _mark(axes, order * settings.mesh_frequency, "f_m" if order == 1 else f"{order} f_m")
-        _mark(axes, settings.revolution_frequency, "f_r", shift=3)
+            _mark(axes, order * settings.mesh_frequency, "$f_m$" if order == 1 else f"{order} $f_m$")
+        _mark(axes, settings.revolution_frequency, "$f_r$", shift=3)
         lines = diagnosis.lines.where(window=window, kind="sideband")
         axes.plot(
             lines.frequency,
@@ -143,12 +146,14 @@ def spectrum_figure(diagnosis: Diagnosis, window: str) -> Figure:
             mfc="none",
             mec="black",
             mew=0.7,
-            label="sidebands k f_r",
+            label="sidebands k $f_r$",
         )
         _dress(axes, f"{state.capitalize()}", "frequency, Hz" if state == "healthy" else "", "amplitude, m/s²")
-        axes.legend(loc="upper right")
+        _legend(axes)
     _common_decades(panels)
-    figure.suptitle(f"Spectrum at {settings.sensor} ({settings.axis}), {window}, {diagnosis.load}")
+    figure.suptitle(
+        f"Spectrum at {settings.sensor} ({settings.axis}), {window}, {LOADS.get(diagnosis.load, diagnosis.load)}"
+    )
     return figure
 
 
@@ -158,13 +163,13 @@ def healthy_faulty_figure(diagnosis: Diagnosis, window: str) -> Figure:
         Trace(name=state, spectrum=diagnosis.spectra[state, window], envelope=diagnosis.envelopes[state, window])
         for state in ("healthy", "faulty")
     ]
-    title = f"Healthy and faulty, {window}, {diagnosis.load}"
+    title = f"Healthy and faulty, {window}, {LOADS.get(diagnosis.load, diagnosis.load)}"
     figure = comparison_figure(traces, diagnosis.settings, title, (HEALTHY, FAULTY), window)
     for axes, kind, n in zip(figure.axes, ("envelope", "sideband", "sideband"), (0, 1, 2), strict=False):
         lines = diagnosis.lines.where(window=window, kind=kind, mesh_harmonic=n, stands=1)
         if len(lines):
             axes.plot(lines.frequency, lines.faulty, "v", ms=5, color=FAULTY, label="line stands", zorder=4)
-            axes.legend(loc="upper right")
+    _legend(figure.axes[0])
     return figure
 
 
@@ -181,7 +186,8 @@ def comparison_figure(
     """
     f_r, f_m = settings.revolution_frequency, settings.mesh_frequency
     figure = new_figure(8.2)
-    top, left, right = (figure.add_subplot(2, columns, place) for columns, place in ((1, 1), (2, 3), (2, 4)))
+    panels = figure.subplot_mosaic([["envelope", "envelope"], ["first", "second"]])
+    top, left, right = (panels[name] for name in ("envelope", "first", "second"))
     rope = settings.rope_mode.get(window, 0.0) if window else 0.0
     low, high = traces[0].envelope.band_low, traces[0].envelope.band_high
     for trace, colour in zip(traces, colours, strict=False):
@@ -191,17 +197,17 @@ def comparison_figure(
     for axes in (top, left, right):
         _limit_decades(axes)
     for k in range(1, 9):
-        _mark(top, k * f_r, "f_r" if k == 1 else f"{k} f_r")
+        _mark(top, k * f_r, "$f_r$" if k == 1 else f"{k} $f_r$")
     if rope:
         top.axvline(rope, color=ROPE, ls=":", lw=1.6, label=f"rope mode {rope:.2f} Hz")
-    for axes, centre, name in ((left, f_m, "f_m"), (right, 2 * f_m, "2 f_m")):
+    for axes, centre, name in ((left, f_m, "$f_m$"), (right, 2 * f_m, "2 $f_m$")):
         _mark(axes, centre, name)
         for k in (-4, -3, -2, -1, 1, 2, 3, 4):
             _mark(axes, centre + k * f_r, f"{k:+d}")
     _dress(top, f"Envelope spectrum, band {low:.4g} to {high:.4g} Hz", "frequency, Hz", "amplitude, m/s²")
-    _dress(left, "Spectrum around f_m, sidebands k f_r", "frequency, Hz", "amplitude, m/s²")
-    _dress(right, "Spectrum around 2 f_m, sidebands k f_r", "frequency, Hz", "")
-    top.legend(loc="upper right")
+    _dress(left, "Spectrum around $f_m$, sidebands k $f_r$", "frequency, Hz", "amplitude, m/s²")
+    _dress(right, "Spectrum around 2 $f_m$, sidebands k $f_r$", "frequency, Hz", "")
+    _legend(top)
     figure.suptitle(f"{title} · {settings.sensor} ({settings.axis})")
     return figure
 
@@ -226,7 +232,13 @@ def _draw_spectrum(
     if skip_zero:
         inside &= spectrum.frequency > 0.3 * spectrum.revolutions * spectrum.resolution
     axes.semilogy(spectrum.frequency[inside], spectrum.amplitude[inside], color=colour, lw=1.0, label=name)
+    axes.yaxis.set_minor_locator(NullLocator())  # minor ticks of a log axis take half the time of a figure
     axes.set_xlim(span)
+
+
+def _legend(axes: Axes) -> None:
+    """Legend on the level of the title, to the right: it never hides a curve."""
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.99), ncols=5, frameon=False, fontsize=9, borderaxespad=0.1)
 
 
 def _limit_decades(axes: Axes) -> None:

@@ -8,9 +8,8 @@ import numpy as np
 
 from pipelines.diagnosis import Diagnosis
 from pipelines.grid import Grid
-from pipelines.lines import LineTable
+from pipelines.lines import LOADS, LineTable
 
-LOADS = {"rope": "rope load", "static-torque": "constant torque"}
 SIDEBANDS_WANTED = 3  # of the eight around one mesh order, and one envelope harmonic: the fault is seen
 
 
@@ -35,6 +34,16 @@ def headline(diagnoses: Sequence[Diagnosis]) -> str:
     return f"{what}: seen at {where} in {seen} of {len(cases)} cases{where_seen}{tail}."
 
 
+def criterion(diagnosis: Diagnosis) -> str:
+    """What it takes for a line to stand and a fault to be seen."""
+    settings = diagnosis.settings
+    return (
+        f"A line stands if it lies at least {settings.difference_limit:g} dB over the healthy control with the same "
+        f"deviations and at least {settings.floor_limit:g} dB over its local floor; the fault is seen if at least "
+        f"{SIDEBANDS_WANTED} sidebands around one mesh order and one harmonic in the envelope stand."
+    )
+
+
 def grade(lines: LineTable) -> str:
     """ "seen", "partly" (some line stands) or "not seen" for the lines of one case and window."""
     sidebands = lines.where(kind="sideband")
@@ -45,7 +54,7 @@ def grade(lines: LineTable) -> str:
 
 
 def sentences(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """What one faulty run shows against its control, window by window, with the control's own lines."""
+    """What one faulty run shows against its control, one sentence or more per window, with the control's own lines."""
     settings = diagnosis.settings
     result = []
     for window in settings.windows:
@@ -106,7 +115,7 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
 
 def summary_grid(diagnoses: Sequence[Diagnosis]) -> Grid:
     """How many lines stand in every case and window: a row per load and window, a column per set of deviations."""
-    kinds = list(dict.fromkeys(d.deviations for d in diagnoses))
+    kinds = sorted(dict.fromkeys(d.deviations for d in diagnoses), key=_seed_order)
     rows = []
     for load in dict.fromkeys(d.load for d in diagnoses):
         for window in dict.fromkeys(w for d in diagnoses if d.load == load for w in d.settings.windows):
@@ -120,6 +129,11 @@ def summary_grid(diagnoses: Sequence[Diagnosis]) -> Grid:
     return Grid(title=title, headers=("load", "window", *names), rows=tuple(rows))
 
 
+def _seed_order(deviations: str) -> tuple[int, int]:
+    """Error-free gears first, then the seeds in their order."""
+    return (0, 0) if deviations == "off" else (1, int(deviations.split()[-1]))
+
+
 def _counts(lines: LineTable) -> str:
     parts = [lines.where(kind="envelope")]
     sidebands = lines.where(kind="sideband")
@@ -130,9 +144,8 @@ def _counts(lines: LineTable) -> str:
 def _standing(diagnosis: Diagnosis, lines: LineTable) -> str:
     settings, (low, high) = diagnosis.settings, diagnosis.band
     counted = lines.without_mesh()
-    limits = f"{settings.difference_limit:g} dB over the control and {settings.floor_limit:g} dB over the floor"
     if not counted.stands.any():
-        return f"none of {len(counted)} lines stands ({limits}). {_reason(diagnosis, counted)}"
+        return f"none of {len(counted)} lines stands. {_reason(diagnosis, counted)}"
     envelope = lines.where(kind="envelope")
     parts = [
         f"{int(envelope.stands.sum())} of {len(envelope)} harmonics of f_r = {settings.revolution_frequency:.4f} Hz "
@@ -146,7 +159,7 @@ def _standing(diagnosis: Diagnosis, lines: LineTable) -> str:
     best = int(np.argmax(np.where(counted.stands == 1, counted.difference, -np.inf)))
     where = "in the envelope" if counted.kind[best] == "envelope" else "in the spectrum"
     return (
-        f"{', '.join(parts[:-1])} and {parts[-1]} stand ({limits}); the largest rise is "
+        f"{', '.join(parts[:-1])} and {parts[-1]} stand; the largest rise is "
         f"{counted.difference[best]:+.1f} dB at {counted.label[best]} {where}."
     )
 

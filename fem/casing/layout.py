@@ -1,0 +1,86 @@
+"""The usual housing around parallel shafts: bores, bosses, feet and nine sensors placed from the shaft positions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from fem.casing.housing import Bore, Feet, Housing, Sensor
+
+RIG_SHAFTS = (0.0, 0.07668, 0.18275, 0.31569)  # m
+RIG_BORES = (0.047, 0.062, 0.075, 0.095)  # m
+RIG_BOSSES = (0.065, 0.080, 0.097, 0.120)  # m
+
+
+def housing_for_shafts(
+    shaft_x: Sequence[float] = RIG_SHAFTS,
+    *,
+    bore_diameters: Sequence[float] = RIG_BORES,
+    boss_diameters: Sequence[float] = RIG_BOSSES,
+    shaft_z: Sequence[float] | None = None,
+    length: float = 0.600,
+    width: float = 0.300,
+    height: float = 0.250,
+    wall_thickness: float = 0.010,
+    left: float = -0.120,
+    axis_height: float = 0.125,
+    boss_length: float = 0.030,
+    foot_length: float = 0.060,
+    foot_height: float = 0.015,
+    sensors: Sequence[Sensor] | None = None,
+) -> Housing:
+    """A housing with two bearings per shaft, odd numbers at -y and even numbers at +y, in shaft order.
+
+    Parameters
+    ----------
+    shaft_x, shaft_z : m, axes of the shafts (z = 0 by default)
+    bore_diameters, boss_diameters : m, one per shaft
+    sensors : `usual_sensors` by default
+    others : m, see `Housing`
+
+    Raises
+    ------
+    HousingError : the parts do not fit together
+    """
+    bores = []
+    for i, (x, bore, boss) in enumerate(zip(shaft_x, bore_diameters, boss_diameters, strict=True)):
+        for number, side in ((2 * i + 1, -1), (2 * i + 2, 1)):
+            bores.append(
+                Bore(
+                    name=f"bearing_{number}",
+                    x=x,
+                    z=0.0 if shaft_z is None else shaft_z[i],
+                    side=side,
+                    diameter=bore,
+                    boss_diameter=boss,
+                    boss_length=boss_length,
+                )
+            )
+    inset = 0.05 * length + foot_length / 2
+    bare = Housing(
+        length=length,
+        width=width,
+        height=height,
+        wall_thickness=wall_thickness,
+        left=left,
+        axis_height=axis_height,
+        bores=tuple(bores),
+        feet=Feet(x=(left + inset, left + length / 2, left + length - inset), length=foot_length, height=foot_height),
+    )
+    return replace(bare, sensors=usual_sensors(bare) if sensors is None else tuple(sensors))
+
+
+def usual_sensors(housing: Housing) -> tuple[Sensor, ...]:
+    """Nine sensors: eight on the bosses (sensor_i on the rim of bearing_i, above the bore), one on the cover.
+
+    With fewer than four shafts, those on missing bosses are left out.
+    """
+    sensors = []
+    for bore in housing.bores[:8]:
+        above = bore.z + (bore.diameter + bore.boss_diameter) / 4
+        name = bore.name.replace("bearing", "sensor")
+        sensors.append(Sensor(name=name, position=(bore.x, bore.side * housing.width / 2, above)))
+    low, high = housing.box
+    middle = 0.5 * (low + high)
+    sensors.append(Sensor(name="sensor_9", position=(float(middle[0]), 0.0, float(high[2]))))
+    return tuple(sensors)
