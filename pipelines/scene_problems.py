@@ -43,8 +43,8 @@ def _own_words(item: Any, model: type[BaseModel], tree: Mapping[str, Any]) -> li
 
 def user_path(location: Iterable[int | str], model: Any, tree: Any, *, missing: bool = False) -> tuple[str, ...]:
     """A validator's location as the path a user would write: items count from 1, rung tags are left out."""
-    path, annotation, value = (), model, tree
-    steps = list(location)
+    path: tuple[str, ...] = ()
+    annotation, value, steps = model, tree, list(location)
     for place, step in enumerate(steps):
         members = _models(annotation)
         is_tag = len(members) > 1 and step in {name for m in members for name in (*_tags(m), m.__name__)}
