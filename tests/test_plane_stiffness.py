@@ -196,7 +196,8 @@ def test_patches_have_unit_sum_and_the_variance_of_an_ellipse():
     centre = (mesh.form_arc + mesh.tip_arc) / 2
     weight, used = flank.patches(np.array([centre, 1.0]), 0.16e-3)
     assert weight.sum(axis=1) == pytest.approx(1.0, rel=1e-13)
-    assert used[1] == mesh.tip_arc - 0.16e-3
+    assert used == pytest.approx([0.16e-3, 0.08e-3], rel=1e-12)
+    assert weight[1] @ mesh.flank_arc == pytest.approx(mesh.tip_arc - 0.08e-3, rel=1e-6)
     assert weight[0] @ mesh.flank_arc == pytest.approx(centre, rel=1e-6)
     assert weight[0] @ (mesh.flank_arc - centre) ** 2 == pytest.approx(0.16e-3**2 / 4, rel=1e-3)
 
