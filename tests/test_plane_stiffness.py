@@ -115,7 +115,7 @@ def test_condensed_ring_equals_the_ring_meshed_as_a_whole(teeth, beta_deg):
 
 
 def test_removing_a_tooth_hardly_changes_its_neighbours():
-    """The missing tooth is treated as a missing contact alone; its stiffening of the rim is about one per cent."""
+    """The missing tooth is treated as a missing contact alone; what its body adds to the rim is about a tenth of a per cent."""
     mesh = sector_mesh(gear(20), refinement=0.5)
     columns = np.linspace(8, len(mesh.flank) - 4, 5).astype(int)
     loads = ring.flank_loads(mesh)[:, columns]
@@ -123,7 +123,7 @@ def test_removing_a_tooth_hardly_changes_its_neighbours():
     for missing in (-1, 1):
         change = np.diag(whole_ring_response(mesh, loads, [0], missing)[0]) / healthy - 1
         assert (change > 0).all()
-        assert change.max() < 0.012
+        assert change.max() < 0.004
 
 
 @pytest.mark.parametrize(
