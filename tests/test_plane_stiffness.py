@@ -115,7 +115,7 @@ def test_condensed_ring_equals_the_ring_meshed_as_a_whole(teeth, beta_deg):
 
 
 def test_removing_a_tooth_hardly_changes_its_neighbours():
-    """The missing tooth is treated as a missing contact alone; what its body adds to the rim is about a tenth of a per cent."""
+    """The missing tooth is a missing contact alone; what its body adds to the rim is about a tenth of a per cent."""
     mesh = sector_mesh(gear(20), refinement=0.5)
     columns = np.linspace(8, len(mesh.flank) - 4, 5).astype(int)
     loads = ring.flank_loads(mesh)[:, columns]
