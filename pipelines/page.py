@@ -39,7 +39,7 @@ table { border-collapse: collapse; font-size: .88rem; margin: .6rem 0 1.4rem; fo
 caption { text-align: left; font-weight: 600; padding: .2rem 0 .4rem; }
 th, td { padding: .28rem .75rem; text-align: left; border-bottom: 1px solid #e6eaee; vertical-align: top; }
 th { border-bottom: 2px solid #b9c2cb; font-weight: 600; vertical-align: bottom; }
-sub { line-height: 0; }
+sub { line-height: 0; font-size: .75em; }
 td.number, th.number { text-align: right; white-space: nowrap; }
 tr.stands td { background: #fbeeea; font-weight: 600; }
 details summary { cursor: pointer; color: #2a6f97; margin: .6rem 0; }

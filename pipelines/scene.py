@@ -33,7 +33,7 @@ class IsoMesh(Table):
     """Mesh stiffness by ISO 6336-1: mean value by formula, shape by contact line length. Milliseconds."""
 
     model: Literal["iso"] = "iso"
-    slices: Annotated[int, Field(ge=1, le=101, description="slices along the face")] = 11
+    slices: Annotated[int, Field(ge=1, le=101, description="slices along the face")] = 15
 
 
 class PlaneMesh(Table):
@@ -41,7 +41,7 @@ class PlaneMesh(Table):
 
     model: Literal["plane"] = "plane"
     slices: Annotated[int, Field(ge=1, le=101, description="slices along the face")] = 15
-    refinement: Annotated[int, Field(ge=1, le=4, description="mesh refinement of the tooth sector; 2 is converged")] = 2
+    refinement: Annotated[float, Field(ge=0.5, le=8, description="divides all element sizes of the tooth sector")] = 1.0
 
 
 MeshModel = Annotated[IsoMesh | PlaneMesh, Field(discriminator="model")]

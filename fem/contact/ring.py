@@ -116,8 +116,8 @@ def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.
         factor = splu(k_ii, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:
         raise RingError(
-            f"gear z={mesh.teeth}: the stiffness matrix of the tooth sector ({k_ii.shape[0]} unknowns) is singular ({error}). "
-            "Check bore radius and material."
+            f"gear z={mesh.teeth}: the stiffness matrix of the tooth sector ({k_ii.shape[0]} unknowns) is singular "
+            f"({error}). Check bore radius and material."
         ) from error
     p = loads.tocsr()[inner]
     answer = factor.solve(sparse.hstack([k_ic, p]).toarray())
@@ -133,7 +133,7 @@ def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.
 
 
 def ring_response(sector: SectorReduction, reach: int = 2) -> dict[int, np.ndarray]:
-    """Displacement along load vector i of tooth n by unit load j on tooth 0, for n = -reach .. reach; (p, p) each, m2/N."""
+    """Displacement along load i of tooth n by unit load j on tooth 0, m2/N; (p, p) for each n = -reach .. reach."""
     z, cut = sector.teeth, sector.stiffness.shape[0] // 2
     s, h = sector.stiffness, sector.transfer
     low, high = slice(0, cut), slice(cut, 2 * cut)
