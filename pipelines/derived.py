@@ -6,10 +6,9 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from mbd.machine import STANDARD_GRAVITY
 from pipelines.layout import Layout
 from pipelines.scene import RopeTable, Scene
-
-GRAVITY = 9.81  # m/s2
 
 # ISO 6336-1:2019: the stiffness formula is meant for at least this line load; below, it is reduced
 LOW_LINE_LOAD = 100e3  # N/m
@@ -50,7 +49,7 @@ class Facts:
 def output_torque(scene: Scene) -> float:
     """Torque of the hanging weight on the last shaft (N m): m g R / reeving."""
     load = scene.load
-    return load.container_kg * GRAVITY * load.drum_radius_mm / 1000 / load.reeving_ratio
+    return load.container_kg * STANDARD_GRAVITY * load.drum_radius_mm / 1000 / load.reeving_ratio
 
 
 def rope_stiffness(load: RopeTable, length: float) -> float:
@@ -134,8 +133,8 @@ def _warnings(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterato
         divisor = math.gcd(stage.pinion_teeth, stage.wheel_teeth)
         if divisor > 5:
             yield (
-                f"{place}: {stage.pinion_teeth} and {stage.wheel_teeth} teeth share the divisor {divisor}; the same teeth "
-                "meet often and wear in a pattern"
+                f"{place}: {stage.pinion_teeth} and {stage.wheel_teeth} teeth share the divisor {divisor}; the same "
+                "teeth meet often and wear in a pattern"
             )
         if 0 < facts.line_load < LOW_LINE_LOAD and stage.mesh.model == "iso":
             yield (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -53,16 +54,16 @@ class Grid:
             lines.append([f"**{cell}**" if i in self.marked and cell else cell for cell in row])
         return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |" for cells in lines)
 
-    def to_html(self) -> str:
-        """A table element; rows that are set off have the class "stands"."""
+    def to_html(self, typeset: Callable[[str], str] = html.escape) -> str:
+        """A table element; rows that are set off have the class "stands". `typeset` makes HTML of a cell's words."""
         right = self.numeric()
         sides = [' class="number"' if r else "" for r in right]
-        head = "".join(f"<th{s}>{html.escape(c)}</th>" for c, s in zip(self.headers, sides, strict=True))
+        head = "".join(f"<th{s}>{typeset(c)}</th>" for c, s in zip(self.headers, sides, strict=True))
         body = []
         for i, row in enumerate(self.rows):
-            cells = "".join(f"<td{s}>{html.escape(c)}</td>" for c, s in zip(row, sides, strict=True))
+            cells = "".join(f"<td{s}>{typeset(c)}</td>" for c, s in zip(row, sides, strict=True))
             body.append(f'<tr class="stands">{cells}</tr>' if i in self.marked else f"<tr>{cells}</tr>")
-        caption = f"<caption>{html.escape(self.title)}</caption>" if self.title else ""
+        caption = f"<caption>{typeset(self.title)}</caption>" if self.title else ""
         return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
 
     def to_rich(self) -> Table:

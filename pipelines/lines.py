@@ -13,6 +13,7 @@ import numpy as np
 
 from fem.records import Record, array, names
 
+LOADS = {"rope": "rope load", "static-torque": "constant torque"}  # words for load_case
 RESOLUTION = 1e-9  # m/s2; levels are taken of at least this, so that a line of an error-free run keeps a finite level
 
 

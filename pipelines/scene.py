@@ -33,7 +33,7 @@ class IsoMesh(Table):
     """Mesh stiffness by ISO 6336-1: mean value by formula, shape by contact line length. Milliseconds."""
 
     model: Literal["iso"] = "iso"
-    slices: Annotated[int, Field(ge=1, le=101, description="slices along the face")] = 11
+    slices: Annotated[int, Field(ge=1, le=101, description="slices along the face")] = 15
 
 
 class PlaneMesh(Table):
@@ -41,7 +41,7 @@ class PlaneMesh(Table):
 
     model: Literal["plane"] = "plane"
     slices: Annotated[int, Field(ge=1, le=101, description="slices along the face")] = 15
-    refinement: Annotated[int, Field(ge=1, le=4, description="mesh refinement of the tooth sector; 2 is converged")] = 2
+    refinement: Annotated[float, Field(ge=0.5, le=8, description="divides all element sizes of the tooth sector")] = 1.0
 
 
 MeshModel = Annotated[IsoMesh | PlaneMesh, Field(discriminator="model")]
@@ -77,10 +77,10 @@ class StageTable(Table):
 class SectionTable(Table):
     """A stretch of a shaft with constant diameters."""
 
-    start_mm: float
-    end_mm: float
-    diameter_mm: Positive
-    bore_mm: NotNegative = 0.0
+    start_mm: Annotated[float, Field(description="y of its -y end")]
+    end_mm: Annotated[float, Field(description="y of its +y end")]
+    diameter_mm: Annotated[float, Field(gt=0, description="outer diameter")]
+    bore_mm: Annotated[float, Field(ge=0, description="inner diameter")] = 0.0
 
     @model_validator(mode="after")
     def _ordered(self) -> SectionTable:
@@ -118,33 +118,35 @@ class ShaftModel(Table):
         Literal["torsion", "timoshenko"], Field(description="torsion: rigid but in twist; timoshenko: beam elements")
     ] = "timoshenko"
     element_length_mm: Annotated[float, Field(gt=0, description="longest beam element")] = 40.0
-    damping_ratio: Annotated[float, Field(ge=0, lt=1, description="of the shaft's own modes")] = 0.005
+    damping_time_us: Annotated[float, Field(ge=0, le=1000, description="material damping = this time * stiffness")] = (
+        0.5
+    )
 
 
 class BearingTable(Table):
     """Linear bearings between shaft and casing, the same for all."""
 
     model: Literal["linear"] = "linear"
-    radial_stiffness_N_per_um: Annotated[float, Field(ge=0.01, le=1e6)] = 100.0
-    axial_stiffness_N_per_um: Annotated[float, Field(ge=0.01, le=1e6)] = 50.0
-    tilt_stiffness_N_m_per_rad: Annotated[float, Field(ge=0, le=1e9)] = 1.0e4
+    radial_stiffness_N_per_um: Annotated[float, Field(ge=0.01, le=1e6, description="in x and z")] = 100.0
+    axial_stiffness_N_per_um: Annotated[float, Field(ge=0.01, le=1e6, description="along the shaft")] = 50.0
+    tilt_stiffness_N_m_per_rad: Annotated[float, Field(ge=0, le=1e9, description="about x and z")] = 1.0e4
     damping_time_us: Annotated[float, Field(ge=0, le=1e4, description="damping = this time * stiffness")] = 5.0
 
 
 class DeviationTable(Table):
     """Seeded cumulative pitch deviations of every tooth within the tolerances of ISO 1328-1."""
 
-    enabled: bool = True
+    enabled: Annotated[bool, Field(description="false: error-free gears")] = True
     iso_grade: Annotated[int, Field(ge=1, le=11, description="flank tolerance class of ISO 1328-1:2013")] = 5
-    seed: Annotated[int, Field(ge=0, le=2**31)] = 1
+    seed: Annotated[int, Field(ge=0, le=2**31, description="same seed, same deviations")] = 1
 
 
 class FaultTable(Table):
     """One damaged tooth."""
 
-    kind: Literal["missing-tooth"]
-    stage: Annotated[int, Field(ge=1)]
-    gear: Literal["pinion", "wheel"]
+    kind: Annotated[Literal["missing-tooth"], Field(description="what is wrong with the tooth")]
+    stage: Annotated[int, Field(ge=1, description="number of the stage")]
+    gear: Annotated[Literal["pinion", "wheel"], Field(description="gear of that stage")]
     tooth: Annotated[int, Field(ge=0, description="number of the tooth; 0 is in contact at the pitch point at c = 0")]
 
 
@@ -154,7 +156,7 @@ class HousingTable(Table):
     length_mm: Annotated[float, Field(gt=0, description="outer length along x")]
     width_mm: Annotated[float, Field(gt=0, description="outer width along y; mid face is y = 0")]
     height_mm: Annotated[float, Field(gt=0, description="outer height along z without feet")]
-    wall_thickness_mm: Positive
+    wall_thickness_mm: Annotated[float, Field(gt=0, description="of all walls, floor and cover")]
     left_end_mm: Annotated[float, Field(description="x of the outer face of the left end wall; shaft 1 is x = 0")]
     shaft_height_mm: Annotated[float, Field(gt=0, description="shaft 1 above the underside of the floor")]
     bore_diameters_mm: Annotated[tuple[Positive, ...], Field(description="one per shaft, for both of its bearings")]
@@ -171,6 +173,8 @@ class NoCasingTable(Table):
 
 
 class FlexibleBase(Table):
+    """What every casing with a housing has."""
+
     housing: HousingTable
     material: MaterialTable
     damping_ratio: Annotated[float, Field(ge=0, lt=1, description="modal damping")] = 0.01
@@ -206,7 +210,7 @@ CasingModel = Annotated[
 class SensorTable(Table):
     """A tri-axial accelerometer on the casing."""
 
-    name: Annotated[str, Field(pattern=r"^sensor_[1-9][0-9]*$")]
+    name: Annotated[str, Field(pattern=r"^sensor_[1-9][0-9]*$", description="sensor_1, sensor_2, ...")]
     position_mm: Annotated[tuple[float, float, float], Field(description="x, y, z; moved to the nearest surface point")]
 
 
@@ -232,8 +236,10 @@ class DriveTable(Table):
 
 
 class LoadBase(Table):
+    """What every load has: a weight on two drums."""
+
     container_kg: Annotated[float, Field(ge=0, description="hanging mass")]
-    drum_radius_mm: Positive
+    drum_radius_mm: Annotated[float, Field(gt=0, description="to the middle of the rope")]
     drum_mass_kg: Annotated[float, Field(gt=0, description="of each drum, overhung at the ends of the last shaft")]
     drum_inertia_kg_m2: Annotated[float, Field(gt=0, description="of each drum about the shaft")]
     reeving_ratio: Annotated[float, Field(gt=0, description="rope speed at the drum over container speed")] = 2.0
@@ -249,12 +255,12 @@ class RopeTable(LoadBase):
     """Container on elastic rope: stiffness of the current length, tension only."""
 
     model: Literal["rope"] = "rope"
-    rope_diameter_mm: Positive = 10.0
+    rope_diameter_mm: Annotated[float, Field(gt=0, description="nominal diameter")] = 10.0
     rope_modulus_GPa: Annotated[float, Field(gt=0, description="on the metallic area")] = 100.0
     rope_fill_factor: Annotated[float, Field(gt=0, le=1, description="metallic area over the circle")] = 0.455
     rope_falls: Annotated[int, Field(ge=1, description="falls that carry the container")] = 8
     rope_length_m: Annotated[float, Field(gt=0, description="free length at t = 0")] = 5.0
-    rope_damping_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.02
+    rope_damping_ratio: Annotated[float, Field(ge=0, lt=1, description="of the bounce at the initial length")] = 0.02
 
 
 LoadModel = Annotated[StaticTorqueTable | RopeTable, Field(discriminator="model")]
@@ -263,30 +269,35 @@ LoadModel = Annotated[StaticTorqueTable | RopeTable, Field(discriminator="model"
 class SimulationTable(Table):
     """Time integration and output."""
 
-    end_s: Positive
-    output_rate_Hz: Annotated[float, Field(gt=0, le=200000)] = 10000.0
+    end_s: Annotated[float, Field(gt=0, le=3600, description="simulated time")]
+    output_rate_Hz: Annotated[float, Field(gt=0, le=200000, description="after the anti-alias filter")] = 10000.0
     step_us: Annotated[float, Field(gt=0, le=1000, description="rounded down to a whole part of the output step")] = (
         10.0
     )
-    integrator: Literal["exponential", "trapezoidal", "generalized-alpha"] = "exponential"
+    integrator: Annotated[
+        Literal["exponential", "trapezoidal", "generalized-alpha"], Field(description="see docs/choosing-a-rung.md")
+    ] = "exponential"
 
 
 class DiagnosisTable(Table):
     """What the spectra and the envelope table look at."""
 
-    sensor: str = "sensor_3"
-    axis: Literal["x", "y", "z"] = "z"
+    sensor: Annotated[str, Field(description="its signal is diagnosed")] = "sensor_3"
+    axis: Annotated[Literal["x", "y", "z"], Field(description="of the sensor")] = "z"
     stage: Annotated[int, Field(ge=1, description="stage whose mesh frequency carries the sidebands")] = 1
     gear: Annotated[Literal["pinion", "wheel"], Field(description="gear whose rotation is sought")] = "wheel"
     windows_s: dict[str, Window] = Field(default_factory=dict, description="constant-speed windows by name")
-    envelope_band_Hz: Annotated[tuple[Positive, Positive], Field(description="band demodulated")] = (200.0, 3000.0)
+    envelope_band_Hz: Annotated[tuple[Positive, Positive], Field(description="band that is demodulated")] = (
+        200.0,
+        3000.0,
+    )
     noise_m_s2: Annotated[float, Field(ge=0, description="rms of white sensor noise added before diagnosis")] = 0.01
 
 
 class Scene(Table):
     """A gearbox, its drive and load, its faults, and what to compute."""
 
-    title: str
+    title: Annotated[str, Field(description="one line that names the scene in every result")]
     control: Annotated[str | None, Field(description="healthy twin: a shipped scene or a path ending in .toml")] = None
     gear_material: MaterialTable
     stages: Annotated[tuple[StageTable, ...], Field(min_length=1, max_length=6)]

@@ -8,9 +8,9 @@ import numpy as np
 
 from pipelines.diagnosis import Diagnosis
 from pipelines.grid import Grid
-from pipelines.lines import LineTable
+from pipelines.lines import LOADS, LineTable
 
-LOADS = {"rope": "rope load", "static-torque": "constant torque"}
+EQUAL = 1.0  # dB; modulations this close are called equal
 SIDEBANDS_WANTED = 3  # of the eight around one mesh order, and one envelope harmonic: the fault is seen
 
 
@@ -35,6 +35,16 @@ def headline(diagnoses: Sequence[Diagnosis]) -> str:
     return f"{what}: seen at {where} in {seen} of {len(cases)} cases{where_seen}{tail}."
 
 
+def criterion(diagnosis: Diagnosis) -> str:
+    """What it takes for a line to stand and a fault to be seen."""
+    settings = diagnosis.settings
+    return (
+        f"A line stands if it lies at least {settings.difference_limit:g} dB over the healthy control with the same "
+        f"deviations and at least {settings.floor_limit:g} dB over its local floor; the fault is seen if at least "
+        f"{SIDEBANDS_WANTED} sidebands around one mesh order and one harmonic in the envelope stand."
+    )
+
+
 def grade(lines: LineTable) -> str:
     """ "seen", "partly" (some line stands) or "not seen" for the lines of one case and window."""
     sidebands = lines.where(kind="sideband")
@@ -45,7 +55,7 @@ def grade(lines: LineTable) -> str:
 
 
 def sentences(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """What one faulty run shows against its control, window by window, with the control's own lines."""
+    """What one faulty run shows against its control, one sentence or more per window, with the control's own lines."""
     settings = diagnosis.settings
     result = []
     for window in settings.windows:
@@ -70,6 +80,22 @@ def modulation(lines: LineTable, state: str, mesh_harmonic: int = 1) -> float:
     carrier = getattr(lines.where(kind="mesh", mesh_harmonic=mesh_harmonic), state)
     tiny = np.finfo(float).tiny
     return float(20 * np.log10(max(np.linalg.norm(sidebands), tiny) / max(carrier[0], tiny)))
+
+
+def directions(diagnosis: Diagnosis) -> str:
+    """In which of the first two windows the faulty run shows its modulation more clearly; "" with one window."""
+    windows = list(diagnosis.settings.windows)[:2]
+    if len(windows) < 2:
+        return ""
+    first, second = (modulation(diagnosis.lines.where(window=window), "faulty") for window in windows)
+    if abs(first - second) < EQUAL:
+        end = f"equal within {EQUAL:g} dB"
+    else:
+        end = f"clearer in {windows[0] if first > second else windows[1]} by {abs(first - second):.1f} dB"
+    return (
+        f"Modulation of the mesh with {case_name(diagnosis)} (sidebands over f_m, root sum square): {first:.1f} dB in "
+        f"{windows[0]}, {second:.1f} dB in {windows[1]}: {end}."
+    )
 
 
 def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
@@ -106,7 +132,7 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
 
 def summary_grid(diagnoses: Sequence[Diagnosis]) -> Grid:
     """How many lines stand in every case and window: a row per load and window, a column per set of deviations."""
-    kinds = list(dict.fromkeys(d.deviations for d in diagnoses))
+    kinds = sorted(dict.fromkeys(d.deviations for d in diagnoses), key=_seed_order)
     rows = []
     for load in dict.fromkeys(d.load for d in diagnoses):
         for window in dict.fromkeys(w for d in diagnoses if d.load == load for w in d.settings.windows):
@@ -120,6 +146,40 @@ def summary_grid(diagnoses: Sequence[Diagnosis]) -> Grid:
     return Grid(title=title, headers=("load", "window", *names), rows=tuple(rows))
 
 
+def seeds_grid(diagnoses: Sequence[Diagnosis], load: str, window: str) -> Grid:
+    """Difference faulty over healthy of every line, a column per set of deviations; a dot marks lines that stand."""
+    chosen = sorted((d for d in diagnoses if d.load == load), key=lambda d: _seed_order(d.deviations))
+    tables = [d.lines.where(window=window).without_mesh() for d in chosen]
+    rows = []
+    for i, label in enumerate(tables[0].label):
+        where = "envelope " if tables[0].kind[i] == "envelope" else ""
+        cells = [f"{t.difference[i]:+.1f}" + (" ●" if t.stands[i] else "") for t in tables]
+        rows.append(
+            (where + label, f"{tables[0].frequency[i]:.3f}", *cells, str(sum(int(t.stands[i]) for t in tables)))
+        )
+    names = ["error-free" if d.deviations == "off" else d.deviations for d in chosen]
+    title = f"{_capital(window)}, {LOADS.get(load, load)}: faulty over healthy in dB (● stands)"
+    return Grid(title=title, headers=("line", "Hz", *names, "stands in"), rows=tuple(rows))
+
+
+def markdown(diagnoses: Sequence[Diagnosis]) -> str:
+    """The verdict and the envelope tables of all cases as Markdown."""
+    parts = [f"**{headline(diagnoses)}**", criterion(diagnoses[0]), _titled(summary_grid(diagnoses))]
+    for diagnosis in diagnoses:
+        parts += [*sentences(diagnosis), directions(diagnosis)]
+        parts += [_titled(lines_grid(diagnosis, window)) for window in diagnosis.settings.windows]
+    return "\n\n".join(filter(None, parts)) + "\n"
+
+
+def _titled(grid: Grid) -> str:
+    return f"**{grid.title}**\n\n{grid.to_markdown()}"
+
+
+def _seed_order(deviations: str) -> tuple[int, int]:
+    """Error-free gears first, then the seeds in their order."""
+    return (0, 0) if deviations == "off" else (1, int(deviations.split()[-1]))
+
+
 def _counts(lines: LineTable) -> str:
     parts = [lines.where(kind="envelope")]
     sidebands = lines.where(kind="sideband")
@@ -130,9 +190,8 @@ def _counts(lines: LineTable) -> str:
 def _standing(diagnosis: Diagnosis, lines: LineTable) -> str:
     settings, (low, high) = diagnosis.settings, diagnosis.band
     counted = lines.without_mesh()
-    limits = f"{settings.difference_limit:g} dB over the control and {settings.floor_limit:g} dB over the floor"
     if not counted.stands.any():
-        return f"none of {len(counted)} lines stands ({limits}). {_reason(diagnosis, counted)}"
+        return f"none of {len(counted)} lines stands. {_reason(diagnosis, counted)}"
     envelope = lines.where(kind="envelope")
     parts = [
         f"{int(envelope.stands.sum())} of {len(envelope)} harmonics of f_r = {settings.revolution_frequency:.4f} Hz "
@@ -146,7 +205,7 @@ def _standing(diagnosis: Diagnosis, lines: LineTable) -> str:
     best = int(np.argmax(np.where(counted.stands == 1, counted.difference, -np.inf)))
     where = "in the envelope" if counted.kind[best] == "envelope" else "in the spectrum"
     return (
-        f"{', '.join(parts[:-1])} and {parts[-1]} stand ({limits}); the largest rise is "
+        f"{', '.join(parts[:-1])} and {parts[-1]} stand; the largest rise is "
         f"{counted.difference[best]:+.1f} dB at {counted.label[best]} {where}."
     )
 

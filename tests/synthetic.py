@@ -32,7 +32,7 @@ def response(
     modulation = 1 + runout * np.cos(wheel + phase[0])
     for k in range(1, 5):
         modulation = modulation + fault / k * np.cos(k * wheel + phase[k])
-    strength = np.abs(speed) / speed.max()
+    strength = np.abs(speed) / (30 * np.pi)
     tone = strength * modulation * (np.cos(2 * np.pi * MESH * time) + 0.5 * np.cos(2 * np.pi * 2 * MESH * time))
     resonance = 0.05 * np.cos(2 * np.pi * 1234.5 * time)
     rope = 0.02 * np.cos(2 * np.pi * 7.9 * time) if load == "rope" else 0 * time
@@ -73,3 +73,36 @@ def response(
             "fault": json.dumps({"stage": 1, "gear": "wheel", "tooth": 0}),
         },
     )
+
+
+def gear_outline(teeth, module, angle=0.0):
+    """A spur outline good enough to look at: flanks as straight lines in polar coordinates, counter-clockwise."""
+    pitch = module * teeth / 2
+    profile = [(-0.5, -1.25), (-0.42, -1.25), (-0.25, 0.0), (-0.11, 1.0), (0.11, 1.0), (0.25, 0.0), (0.42, -1.25)]
+    corners = []
+    for tooth in range(teeth):
+        for place, height in profile:
+            polar = angle + 2 * np.pi * (tooth + place) / teeth
+            corners.append((pitch + height * module) * np.array([np.cos(polar), np.sin(polar)]))
+    return np.array(corners)
+
+
+def box(size=(0.6, 0.25, 0.3)):
+    """Nodes and triangles of a closed box with its low corner at the origin."""
+    nodes = np.array([[x, y, z] for x in (0, size[0]) for y in (0, size[1]) for z in (0, size[2])], dtype=float)
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    triangles = [t for a, b, c, d in quads for t in ([a, b, c], [a, c, d])]
+    return nodes, np.array(triangles)
+
+
+def key_points():
+    """Six ground, eight bearing and nine sensor points on the box."""
+    shafts = (0.1, 0.2, 0.34, 0.5)
+    points = {}
+    for i in range(6):
+        points[f"ground_{i + 1}"] = np.array([0.05 + 0.25 * (i // 2), 0.25 * (i % 2), 0.0])
+    for i in range(8):
+        points[f"bearing_{i + 1}"] = np.array([shafts[i // 2], 0.25 * (i % 2), 0.15])
+        points[f"sensor_{i + 1}"] = np.array([shafts[i // 2], 0.25 * (i % 2), 0.21])
+    points["sensor_9"] = np.array([0.3, 0.125, 0.3])
+    return points

@@ -4,7 +4,7 @@ The face is cut into slices. In slice s at face coordinate y_s the tooth pair p 
 xi = c' - p + shift_s on the path of contact, in mesh cycles, with c' = cycle_sign * c + cycle_offset. Its line load
 f (N/m) and approach x (m) obey
 
-    x = C(xi) f + A f (B(xi) - ln f) + sum_q c_|p-q|(xi) f_q        (x > 0, else f = 0)
+    x = C(xi) f + A f (B(xi) - ln f) + sum_q c_|p-q|(xi) fraction_q f_q        (x > 0, else f = 0)
     x = delta + psi y_s - gap(xi) - h_p
 
 C holds tooth and body compliance, A and B the Hertz line contact, c_n the compliance between pair p and pair p + n

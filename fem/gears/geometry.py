@@ -125,7 +125,7 @@ class GearPair:
             require(
                 clearance > 0.0,
                 f"{self.label}: the {name} tips touch the root circle of the other gear, tip clearance "
-                f"{clearance:.4g} m (limit > 0; usual 0.1 to 0.4 modules): shorten the {name} by a negative tip_alteration",
+                f"{clearance:.4g} m (limit > 0; usual 0.1 to 0.4 modules): give the {name} a negative tip_alteration",
             )
 
     def _check_contact(self) -> None:

@@ -1,0 +1,51 @@
+"""Slices, signs and offsets of a MeshLaw: what every sliced rung takes from the gear pair, for either flank."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from fem.gears.geometry import GearPair
+
+FLANKS = ("drive", "coast")
+
+
+class RungError(ValueError):
+    """A rung is asked for something outside its valid range."""
+
+
+def flank_frame(pair: GearPair, flank: str, n_slices: int) -> dict[str, Any]:
+    """Fields of `MeshLaw` that follow from the pair, the flank and equal slices.
+
+    The drive flank has c' = c. The coast flank of a pinion tooth lags its drive flank by tau = s_w1 / p_wt and is
+    met when the pinion turns backwards, so c' = tau - c; pair p then joins pinion tooth -p and wheel tooth -p + 1, the
+    tooth behind. In the mirrored view the helix leans the other way. The backlash is no part of the law: it is
+    subtracted from the coast approach. cycle_shift is positive at y > 0 for a right-hand pinion that turns in the
+    positive sense about +y.
+
+    Raises
+    ------
+    RungError : unknown flank, no slice
+    """
+    if flank not in FLANKS:
+        raise RungError(f"{pair.label}: flank is {flank!r}; choose one of {', '.join(FLANKS)}")
+    if n_slices < 1:
+        raise RungError(f"{pair.label}: n_slices is {n_slices!r}; give a whole number >= 1")
+    sign = 1 if flank == "drive" else -1
+    width = pair.face_width / n_slices
+    face = (np.arange(n_slices) + 0.5) * width - pair.face_width / 2.0
+    lead = math.tan(pair.base_helix_angle) / pair.base_pitch
+    return {
+        "flank": flank,
+        "face_coordinate": face,
+        "slice_width": np.full(n_slices, width),
+        "cycle_shift": sign * pair.pinion.hand_sign * lead * face,
+        "cycle_sign": sign,
+        "cycle_offset": 0.0 if flank == "drive" else pair.thickness_cycle,
+        "base_pitch": pair.base_pitch,
+        "pinion_teeth": pair.pinion.teeth,
+        "wheel_teeth": pair.wheel.teeth,
+        "wheel_tooth_offset": 0 if flank == "drive" else 1,
+    }

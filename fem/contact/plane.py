@@ -1,0 +1,205 @@
+"""Rung `plane`: finite elements of the whole toothed rings in the transverse section, cut into slices along the face.
+
+Per slice and unit face width, transverse quantities. A ring model gives the displacement G_ij along the flank normal
+at position i by a load at position j, both spread over an elliptical patch of half-width w and averaged with the same
+weight (so G is symmetric and finite). It contains the local deformation of a patch w. A Hertz contact has the
+half-width a instead and its approach is counted at the centre, not as the mean. On a half plane in plane strain an
+elliptical pressure of resultant f gives
+
+    u(x) = u(0) - K f x^2 / a^2,   K = 2 (1 - nu^2) / (pi E),   mean u = u(0) - K f / 4,   du(0) / d ln a = -K f,
+
+so that each body approaches by f (G_ii + K (1/4 + ln(w/a))). With a^2 = 4 f R / (pi E*), 1/E* = sum (1 - nu^2)/E and
+A = 1/(pi E*) the sum over both bodies is
+
+    x = C f + A f (B - ln f),   C = G_ii + G_ii' + 2 A ln(w/d),   B = 1/2 + ln(d^2 pi E* / (4 R)).
+
+The depth d divides the same approach between the two terms; d = m_n keeps a < d at any bearable load.
+
+Helical teeth: the rings are helical bodies (`fem.plane_elasticity`), so that a tooth bends and twists in its own
+direction. The force normal to the flank is f / cos(beta_b) per unit face width, f per unit length of contact line, and
+the normal approach is x cos(beta_b); the normal radius is R / cos(beta_b). Hence R / cos(beta_b) stands for R above and
+A = 1/(pi E* cos(beta_b)).
+
+Hertz (1881); Johnson (1985), Contact Mechanics, sections 2.5 and 4.2; Weber & Banaschek (1953) for the division of the
+approach; slices are independent of one another along the face.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from fem.contact.law import MeshLaw
+from fem.contact.ring import FlankCompliance, flank_compliance
+from fem.gears.geometry import GearPair
+from fem.gears.path import PathPoints, contact_window, path_points
+from fem.gears.sector import sector_mesh
+
+
+class PlaneError(ValueError):
+    """An option of the rung `plane` is outside its valid range."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PairCompliance:
+    """Tables of one slice over the local position, see `MeshLaw` (per unit face width)."""
+
+    compliance: np.ndarray  # (position,), m2/N
+    coupling: np.ndarray  # (neighbour, position), m2/N
+    contact_slope: float  # m2/N
+    contact_offset: np.ndarray  # (position,)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plane:
+    """2-D FE of both toothed rings, sliced along the face; its cost hardly depends on the number of slices.
+
+    Parameters
+    ----------
+    n_slices : slices of equal width over the face
+    refinement : divides all element sizes (1: 0.05 m_n along the flank)
+    patch : half-width of the pressure patches in m_n; the result does not depend on it (below 0.2 %)
+    positions : grid points per base pitch
+    tip_rounding : radius of the tip edges in m_n, used only where an edge touches beyond the path of contact
+    largest_gap : no-load gap up to which tip-edge contact is followed, in m_n; stay above the largest delta
+    """
+
+    model: Literal["plane"] = "plane"
+    n_slices: int = 15
+    refinement: float = 1.0
+    patch: float = 0.08
+    positions: int = 64
+    tip_rounding: float = 0.05
+    largest_gap: float = 0.05
+
+    def __post_init__(self) -> None:
+        limits = {
+            "n_slices": (1, 1000),
+            "refinement": (0.5, 8.0),
+            "patch": (0.02, 0.2),
+            "positions": (16, 1024),
+            "tip_rounding": (0.001, 0.5),
+            "largest_gap": (0.001, 0.08),
+        }
+        for name, (low, high) in limits.items():
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise PlaneError(f"rung plane: {name} is {value!r}; give a value in [{low}, {high}]")
+        if self.patch * self.refinement < 0.04:
+            raise PlaneError(
+                f"rung plane: patch {self.patch} m_n is not resolved by flank elements of "
+                f"{0.05 / self.refinement:.3g} m_n; give refinement >= {0.04 / self.patch:.2g} or a larger patch"
+            )
+
+    def law(self, pair: GearPair, flank: str) -> MeshLaw:
+        """The law of one flank, "drive" or "coast"; the coast flank is the mirror image of the drive flank."""
+        return self.laws(pair)[_flank_index(flank)]
+
+    def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
+        """The laws of drive and coast flank, which share their tables."""
+        path = self.path(pair)
+        tables = self.tables(pair, path)
+        width = pair.face_width / self.n_slices
+        y = (np.arange(self.n_slices) + 0.5) * width - pair.face_width / 2
+        shift = pair.pinion.hand_sign * y * math.tan(pair.base_helix_angle) / pair.base_pitch
+        laws = []
+        for flank, sign, offset in (("drive", 1, 0.0), ("coast", -1, pair.thickness_cycle)):
+            laws.append(
+                MeshLaw(
+                    model=self.model,
+                    flank=flank,
+                    face_coordinate=y,
+                    slice_width=np.full(self.n_slices, width),
+                    cycle_shift=sign * shift,
+                    cycle_sign=sign,
+                    cycle_offset=offset,
+                    position_start=float(path.xi[0]),
+                    position_step=1.0 / self.positions,
+                    compliance=tables.compliance,
+                    contact_slope=tables.contact_slope,
+                    contact_offset=tables.contact_offset,
+                    coupling=tables.coupling,
+                    gap=path.gap,
+                    fraction=np.isfinite(path.gap).astype(float),
+                    base_pitch=pair.base_pitch,
+                    pinion_teeth=pair.pinion.teeth,
+                    wheel_teeth=pair.wheel.teeth,
+                    wheel_tooth_offset=0 if sign > 0 else 1,
+                )
+            )
+        return laws[0], laws[1]
+
+    def path(self, pair: GearPair) -> PathPoints:
+        """The path of contact on the uniform grid that holds every position whose gap is below `largest_gap`."""
+        largest = self.largest_gap * pair.pinion.normal_module
+        first, last = contact_window(pair, largest)
+        grid = np.arange(math.floor(first * self.positions), math.ceil(last * self.positions) + 1) / self.positions
+        return path_points(pair, grid, largest)
+
+    def tables(self, pair: GearPair, path: PathPoints) -> PairCompliance:
+        """Compliances of one slice at the positions of `path`."""
+        depth = pair.pinion.normal_module
+        half_width = self.patch * depth
+        reach = max(1, math.ceil((len(path.xi) - 1) / self.positions) - 1)
+        rings = self.rings(pair, reach)
+        patches = [
+            ring.patches((radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius), half_width)
+            for ring, gear, radius in zip(
+                rings, (pair.pinion, pair.wheel), (path.pinion_radius, path.wheel_radius), strict=True
+            )
+        ]
+        weights = [weight for weight, _ in patches]
+        cosine = math.cos(pair.base_helix_angle)
+        materials = (pair.pinion_material, pair.wheel_material)
+        own = np.zeros(len(path.xi))
+        for (weight, used), ring, material in zip(patches, rings, materials, strict=True):
+            own += np.einsum("pi,ij,pj->p", weight, ring.matrix[0], weight)
+            own += 2 / (math.pi * material.plane_strain_modulus * cosine) * np.log(used / depth)
+        coupling = np.zeros((reach, len(path.xi)))
+        here = np.arange(len(path.xi))
+        for n in range(1, reach + 1):
+            behind = np.clip(here - n * self.positions, 0, None)
+            # the loaded flank leads on the pinion and trails on the wheel, so tooth p + n, which follows, is tooth -n
+            # of the pinion and tooth +n of the wheel counted towards the loaded flank
+            for weight, ring, tooth in zip(weights, rings, (-n, n), strict=True):
+                coupling[n - 1] += np.einsum("pi,ij,pj->p", weight[behind], ring.matrix[tooth], weight)
+        reduced = 1.0 / sum(1.0 / material.plane_strain_modulus for material in materials)
+        slope = 1.0 / (math.pi * reduced * cosine)
+        radius = self.contact_radius(pair, path) / cosine
+        return PairCompliance(
+            compliance=own,
+            coupling=coupling,
+            contact_slope=slope,
+            contact_offset=0.5 + np.log(depth**2 * math.pi * reduced / (4 * radius)),
+        )
+
+    def rings(self, pair: GearPair, reach: int) -> tuple[FlankCompliance, FlankCompliance]:
+        """Flank compliances of pinion and wheel."""
+        from threadpoolctl import threadpool_limits
+
+        out = []
+        with threadpool_limits(1):  # the matrices are small: more threads only wait for one another
+            for gear, material in ((pair.pinion, pair.pinion_material), (pair.wheel, pair.wheel_material)):
+                mesh = sector_mesh(gear, self.refinement)
+                out.append(flank_compliance(mesh, material.elastic_modulus, material.poisson_ratio, reach))
+        return out[0], out[1]
+
+    def contact_radius(self, pair: GearPair, path: PathPoints) -> np.ndarray:
+        """Transverse radius of relative curvature (position,), m.
+
+        Beyond the path a tip edge touches: there the radius goes over, evenly in its logarithm within the tenth of a
+        pitch that edge contact needs to develop, to that of the rounded edge.
+        """
+        beyond = np.maximum(pair.xi_start - path.xi, path.xi - pair.xi_end).clip(0.0)
+        edge = self.tip_rounding * pair.pinion.normal_module
+        share = np.minimum(beyond / 0.1, 1.0)
+        return path.relative_radius ** (1.0 - share) * np.minimum(edge, path.relative_radius) ** share
+
+
+def _flank_index(flank: str) -> int:
+    if flank not in ("drive", "coast"):
+        raise PlaneError(f"rung plane: flank is {flank!r}; choose 'drive' or 'coast'")
+    return ("drive", "coast").index(flank)

@@ -1,0 +1,153 @@
+"""Path of contact of one tooth pair: tip-edge gap beyond its ends, contact radii, curvature, contact line length.
+
+Transverse section, pinion centre at the origin, wheel centre on +x at the centre distance, pinion turning counter-
+clockwise. The line of action touches the base circles at T1, T2 and has the direction n = (sin alpha_wt, cos alpha_wt).
+With the roll lengths L1 = r_b1 tan alpha_wt + xi p_bt and L2 = r_b2 tan alpha_wt - xi p_bt the flanks in mesh have the
+polar angles (about their own centres, at radius R)
+
+    theta1(R) = -alpha_wt + L1 / r_b1 - inv alpha_1(R),     theta2(R) = pi - alpha_wt + L2 / r_b2 - inv alpha_2(R)
+
+which holds for every xi, also where the involutes have ended. Beyond the ends the tip corner of one gear meets the
+flank of the other; the gap is r_b2 times the rotation of the wheel, against the load, until they touch.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from fem.gears.gear import GeometryError, require
+from fem.gears.geometry import GearPair
+
+LARGEST_GAP = 100e-6  # m, tip-edge contact is followed up to this gap unless told otherwise
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PathPoints:
+    """What one tooth pair does at the positions xi (n,).
+
+    gap (n,) m along the transverse line of action, 0 on the path, inf where no contact is possible;
+    pinion_radius, wheel_radius (n,) m of the contact point on each flank (tip radius for the gear whose edge touches);
+    relative_radius (n,) m, transverse radius of relative curvature, held at its end value beyond the ends.
+    """
+
+    xi: np.ndarray
+    gap: np.ndarray
+    pinion_radius: np.ndarray
+    wheel_radius: np.ndarray
+    relative_radius: np.ndarray
+
+
+def path_points(pair: GearPair, xi: np.ndarray, largest_gap: float = LARGEST_GAP) -> PathPoints:
+    """Gap, contact radii and curvature at the positions xi (base pitches from the pitch point)."""
+    xi = np.atleast_1d(np.asarray(xi, dtype=float))
+    l1, l2 = _roll_lengths(pair, np.clip(xi, pair.xi_start, pair.xi_end))
+    gap = np.zeros_like(xi)
+    r1, r2 = np.hypot(pair.pinion.base_radius, l1), np.hypot(pair.wheel.base_radius, l2)
+    before, after = xi < pair.xi_start, xi > pair.xi_end
+    gap[after], r2[after] = _pinion_edge(pair, xi[after])
+    gap[before], r1[before] = _wheel_edge(pair, xi[before])
+    first, last = contact_window(pair, largest_gap)
+    gap[(xi < first) | (xi > last)] = np.inf
+    return PathPoints(xi=xi, gap=gap, pinion_radius=r1, wheel_radius=r2, relative_radius=l1 * l2 / (l1 + l2))
+
+
+def contact_window(pair: GearPair, largest_gap: float = LARGEST_GAP) -> tuple[float, float]:
+    """Positions (xi_first, xi_last) where the tip-edge gap reaches `largest_gap` (m, > 0) or the edge passes the tip.
+
+    Raises
+    ------
+    GeometryError : neither happens within 1.5 pitches
+    """
+    require(largest_gap > 0.0, f"{pair.label}: largest_gap is {largest_gap!r} m; give a value > 0")
+
+    def excess(xi: float) -> float:
+        edge, mate = (_pinion_edge, pair.wheel) if xi > 0.0 else (_wheel_edge, pair.pinion)
+        gap, radius = edge(pair, np.array([xi]))
+        return float(gap[0]) - largest_gap if radius[0] < mate.tip_radius else 1.0  # past the tip: nothing to touch
+
+    ends = []
+    for end, sign in ((pair.xi_start, -1.0), (pair.xi_end, 1.0)):
+        inside, outside = end, end + 0.02 * sign
+        while excess(outside) < 0.0:
+            inside, outside = outside, outside + 0.02 * sign
+            if abs(outside - end) > 1.5:
+                raise GeometryError(
+                    f"{pair.label}: the tip-edge gap does not reach {largest_gap:.3g} m within 1.5 pitches beyond the "
+                    "path of contact: give a smaller largest_gap"
+                )
+        ends.append(brentq(excess, inside, outside, xtol=1e-14))
+    return ends[0], ends[1]
+
+
+def _roll_lengths(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    tangent, shift = math.tan(pair.working_pressure_angle), xi * pair.base_pitch
+    return pair.pinion.base_radius * tangent + shift, pair.wheel.base_radius * tangent - shift
+
+
+def _inv_at(radius: np.ndarray, base_radius: float) -> np.ndarray:
+    """Involute function of the pressure angle at `radius`; 0 inside the base circle."""
+    roll = np.sqrt(np.maximum(radius**2 - base_radius**2, 0.0)) / base_radius
+    return roll - np.arctan(roll)
+
+
+def _pinion_edge(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Gap (m) of the pinion tip corner to the wheel flank beyond xi_end, and the wheel radius (m) there."""
+    p, w, alpha = pair.pinion, pair.wheel, pair.working_pressure_angle
+    l1, l2 = _roll_lengths(pair, xi)
+    corner_angle = -alpha + l1 / p.base_radius - _inv_at(np.array(p.tip_radius), p.base_radius)
+    x = p.tip_radius * np.cos(corner_angle) - pair.axis_distance
+    y = p.tip_radius * np.sin(corner_angle)
+    radius = np.hypot(x, y)
+    flank_angle = math.pi - alpha + l2 / w.base_radius - _inv_at(radius, w.base_radius)
+    return w.base_radius * (np.arctan2(y, x) - flank_angle), radius
+
+
+def _wheel_edge(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Gap (m) of the wheel tip corner to the pinion flank before xi_start, and the pinion radius (m) there."""
+    p, w, alpha = pair.pinion, pair.wheel, pair.working_pressure_angle
+    l1, l2 = _roll_lengths(pair, xi)
+    corner_angle = math.pi - alpha + l2 / w.base_radius - _inv_at(np.array(w.tip_radius), w.base_radius)
+    gap = np.zeros_like(xi)
+    for _ in range(60):  # the rest shrinks by a factor of order gap / radius in each round
+        x = pair.axis_distance + w.tip_radius * np.cos(corner_angle + gap / w.base_radius)
+        y = w.tip_radius * np.sin(corner_angle + gap / w.base_radius)
+        radius = np.hypot(x, y)
+        rest = p.base_radius * (np.arctan2(y, x) - (-alpha + l1 / p.base_radius - _inv_at(radius, p.base_radius)))
+        gap = gap + rest
+        if not np.any(np.abs(rest) > 1e-15):
+            break
+    return gap, radius
+
+
+def slice_fraction(xi: np.ndarray, start: float, end: float, ramp: float) -> np.ndarray:
+    """Part of a slice in contact: the slice covers the positions xi - ramp/2 .. xi + ramp/2, the path start .. end.
+
+    ramp = slice width * tan(beta_b) / p_bt (cycles); 0 gives the box of a spur gear. Returns (n,) in [0, 1].
+    """
+    xi = np.asarray(xi, dtype=float)
+    if ramp == 0.0:
+        return ((xi >= start) & (xi <= end)).astype(float)
+    covered = np.minimum(xi + ramp / 2, end) - np.maximum(xi - ramp / 2, start)
+    return np.clip(covered / ramp, 0.0, 1.0)
+
+
+def line_length(pair: GearPair, cycle: np.ndarray | float, *, missing: bool = False) -> np.ndarray:
+    """Total length of the contact lines at the mesh cycles `cycle` (m), without load and tip-edge contact.
+
+    L(c) = sum_p b phi(c - p) / cos(beta_b), phi the part of the face that lies on the path of contact; the mean over
+    a cycle is eps_alpha b / cos(beta_b). `missing` leaves pair 0 out: the dip lasts eps_gamma cycles and, while the
+    missing line would be complete, is 1/max(eps_alpha, eps_beta) of the mean.
+    """
+    cycle = np.atleast_1d(np.asarray(cycle, dtype=float))
+    ramp = pair.overlap_ratio
+    reach = ramp / 2 + max(-pair.xi_start, pair.xi_end)
+    around = np.arange(-math.ceil(reach) - 1, math.ceil(reach) + 2)
+    pairs = np.floor(cycle)[:, None] + around[None, :]
+    part = slice_fraction(cycle[:, None] - pairs, pair.xi_start, pair.xi_end, ramp)
+    if missing:
+        part = np.where(pairs == 0, 0.0, part)
+    return part.sum(axis=1) * pair.face_width / math.cos(pair.base_helix_angle)

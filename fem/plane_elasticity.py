@@ -1,0 +1,144 @@
+"""Linear elasticity of a section with nine-node quadrilaterals: plane strain, or a helical body seen in its section.
+
+Straight teeth (twist = 0): plane strain, two displacement components. A helical body is loaded alike in every section
+if the load follows the helix. Its displacement then turns with the section, u(x, z) = R(twist z) u(R(-twist z) x), so
+that d/dz is a derivative in the section,
+
+    d/dz (u, v) = twist (J (u, v) - d/dtheta (u, v)),   d/dz w = -twist d/dtheta w,   d/dtheta = x d/dy - y d/dx,
+
+J = [[0, -1], [1, 0]], and three-dimensional elasticity becomes a problem in the section alone with the three
+components (u, v, w). twist = 2 pi / lead = tan(beta) / r. For twist = 0 the axial component w decouples and is left
+out.
+
+Isoparametric, biquadratic, three Gauss points in each direction. Degrees of freedom are numbered
+``components * node + component``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+
+
+class ElementError(ValueError):
+    """An element is turned inside out."""
+
+
+def lagrange(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Quadratic Lagrange functions of the nodes -1, 0, 1 and their derivatives at ``s``; both of shape (..., 3)."""
+    s = np.asarray(s, dtype=float)
+    values = np.stack([s * (s - 1) / 2, 1 - s * s, s * (s + 1) / 2], axis=-1)
+    slopes = np.stack([s - 0.5, -2 * s, s + 0.5], axis=-1)
+    return values, slopes
+
+
+def gauss_grid(order: int = 3) -> tuple[np.ndarray, np.ndarray]:
+    """Tensor Gauss rule on [-1, 1]^2: points (order^2, 2), weights (order^2,)."""
+    x, w = np.polynomial.legendre.leggauss(order)
+    return np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2), np.outer(w, w).ravel()
+
+
+def shape_functions(local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Biquadratic functions (q, 9) and their local derivatives (q, 9, 2) at ``local`` (q, 2).
+
+    Node 3 i + j of an element sits at (s, t) = (i - 1, j - 1).
+    """
+    (n_s, d_s), (n_t, d_t) = lagrange(local[:, 0]), lagrange(local[:, 1])
+    values = np.einsum("qi,qj->qij", n_s, n_t).reshape(-1, 9)
+    slopes = np.stack(
+        [np.einsum("qi,qj->qij", d_s, n_t).reshape(-1, 9), np.einsum("qi,qj->qij", n_s, d_t).reshape(-1, 9)], axis=-1
+    )
+    return values, slopes
+
+
+def geometry(points: np.ndarray, elements: np.ndarray, order: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Quadrature of a mesh: places (e, q, 2), gradients of the shape functions (e, q, 9, 2) and weights (e, q) in m2.
+
+    Raises
+    ------
+    ElementError : the Jacobian is not positive at a quadrature point
+    """
+    local, weight = gauss_grid(order)
+    values, slopes = shape_functions(local)
+    corners = points[elements]  # (e, 9, 2)
+    places = np.einsum("qa,eai->eqi", values, corners)
+    jacobian = np.einsum("qas,eai->eqis", slopes, corners)
+    determinant = jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
+    if (determinant <= 0).any():
+        element = int(np.argmin(determinant.min(axis=1)))
+        raise ElementError(
+            f"section mesh: {int((determinant <= 0).any(axis=1).sum())} of {len(elements)} elements are turned inside "
+            f"out, the worst is element {element} near {places[element].mean(axis=0)} m (Jacobian must be positive). "
+            "Check the tooth profile or change the mesh refinement."
+        )
+    inverse = (
+        np.stack(
+            [
+                np.stack([jacobian[..., 1, 1], -jacobian[..., 0, 1]], axis=-1),
+                np.stack([-jacobian[..., 1, 0], jacobian[..., 0, 0]], axis=-1),
+            ],
+            axis=-2,
+        )
+        / determinant[..., None, None]
+    )  # (e, q, s, i) = d local_s / d x_i
+    gradients = np.einsum("qas,eqsi->eqai", slopes, inverse)
+    return places, gradients, determinant * weight
+
+
+def strain_operator(places: np.ndarray, gradients: np.ndarray, values: np.ndarray, twist: float) -> np.ndarray:
+    """Matrix B (e, q, strain, 9 * components) with the engineering strains of every shape function.
+
+    Strains: (xx, yy, xy) in plane strain, (xx, yy, zz, yz, xz, xy) for twist != 0.
+    """
+    e, q = places.shape[:2]
+    dx, dy = gradients[..., 0], gradients[..., 1]
+    if twist == 0.0:
+        b = np.zeros((e, q, 3, 9, 2))
+        b[:, :, 0, :, 0], b[:, :, 1, :, 1] = dx, dy
+        b[:, :, 2, :, 0], b[:, :, 2, :, 1] = dy, dx
+        return b.reshape(e, q, 3, 18)
+    around = twist * (places[..., :1] * dy - places[..., 1:] * dx)  # twist d/dtheta
+    b = np.zeros((e, q, 6, 9, 3))
+    b[:, :, 0, :, 0], b[:, :, 1, :, 1] = dx, dy
+    b[:, :, 2, :, 2] = -around
+    b[:, :, 3, :, 2], b[:, :, 3, :, 1], b[:, :, 3, :, 0] = dy, -around, twist * values
+    b[:, :, 4, :, 2], b[:, :, 4, :, 0], b[:, :, 4, :, 1] = dx, -around, -twist * values
+    b[:, :, 5, :, 0], b[:, :, 5, :, 1] = dy, dx
+    return b.reshape(e, q, 6, 27)
+
+
+def elasticity(young: float, poisson: float, strains: int) -> np.ndarray:
+    """Hooke's matrix (strains, strains) in Pa for 3 (plane strain) or 6 strains."""
+    shear = young / (2 * (1 + poisson))
+    lame = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
+    normal = 2 if strains == 3 else 3
+    hooke = np.diag([2 * shear] * normal + [shear] * (strains - normal))
+    hooke[:normal, :normal] += lame
+    return hooke
+
+
+def stiffness(
+    points: np.ndarray, elements: np.ndarray, young: float, poisson: float, twist: float = 0.0
+) -> sparse.csc_matrix:
+    """Stiffness matrix per unit length, N/m2, of shape (components * nodes, components * nodes).
+
+    Parameters
+    ----------
+    points : float (nodes, 2), m
+    elements : int (elements, 9), tensor order (see `shape_functions`)
+    young, poisson : Pa, 1
+    twist : rad/m, 0 for plane strain (2 components), otherwise 3 components
+    """
+    places, gradients, weight = geometry(points, elements)
+    values, _ = shape_functions(gauss_grid()[0])
+    b = strain_operator(places, gradients, values, twist)
+    e, q, strains, columns = b.shape
+    stress = np.matmul(elasticity(young, poisson, strains), b) * weight[..., None, None]
+    flat = (e, q * strains, columns)
+    blocks = np.matmul(b.reshape(flat).transpose(0, 2, 1), stress.reshape(flat))
+    components = columns // 9
+    dofs = (components * elements[:, :, None] + np.arange(components)).reshape(e, columns)
+    size = components * len(points)
+    rows = np.broadcast_to(dofs[:, :, None], blocks.shape).ravel()
+    cols = np.broadcast_to(dofs[:, None, :], blocks.shape).ravel()
+    return sparse.csc_matrix((blocks.ravel(), (rows, cols)), shape=(size, size))

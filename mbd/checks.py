@@ -1,0 +1,58 @@
+"""Checks shared by the machine's parts, and the errors of this package."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+
+class MachineError(ValueError):
+    """A part of the machine is described by impossible or contradictory values."""
+
+
+class EquilibriumError(RuntimeError):
+    """The machine has no equilibrium at t = 0, or it was not found."""
+
+
+class StepError(RuntimeError):
+    """A time step did not converge, or the step size is outside the range of the method."""
+
+
+def positive(where: str, value: float, remedy: str = "") -> None:
+    """Raise MachineError unless ``value`` is finite and > 0."""
+    if not (math.isfinite(value) and value > 0):
+        raise MachineError(f"{where}: {value!r} must be finite and greater than 0. {remedy}".rstrip())
+
+
+def not_negative(where: str, value: float, remedy: str = "") -> None:
+    """Raise MachineError unless ``value`` is finite and >= 0."""
+    if not (math.isfinite(value) and value >= 0):
+        raise MachineError(f"{where}: {value!r} must be finite and at least 0. {remedy}".rstrip())
+
+
+def finite(where: str, value: float) -> None:
+    """Raise MachineError unless ``value`` is finite."""
+    if not math.isfinite(value):
+        raise MachineError(f"{where}: {value!r} is not a finite number.")
+
+
+def unique(where: str, names: Sequence[str]) -> None:
+    """Raise MachineError if a name occurs twice."""
+    twice = sorted({n for n in names if list(names).count(n) > 1})
+    if twice:
+        raise MachineError(f"{where}: the name(s) {', '.join(twice)} occur more than once; names must be unique.")
+
+
+def known(where: str, name: str, names: Sequence[str]) -> None:
+    """Raise MachineError if ``name`` is not one of ``names``."""
+    if name not in names:
+        raise MachineError(f"{where}: {name!r} is unknown; known: {', '.join(names) or 'none'}.")
+
+
+def frozen_array(values: object) -> np.ndarray:
+    """A read-only one-dimensional float copy."""
+    result = np.array(values, dtype=float).reshape(-1)
+    result.flags.writeable = False
+    return result

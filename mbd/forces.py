@@ -1,0 +1,233 @@
+"""The nonlinear forces of the machine on their rows, compiled: gear flanks and ropes.
+
+A linear reference (k0, c0) of each element is part of the system's matrices. What is left is the residual force
+lambda = (k0 u + c0 u') - F_t(u, u', t) on the rows, so that the equation of motion reads
+M q'' + C q' + K q = f + B^T lambda. Row order: per mesh delta, psi of the drive flank, delta, psi of the coast flank,
+then the stretch of each rope, then rows that are only observed (rotation of each driving gear).
+
+Element order (for the log): drive and coast flank of each mesh, then the ropes. Log columns: elastic force, elastic
+moment, potential U, its slope dU/dp, the parameter p (mesh cycle; rope stiffness), dissipated power.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from fem.contact.evaluate import evaluate, law_tables
+from fem.contact.law import MeshLaw
+from mbd.load import Rope
+from mbd.machine import Machine
+
+LOG_COLUMNS = ("force", "moment", "energy", "slope", "parameter", "dissipation")
+FLANK_GROUP = 8  # laws are padded to a multiple of this, so that compiled code is shared between machines
+
+
+class ForceTable(NamedTuple):
+    """All constants of the nonlinear elements as flat arrays (a tuple that numba reads)."""
+
+    laws: Any  # padded tuple: drive and coast tables of each mesh
+    clearances: np.ndarray  # all per-tooth clearances, one after another
+    clearance_at: np.ndarray  # (flank, 2) start in `clearances`: pinion, wheel
+    teeth: np.ndarray  # (flank, 2)
+    backlash: np.ndarray  # (flank,), 0 for the drive flank
+    tau: np.ndarray  # (flank,)
+    stiffness: np.ndarray  # (flank, 2) k0 on delta, psi
+    cycle_rate: np.ndarray  # (mesh,) cycles per radian of the driving shaft
+    cycle_start: np.ndarray  # (mesh,)
+    ratio: np.ndarray  # (mesh,) driving shaft angle per motor angle
+    rope_stiffness: np.ndarray  # (rope,) reference k0
+    rope_damping: np.ndarray  # (rope,) reference c0
+    rope_ea: np.ndarray  # (rope,) stiffness times length
+    rope_length: np.ndarray  # (rope,) at t = 0
+    rope_travel: np.ndarray  # (rope,) shortening per motor angle, 0 if the stiffness is kept
+    rope_loss: np.ndarray  # (rope,) 2 zeta sqrt(mass per rope)
+    scale: np.ndarray  # (row,) force or moment that counts as 1 for convergence
+
+
+def force_table(machine: Machine, loads: dict[str, float], stiffness: dict[str, tuple[float, float]]) -> ForceTable:
+    """Constants from the machine, the nominal mesh forces (N) and reference stiffnesses (N/m, N m/rad) by mesh name."""
+    ratios = machine.ratios()
+    laws, clearances, scale = [], [], []
+    for mesh in machine.meshes:
+        laws += [law_tables(mesh.drive), law_tables(mesh.coast)]
+        clearances += [mesh.drive_clearance_pinion, mesh.drive_clearance_wheel]
+        clearances += [mesh.coast_clearance_pinion, mesh.coast_clearance_wheel]
+        width = float(mesh.drive.slice_width.sum())
+        scale += [loads[mesh.name], loads[mesh.name] * width] * 2
+    sizes = np.array([len(c) for c in clearances], dtype=np.int64)
+    starts = np.concatenate([[0], np.cumsum(sizes)])[:-1].astype(np.int64)
+    n_mesh = len(machine.meshes)
+    laws += [laws[0] if laws else law_tables(_empty_law())] * (FLANK_GROUP - 1 - (len(laws) - 1) % FLANK_GROUP)
+    stiff = np.zeros((2 * n_mesh, 2))
+    for i, mesh in enumerate(machine.meshes):
+        stiff[2 * i] = stiffness[mesh.name]
+    ropes = _rope_constants(machine, ratios)
+    load = machine.load
+    if isinstance(load, Rope):
+        scale += [max(load.container_mass * machine.gravity, 1.0) / len(load.drums)] * len(load.drums)
+    return ForceTable(
+        laws=tuple(laws),
+        clearances=np.concatenate([*clearances, np.zeros(1)]),
+        clearance_at=starts.reshape(-1, 2),
+        teeth=sizes.reshape(-1, 2),
+        backlash=np.array([b for m in machine.meshes for b in (0.0, m.backlash)]),
+        tau=np.array([m.damping_time for m in machine.meshes for _ in range(2)]),
+        stiffness=stiff,
+        cycle_rate=np.array([m.cycles_per_radian for m in machine.meshes]),
+        cycle_start=np.array([m.cycle_at_start for m in machine.meshes]),
+        ratio=np.array([ratios[m.driving] for m in machine.meshes]),
+        scale=np.array(scale),
+        **ropes,
+    )
+
+
+def _empty_law() -> MeshLaw:
+    """A law without contact: gives the compiled code its types when a machine has no mesh."""
+    two, none = np.ones(2), np.full(2, np.inf)
+    return MeshLaw(
+        model="none",
+        flank="drive",
+        face_coordinate=np.zeros(1),
+        slice_width=np.ones(1),
+        cycle_shift=np.zeros(1),
+        cycle_sign=1,
+        cycle_offset=0.0,
+        position_start=0.0,
+        position_step=1.0,
+        compliance=two,
+        contact_slope=0.0,
+        contact_offset=two,
+        coupling=np.zeros((0, 2)),
+        gap=none,
+        fraction=two,
+        base_pitch=1.0,
+        pinion_teeth=1,
+        wheel_teeth=1,
+        wheel_tooth_offset=0,
+    )
+
+
+def _rope_constants(machine: Machine, ratios: dict[str, float]) -> dict[str, np.ndarray]:
+    load = machine.load
+    if not isinstance(load, Rope):
+        names = ("stiffness", "damping", "ea", "length", "travel", "loss")
+        return {f"rope_{name}": np.zeros(0) for name in names}
+    n = len(load.drums)
+    stiffness = load.stiffness_times_length / load.length
+    loss = 2 * load.damping_ratio * math.sqrt(load.container_mass / n)
+    travel = load.travel_per_radian * ratios[load.shaft] if load.follow_length else 0.0
+    return {
+        "rope_stiffness": np.full(n, stiffness),
+        "rope_damping": np.full(n, loss * math.sqrt(stiffness)),
+        "rope_ea": np.full(n, load.stiffness_times_length),
+        "rope_length": np.full(n, load.length),
+        "rope_travel": np.full(n, travel),
+        "rope_loss": np.full(n, loss),
+    }
+
+
+@njit(nogil=True, error_model="numpy")
+def row_forces(table, angle, u, v, force, slope_u, slope_v, log):
+    """Residual forces at row displacements u and rates v, motor angle ``angle`` (rad); fills force, slopes and log.
+
+    ``slope_u[r]`` and ``slope_v[r]`` hold d force[r] with respect to the first and second row of r's element.
+    """
+    n_flank = len(table.tau)
+    n_rope = len(table.rope_ea)
+    n_force = 2 * n_flank + n_rope
+    for k in range(n_flank):
+        a = 2 * k
+        i = k // 2
+        cycle = table.cycle_start[i] + table.cycle_rate[i] * (table.ratio[i] * angle + u[n_force + i])
+        at, teeth = table.clearance_at[k], table.teeth[k]
+        pinion = table.clearances[at[0] : at[0] + teeth[0]]
+        wheel = table.clearances[at[1] : at[1] + teeth[1]]
+        f, m, energy, f_d, f_p, m_p, slope = evaluate(
+            table.laws[k], cycle, u[a] - table.backlash[k], u[a + 1], pinion, wheel
+        )
+        k0, kp0, tau = table.stiffness[k, 0], table.stiffness[k, 1], table.tau[k]
+        total, moment, loss = 0.0, 0.0, 0.0
+        slope_u[a, 0], slope_u[a, 1] = k0, 0.0
+        slope_u[a + 1, 0], slope_u[a + 1, 1] = 0.0, kp0
+        slope_v[a, 0], slope_v[a, 1] = tau * k0, 0.0
+        slope_v[a + 1, 0], slope_v[a + 1, 1] = 0.0, 0.0
+        if f > 0.0:
+            arm = m / f
+            rate = v[a] + arm * v[a + 1]
+            total = f + tau * f_d * rate
+            if total > 0.0:
+                moment = arm * total
+                share = total / f
+                slope_u[a, 0] -= f_d
+                slope_u[a, 1] -= f_p
+                slope_u[a + 1, 0] -= arm * f_d + share * (f_p - arm * f_d)
+                slope_u[a + 1, 1] -= arm * f_p + share * (m_p - arm * f_p)
+                slope_v[a, 0] -= tau * f_d
+                slope_v[a, 1] -= tau * f_d * arm
+                slope_v[a + 1, 0] -= tau * f_d * arm
+                slope_v[a + 1, 1] -= tau * f_d * arm * arm
+            else:
+                total = 0.0
+            loss = (total - f) * rate
+        force[a] = k0 * u[a] + tau * k0 * v[a] - total
+        force[a + 1] = kp0 * u[a + 1] - moment
+        log[k, 0], log[k, 1], log[k, 2], log[k, 3], log[k, 4], log[k, 5] = f, m, energy, slope, cycle, loss
+    for j in range(n_rope):
+        r = 2 * n_flank + j
+        stiff = table.rope_ea[j] / (table.rope_length[j] - table.rope_travel[j] * angle)
+        damp = table.rope_loss[j] * math.sqrt(stiff)
+        elastic, total = 0.0, 0.0
+        slope_u[r, 0], slope_u[r, 1] = table.rope_stiffness[j], 0.0
+        slope_v[r, 0], slope_v[r, 1] = table.rope_damping[j], 0.0
+        if u[r] > 0.0:
+            elastic = stiff * u[r]
+            total = elastic + damp * v[r]
+            if total > 0.0:
+                slope_u[r, 0] -= stiff
+                slope_v[r, 0] -= damp
+            else:
+                total = 0.0
+        force[r] = table.rope_stiffness[j] * u[r] + table.rope_damping[j] * v[r] - total
+        k = n_flank + j
+        log[k, 0], log[k, 1], log[k, 2] = elastic, 0.0, 0.5 * elastic * max(u[r], 0.0)
+        log[k, 3], log[k, 4], log[k, 5] = 0.5 * max(u[r], 0.0) ** 2, stiff, (total - elastic) * v[r]
+
+
+@njit(nogil=True, error_model="numpy")
+def partner(row, n_flank):
+    """First and second row of the element that ``row`` belongs to."""
+    if row < 2 * n_flank:
+        return row - row % 2, row - row % 2 + 1
+    return row, row
+
+
+@njit(nogil=True, error_model="numpy")
+def solve_dense(matrix, right):
+    """Gaussian elimination with partial pivoting in place; the answer is in ``right``; False if singular."""
+    n = len(right)
+    for i in range(n):
+        p = i
+        for j in range(i + 1, n):
+            if abs(matrix[j, i]) > abs(matrix[p, i]):
+                p = j
+        if matrix[p, i] == 0.0 or not math.isfinite(matrix[p, i]):
+            return False
+        if p != i:
+            for j in range(i, n):
+                matrix[i, j], matrix[p, j] = matrix[p, j], matrix[i, j]
+            right[i], right[p] = right[p], right[i]
+        for j in range(i + 1, n):
+            q = matrix[j, i] / matrix[i, i]
+            if q != 0.0:
+                for c in range(i + 1, n):
+                    matrix[j, c] -= q * matrix[i, c]
+                right[j] -= q * right[i]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            right[i] -= matrix[i, j] * right[j]
+        right[i] /= matrix[i, i]
+    return True

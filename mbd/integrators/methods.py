@@ -1,0 +1,15 @@
+"""METHODS: the time integrators by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from mbd.integrators.base import Integrator
+from mbd.integrators.exponential import exponential
+from mbd.integrators.trapezoidal import trapezoidal
+from mbd.system import System
+
+METHODS: dict[str, Callable[[System, float], Integrator]] = {
+    "exponential": exponential,
+    "trapezoidal": trapezoidal,
+}

@@ -1,0 +1,27 @@
+"""Trapezoidal rule: A-stable, second order, no damping of its own; equal to Newmark's average acceleration.
+
+eta_new = [(1 + z/2) eta + (h/2)(g_old + g_new)]/(1 - z/2), z = lambda h. Its period error is (omega h)^2/12.
+
+References
+----------
+Newmark (1959), J. Eng. Mech. Div. ASCE 85(3), 67-94; Hughes (1987), The Finite Element Method, section 9.1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbd.integrators.modal import ModalIntegrator
+from mbd.system import System
+
+
+def coefficients(eigenvalues: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """E, a, b of eta_new = E eta + a g_old + b g_new."""
+    half = eigenvalues * step / 2
+    share = step / 2 / (1 - half)
+    return (1 + half) / (1 - half), share, share
+
+
+def trapezoidal(system: System, step: float) -> ModalIntegrator:
+    """Integrator with the average of the forces at both ends."""
+    return ModalIntegrator(system, step, coefficients)

@@ -1,0 +1,104 @@
+"""Machine: what there is, in SI, before any matrix is formed.
+
+Shafts lie along y; the shaft that carries the couplings is the input. The lifting angle of every shaft is positive
+and follows from the motor angle by the ratios of the meshes: the rolling pattern of the train.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from mbd.bearings import BearingSpec
+from mbd.checks import MachineError, finite, known, unique
+from mbd.drive import CouplingSpec, SpeedProfile
+from mbd.gear_mesh import MeshSpec, mesh_rows
+from mbd.load import Load
+from mbd.shafts import ShaftSpec
+
+STANDARD_GRAVITY = 9.80665
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Machine:
+    """Shafts in bearings, coupled by meshes, driven by motors, loaded at the drums.
+
+    ``gravity`` (m/s2, along -z) acts on shafts, disks and container; the casing's own weight only shifts its rest
+    position and is left out. ``losses`` has the one rung "none".
+    """
+
+    shafts: tuple[ShaftSpec, ...]
+    bearings: tuple[BearingSpec, ...]
+    meshes: tuple[MeshSpec, ...]
+    couplings: tuple[CouplingSpec, ...]
+    profile: SpeedProfile
+    load: Load
+    gravity: float = STANDARD_GRAVITY
+    losses: Literal["none"] = "none"
+
+    def __post_init__(self) -> None:
+        shafts = [s.name for s in self.shafts]
+        unique("shafts", shafts)
+        unique("bearings", [b.name for b in self.bearings])
+        unique("meshes", [m.name for m in self.meshes])
+        unique("couplings", [c.name for c in self.couplings])
+        finite("gravity", self.gravity)
+        if not self.couplings:
+            raise MachineError("machine: no motor coupling; at least one must hold the input shaft.")
+        if self.losses != "none":
+            raise MachineError(f"losses: {self.losses!r} is unknown; known: none.")
+        for bearing in self.bearings:
+            known(f"bearing {bearing.name} shaft", bearing.shaft, shafts)
+            self.shaft(bearing.shaft).check_station(f"bearing {bearing.name}", bearing.y)
+        for coupling in self.couplings:
+            known(f"coupling {coupling.name} shaft", coupling.shaft, shafts)
+            self.shaft(coupling.shaft).check_station(f"coupling {coupling.name}", coupling.y)
+        known("load shaft", self.load.shaft, shafts)
+        for y in self.load.drums:
+            self.shaft(self.load.shaft).check_station("drum", y)
+        for mesh in self.meshes:
+            for name in (mesh.driving, mesh.driven):
+                known(f"mesh {mesh.name} shaft", name, shafts)
+                self.shaft(name).check_station(f"mesh {mesh.name}", mesh.y)
+            mesh_rows(mesh, self.shaft(mesh.driving), self.shaft(mesh.driven))
+        self.ratios()
+
+    def shaft(self, name: str) -> ShaftSpec:
+        """The shaft called ``name``."""
+        return next(s for s in self.shafts if s.name == name)
+
+    def stations(self, name: str) -> tuple[float, ...]:
+        """Positions y on the shaft ``name`` that need a node: bearings, meshes, couplings, drums."""
+        result = [b.y for b in self.bearings if b.shaft == name]
+        result += [m.y for m in self.meshes if name in (m.driving, m.driven)]
+        result += [c.y for c in self.couplings if c.shaft == name]
+        result += list(self.load.drums) if self.load.shaft == name else []
+        return tuple(result)
+
+    def ratios(self) -> dict[str, float]:
+        """Lifting angle of every shaft per motor angle.
+
+        Raises
+        ------
+        MachineError : couplings on several shafts, a shaft that no motor turns, or a closed loop of meshes
+        """
+        driven_by_motor = {c.shaft for c in self.couplings}
+        if len(driven_by_motor) > 1:
+            raise MachineError(
+                f"couplings: motors hold several shafts ({', '.join(sorted(driven_by_motor))}); put them on one."
+            )
+        result = {self.couplings[0].shaft: 1.0}
+        waiting = list(self.meshes)
+        while waiting:
+            ready = [m for m in waiting if m.driving in result]
+            if not ready:
+                raise MachineError(f"mesh {waiting[0].name}: no motor reaches its driving shaft {waiting[0].driving}.")
+            mesh = ready[0]
+            if mesh.driven in result:
+                raise MachineError(f"mesh {mesh.name}: closes a loop at {mesh.driven}; the train must be open.")
+            result[mesh.driven] = result[mesh.driving] * mesh.ratio
+            waiting.remove(mesh)
+        idle = [s.name for s in self.shafts if s.name not in result]
+        if idle:
+            raise MachineError(f"shafts {', '.join(idle)}: no mesh or motor turns them; remove them or add a mesh.")
+        return result

@@ -1,0 +1,73 @@
+"""Recorder: turns blocks of states into channels, low-pass filters them and keeps one sample per output interval.
+
+The filter is a linear-phase FIR (Kaiser window): flat to ``PASS_SHARE`` of the output rate, at least
+``ATTENUATION`` dB down at and above 1 - ``PASS_SHARE`` of it, so that nothing folds into the pass band. Its delay is
+taken out: a sample at time t uses the steps around t. Before t = 0 the machine rests, so the first value is repeated.
+
+References
+----------
+Oppenheim & Schafer (2010), Discrete-Time Signal Processing, section 7.6 (Kaiser window).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import signal
+
+from mbd.integrators.base import Block, Integrator
+from mbd.system import System
+
+PASS_SHARE = 0.4
+ATTENUATION = 80.0  # dB
+
+
+def low_pass(steps_per_sample: int) -> np.ndarray:
+    """Filter taps (odd number, sum 1); the single tap 1 when every step is a sample."""
+    if steps_per_sample == 1:
+        return np.ones(1)
+    width = 2 * (1 - 2 * PASS_SHARE) / steps_per_sample  # of the Nyquist frequency of the steps
+    taps, beta = signal.kaiserord(ATTENUATION, width)
+    pairs = int(np.ceil((taps - 1) / (2 * steps_per_sample)))  # a delay of whole samples
+    taps = 1 + 2 * steps_per_sample * pairs
+    result = signal.firwin(taps, 1.0 / steps_per_sample, window=("kaiser", beta))
+    return result / result.sum()
+
+
+class Recorder:
+    """Collects ``n_samples`` samples, ``steps_per_sample`` steps apart, of the system's channels."""
+
+    def __init__(self, system: System, integrator: Integrator, steps_per_sample: int, n_samples: int) -> None:
+        rows, h = system.channels, integrator.inverse_mass
+        self._states = (
+            rows.displacement @ integrator.displacement
+            + rows.velocity @ integrator.velocity
+            - rows.acceleration
+            @ h
+            @ (system.damping @ integrator.velocity + system.stiffness @ integrator.displacement)
+        )
+        self._forces = rows.forces + rows.acceleration @ h @ system.rows.T
+        self._constant = rows.acceleration @ h @ system.constant_force
+        self._ramp = rows.rigid[:, 2] - rows.acceleration @ h @ (system.mass @ system.rolling)
+        self._taps = low_pass(steps_per_sample)
+        self._every = steps_per_sample
+        self._pending = np.zeros((len(rows.names), 0))  # instants not yet used up
+        self._next = 0  # next sample
+        self.values = np.zeros((len(rows.names), n_samples))
+        self.steps_needed = (n_samples - 1) * steps_per_sample + len(self._taps) // 2
+
+    def take(self, block: Block, accelerations: np.ndarray) -> None:
+        """Add the instants of a block; ``accelerations`` (instant,) of the motor there."""
+        fresh = self._states @ block.states.T + self._forces @ block.forces.T
+        fresh += self._constant[:, None] + np.outer(self._ramp, accelerations)
+        if self._pending.shape[1] == 0 and self._next == 0:
+            fresh = np.hstack([np.repeat(fresh[:, :1], len(self._taps) // 2, axis=1), fresh])
+        pending = np.hstack([self._pending, fresh])
+        left = self.values.shape[1] - self._next
+        ready = min(left, max(0, (pending.shape[1] - len(self._taps)) // self._every + 1))
+        if ready:
+            used = pending[:, : (ready - 1) * self._every + len(self._taps)]
+            first = (len(self._taps) - 1) // self._every  # where the taps fit entirely
+            filtered = signal.upfirdn(self._taps, used, down=self._every, axis=1)
+            self.values[:, self._next : self._next + ready] = filtered[:, first : first + ready]
+            self._next += ready
+        self._pending = pending[:, ready * self._every :]

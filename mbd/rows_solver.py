@@ -1,0 +1,108 @@
+"""Newton iteration for the forces on the rows of one time step or of the equilibrium, compiled.
+
+With the predictions u_p, v_p without the new forces and the constant matrices G_u, G_v of the linear system, find
+
+    lambda = Lambda(u, v),   u = u_p + G_u lambda,   v = v_p + G_v lambda.
+
+The flank potentials are convex and G_u is positive, so the solution is unique; a step that raises the residual is
+halved (the force law has kinks where a contact opens).
+
+Compiled code is kept on disk. The compiler looks only at the file of the function it stores, so what is stored is made
+by a factory whose argument is a digest of every file it is built from.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numba import njit
+
+import fem.contact.evaluate
+import mbd.forces
+from mbd.forces import partner, row_forces, solve_dense
+
+MAX_ITERATIONS = 60
+MAX_HALVINGS = 8
+
+
+@njit(nogil=True, error_model="numpy")
+def move_rows(predicted, flexibility, force, result):
+    """result = predicted + flexibility @ force; rows beyond the forces are observed only."""
+    for r in range(len(predicted)):
+        total = predicted[r]
+        for j in range(len(force)):
+            total += flexibility[r, j] * force[j]
+        result[r] = total
+
+
+@njit(nogil=True, error_model="numpy")
+def residual_size(force, target, scale):
+    """Largest |target - force| in units of ``scale``."""
+    worst = 0.0
+    for r in range(len(force)):
+        worst = max(worst, abs(target[r] - force[r]) / scale[r])
+    return worst
+
+
+@njit(nogil=True, error_model="numpy")
+def iterate(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
+    """Iterate on ``force`` (in: guess, out: solution); returns the iterations used, or -1 without convergence."""
+    m = len(force)
+    n_flank = len(table.tau)
+    target, step, trial = np.empty(m), np.empty(m), np.empty(m)
+    slope_u, slope_v = np.empty((m, 2)), np.empty((m, 2))
+    matrix = np.empty((m, m))
+    move_rows(u_p, g_u, force, u)
+    move_rows(v_p, g_v, force, v)
+    row_forces(table, angle, u, v, target, slope_u, slope_v, log)
+    size = residual_size(force, target, table.scale)
+    for iteration in range(MAX_ITERATIONS):
+        if size <= tolerance:
+            return iteration
+        for r in range(m):
+            a, b = partner(r, n_flank)
+            ua, ub, va, vb = slope_u[r, 0], slope_u[r, 1], slope_v[r, 0], slope_v[r, 1]
+            for c in range(m):
+                matrix[r, c] = -(ua * g_u[a, c] + ub * g_u[b, c] + va * g_v[a, c] + vb * g_v[b, c])
+            matrix[r, r] += 1.0
+            step[r] = target[r] - force[r]
+        if not solve_dense(matrix, step):
+            return -1
+        before, part = size, 1.0
+        for _ in range(MAX_HALVINGS):
+            for r in range(m):
+                trial[r] = force[r] + part * step[r]
+            move_rows(u_p, g_u, trial, u)
+            move_rows(v_p, g_v, trial, v)
+            row_forces(table, angle, u, v, target, slope_u, slope_v, log)
+            size = residual_size(trial, target, table.scale)
+            if size < before:
+                break
+            part *= 0.5
+        force[:] = trial
+    return -1
+
+
+def source_digest(*files: str) -> int:
+    """Checksum of the sources that the compiled row solver is made of, and of ``files``."""
+    total = 0
+    contact = sorted(Path(str(fem.contact.evaluate.__file__)).parent.glob("*.py"))
+    for name in (*contact, mbd.forces.__file__, __file__, *files):
+        total = zlib.crc32(Path(str(name)).read_bytes(), total)
+    return total
+
+
+def _compiled(digest: int) -> Callable:
+    @njit(cache=True, nogil=True, error_model="numpy")
+    def solve(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
+        if digest < 0:  # part of the key under which the compiled code is stored
+            return -1
+        return iterate(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance)
+
+    return solve
+
+
+solve_rows = _compiled(source_digest())

@@ -1,0 +1,144 @@
+"""simulate: from equilibrium through the speed profile to a Trajectory."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from mbd.books import BOOK_COLUMNS, Books
+from mbd.checks import StepError, positive
+from mbd.integrators.base import Block, Integrator
+from mbd.integrators.methods import METHODS
+from mbd.recorder import PASS_SHARE, Recorder
+from mbd.statics import State, equilibrium
+from mbd.system import System, mesh_mode_frequency
+from mbd.trajectory import Trajectory
+
+logger = logging.getLogger(__name__)
+
+STEPS_PER_PERIOD = 8  # of the highest mesh mode, for the default step
+BLOCK_STATES = 400_000  # numbers per block of states: memory does not grow with the run
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """Length (s) and output rate (Hz) of a run; ``step`` (s) is rounded down to a whole part of the output interval.
+
+    ``step`` None takes 8 steps per period of the highest mesh mode. ``integrator`` is a name of METHODS.
+    """
+
+    end: float
+    output_rate: float = 10e3
+    step: float | None = None
+    integrator: str = "exponential"
+
+    def __post_init__(self) -> None:
+        positive("settings end", self.end)
+        positive("settings output_rate", self.output_rate)
+        if self.step is not None:
+            positive("settings step", self.step)
+        if self.integrator not in METHODS:
+            raise ValueError(f"integrator {self.integrator!r} is unknown; known: {', '.join(METHODS)}.")
+        if self.end * self.output_rate < 1:
+            raise ValueError(f"settings: end {self.end} s is shorter than one sample at {self.output_rate} Hz.")
+
+    @property
+    def n_samples(self) -> int:
+        """Samples at 0, 1/output_rate, ... before ``end``."""
+        return round(self.end * self.output_rate)
+
+
+def steps_per_sample(system: System, settings: Settings) -> int:
+    """Whole number of time steps per output interval."""
+    step = settings.step
+    if step is None:
+        mode = mesh_mode_frequency(system)
+        step = 1 / (STEPS_PER_PERIOD * mode) if mode else 1 / settings.output_rate
+    return max(1, math.ceil(1 / (settings.output_rate * step) - 1e-9))
+
+
+def simulate(
+    system: System, settings: Settings, progress: Progress | None = None, start: State | None = None
+) -> Trajectory:
+    """Run the machine.
+
+    Parameters
+    ----------
+    system, settings : what and how
+    progress : called with the share done (0..1) after every block; may raise to interrupt
+    start : state at t = 0, the equilibrium if None
+
+    Raises
+    ------
+    EquilibriumError, StepError : with the reason
+    """
+    every = steps_per_sample(system, settings)
+    step = 1 / (settings.output_rate * every)
+    integrator = METHODS[settings.integrator](system, step)
+    recorder = Recorder(system, integrator, every, settings.n_samples)
+    books = Books(system, integrator, step, recorder.steps_needed)
+    state = equilibrium(system) if start is None else start
+    block = integrator.start(state)
+    _feed(block, np.zeros(1), 0, system, step, recorder, books)
+    size = max(every, BLOCK_STATES // block.states.shape[1])
+    done = 0
+    while done < recorder.steps_needed:
+        n = min(size, recorder.steps_needed - done)
+        _advance(integrator, system, done, n, step, recorder, books)
+        done += n
+        if progress is not None:
+            progress(done / recorder.steps_needed)
+    counters = integrator.counters | books.events()
+    logger.info("simulated %d steps of %.3g s: %s", done, step, counters)
+    return _trajectory(system, settings, step, recorder, books, counters)
+
+
+def _advance(
+    integrator: Integrator, system: System, done: int, n: int, step: float, recorder: Recorder, books: Books
+) -> None:
+    """Take n steps and hand them on; the acceleration of a step is the mean over it, so that no impulse is lost."""
+    profile = system.machine.profile
+    times = step * np.arange(done, done + n + 1)
+    accelerations = np.diff(profile.speed(times)) / step
+    block = integrator.advance(profile.angle(times[1:]), accelerations)
+    if not np.isfinite(block.states).all():
+        bad = int(np.argmax(~np.isfinite(block.states).all(axis=1)))
+        raise StepError(f"t = {times[bad + 1]:.6g} s: the state is not finite (h = {step:.3g} s). Use a smaller step.")
+    _feed(block, accelerations, done + 1, system, step, recorder, books)
+
+
+def _feed(
+    block: Block, accelerations: np.ndarray, first: int, system: System, step: float, recorder: Recorder, books: Books
+) -> None:
+    recorder.take(block, accelerations)
+    books.take(block, first, accelerations)
+
+
+def _trajectory(
+    system: System, settings: Settings, step: float, recorder: Recorder, books: Books, counters: dict[str, int]
+) -> Trajectory:
+    rows, profile = system.channels, system.machine.profile
+    time = np.arange(settings.n_samples) / settings.output_rate
+    values = recorder.values + np.outer(rows.rigid[:, 0], profile.angle(time))
+    values += np.outer(rows.rigid[:, 1], profile.speed(time))
+    parts, table = books.table()
+    return Trajectory(
+        integrator=settings.integrator,
+        time=time,
+        channel_names=rows.names,
+        channel_units=rows.units,
+        values=values,
+        step=step,
+        output_rate=settings.output_rate,
+        pass_band=PASS_SHARE * settings.output_rate,
+        counter_names=tuple(counters),
+        counters=np.array(list(counters.values()), dtype=float),
+        book_parts=parts,
+        book_columns=BOOK_COLUMNS,
+        books=table,
+    )

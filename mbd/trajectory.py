@@ -1,0 +1,42 @@
+"""Trajectory: what a run returns, sampled at the output rate, with its books and counters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.records import Record, array, names, scalar, text
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Trajectory(Record):
+    """Channels over time; ``values[i]`` is the channel ``channel_names[i]`` in ``channel_units[i]``."""
+
+    integrator: str = text()
+    time: np.ndarray = array("time", units="s")
+    channel_names: tuple[str, ...] = names("channel")
+    channel_units: tuple[str, ...] = names("channel")
+    values: np.ndarray = array("channel", "time", units="per channel")
+    step: float = scalar(units="s")
+    output_rate: float = scalar(units="Hz")
+    pass_band: float = scalar(units="Hz")  # flat up to here; above output_rate - pass_band removed
+    counter_names: tuple[str, ...] = names("counter")
+    counters: np.ndarray = array("counter", units="1")
+    book_parts: tuple[str, ...] = names("part")
+    book_columns: tuple[str, ...] = names("entry")
+    books: np.ndarray = array("part", "entry", units="J")
+
+    def channel(self, name: str) -> np.ndarray:
+        """Values (time,) of one channel; KeyError with the known names if absent."""
+        if name not in self.channel_names:
+            raise KeyError(f"{name!r} is not a channel of this run; known: {', '.join(self.channel_names)}")
+        return self.values[self.channel_names.index(name)]
+
+    def counter(self, name: str) -> int:
+        """One counter, e.g. ``"steps"``."""
+        return int(self.counters[self.counter_names.index(name)])
+
+    def book(self, part: str, entry: str) -> float:
+        """One entry (J) of the energy book, e.g. ``("total", "residual")``."""
+        return float(self.books[self.book_parts.index(part), self.book_columns.index(entry)])

@@ -1,0 +1,88 @@
+"""The version of the code of a stage: a hash of the source of every module of ours that it can reach.
+
+Imports are followed by reading the source, those inside functions too, so that an edited helper changes the version
+and an edited neighbour does not.
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+import hashlib
+import importlib.util
+from importlib import metadata
+from pathlib import Path
+
+OWN_PACKAGES = ("fem", "mbd", "pipelines")
+
+
+@functools.cache
+def code_version(*modules: str) -> str:
+    """SHA-256 over the source texts of `modules` and all that they import from our packages."""
+    total = hashlib.sha256()
+    for name in reachable(*modules):
+        total.update(name.encode())
+        total.update(hashlib.sha256(_source(name)).digest())
+    return total.hexdigest()[:16]
+
+
+def reachable(*modules: str) -> list[str]:
+    """The modules and everything of ours that they import, directly or not, sorted."""
+    found: set[str] = set()
+    waiting = list(modules)
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found.add(name)
+            waiting.extend(_imports(name))
+    return sorted(found)
+
+
+def library_versions(*names: str) -> dict[str, str]:
+    """Installed versions of distributions; "absent" where there is none."""
+    return {name: _version(name) for name in names}
+
+
+@functools.cache
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return "absent"
+
+
+@functools.cache
+def _imports(module: str) -> tuple[str, ...]:
+    out: set[str] = set()
+    for node in ast.walk(ast.parse(_source(module))):
+        if isinstance(node, ast.Import):
+            out.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
+            out.update(
+                deeper if _path(deeper := f"{node.module}.{alias.name}") else node.module for alias in node.names
+            )
+    return tuple(name for name in out if name.partition(".")[0] in OWN_PACKAGES and _path(name))
+
+
+@functools.cache
+def _source(module: str) -> bytes:
+    path = _path(module)
+    if path is None:
+        raise ModuleNotFoundError(f"{module}: its source is not found; stages need modules with a source file")
+    return path.read_bytes()
+
+
+@functools.cache
+def _path(module: str) -> Path | None:
+    top, *rest = module.split(".")
+    spec = importlib.util.find_spec(top)
+    if spec is None or spec.origin is None:
+        return None
+    base = Path(spec.origin)
+    if not rest:
+        return base
+    folder = base.parent.joinpath(*rest)
+    for path in (folder.with_suffix(".py"), folder / "__init__.py"):
+        if path.is_file():
+            return path
+    return None

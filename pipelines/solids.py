@@ -1,0 +1,103 @@
+"""Surfaces to look at: a transverse outline drawn along the helix."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def without_tooth(outline: np.ndarray, teeth: int, centre_angle: float) -> tuple[np.ndarray, np.ndarray]:
+    """Take one tooth off an outline.
+
+    Parameters
+    ----------
+    outline : float (n, 2), m, counter-clockwise, gear centre at the origin
+    centre_angle : rad, polar angle of the middle of the tooth
+
+    Returns
+    -------
+    outline with the root circle in place of the tooth, and the outline of the tooth that is gone, float (k, 2)
+    """
+    radius, angle = np.hypot(*outline.T), np.arctan2(outline[:, 1], outline[:, 0])
+    offset = (angle - centre_angle + np.pi) % (2 * np.pi) - np.pi
+    half = np.pi / teeth
+    inside = np.abs(offset) < half * (1 - 1e-6)  # the middles of the two spaces stay
+    root = radius[inside].min()
+    first = np.flatnonzero(~inside & np.roll(inside, -1))[0] + 1  # start of the tooth, going round
+    rolled, gone = np.roll(outline, -first, axis=0), np.roll(inside, -first)
+    tooth, rest = rolled[gone], rolled[~gone]
+    sweep = centre_angle + np.linspace(-half, half, 11)[1:-1]
+    arc = root * np.column_stack([np.cos(sweep), np.sin(sweep)])
+    return np.vstack([rest, arc]), tooth
+
+
+def gear_surface(
+    outline: np.ndarray, bore: float, twist: float, face_width: float, layers: int = 13
+) -> tuple[np.ndarray, np.ndarray]:
+    """Closed surface of a gear: outline and bore drawn along the helix, rings of quadrilaterals as end faces.
+
+    Parameters
+    ----------
+    outline : float (n, 2), m, transverse section at mid face, counter-clockwise
+    bore : radius, m
+    twist : rad per m of face width, positive for a rotation about +z with growing z
+
+    Returns
+    -------
+    points : float (2 n layers, 3), m, axis along z, mid face at z = 0
+    quads : int (q, 4), normals outwards
+    """
+    count = len(outline)
+    angle = np.arctan2(outline[:, 1], outline[:, 0])
+    inner = bore * np.column_stack([np.cos(angle), np.sin(angle)])
+    points = np.concatenate([_drawn(ring, twist, face_width, layers) for ring in (outline, inner)])
+    outside = _walls(count, layers)
+    inside = _walls(count, layers)[:, ::-1] + count * layers
+    here = np.arange(count)
+    after = np.roll(here, -1)
+    shift, top = count * layers, count * (layers - 1)
+    bottom_face = np.column_stack([here, here + shift, after + shift, after])
+    top_face = np.column_stack([here, after, after + shift, here + shift]) + top
+    return points, np.concatenate([outside, inside, bottom_face, top_face])
+
+
+def prism_surface(
+    outline: np.ndarray, twist: float, face_width: float, layers: int = 13
+) -> tuple[np.ndarray, np.ndarray]:
+    """Closed surface of a small outline, e.g. one tooth: walls and end faces as fans (quads with a double node)."""
+    count = len(outline)
+    centre = outline.mean(axis=0, keepdims=True)
+    points = np.concatenate(
+        [_drawn(outline, twist, face_width, layers), _drawn(centre, twist, face_width, layers)[[0, -1]]]
+    )
+    here = np.arange(count)
+    after = np.roll(here, -1)
+    low, high = np.full(count, count * layers), np.full(count, count * layers + 1)
+    top = count * (layers - 1)
+    bottom_face = np.column_stack([low, low, after, here])
+    top_face = np.column_stack([high, high, here + top, after + top])
+    return points, np.concatenate([_walls(count, layers), bottom_face, top_face])
+
+
+def enclosed_volume(points: np.ndarray, quads: np.ndarray) -> float:
+    """Volume inside a closed surface, m3, by the divergence theorem over two triangles per quad."""
+    total = 0.0
+    for corners in (quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]):
+        a, b, c = (points[corners[:, i]] for i in range(3))
+        total += float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
+    return total
+
+
+def _drawn(ring: np.ndarray, twist: float, face_width: float, layers: int) -> np.ndarray:
+    sections = []
+    for z in np.linspace(-face_width / 2, face_width / 2, layers):
+        cosine, sine = np.cos(twist * z), np.sin(twist * z)
+        turned = ring @ np.array([[cosine, sine], [-sine, cosine]])
+        sections.append(np.column_stack([turned, np.full(len(ring), z)]))
+    return np.concatenate(sections)
+
+
+def _walls(count: int, layers: int) -> np.ndarray:
+    here = np.arange(count)
+    after = np.roll(here, -1)
+    one = np.column_stack([here, after, after + count, here + count])
+    return np.concatenate([one + count * layer for layer in range(layers - 1)])

@@ -1,0 +1,161 @@
+"""Pictures: solids have the right volume, labels the right places, and a dead renderer stops nothing."""
+
+import logging
+import sys
+
+import numpy as np
+import pytest
+from matplotlib.path import Path
+from synthetic import box, gear_outline, key_points
+
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
+from pipelines import pictures
+from pipelines.callouts import casing_figure, gear_figure, spread
+from pipelines.pictures import CasingView, GearPairView, LeftOut, Picture, render_casing, render_gears
+from pipelines.plots import StiffnessPlot
+from pipelines.shapes import casing_view, gear_view
+from pipelines.solids import enclosed_volume, gear_surface, prism_surface, without_tooth
+
+
+def area(outline):
+    x, y = outline.T
+    return 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
+
+
+def pair():
+    return GearPairView(
+        pinion_outline=gear_outline(20, 0.002),
+        wheel_outline=gear_outline(55, 0.002, np.pi + np.pi / 55),
+        pinion_teeth=20,
+        wheel_teeth=55,
+        pinion_bore=0.01,
+        wheel_bore=0.02,
+        pinion_twist=10.0,
+        wheel_twist=-3.6,
+        face_width=0.012,
+        centre_distance=0.075,
+        missing_gear="wheel",
+        missing_angle=np.pi + np.pi / 55 + 8 * np.pi / 55,
+    )
+
+
+def test_gear_surface_encloses_area_times_width():
+    outline = gear_outline(20, 0.002)
+    bore = 0.01 * np.column_stack([np.cos(a := np.arctan2(*outline.T[::-1])), np.sin(a)])
+    points, quads = gear_surface(outline, 0.01, 0.0, 0.012)
+    exact = (area(outline) - area(bore)) * 0.012
+    assert enclosed_volume(points, quads) == pytest.approx(exact, rel=1e-12)
+    twisted = enclosed_volume(*gear_surface(outline, 0.01, 10.0, 0.012, layers=41))
+    assert twisted == pytest.approx(exact, rel=2e-3)  # walls are facets between the layers
+
+
+def test_missing_tooth_and_the_rest_make_the_whole_gear():
+    outline = gear_outline(20, 0.002)
+    rest, tooth = without_tooth(outline, 20, 2 * np.pi * 7 / 20)
+    root = 0.02 - 1.25 * 0.002
+    arc = root**2 / 2 * (0.84 * 2 * np.pi / 20)  # sector under the tooth, foot to foot
+    fan = area(np.vstack([tooth, [[0, 0]]])) - arc
+    assert area(rest) == pytest.approx(area(outline) - fan, rel=2e-3)
+    assert np.hypot(*tooth.T).max() == pytest.approx(0.022)
+    middle = np.arctan2(*tooth.mean(axis=0)[::-1]) % (2 * np.pi)
+    assert middle == pytest.approx(2 * np.pi * 7 / 20, abs=0.02)
+    volume = enclosed_volume(*prism_surface(tooth, 0.0, 0.012))
+    assert volume == pytest.approx(area(tooth) * 0.012, rel=1e-12)
+
+
+@pytest.mark.parametrize("missing", [("wheel", 3), ("pinion", 0)])
+def test_gears_of_the_picture_touch_at_the_pitch_point_without_overlap(missing):
+    common = {"normal_module": 0.002, "helix_angle": np.radians(12), "face_width": 0.012}
+    gears = GearPair(
+        pinion=Gear(teeth=20, bore_radius=0.01, hand="right", **common),
+        wheel=Gear(teeth=55, bore_radius=0.015, hand="left", **common),
+    )
+    view = gear_view(gears, missing)
+    pinion, wheel = view.pinion_outline, view.wheel_outline + [view.centre_distance, 0.0]
+    pitch_point = np.array([gears.working_radii[0], 0.0])
+    for outline in (pinion, wheel):
+        along = np.roll(outline, -1, axis=0) - outline
+        part = np.clip(np.einsum("ij,ij->i", pitch_point - outline, along) / np.sum(along**2, axis=1), 0, 1)
+        distance = np.linalg.norm(outline + part[:, None] * along - pitch_point, axis=1).min()
+        assert distance < 6e-6  # chords of the involute
+    assert area(pinion) > 0
+    chord = 6e-6
+    assert not Path(wheel).contains_points(pinion, radius=-chord).any()
+    assert not Path(pinion).contains_points(wheel, radius=-chord).any()
+    # opposite hands: at the pitch point both teeth lean the same way
+    assert view.pinion_twist * gears.working_radii[0] == pytest.approx(-view.wheel_twist * gears.working_radii[1])
+    gear_teeth = 55 if missing[0] == "wheel" else 20
+    _, tooth = without_tooth(
+        view.wheel_outline if missing[0] == "wheel" else view.pinion_outline, gear_teeth, view.missing_angle
+    )
+    middle = tooth.mean(axis=0)
+    assert np.arctan2(*middle[::-1]) == pytest.approx((view.missing_angle + np.pi) % (2 * np.pi) - np.pi, abs=1e-6)
+
+
+def test_casing_view_keeps_the_surface_alone():
+    nodes, triangles = box()
+    padded = np.vstack([nodes[:3], [[9.0, 9.0, 9.0]], nodes[3:]])  # a node inside the body, of no facet
+    shifted = np.where(triangles >= 3, triangles + 1, triangles)
+    view = casing_view(padded, np.column_stack([shifted, shifted]), ["ground_1"], np.zeros((1, 3)))
+    np.testing.assert_array_equal(view.nodes[view.triangles], nodes[triangles])
+    assert len(view.nodes) == 8
+
+
+def test_labels_do_not_overlap_and_stay_near():
+    wanted = [10.0, 11.0, 12.0, 100.0, 101.0, 300.0]
+    found = np.array(spread(wanted, 20.0))
+    assert np.diff(found).min() >= 20.0 - 1e-9
+    assert found[1] == pytest.approx(11.0)
+    assert found[-1] == 300.0
+    assert found[3:5].mean() == pytest.approx(100.5)
+
+
+def test_pictures_show_gears_and_casing_where_they_are_said_to_be():
+    gears = render_gears(pair(), (420, 340))
+    if isinstance(gears, LeftOut):
+        pytest.skip(gears.reason)
+    assert gears.image.shape == (340, 420, 3)
+    column, row = (round(v) for v in gears.places["gone"])
+    near = gears.image[row - 6 : row + 7, column - 6 : column + 7].reshape(-1, 3).astype(int)
+    assert (near[:, 0] - near[:, 1:].max(axis=1)).max() > 60  # red: the tooth that is gone
+    assert (gears.image[0, 0] == 255).all()
+    figure = gear_figure(
+        gears, StiffnessPlot(title="Stage 1", cycle=[0, 1], healthy=np.array([2e8, 2e8])), {"gone": "tooth 4"}
+    )
+    assert "tooth 4" in {text.get_text() for text in figure.axes[0].texts}
+
+    nodes, triangles = box()
+    points = key_points()
+    casing = render_casing(CasingView(nodes=nodes, triangles=triangles, points=points), (700, 450))
+    assert isinstance(casing, Picture)
+    for name, channel in (("bearing_3", 0), ("sensor_3", 1)):
+        column, row = (round(v) for v in casing.places[name])
+        colour = casing.image[row, column].astype(int)
+        assert colour[channel] == colour.max()
+        assert colour.max() - colour.min() > 60
+    labels = {text.get_text() for text in casing_figure(casing).axes[0].texts}
+    assert set(points) <= labels
+    assert {"x", "y", "z"} <= labels
+
+
+@pytest.mark.parametrize(
+    ("program", "what", "package"),
+    [
+        ("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", "SIGSEGV", "libegl1 (or libosmesa6)"),
+        ("raise ImportError('libGL.so.1: cannot open shared object file')", "libGL.so.1", "install libgl1 with"),
+        ("pass", "wrote no picture", "libegl1"),
+        ("import time; time.sleep(60)", "more than 1 s", "run again"),
+    ],
+)
+def test_a_dead_renderer_leaves_one_picture_out(monkeypatch, caplog, program, what, package):
+    monkeypatch.setattr(pictures, "RENDERER", ("-c", program))
+    monkeypatch.setattr(pictures, "TIMEOUT", 1.0 if "sleep" in program else 30.0)
+    with caplog.at_level(logging.WARNING):
+        found = render_gears(pair())
+    assert isinstance(found, LeftOut)
+    assert found.reason.startswith("The picture of the gear pair is left out")
+    assert what in found.reason
+    assert package in found.reason
+    assert found.reason in caplog.text
+    assert "pyvista" not in sys.modules
