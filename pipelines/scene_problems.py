@@ -27,6 +27,8 @@ def problems_of(error: ValidationError, model: type[BaseModel], tree: Mapping[st
     """All problems of one validation, each in our words, without repeats."""
     out: list[Problem] = []
     for item in error.errors(include_url=False):
+        if item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]:
+            continue  # the validator counts valid items only; what is wrong with the others is listed itself
         own = getattr(item.get("ctx", {}).get("error"), "problems", None)
         found = list(own) if own else _own_words(item, model, tree)
         out.extend(problem for problem in found if problem not in out)

@@ -115,7 +115,7 @@ def test_condensed_ring_equals_the_ring_meshed_as_a_whole(teeth, beta_deg):
 
 
 def test_removing_a_tooth_hardly_changes_its_neighbours():
-    """The missing tooth is treated as a missing contact alone; its stiffening of the rim is about one per cent."""
+    """The missing tooth is a missing contact alone; what its body adds to the rim is about a tenth of a per cent."""
     mesh = sector_mesh(gear(20), refinement=0.5)
     columns = np.linspace(8, len(mesh.flank) - 4, 5).astype(int)
     loads = ring.flank_loads(mesh)[:, columns]
@@ -123,7 +123,7 @@ def test_removing_a_tooth_hardly_changes_its_neighbours():
     for missing in (-1, 1):
         change = np.diag(whole_ring_response(mesh, loads, [0], missing)[0]) / healthy - 1
         assert (change > 0).all()
-        assert change.max() < 0.012
+        assert change.max() < 0.004
 
 
 @pytest.mark.parametrize(
@@ -196,7 +196,8 @@ def test_patches_have_unit_sum_and_the_variance_of_an_ellipse():
     centre = (mesh.form_arc + mesh.tip_arc) / 2
     weight, used = flank.patches(np.array([centre, 1.0]), 0.16e-3)
     assert weight.sum(axis=1) == pytest.approx(1.0, rel=1e-13)
-    assert used[1] == mesh.tip_arc - 0.16e-3
+    assert used == pytest.approx([0.16e-3, 0.08e-3], rel=1e-12)
+    assert weight[1] @ mesh.flank_arc == pytest.approx(mesh.tip_arc - 0.08e-3, rel=1e-6)
     assert weight[0] @ mesh.flank_arc == pytest.approx(centre, rel=1e-6)
     assert weight[0] @ (mesh.flank_arc - centre) ** 2 == pytest.approx(0.16e-3**2 / 4, rel=1e-3)
 

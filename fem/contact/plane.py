@@ -11,7 +11,7 @@ elliptical pressure of resultant f gives
 so that each body approaches by f (G_ii + K (1/4 + ln(w/a))). With a^2 = 4 f R / (pi E*), 1/E* = sum (1 - nu^2)/E and
 A = 1/(pi E*) the sum over both bodies is
 
-    x = C f + A f (B - ln f),   C = G_ii + G_ii' - 2 A ln(d/w),   B = 1/2 + ln(d^2 pi E* / (4 R)).
+    x = C f + A f (B - ln f),   C = G_ii + G_ii' + 2 A ln(w/d),   B = 1/2 + ln(d^2 pi E* / (4 R)).
 
 The depth d divides the same approach between the two terms; d = m_n keeps a < d at any bearable load.
 
@@ -145,15 +145,19 @@ class Plane:
         half_width = self.patch * depth
         reach = max(1, math.ceil((len(path.xi) - 1) / self.positions) - 1)
         rings = self.rings(pair, reach)
-        weights = [
-            ring.patches((radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius), half_width)[0]
+        patches = [
+            ring.patches((radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius), half_width)
             for ring, gear, radius in zip(
                 rings, (pair.pinion, pair.wheel), (path.pinion_radius, path.wheel_radius), strict=True
             )
         ]
+        weights = [weight for weight, _ in patches]
+        cosine = math.cos(pair.base_helix_angle)
+        materials = (pair.pinion_material, pair.wheel_material)
         own = np.zeros(len(path.xi))
-        for weight, ring in zip(weights, rings, strict=True):
+        for (weight, used), ring, material in zip(patches, rings, materials, strict=True):
             own += np.einsum("pi,ij,pj->p", weight, ring.matrix[0], weight)
+            own += 2 / (math.pi * material.plane_strain_modulus * cosine) * np.log(used / depth)
         coupling = np.zeros((reach, len(path.xi)))
         here = np.arange(len(path.xi))
         for n in range(1, reach + 1):
@@ -162,12 +166,11 @@ class Plane:
             # of the pinion and tooth +n of the wheel counted towards the loaded flank
             for weight, ring, tooth in zip(weights, rings, (-n, n), strict=True):
                 coupling[n - 1] += np.einsum("pi,ij,pj->p", weight[behind], ring.matrix[tooth], weight)
-        cosine = math.cos(pair.base_helix_angle)
-        reduced = 1.0 / sum(1.0 / m.plane_strain_modulus for m in (pair.pinion_material, pair.wheel_material))
+        reduced = 1.0 / sum(1.0 / material.plane_strain_modulus for material in materials)
         slope = 1.0 / (math.pi * reduced * cosine)
         radius = self.contact_radius(pair, path) / cosine
         return PairCompliance(
-            compliance=own - 2 * slope * math.log(depth / half_width),
+            compliance=own,
             coupling=coupling,
             contact_slope=slope,
             contact_offset=0.5 + np.log(depth**2 * math.pi * reduced / (4 * radius)),

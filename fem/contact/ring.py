@@ -54,7 +54,8 @@ class FlankCompliance:
     def patches(self, centre: np.ndarray, half_width: float) -> tuple[np.ndarray, np.ndarray]:
         """Elliptical pressure patches as nodal forces of unit sum.
 
-        A patch that would reach over the tip corner (or below the meshed flank) is moved to end there.
+        A patch that would reach over the tip corner shrinks, to half of `half_width` at the least, and is then moved
+        to end at the corner; likewise it is moved up to stay on the meshed flank.
 
         Parameters
         ----------
@@ -62,20 +63,22 @@ class FlankCompliance:
 
         Returns
         -------
-        weight (position, node), centre (position,) as used
+        weight (position, node), half_width (position,) as used
         """
-        centre = np.clip(np.asarray(centre, dtype=float), self.arc[0] + half_width, self.tip_arc - half_width)
+        centre = np.asarray(centre, dtype=float)
+        used = np.clip(self.tip_arc - centre, half_width / 2, half_width)
+        centre = np.clip(centre, self.arc[0] + used, self.tip_arc - used)
         n = 48  # Gauss-Chebyshev points of the second kind: the ellipse is their weight function
         angle = np.pi * np.arange(1, n + 1) / (n + 1)
         weight = 2.0 / (n + 1) * np.sin(angle) ** 2
-        place = centre[:, None] + half_width * np.cos(angle)
+        place = centre[:, None] + used[:, None] * np.cos(angle)
         element = np.clip(np.searchsorted(self.arc[2::2], place), 0, len(self.arc) // 2 - 1)
         start, end = self.arc[2 * element], self.arc[2 * element + 2]
         values, _ = lagrange(2 * (place - start) / (end - start) - 1)
         out = np.zeros((len(centre), len(self.arc)))
         row = np.arange(len(centre))[:, None, None]
         np.add.at(out, (row, 2 * element[..., None] + np.arange(3)), weight[:, None] * values)
-        return out, centre
+        return out, used
 
 
 def flank_loads(mesh: SectorMesh) -> sparse.csc_matrix:
