@@ -7,11 +7,11 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from mbd.trajectory import Trajectory
 
 from mbd import channels
 from mbd.load import Rope
 from mbd.machine import Machine
+from mbd.trajectory import Trajectory
 from pipelines.scene import Scene
 
 if TYPE_CHECKING:

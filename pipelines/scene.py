@@ -290,13 +290,10 @@ class DiagnosisTable(Table):
     envelope_band_Hz: Annotated[
         Literal["mesh", "resonance"] | tuple[Positive, Positive],
         Field(
-            description="band that is demodulated, [low, high]; mesh: f_m / 2 around f_m; resonance: where the healthy run "
-            "is strongest"
+            description="band that is demodulated, [low, high]; mesh: f_m / 2 around f_m; resonance: where the healthy "
+            "run is strongest"
         ),
     ] = "mesh"
-        200.0,
-        3000.0,
-    )
     noise_m_s2: Annotated[float, Field(ge=0, description="rms of white sensor noise added before diagnosis")] = 0.01
 
 
