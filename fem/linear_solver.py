@@ -118,15 +118,19 @@ def nested_dissection(K: sp.spmatrix, block: int = 1) -> np.ndarray:
     n = K.shape[0]
     if n % block:
         block = 1
-    graph = sp.coo_matrix(K)
-    row, col = graph.row // block, graph.col // block
+    entries = sp.coo_matrix(K)
+    row, col = entries.row // block, entries.col // block
     size = n // block
     adjacency = sp.csr_matrix((np.ones(row.size, np.int8), (row, col)), shape=(size, size))
     adjacency.setdiag(0)
     adjacency.eliminate_zeros()
     if adjacency.nnz == 0:
         return np.arange(n)
-    order = np.asarray(pymetis.nested_dissection(xadj=adjacency.indptr, adjncy=adjacency.indices)[0])
+    if hasattr(pymetis, "CSRAdjacency"):
+        graph = pymetis.CSRAdjacency(adj_starts=adjacency.indptr, adjacent=adjacency.indices)
+        order = np.asarray(pymetis.nested_dissection(graph)[0])
+    else:  # before pymetis 2025.2
+        order = np.asarray(pymetis.nested_dissection(xadj=adjacency.indptr, adjncy=adjacency.indices)[0])
     return (order[:, None] * block + np.arange(block)).ravel()
 
 
