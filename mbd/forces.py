@@ -6,7 +6,12 @@ M q'' + C q' + K q = f + B^T lambda. Row order: per mesh delta, psi of the drive
 then the stretch of each rope, then rows that are only observed (rotation of each driving gear).
 
 Element order (for the log): drive and coast flank of each mesh, then the ropes. Log columns: elastic force, elastic
-moment, potential U, its slope dU/dp, the parameter p (mesh cycle; rope stiffness), dissipated power.
+moment, potential U, force with damping, and the parametric work of the step that ends here: the integral of dU/dp dp,
+p being the mesh cycle or the rope stiffness.
+
+dU/dc jumps wherever a tooth enters a new cell of the law's tables, so a quadrature of dU/dc would be first order. The
+parametric work of a step is instead the change of U when c moves at fixed (delta, psi): at the old ones in even steps,
+at the new ones in odd steps. The error of that split alternates in sign and cancels.
 """
 
 from __future__ import annotations
@@ -22,7 +27,7 @@ from fem.contact.law import MeshLaw
 from mbd.load import Rope
 from mbd.machine import Machine
 
-LOG_COLUMNS = ("force", "moment", "energy", "slope", "parameter", "dissipation")
+LOG_COLUMNS = ("force", "moment", "energy", "total_force", "parametric")
 FLANK_GROUP = 8  # laws are padded to a multiple of this, so that compiled code is shared between machines
 
 
@@ -34,6 +39,8 @@ class ForceTable(NamedTuple):
     clearance_at: np.ndarray  # (flank, 2) start in `clearances`: pinion, wheel
     teeth: np.ndarray  # (flank, 2)
     backlash: np.ndarray  # (flank,), 0 for the drive flank
+    floor: np.ndarray  # (flank,) smallest clearance of a pair: no contact at a smaller approach
+    reach: np.ndarray  # (flank,) largest face coordinate
     tau: np.ndarray  # (flank,)
     stiffness: np.ndarray  # (flank, 2) k0 on delta, psi
     cycle_rate: np.ndarray  # (mesh,) cycles per radian of the driving shaft
@@ -75,6 +82,8 @@ def force_table(machine: Machine, loads: dict[str, float], stiffness: dict[str, 
         clearance_at=starts.reshape(-1, 2),
         teeth=sizes.reshape(-1, 2),
         backlash=np.array([b for m in machine.meshes for b in (0.0, m.backlash)]),
+        floor=np.array([p.min() + w.min() for p, w in zip(clearances[::2], clearances[1::2], strict=True)]),
+        reach=np.array([abs(law.face_coordinate).max() for m in machine.meshes for law in (m.drive, m.coast)]),
         tau=np.array([m.damping_time for m in machine.meshes for _ in range(2)]),
         stiffness=stiff,
         cycle_rate=np.array([m.cycles_per_radian for m in machine.meshes]),
@@ -131,6 +140,26 @@ def _rope_constants(machine: Machine, ratios: dict[str, float]) -> dict[str, np.
 
 
 @njit(nogil=True, error_model="numpy")
+def flank(table, k, angle, rotation, delta, psi):
+    """What `evaluate` returns for flank k at the motor angle and the elastic rotation of its driving gear (rad)."""
+    approach = delta - table.backlash[k]
+    if approach + abs(psi) * table.reach[k] <= table.floor[k]:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    i = k // 2
+    cycle = table.cycle_start[i] + table.cycle_rate[i] * (table.ratio[i] * angle + rotation)
+    at, teeth = table.clearance_at[k], table.teeth[k]
+    pinion = table.clearances[at[0] : at[0] + teeth[0]]
+    wheel = table.clearances[at[1] : at[1] + teeth[1]]
+    return evaluate(table.laws[k], cycle, approach, psi, pinion, wheel)
+
+
+@njit(nogil=True, error_model="numpy")
+def rope_stiffness(table, j, angle):
+    """Stiffness (N/m) of the falls of drum j at the motor angle."""
+    return table.rope_ea[j] / (table.rope_length[j] - table.rope_travel[j] * angle)
+
+
+@njit(nogil=True, error_model="numpy")
 def row_forces(table, angle, u, v, force, slope_u, slope_v, log):
     """Residual forces at row displacements u and rates v, motor angle ``angle`` (rad); fills force, slopes and log.
 
@@ -141,16 +170,9 @@ def row_forces(table, angle, u, v, force, slope_u, slope_v, log):
     n_force = 2 * n_flank + n_rope
     for k in range(n_flank):
         a = 2 * k
-        i = k // 2
-        cycle = table.cycle_start[i] + table.cycle_rate[i] * (table.ratio[i] * angle + u[n_force + i])
-        at, teeth = table.clearance_at[k], table.teeth[k]
-        pinion = table.clearances[at[0] : at[0] + teeth[0]]
-        wheel = table.clearances[at[1] : at[1] + teeth[1]]
-        f, m, energy, f_d, f_p, m_p, slope = evaluate(
-            table.laws[k], cycle, u[a] - table.backlash[k], u[a + 1], pinion, wheel
-        )
+        f, m, energy, f_d, f_p, m_p, _ = flank(table, k, angle, u[n_force + k // 2], u[a], u[a + 1])
         k0, kp0, tau = table.stiffness[k, 0], table.stiffness[k, 1], table.tau[k]
-        total, moment, loss = 0.0, 0.0, 0.0
+        total, moment = 0.0, 0.0
         slope_u[a, 0], slope_u[a, 1] = k0, 0.0
         slope_u[a + 1, 0], slope_u[a + 1, 1] = 0.0, kp0
         slope_v[a, 0], slope_v[a, 1] = tau * k0, 0.0
@@ -172,13 +194,12 @@ def row_forces(table, angle, u, v, force, slope_u, slope_v, log):
                 slope_v[a + 1, 1] -= tau * f_d * arm * arm
             else:
                 total = 0.0
-            loss = (total - f) * rate
         force[a] = k0 * u[a] + tau * k0 * v[a] - total
         force[a + 1] = kp0 * u[a + 1] - moment
-        log[k, 0], log[k, 1], log[k, 2], log[k, 3], log[k, 4], log[k, 5] = f, m, energy, slope, cycle, loss
+        log[k, 0], log[k, 1], log[k, 2], log[k, 3] = f, m, energy, total
     for j in range(n_rope):
         r = 2 * n_flank + j
-        stiff = table.rope_ea[j] / (table.rope_length[j] - table.rope_travel[j] * angle)
+        stiff = rope_stiffness(table, j, angle)
         damp = table.rope_loss[j] * math.sqrt(stiff)
         elastic, total = 0.0, 0.0
         slope_u[r, 0], slope_u[r, 1] = table.rope_stiffness[j], 0.0
@@ -193,8 +214,28 @@ def row_forces(table, angle, u, v, force, slope_u, slope_v, log):
                 total = 0.0
         force[r] = table.rope_stiffness[j] * u[r] + table.rope_damping[j] * v[r] - total
         k = n_flank + j
-        log[k, 0], log[k, 1], log[k, 2] = elastic, 0.0, 0.5 * elastic * max(u[r], 0.0)
-        log[k, 3], log[k, 4], log[k, 5] = 0.5 * max(u[r], 0.0) ** 2, stiff, (total - elastic) * v[r]
+        log[k, 0], log[k, 1], log[k, 2], log[k, 3] = elastic, 0.0, 0.5 * elastic * max(u[r], 0.0), total
+
+
+@njit(nogil=True, error_model="numpy")
+def parametric_work(table, odd, before, after, u_before, u_after, log_before, log_after):
+    """Fill the last log column of the step from motor angle ``before`` to ``after`` (rad)."""
+    n_flank = len(table.tau)
+    n_rope = len(table.rope_ea)
+    n_force = 2 * n_flank + n_rope
+    for k in range(n_flank):
+        a, c = 2 * k, n_force + k // 2
+        work = 0.0
+        if log_before[k, 2] > 0.0 or log_after[k, 2] > 0.0:
+            if odd:
+                work = log_after[k, 2] - flank(table, k, before, u_before[c], u_after[a], u_after[a + 1])[2]
+            else:
+                work = flank(table, k, after, u_after[c], u_before[a], u_before[a + 1])[2] - log_before[k, 2]
+        log_after[k, 4] = work
+    for j in range(n_rope):
+        r = 2 * n_flank + j
+        change = rope_stiffness(table, j, after) - rope_stiffness(table, j, before)
+        log_after[n_flank + j, 4] = 0.25 * change * (max(u_before[r], 0.0) ** 2 + max(u_after[r], 0.0) ** 2)
 
 
 @njit(nogil=True, error_model="numpy")

@@ -22,7 +22,7 @@ from numba import njit
 
 import fem.contact.evaluate
 import mbd.forces
-from mbd.forces import partner, row_forces, solve_dense
+from mbd.forces import parametric_work, partner, row_forces, solve_dense
 
 MAX_ITERATIONS = 60
 MAX_HALVINGS = 8
@@ -95,14 +95,19 @@ def source_digest(*files: str) -> int:
     return total
 
 
-def _compiled(digest: int) -> Callable:
+def _compiled(digest: int) -> tuple[Callable, Callable]:
     @njit(cache=True, nogil=True, error_model="numpy")
     def solve(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
         if digest < 0:  # part of the key under which the compiled code is stored
             return -1
         return iterate(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance)
 
-    return solve
+    @njit(cache=True, nogil=True, error_model="numpy")
+    def work(table, odd, before, after, u_before, u_after, log_before, log_after):
+        if digest >= 0:
+            parametric_work(table, odd, before, after, u_before, u_after, log_before, log_after)
+
+    return solve, work
 
 
-solve_rows = _compiled(source_digest())
+solve_rows, parametric = _compiled(source_digest())

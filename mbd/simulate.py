@@ -87,12 +87,12 @@ def simulate(
     _feed(block, np.zeros(1), 0, system, step, recorder, books)
     size = max(every, BLOCK_STATES // block.states.shape[1])
     done = 0
-    while done < recorder.steps_needed:
-        n = min(size, recorder.steps_needed - done)
+    while done < books.steps:
+        n = min(size, books.steps - done)
         _advance(integrator, system, done, n, step, recorder, books)
         done += n
         if progress is not None:
-            progress(done / recorder.steps_needed)
+            progress(done / books.steps)
     counters = integrator.counters | books.events()
     logger.info("simulated %d steps of %.3g s: %s", done, step, counters)
     return _trajectory(system, settings, step, recorder, books, counters)

@@ -136,22 +136,45 @@ def envelope_band(settings: DiagnosisSettings, healthy: Sequence[Spectrum], rate
     return (best, best + mesh)
 
 
+def channel_names(run: xarray.Dataset) -> list[str]:
+    """What can be looked at: the sensors, and the bearings' journals where there is no casing."""
+    sensors = [str(v) for v in run.sensor.values] if "acceleration" in run else []
+    return sensors + ([str(v) for v in run.bearing.values] if "journal_acceleration" in run else [])
+
+
+def channel(run: xarray.Dataset, name: str) -> xarray.DataArray:
+    """Acceleration (time, axis), m/s2, at a sensor or at the journal of a bearing.
+
+    Raises
+    ------
+    DiagnosisError : the run has no such channel
+    """
+    known = channel_names(run)
+    if name not in known:
+        raise DiagnosisError(
+            f"sensor {name!r}: not in this run, which has accelerations of {', '.join(known) or 'none'}"
+        )
+    if "acceleration" in run and name in run.sensor.values:
+        return run.acceleration.sel(sensor=name)
+    return run.journal_acceleration.sel(bearing=name)
+
+
+def noise_of(run: xarray.Dataset) -> float:
+    """Stated sensor noise of a run, m/s2 rms."""
+    return float(run.attrs.get("sensor_noise_m_s2", 0.0))
+
+
 def noisy_signal(run: xarray.Dataset, settings: DiagnosisSettings, stream: int) -> np.ndarray:
     """The channel's signals (time, axes) with the stated noise; seed, load, stream, sensor and axis fix it."""
-    sensors, axes = [str(s) for s in run.sensor.values], [str(a) for a in run.axis.values]
-    if settings.sensor not in sensors:
-        raise DiagnosisError(f"sensor {settings.sensor!r}: not in this run, it has {', '.join(sensors) or 'none'}")
+    signal = channel(run, settings.sensor)
+    axes = [str(axis) for axis in run.axis.values]
     if settings.axis != "resultant" and settings.axis not in axes:
         raise DiagnosisError(f"axis {settings.axis!r}: give 'resultant' or one of {', '.join(axes)}")
     wanted = axes if settings.axis == "resultant" else [settings.axis]
-    rms, seed = float(run.attrs.get("sensor_noise", 0.0)), int(run.attrs.get("seed", 0))
-    # its number, not its index, enters the seed: the noise must not depend on which other sensors were recorded
-    number = int("".join(filter(str.isdigit, settings.sensor)) or 0)
-    load = zlib.crc32(str(run.attrs.get("load", "")).encode())
-    columns = []
-    for axis in wanted:
-        clean = run.acceleration.sel(sensor=settings.sensor, axis=axis).values
-        columns.append(with_noise(clean, rms, [seed, stream, number, axes.index(axis), load]))
+    # names, not indices, enter the seed: the noise must not depend on which other sensors were recorded
+    words = (str(run.attrs.get("seed", "none")), str(run.attrs.get("load", "")), settings.sensor)
+    fixed = [stream, *(zlib.crc32(word.encode()) for word in words)]
+    columns = [with_noise(signal.sel(axis=axis).values, noise_of(run), [*fixed, axes.index(axis)]) for axis in wanted]
     return np.stack(columns, axis=1)
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipelines.analysis import DiagnosisError, DiagnosisSettings, analyse, sampling
+from pipelines.analysis import DiagnosisError, DiagnosisSettings, analyse, noise_of, sampling
 from pipelines.lines import LineTable, joined, level
 from pipelines.spectrum import Segment, Spectrum
 
@@ -48,7 +48,8 @@ def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: Diagnosi
 
     Parameters
     ----------
-    faulty, healthy : Datasets with acceleration(time, sensor, axis) in m/s2, equal sampling, attrs load and seed
+    faulty, healthy : Datasets with acceleration(time, sensor, axis) in m/s2 of equal sampling; attributes load, seed
+        ("none" for error-free gears) and sensor_noise_m_s2
 
     Raises
     ------
@@ -67,7 +68,7 @@ def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: Diagnosi
         settings=settings,
         load=load,
         deviations=deviations,
-        noise=float(faulty.attrs.get("sensor_noise", 0.0)),
+        noise=noise_of(faulty),
         band=control.band,
         segments=control.segments,
         lines=lines,
@@ -77,8 +78,9 @@ def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: Diagnosi
 
 
 def deviation_name(run: xarray.Dataset) -> str:
-    """ "off" for error-free gears (attribute deviations = "off"), else "seed <n>"."""
-    return "off" if str(run.attrs.get("deviations", "")) == "off" else f"seed {int(run.attrs.get('seed', 0))}"
+    """ "off" for error-free gears (attribute seed "none"), else "seed <n>"."""
+    seed = str(run.attrs.get("seed", "none"))
+    return "off" if seed == "none" else f"seed {seed}"
 
 
 def _window_lines(
@@ -138,7 +140,7 @@ def _label(n: int, k: int) -> str:
 
 
 def _check_comparable(faulty: xarray.Dataset, healthy: xarray.Dataset) -> None:
-    for name in ("load", "seed", "sensor_noise", "deviations"):
+    for name in ("load", "seed", "iso_grade", "sensor_noise_m_s2"):
         left, right = faulty.attrs.get(name), healthy.attrs.get(name)
         if left != right:
             raise DiagnosisError(

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from pipelines.analysis import channel
+
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
@@ -94,7 +96,7 @@ def waveform_figure(
     grid = figure.subplots(len(runs), 2, sharex="col", sharey="col", squeeze=False, width_ratios=[3, 2])
     middle = float(np.mean(next(iter(windows.values())))) if windows else None
     for (name, run), (whole, detail) in zip(runs.items(), grid, strict=True):
-        time, signal = run.time.values, run.acceleration.sel(sensor=sensor, axis=axis).values
+        time, signal = run.time.values, channel(run, sensor).sel(axis=axis).values
         colour = HEALTHY if name.startswith("healthy") else FAULTY
         start = time[-1] / 2 if middle is None else middle
         near = (time >= start) & (time <= start + 0.1)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from pipelines import page, report_spectra
+from pipelines.analysis import channel_names
 from pipelines.callouts import casing_figure, gear_figure
 from pipelines.grid import Grid
 from pipelines.pictures import LeftOut
@@ -61,7 +62,7 @@ _REASONS = {
     "Stiffness": "Left out: this run derived no stiffness curve.",
     "Casing": "Left out: this casing model has no mesh to show.",
     "Speed and rope": "Left out: the run holds no motor or shaft speeds.",
-    "Signals": "Left out: the run holds no casing accelerations.",
+    "Signals": "Left out: the run holds no acceleration of this sensor.",
     "Spectra": _NO_CONTROL,
     "Healthy and faulty": _NO_CONTROL,
     "Lifting and lowering": "Left out: it takes a diagnosis with two windows.",
@@ -136,7 +137,7 @@ def _signals(contents: ReportContents) -> list[str]:
     runs = {
         name: run
         for name, run in contents.runs.items()
-        if "acceleration" in run and contents.sensor in run.sensor.values and contents.axis in run.axis.values
+        if contents.sensor in channel_names(run) and contents.axis in run.axis.values
     }
     if not runs:
         return []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pipelines import page
-from pipelines.analysis import analyse
+from pipelines.analysis import analyse, channel_names
 from pipelines.diagnosis import Diagnosis
 from pipelines.lines import LOADS
 from pipelines.report_contents import ReportContents
@@ -36,7 +36,7 @@ def spectra(contents: ReportContents) -> list[str]:
 def _own_spectra(contents: ReportContents) -> list[str]:
     """Spectra of the run alone, where there is no control."""
     run = next(iter(contents.runs.values()), None)
-    if run is None or contents.settings is None or "acceleration" not in run:
+    if run is None or contents.settings is None or contents.settings.sensor not in channel_names(run):
         return []
     analysis = analyse(run, contents.settings)
     parts = []

@@ -129,10 +129,23 @@ def test_noise_of_a_sensor_does_not_depend_on_the_other_sensors(clear):
     np.testing.assert_array_equal(found.lines.faulty, clear.lines.faulty)
 
 
+def test_without_casing_a_journal_is_diagnosed(clear):
+    pair = []
+    for state in ("missing-tooth", "healthy"):
+        run = response(state)
+        journal = run.acceleration.sel(sensor="sensor_3").expand_dims(bearing=run.bearing, axis=1).drop_vars("sensor")
+        pair.append(run.drop_vars(["acceleration", "sensor"]).assign(journal_acceleration=journal))
+    found = diagnose(*pair, settings(sensor="bearing_3"))
+    strong = clear.lines.over_floor > 40
+    np.testing.assert_allclose(found.lines.faulty[strong], clear.lines.faulty[strong], rtol=0.02)
+    with pytest.raises(DiagnosisError, match="accelerations of bearing_1"):
+        diagnose(*pair, settings())
+
+
 def test_runs_that_are_no_pair_are_refused():
     faulty = response(duration=3.0)
     short = {"windows": {"lifting": (0.5, 2.5)}}
-    with pytest.raises(DiagnosisError, match=r"seed: 1 .* 2"):
+    with pytest.raises(DiagnosisError, match=r"seed: 1 in .* 2 in"):
         diagnose(faulty, response("healthy", seed=2, duration=3.0), settings(**short))
     with pytest.raises(DiagnosisError, match="load"):
         diagnose(faulty, response("healthy", load="static-torque", duration=3.0), settings(**short))

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur
 
 from fem.gears.geometry import Gear, GearPair, GeometryError, Rack
 from fem.gears.path import LARGEST_GAP, contact_window, line_length, path_points, slice_fraction
 from fem.gears.profile import flank_at_roll, form_radius, half_tooth_profile, roll_length
-from gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur
 
 
 def one_gear(teeth=20, shift=0.0, helix_deg=0.0, **changes):
@@ -69,7 +69,7 @@ def test_backlash_is_what_the_centre_distance_leaves():
 
 @pytest.mark.parametrize(
     ("teeth", "shift", "helix"),
-    [(20, 0.0, 0), (55, 0.0, 12), (21, 0.5, 25), (10, 0.0, 0), (14, 0.0, 15), (17, 0.0, 20)],
+    [(20, 0.0, 0), (55, 0.0, 12), (21, 0.5, 25), (10, 0.0, 0), (14, 0.0, 15), (60, 1.2, 10)],
 )
 def test_the_generating_rack_touches_the_profile_and_never_cuts_it(teeth, shift, helix):
     """Roll the tool over the gear: the deepest cut into the finished profile is zero, and every point gets touched."""
@@ -80,7 +80,7 @@ def test_the_generating_rack_touches_the_profile_and_never_cuts_it(teeth, shift,
     tip_depth = (gear.rack.dedendum - shift) * m
     centre_depth = tip_depth - rho
     clearance = np.full(len(points), np.inf)
-    for turn in np.linspace(-1.7, 1.7, 8001) * 2.0 * math.pi / gear.teeth:
+    for turn in np.linspace(-2.8, 2.8, 9001) * 2.0 * math.pi / gear.teeth:
         # the tooth space is centred at +pi/z (x > 0); turn the gear so that it meets the tool's tooth
         angle = turn + math.pi / gear.teeth
         x = points[:, 0] * math.cos(angle) - points[:, 1] * math.sin(angle)

@@ -154,6 +154,10 @@ class Iso:
             fraction=fraction,
         )
 
+    def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
+        """The laws of drive and coast flank."""
+        return self.law(pair, "drive"), self.law(pair, "coast")
+
     def _contact(self, pair: GearPair, xi: np.ndarray, step: float, ramp: float) -> tuple[np.ndarray, np.ndarray]:
         """Gap and fraction: the path of contact with its ramps, beyond it tip edges from the onset on."""
         start, end = pair.xi_start, pair.xi_end

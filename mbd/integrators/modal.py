@@ -20,7 +20,7 @@ from numba import njit
 from scipy import linalg
 
 from mbd.checks import StepError
-from mbd.forces import LOG_COLUMNS
+from mbd.forces import LOG_COLUMNS, parametric_work
 from mbd.integrators.base import TOLERANCE, Block
 from mbd.rows_solver import iterate, solve_rows, source_digest
 from mbd.statics import State
@@ -59,6 +59,8 @@ class ModalIntegrator:
         self._g_u, self._g_v = self._u_rows @ self._new.T, self._v_rows @ self._new.T
         self._state = np.zeros(2 * len(eigenvalues))
         self._forces = np.zeros((2, len(system.rows)))
+        self._angle, self._last = 0.0, np.zeros(0)
+        self._log = np.zeros((0, 0))
 
     def start(self, state: State) -> Block:
         """Set the state at t = 0."""
@@ -74,6 +76,7 @@ class ModalIntegrator:
         used = solve_rows(table, state.motor_angle, u, v, zero_u, zero_v, forces, u.copy(), v.copy(), log[0], TOLERANCE)
         if used < 0:
             raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")
+        self._angle, self._last, self._log = state.motor_angle, u, log[0]
         return Block(self._state[None].copy(), forces[None], u[None], log)
 
     def advance(self, angles: np.ndarray, accelerations: np.ndarray) -> Block:
@@ -87,7 +90,8 @@ class ModalIntegrator:
         )
         iterations, failed = advance_modes(
             table, angles, accelerations, self._growth, self._old, self._new, self._constant, self._ramp,
-            self._u_rows, self._v_rows, self._g_u, self._g_v, self._state, self._forces, *block, TOLERANCE,
+            self._u_rows, self._v_rows, self._g_u, self._g_v, self._state, self._forces, self._angle, self._last,
+            self._log, self.counters["steps"], *block, TOLERANCE,
         )  # fmt: skip
         if failed >= 0:
             raise StepError(
@@ -97,7 +101,8 @@ class ModalIntegrator:
         self.counters["steps"] += n
         self.counters["iterations"] += iterations
         self._time += n * self._step
-        self._state = block.states[-1].copy()
+        self._state, self._angle = block.states[-1].copy(), float(angles[-1])
+        self._last, self._log = block.rows[-1].copy(), block.log[-1].copy()
         return block
 
 
@@ -161,7 +166,7 @@ def _compiled(digest: int) -> Callable:
     @njit(cache=True, nogil=True, error_model="numpy")
     def advance(
         table, angles, accelerations, growth, old, new, constant, ramp, u_rows, v_rows, g_u, g_v,
-        state, memory, states, forces, rows, log, tolerance,
+        state, memory, last_angle, last_rows, last_log, first, states, forces, rows, log, tolerance,
     ):  # fmt: skip
         if digest < 0:  # part of the key under which the compiled code is stored
             return -1, 0
@@ -184,6 +189,10 @@ def _compiled(digest: int) -> Callable:
             if used < 0:
                 return iterations, n
             iterations += used
+            if n > 0:
+                last_angle, last_rows, last_log = angles[n - 1], rows[n - 1], log[n - 1]
+            odd = (first + n) % 2 == 1
+            parametric_work(table, odd, last_angle, angles[n], last_rows, rows[n], last_log, log[n])
             for r in range(m):
                 if guess[r] != 0.0:
                     _add(eta, guess[r], new[r])

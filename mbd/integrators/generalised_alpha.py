@@ -1,0 +1,126 @@
+"""Generalised-alpha in physical coordinates: dense matrices, own loop, chosen damping of high frequencies.
+
+M [(1 - a_m) A_new + a_m A_old] + (1 - a_f) (C v + K q - g)_new + a_f (C v + K q - g)_old = 0,
+q_new = q + h v + h^2 [(1/2 - b) A_old + b A_new],  v_new = v + h [(1 - c) A_old + c A_new],
+
+a_m = (2 rho - 1)/(rho + 1), a_f = rho/(rho + 1), c = 1/2 - a_m + a_f, b = (1 + a_f - a_m)^2/4. A is the method's own
+acceleration, which jumps with the motor's; second order, unconditionally stable; rho is the spectral radius at
+infinite frequency. It shares with
+the modal methods only the assembled matrices and the force law, and uses the full coordinates, not the modal basis.
+
+References
+----------
+Chung & Hulbert (1993), J. Appl. Mech. 60(2), 371-375.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import linalg
+
+from mbd.checks import StepError
+from mbd.forces import LOG_COLUMNS
+from mbd.integrators.base import TOLERANCE, Block
+from mbd.rows_solver import parametric, solve_rows
+from mbd.statics import State
+from mbd.system import System
+
+DEFAULT_RADIUS = 0.9
+
+
+class GeneralisedAlpha:
+    """Integrator (see `mbd.integrators.base`); the state is (q, v)."""
+
+    def __init__(self, system: System, step: float, radius: float = DEFAULT_RADIUS) -> None:
+        if not 0.0 <= radius <= 1.0:
+            raise StepError(f"generalised-alpha: spectral radius {radius} must lie between 0 and 1.")
+        n = system.layout.size
+        self._system, self._step = system, step
+        self._am, self._af = (2 * radius - 1) / (radius + 1), radius / (radius + 1)
+        self._gamma = 0.5 - self._am + self._af
+        self._beta = 0.25 * (1 + self._af - self._am) ** 2
+        self.displacement, self.velocity = np.eye(n, 2 * n), np.eye(n, 2 * n, n)
+        self.inverse_mass = np.linalg.inv(system.mass)
+        self.counters = {"steps": 0, "iterations": 0}
+        matrix = (1 - self._am) * system.mass
+        matrix += (1 - self._af) * step * (self._gamma * system.damping + self._beta * step * system.stiffness)
+        self._factor = linalg.cho_factor(matrix)
+        answer = (1 - self._af) * linalg.cho_solve(self._factor, system.rows.T)  # A_new per new residual force
+        self._g_u = self._beta * step**2 * system.all_rows @ answer
+        self._g_v = self._gamma * step * system.rows @ answer
+        self._answer = answer
+        elements = len(system.table.tau) + len(system.table.rope_ea)
+        self._empty_log = np.zeros((elements, len(LOG_COLUMNS)))
+
+    def start(self, state: State) -> Block:
+        """Set the state at t = 0."""
+        system = self._system
+        self._q, self._v, self._forces = state.displacement.copy(), state.velocity.copy(), state.forces.copy()
+        self._angle, self._motor = state.motor_angle, 0.0
+        self._rows, self._log = system.all_rows @ self._q, self._empty_log.copy()
+        still = np.zeros((len(self._rows), len(self._forces)))
+        v = system.rows @ self._v
+        used = solve_rows(
+            system.table, self._angle, self._rows.copy(), v.copy(), still, still[: len(v)].copy(), self._forces,
+            self._rows, v, self._log, TOLERANCE,
+        )  # fmt: skip
+        if used < 0:
+            raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")
+        self._push = system.constant_force + system.rows.T @ self._forces
+        self._acceleration = self.inverse_mass @ (self._push - system.damping @ self._v - system.stiffness @ self._q)
+        return self._block([self._instant()])
+
+    def advance(self, angles: np.ndarray, accelerations: np.ndarray) -> Block:
+        """Take len(angles) steps."""
+        instants = []
+        for angle, acceleration in zip(angles, accelerations, strict=True):
+            self._one_step(float(angle), float(acceleration))
+            instants.append(self._instant())
+        return self._block(instants)
+
+    def _one_step(self, angle: float, acceleration: float) -> None:
+        system, h, af = self._system, self._step, self._af
+        prescribed = system.constant_force - acceleration * (system.mass @ system.rolling)
+        self._acceleration = self._acceleration - (acceleration - self._motor) * system.rolling
+        self._motor = acceleration
+        q_p = self._q + h * self._v + h * h * (0.5 - self._beta) * self._acceleration
+        v_p = self._v + h * (1 - self._gamma) * self._acceleration
+        old = system.rows.T @ self._forces - system.damping @ self._v - system.stiffness @ self._q
+        free = prescribed - self._am * system.mass @ self._acceleration + af * old
+        free -= (1 - af) * (system.damping @ v_p + system.stiffness @ q_p)
+        a_p = linalg.cho_solve(self._factor, free)
+        u_p = system.all_rows @ (q_p + self._beta * h * h * a_p)
+        w_p = system.rows @ (v_p + self._gamma * h * a_p)
+        rows, rates, log = u_p.copy(), w_p.copy(), self._empty_log.copy()
+        used = solve_rows(
+            system.table, angle, u_p, w_p, self._g_u, self._g_v, self._forces, rows, rates, log, TOLERANCE
+        )
+        step = self.counters["steps"]
+        if used < 0:
+            raise StepError(
+                f"time step {step} (t = {(step + 1) * h:.6g} s, h = {h:.3g} s): the contact forces did not converge. "
+                "Use a smaller step."
+            )
+        parametric(system.table, step % 2 == 1, self._angle, angle, self._rows, rows, self._log, log)
+        self._acceleration = a_p + self._answer @ self._forces
+        self._q = q_p + self._beta * h * h * self._acceleration
+        self._v = v_p + self._gamma * h * self._acceleration
+        self._rows, self._log, self._angle = rows, log, angle
+        self.counters["steps"] += 1
+        self.counters["iterations"] += used
+
+    def _instant(self) -> tuple[np.ndarray, ...]:
+        return np.concatenate([self._q, self._v]), self._forces.copy(), self._rows.copy(), self._log.copy()
+
+    def _block(self, instants: list[tuple[np.ndarray, ...]]) -> Block:
+        return Block(*(np.array(column) for column in zip(*instants, strict=True)))
+
+
+def spectral_radius(step_over_period: float, radius: float = DEFAULT_RADIUS) -> float:
+    """Largest eigenvalue modulus of one step of the undamped oscillator, h/T = ``step_over_period``."""
+    x = (2 * np.pi * step_over_period) ** 2  # (omega h)^2; unknowns (q, h v, h^2 A)
+    am, af = (2 * radius - 1) / (radius + 1), radius / (radius + 1)
+    gamma, beta = 0.5 - am + af, 0.25 * (1 + af - am) ** 2
+    new = np.array([[1.0, 0.0, -beta], [0.0, 1.0, -gamma], [(1 - af) * x, 0.0, 1 - am]])
+    old = np.array([[1.0, 1.0, 0.5 - beta], [0.0, 1.0, 1 - gamma], [-af * x, 0.0, -am]])
+    return float(abs(np.linalg.eigvals(np.linalg.solve(new, old))).max())

@@ -1,0 +1,91 @@
+"""Adaptive reference: SciPy's DOP853 or Radau on the modal equations, for short windows.
+
+(p, p')' = (p', Phi^T (f + B^T lambda - M R phi'') - C p' - omega^2 p) with the error controlled to ``rtol`` = 1e-9.
+Made to measure the fixed-step methods, thousands of times slower than they are: use it for milliseconds. DOP853
+needs a step below 2/omega_max, Radau does not but factorises; the solver restarts where the motor acceleration jumps.
+
+References
+----------
+Hairer, Norsett & Wanner (1993), Solving Ordinary Differential Equations I, section II.5 (DOP853).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from mbd.checks import StepError
+from mbd.forces import LOG_COLUMNS
+from mbd.integrators.base import TOLERANCE, Block
+from mbd.rows_solver import parametric, solve_rows
+from mbd.statics import State
+from mbd.system import System
+
+RTOL = 1e-9
+ATOL = 1e-13  # mass-normalised coordinates
+
+
+class Reference:
+    """Integrator (see `mbd.integrators.base`) that takes as many inner steps per step as its tolerance needs."""
+
+    def __init__(self, system: System, step: float, method: str = "DOP853") -> None:
+        basis, n = system.basis, len(system.frequencies)
+        self._system, self._step, self._method = system, step, method
+        zero = np.zeros_like(basis)
+        self.displacement, self.velocity = np.hstack([basis, zero]), np.hstack([zero, basis])
+        self.inverse_mass = basis @ basis.T
+        self.counters = {"steps": 0, "iterations": 0}
+        self._omega2, self._damping = system.frequencies**2, basis.T @ system.damping @ basis
+        self._u_rows, self._v_rows = system.all_rows @ basis, system.rows @ basis
+        self._constant, self._ramp = basis.T @ system.constant_force, -basis.T @ (system.mass @ system.rolling)
+        self._x = np.zeros(2 * n)
+        m = len(system.rows)
+        self._still = np.zeros((len(self._u_rows), m)), np.zeros((m, m))
+        elements = len(system.table.tau) + len(system.table.rope_ea)
+        self._log, self._rows, self._angle = np.zeros((elements, len(LOG_COLUMNS))), np.zeros(len(self._u_rows)), 0.0
+
+    def start(self, state: State) -> Block:
+        """Set the state at t = 0."""
+        to_modal = self._system.basis.T @ self._system.mass
+        self._x = np.concatenate([to_modal @ state.displacement, to_modal @ state.velocity])
+        self._angle = state.motor_angle
+        forces, self._rows, self._log = self._forces(self._x, self._angle)
+        return Block(self._x[None], forces[None], self._rows[None], self._log[None])
+
+    def advance(self, angles: np.ndarray, accelerations: np.ndarray) -> Block:
+        """Take len(angles) steps."""
+        instants = []
+        for angle, acceleration in zip(angles, accelerations, strict=True):
+            self._x = self._one_step(float(angle), float(acceleration))
+            forces, rows, log = self._forces(self._x, float(angle))
+            odd = self.counters["steps"] % 2 == 1
+            parametric(self._system.table, odd, self._angle, float(angle), self._rows, rows, self._log, log)
+            self._rows, self._log, self._angle = rows, log, float(angle)
+            self.counters["steps"] += 1
+            instants.append((self._x, forces, rows, log))
+        return Block(*(np.array(column) for column in zip(*instants, strict=True)))
+
+    def _one_step(self, angle: float, acceleration: float) -> np.ndarray:
+        h, n = self._step, len(self._omega2)
+        prescribed = self._constant + acceleration * self._ramp
+        speed = (angle - self._angle) / h - 0.5 * acceleration * h  # at the start of the step
+
+        def rate(t: float, x: np.ndarray) -> np.ndarray:
+            forces = self._forces(x, self._angle + speed * t + 0.5 * acceleration * t * t)[0]
+            push = prescribed + self._v_rows.T @ forces - self._damping @ x[n:] - self._omega2 * x[:n]
+            return np.concatenate([x[n:], push])
+
+        answer = solve_ivp(rate, (0.0, h), self._x, method=self._method, rtol=RTOL, atol=ATOL)
+        if not answer.success:
+            raise StepError(f"reference ({self._method}), step {self.counters['steps']}: {answer.message}")
+        self.counters["iterations"] += int(answer.nfev)
+        return answer.y[:, -1]
+
+    def _forces(self, x: np.ndarray, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        n = len(self._omega2)
+        u, v = self._u_rows @ x[:n], self._v_rows @ x[n:]
+        forces, log = np.zeros(len(v)), np.zeros_like(self._log)
+        used = solve_rows(self._system.table, angle, u, v, *self._still, forces, u.copy(), v.copy(), log, TOLERANCE)
+        if used < 0:
+            raise StepError(f"reference, step {self.counters['steps']}: the state is not finite. Use a smaller step.")
+        return forces, u, log

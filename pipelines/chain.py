@@ -1,0 +1,183 @@
+"""The stages of a scene: which part of it each one reads, and what it takes.
+
+    law_1 .. law_n                          one per gear pair; equal pairs share one
+    casing mesh -> casing modes -> casing   finite elements only for the rungs static and craig-bampton
+    simulate -> response                    a missing tooth, deviations, drive and load enter here
+
+A scene with a control has the same chain a second time with "healthy " before each name; what does not differ is one
+stage, so usually only its simulation is added.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+from pipelines.derived import bearing_points, derive
+from pipelines.layout import Layout
+from pipelines.payload import digest
+from pipelines.scene import CraigBamptonCasingTable, DiagnosisTable, IsoMesh, NoCasingTable, RigidCasingTable, Scene
+from pipelines.scene_file import LoadedScene, control_of
+from pipelines.stages import Graph, Stage
+from pipelines.validity import checked_layout
+
+HEALTHY = "healthy "  # before the names of the control's own stages
+_NUMERIC = ("numpy", "scipy", "numba")
+_ZERO = (0.0, 0.0, 0.0)
+
+
+def run_graph_of(loaded: LoadedScene, *, with_control: bool = True) -> Graph:
+    """All stages of a scene and its control up to the responses.
+
+    Raises
+    ------
+    SceneError, InputError : the scene or its control cannot be built
+    """
+    stages = scene_stages(loaded.scene, loaded.source.shown)
+    control = control_of(loaded) if with_control else None
+    if control is not None:
+        stages = with_twin(stages, scene_stages(control.scene, control.source.shown))
+    return Graph(stages)
+
+
+def with_twin(stages: Iterable[Stage], twin: Iterable[Stage]) -> list[Stage]:
+    """The stages of a scene and those of its twin that differ, the latter renamed."""
+    out = list(stages)
+    known = {_identity(stage): stage.name for stage in out}
+    renamed: dict[str, str] = {}
+    for stage in twin:
+        moved = replace(stage, takes=tuple(renamed[name] for name in stage.takes))
+        same = known.get(_identity(moved))
+        renamed[stage.name] = same or f"{HEALTHY}{stage.name}"
+        if same is None:
+            out.append(replace(moved, name=renamed[stage.name]))
+    return out
+
+
+def twin_name(graph: Graph, name: str) -> str:
+    """The stage of the control that stands for `name`: its own, or the shared one."""
+    return f"{HEALTHY}{name}" if f"{HEALTHY}{name}" in graph.stages else name
+
+
+def _identity(stage: Stage) -> tuple[Any, ...]:
+    return stage.kind, stage.build, digest(stage.spec), stage.takes
+
+
+def scene_stages(scene: Scene, source: str) -> list[Stage]:
+    """The stages of one scene, in order."""
+    from pipelines.building import motion, signals
+
+    layout = checked_layout(scene, source)
+    laws = _law_stages(scene, layout)
+    casing = _casing_stages(scene, layout, source)
+    takes = tuple(law.name for law in laws)
+    return [
+        *laws,
+        *casing,
+        Stage(
+            name="simulate",
+            kind="simulate",
+            build=motion.build,
+            spec=motion.MotionSpec(scene=motion_scene(scene)),
+            takes=(casing[-1].name, *takes),
+            libraries=_NUMERIC,
+            seconds=1.5 * scene.simulation.end_s,
+        ),
+        Stage(
+            name="response",
+            kind="response",
+            build=signals.build,
+            spec=signals.SignalsSpec(scene=_labelled(scene)),
+            takes=("simulate", *takes),
+            libraries=("numpy", "xarray"),
+        ),
+    ]
+
+
+def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
+    from pipelines.building import laws
+
+    stages = []
+    facts = derive(scene, layout).stages
+    for number, (table, pair, fact) in enumerate(zip(scene.stages, layout.pairs, facts, strict=True), 1):
+        mesh = table.mesh
+        refinement = 0.0 if isinstance(mesh, IsoMesh) else mesh.refinement
+        stages.append(
+            Stage(
+                name=f"law_{number}",
+                kind="law",
+                build=laws.build,
+                spec=laws.law_spec(pair, mesh.model, mesh.slices, refinement, fact.line_load),
+                modules=("fem.contact.iso",) if isinstance(mesh, IsoMesh) else ("fem.contact.plane",),
+                libraries=("numpy", "scipy"),
+                seconds=0.0 if isinstance(mesh, IsoMesh) else 8.0,
+            )
+        )
+    return stages
+
+
+def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
+    from pipelines.building import casing_body as body
+    from pipelines.housing import housing
+    from pipelines.layout import material
+
+    table = scene.casing
+    if isinstance(table, NoCasingTable):
+        points = {f"bearing_{n}": point for n, point in enumerate(bearing_points(scene, layout), 1)}
+        return [Stage(name="casing", kind="casing", build=body.build_ground, spec=body.GroundSpec(points=points))]
+    box, iron = housing(scene, table.housing, layout, source), material("casing", table.material)
+    if isinstance(table, RigidCasingTable):
+        rigid = body.RigidSpec(
+            housing=box,
+            material=iron,
+            mount_stiffness=table.mount_stiffness_N_per_um * 1e6,
+            damping_ratio=table.damping_ratio,
+        )
+        return [Stage(name="casing", kind="casing", build=body.build_rigid, spec=rigid)]
+    from pipelines.building import casing_mesh, casing_modes
+
+    band = table.band_Hz if isinstance(table, CraigBamptonCasingTable) else 0.0
+    return [
+        Stage(
+            name="casing mesh",
+            kind="casing-mesh",
+            build=casing_mesh.build,
+            spec=casing_mesh.CasingMeshSpec(
+                housing=replace(box, sensors=()), element_size=table.element_size_mm / 1000
+            ),
+            libraries=("numpy", "gmsh"),
+            seconds=8.0,
+        ),
+        Stage(
+            name="casing modes",
+            kind="casing-modes",
+            build=casing_modes.build,
+            spec=casing_modes.CasingModesSpec(material=iron, model=table.model, band=band),
+            takes=("casing mesh",),
+            libraries=("numpy", "scipy", "scikit-fem", "scikit-sparse", "pymetis"),
+            seconds=30.0,
+        ),
+        Stage(
+            name="casing",
+            kind="casing",
+            build=body.build_elastic,
+            spec=body.ElasticSpec(sensors=box.sensors, damping_ratio=table.damping_ratio),
+            takes=("casing modes",),
+        ),
+    ]
+
+
+def motion_scene(scene: Scene) -> Scene:
+    """The scene with everything blanked that the motion does not read itself (laws and casing come as results)."""
+    return _labelled(scene).model_copy(update={"title": "", "diagnosis": DiagnosisTable()})
+
+
+def _labelled(scene: Scene) -> Scene:
+    """The same with title and sensor noise, which only label the response."""
+    stages = tuple(stage.model_copy(update={"mesh": IsoMesh()}) for stage in scene.stages)
+    sensors = tuple(sensor.model_copy(update={"position_mm": _ZERO}) for sensor in scene.sensors)
+    casing = type(scene.casing).model_construct(model=scene.casing.model)
+    noise = DiagnosisTable(noise_m_s2=scene.diagnosis.noise_m_s2)
+    changes = {"stages": stages, "sensors": sensors, "casing": casing, "control": None, "diagnosis": noise}
+    return scene.model_copy(update=changes)
