@@ -17,7 +17,16 @@ from typing import Any
 from pipelines.derived import bearing_points, derive
 from pipelines.layout import Layout
 from pipelines.payload import digest
-from pipelines.scene import CraigBamptonCasingTable, DiagnosisTable, IsoMesh, NoCasingTable, RigidCasingTable, Scene
+from pipelines.scene import (
+    CraigBamptonCasingTable,
+    DiagnosisTable,
+    HousingTable,
+    IsoMesh,
+    MaterialTable,
+    NoCasingTable,
+    RigidCasingTable,
+    Scene,
+)
 from pipelines.scene_file import LoadedScene, control_of
 from pipelines.stages import Graph, Stage
 from pipelines.validity import checked_layout
@@ -25,6 +34,20 @@ from pipelines.validity import checked_layout
 HEALTHY = "healthy "  # before the names of the control's own stages
 _NUMERIC = ("numpy", "scipy", "numba")
 _ZERO = (0.0, 0.0, 0.0)
+_SOME_CASING = RigidCasingTable(  # stands for any casing where only its presence counts
+    housing=HousingTable(
+        length_mm=1,
+        width_mm=1,
+        height_mm=1,
+        wall_thickness_mm=1,
+        left_end_mm=0,
+        shaft_height_mm=1,
+        bore_diameters_mm=(1,),
+        boss_diameters_mm=(1,),
+        boss_length_mm=1,
+    ),
+    material=MaterialTable(elastic_modulus_GPa=1, poisson_ratio=0, density_kg_m3=1),
+)
 
 
 def run_graph_of(loaded: LoadedScene, *, with_control: bool = True) -> Graph:
@@ -177,7 +200,7 @@ def _labelled(scene: Scene) -> Scene:
     """The same with title and sensor noise, which only label the response."""
     stages = tuple(stage.model_copy(update={"mesh": IsoMesh()}) for stage in scene.stages)
     sensors = tuple(sensor.model_copy(update={"position_mm": _ZERO}) for sensor in scene.sensors)
-    casing = type(scene.casing).model_construct(model=scene.casing.model)
+    casing = scene.casing if isinstance(scene.casing, NoCasingTable) else _SOME_CASING
     noise = DiagnosisTable(noise_m_s2=scene.diagnosis.noise_m_s2)
     changes = {"stages": stages, "sensors": sensors, "casing": casing, "control": None, "diagnosis": noise}
     return scene.model_copy(update=changes)
