@@ -47,9 +47,7 @@ class Study:
         return tuple(dict.fromkeys(names))
 
 
-def plan_study(
-    loaded: LoadedScene, *, with_control: bool = True, both_loads: bool = True, seeds: int = 0
-) -> Study:
+def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bool = True, seeds: int = 0) -> Study:
     """The stages and cases of a scene.
 
     Parameters
@@ -133,7 +131,9 @@ def diagnosis_settings(scene: Scene, layout: Layout | None = None) -> DiagnosisS
     stage = derive(scene, layout).stages[table.stage - 1]
     on_wheel = table.gear == "wheel"
     words = ", ".join(f"one tooth of the stage {f.stage} {f.gear} missing" for f in scene.faults)
-    modes = {name: rope_frequency(scene, _rope_length(scene, layout, sum(w) / 2)) for name, w in table.windows_s.items()}
+    modes = {
+        name: rope_frequency(scene, _rope_length(scene, layout, sum(w) / 2)) for name, w in table.windows_s.items()
+    }
     return DiagnosisSettings(
         revolution_frequency=stage.wheel_frequency if on_wheel else stage.pinion_frequency,
         mesh_frequency=stage.mesh_frequency,

@@ -11,9 +11,9 @@ _WORDS = {"reuse": "reused", "build": "built", "follow": "perhaps"}
 def main(options: argparse.Namespace) -> int:
     """Print one line per stage; nothing is built."""
     from pipelines.cache import Cache
-    from pipelines.study import plan_study
     from pipelines.scene_file import load_scene
     from pipelines.stages import explain
+    from pipelines.study import plan_study
 
     found = explain(plan_study(load_scene(options.scene, options.settings)).graph, Cache())
     width = max(len(status.name) for status in found)
