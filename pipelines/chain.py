@@ -4,64 +4,44 @@
     casing mesh -> casing modes -> casing   finite elements only for the rungs static and craig-bampton
     simulate -> response                    a missing tooth, deviations, drive and load enter here
 
-A scene with a control has the same chain a second time with "healthy " before each name; what does not differ is one
-stage, so usually only its simulation is added.
+Scenes that are run together (`pipelines.study`) share the stages that do not differ.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
 
 from pipelines.derived import bearing_points, derive
 from pipelines.layout import Layout
-from pipelines.payload import digest
-from pipelines.scene import CraigBamptonCasingTable, DiagnosisTable, IsoMesh, NoCasingTable, RigidCasingTable, Scene
-from pipelines.scene_file import LoadedScene, control_of
-from pipelines.stages import Graph, Stage
+from pipelines.scene import (
+    CraigBamptonCasingTable,
+    DiagnosisTable,
+    HousingTable,
+    IsoMesh,
+    MaterialTable,
+    NoCasingTable,
+    RigidCasingTable,
+    Scene,
+)
+from pipelines.stages import Stage
 from pipelines.validity import checked_layout
 
-HEALTHY = "healthy "  # before the names of the control's own stages
 _NUMERIC = ("numpy", "scipy", "numba")
 _ZERO = (0.0, 0.0, 0.0)
-
-
-def run_graph_of(loaded: LoadedScene, *, with_control: bool = True) -> Graph:
-    """All stages of a scene and its control up to the responses.
-
-    Raises
-    ------
-    SceneError, InputError : the scene or its control cannot be built
-    """
-    stages = scene_stages(loaded.scene, loaded.source.shown)
-    control = control_of(loaded) if with_control else None
-    if control is not None:
-        stages = with_twin(stages, scene_stages(control.scene, control.source.shown))
-    return Graph(stages)
-
-
-def with_twin(stages: Iterable[Stage], twin: Iterable[Stage]) -> list[Stage]:
-    """The stages of a scene and those of its twin that differ, the latter renamed."""
-    out = list(stages)
-    known = {_identity(stage): stage.name for stage in out}
-    renamed: dict[str, str] = {}
-    for stage in twin:
-        moved = replace(stage, takes=tuple(renamed[name] for name in stage.takes))
-        same = known.get(_identity(moved))
-        renamed[stage.name] = same or f"{HEALTHY}{stage.name}"
-        if same is None:
-            out.append(replace(moved, name=renamed[stage.name]))
-    return out
-
-
-def twin_name(graph: Graph, name: str) -> str:
-    """The stage of the control that stands for `name`: its own, or the shared one."""
-    return f"{HEALTHY}{name}" if f"{HEALTHY}{name}" in graph.stages else name
-
-
-def _identity(stage: Stage) -> tuple[Any, ...]:
-    return stage.kind, stage.build, digest(stage.spec), stage.takes
+_SOME_CASING = RigidCasingTable(  # stands for any casing where only its presence counts
+    housing=HousingTable(
+        length_mm=1,
+        width_mm=1,
+        height_mm=1,
+        wall_thickness_mm=1,
+        left_end_mm=0,
+        shaft_height_mm=1,
+        bore_diameters_mm=(1,),
+        boss_diameters_mm=(1,),
+        boss_length_mm=1,
+    ),
+    material=MaterialTable(elastic_modulus_GPa=1, poisson_ratio=0, density_kg_m3=1),
+)
 
 
 def scene_stages(scene: Scene, source: str) -> list[Stage]:
@@ -177,7 +157,7 @@ def _labelled(scene: Scene) -> Scene:
     """The same with title and sensor noise, which only label the response."""
     stages = tuple(stage.model_copy(update={"mesh": IsoMesh()}) for stage in scene.stages)
     sensors = tuple(sensor.model_copy(update={"position_mm": _ZERO}) for sensor in scene.sensors)
-    casing = type(scene.casing).model_construct(model=scene.casing.model)
+    casing = scene.casing if isinstance(scene.casing, NoCasingTable) else _SOME_CASING
     noise = DiagnosisTable(noise_m_s2=scene.diagnosis.noise_m_s2)
     changes = {"stages": stages, "sensors": sensors, "casing": casing, "control": None, "diagnosis": noise}
     return scene.model_copy(update=changes)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from fem.casing.body import ReducedBody
-from fem.casing.checkup import CheckUp
 from fem.casing.housing import Housing, Sensor
-from fem.casing.modes import CasingModes, reduced_body
-from fem.casing.rungs import NoCasing, RigidCasing
 from fem.materials import Material
 from pipelines.stages import Built
+
+if TYPE_CHECKING:
+    from fem.casing.body import ReducedBody
+    from fem.casing.checkup import CheckUp
+    from fem.casing.modes import CasingModes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,17 +43,23 @@ class ElasticSpec:
 
 def build_ground(spec: GroundSpec) -> Built:
     """A body without coordinates."""
+    from fem.casing.rungs import NoCasing
+
     return _built(NoCasing().reduce(spec.points))
 
 
 def build_rigid(spec: RigidSpec) -> Built:
     """Six coordinates."""
+    from fem.casing.rungs import RigidCasing
+
     rung = RigidCasing(mount_stiffness=spec.mount_stiffness, damping_ratio=spec.damping_ratio)
     return _built(rung.reduce(spec.housing, spec.material))
 
 
 def build_elastic(spec: ElasticSpec, modes: tuple[CasingModes, CheckUp]) -> Built:
     """Bearing coordinates and modes."""
+    from fem.casing.modes import reduced_body
+
     return _built(reduced_body(modes[0], sensors=spec.sensors, damping_ratio=spec.damping_ratio))
 
 

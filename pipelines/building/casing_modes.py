@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from fem.casing.checkup import CheckUp
-from fem.casing.mesh import CasingMesh
-from fem.casing.modes import CasingModes
-from fem.casing.rungs import CraigBamptonCasing, StaticCasing
 from fem.materials import Material
 from pipelines.errors import WorkError
+
+if TYPE_CHECKING:
+    from fem.casing.checkup import CheckUp
+    from fem.casing.mesh import CasingMesh
+    from fem.casing.modes import CasingModes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,6 +25,8 @@ class CasingModesSpec:
 
 def build(spec: CasingModesSpec, mesh: CasingMesh) -> tuple[CasingModes, CheckUp]:
     """The reduced matrices with their check-up; WorkError names the items of the check-up that fail."""
+    from fem.casing.rungs import CraigBamptonCasing, StaticCasing
+
     rung = StaticCasing() if spec.model == "static" else CraigBamptonCasing(band=spec.band)
     modes, found = rung.modes(mesh, spec.material)
     if found.failures:

@@ -10,7 +10,7 @@ from fem.gears.geometry import GearPair
 
 @dataclass(frozen=True, kw_only=True)
 class LawSpec:
-    """A gear pair and the rung of its law with its options; `line_load` (N/m) is read by the rung `iso` alone, else 0."""
+    """A gear pair and the rung of its law with options; `line_load` (N/m) is read by the rung `iso` alone, else 0."""
 
     pair: GearPair
     model: str  # "iso" | "plane"

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from fem.casing.body import ReducedBody
-from fem.contact.law import MeshLaw
-from mbd.load import Rope
-from mbd.simulate import Settings, simulate
-from mbd.system import assemble
-from mbd.trajectory import Trajectory
-from pipelines.layout import lay_out
-from pipelines.machine import machine
-from pipelines.parts import mesh_inputs
-from pipelines.response import wanted_channels
 from pipelines.scene import Scene
 from pipelines.stages import Built
+
+if TYPE_CHECKING:
+    from fem.casing.body import ReducedBody
+    from fem.contact.law import MeshLaw
+    from mbd.trajectory import Trajectory
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,6 +23,14 @@ class MotionSpec:
 
 def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw]) -> Built:
     """The trajectory of the wanted channels, with its energy books and counters."""
+    from mbd.load import Rope
+    from mbd.simulate import Settings, simulate
+    from mbd.system import assemble
+    from pipelines.layout import lay_out
+    from pipelines.machine import machine
+    from pipelines.parts import mesh_inputs
+    from pipelines.response import wanted_channels
+
     scene = spec.scene
     layout = lay_out(scene)
     train = machine(scene, layout, mesh_inputs(scene, layout, list(laws)))
