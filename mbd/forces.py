@@ -68,7 +68,8 @@ def force_table(machine: Machine, loads: dict[str, float], stiffness: dict[str, 
     sizes = np.array([len(c) for c in clearances], dtype=np.int64)
     starts = np.concatenate([[0], np.cumsum(sizes)])[:-1].astype(np.int64)
     n_mesh = len(machine.meshes)
-    laws += [laws[0] if laws else law_tables(_empty_law())] * (FLANK_GROUP - 1 - (len(laws) - 1) % FLANK_GROUP)
+    groups = max(1, -(-len(laws) // FLANK_GROUP))
+    laws += [laws[0] if laws else law_tables(_empty_law())] * (groups * FLANK_GROUP - len(laws))
     stiff = np.zeros((2 * n_mesh, 2))
     for i, mesh in enumerate(machine.meshes):
         stiff[2 * i] = stiffness[mesh.name]
