@@ -26,9 +26,7 @@ def pair(angle=0.0, sense=1, hand=1, helix=0.2):
     distance = (spec.base_radius_driving + spec.base_radius_driven) / math.cos(TRANSVERSE_ANGLE)
     section = (Section(y_start=-0.1, y_end=0.1, outer_diameter=0.02),)
     a = ShaftSpec(name="a", x=0.0, z=0.0, sense=sense, sections=section)
-    b = ShaftSpec(
-        name="b", x=distance * math.cos(angle), z=distance * math.sin(angle), sense=-sense, sections=section
-    )
+    b = ShaftSpec(name="b", x=distance * math.cos(angle), z=distance * math.sin(angle), sense=-sense, sections=section)
     return spec, a, b
 
 
@@ -108,7 +106,7 @@ def test_geared_inertias_have_the_frequency_of_the_formula():
     shafts = tuple(
         dataclasses.replace(
             s, sections=stiff, density=1.0, model="torsion",
-            disks=(Disk(name="d", y=0.0, mass=1e3, polar_inertia=j, diametral_inertia=1e3),),
+            disks=(Disk(name="d", y=0.0, mass=1e5, polar_inertia=j, diametral_inertia=1e5),),
         )
         for s, j in zip((a, b), inertia, strict=True)
     )  # fmt: skip
