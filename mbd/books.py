@@ -9,7 +9,8 @@ part receives
 
 These books are kept in the frame that rolls with the train; the inertia force of a speed ramp counts as received.
 Elements (meshes, rope) are logged at every step: U, the parametric work (see `mbd.forces`), and the work of the forces
-with and without damping, integral F d delta + M d psi with the mean of the forces at both ends of a step.
+with and without damping, integral F d delta + M d psi, of cubics through four instants: per step mean(F) D delta +
+(D F mean(D2 delta) - mean(D2 F) D delta)/12 with first and second differences D, D2.
 
 The total book is that of the real motion R phi_m + q: sources are the motors, gravity, drum torque and the parametric
 works.
@@ -55,10 +56,10 @@ class Books:
         self._watched = np.zeros(len(self._watch))
         self._motion = np.zeros((3,))  # angle, speed of the motor at the latest instant
         elements = len(system.table.tau) + len(system.table.rope_ea)
-        self._log, self._first_energy = np.zeros((elements, len(LOG_COLUMNS))), np.zeros(elements)
+        self._log, self._first_energy = np.zeros((0, elements, len(LOG_COLUMNS))), np.zeros(elements)
         self._loss, self._parametric, self._throughput = np.zeros(elements), np.zeros(elements), 0.0
         self._received, self._peak_element = np.zeros(elements), np.zeros(elements)
-        self._rows = np.zeros(0)
+        self._rows = np.zeros((0, len(system.all_rows)))
         self._ramp_work, self._motor_work, self._constant_work = np.zeros(len(self._massive)), 0.0, 0.0
         self._first: dict[str, float] = {}
         self._peak = {part.name: 0.0 for part in system.parts}
@@ -72,17 +73,15 @@ class Books:
         motion = np.column_stack([profile.angle(times), profile.speed(times)])
         watched = z @ self._watch.T
         if first == 0:
-            self._origin, self._watched, self._log = z[0], watched[0], block.log[0]
+            self._origin, self._watched = z[0], watched[0]
             self._motion = motion[0]
             self._first_energy = block.log[0, :, _ENERGY].copy()
             self._latest = z[0]
             self._first = self._stored()
-            self._rows = block.rows[0]
         self._sources(np.vstack([self._watched, watched]), np.vstack([self._motion, motion]), accelerations)
-        self._elements(np.concatenate([self._log[None], block.log]), np.vstack([self._rows, block.rows]))
+        self._elements(np.concatenate([self._log, block.log]), np.vstack([self._rows, block.rows]), len(self._log))
         self._sample(z - self._origin, first)
         self._latest, self._watched, self._motion = z[-1], watched[-1], motion[-1]
-        self._log, self._rows = block.log[-1], block.rows[-1]
         for name, value in self._stored().items():
             self._peak[name] = max(self._peak[name], value)
 
@@ -96,23 +95,24 @@ class Books:
         self._constant_work += float(constant.sum())
         self._throughput += float(abs(motor).sum() + abs(constant).sum())
 
-    def _elements(self, log: np.ndarray, rows: np.ndarray) -> None:
-        work = log[1:, :, _PARAMETRIC]
-        self._parametric += work.sum(axis=0)
-        self._throughput += float(abs(work).sum())
+    def _elements(self, log: np.ndarray, rows: np.ndarray, known: int) -> None:
+        """Add the instants after the first ``known`` ones, which are the last three of the block before."""
+        new = slice(max(known - 1, 0), None)
+        parametric, loaded = log[known:, :, _PARAMETRIC], log[new, :, _FORCE] > 0.0
+        self._parametric += parametric.sum(axis=0)
+        self._throughput += float(abs(parametric).sum())
         self._peak_element = np.maximum(self._peak_element, log[:, :, _ENERGY].max(axis=0))
-        loaded = log[:, :, _FORCE] > 0.0
         self._lost += (loaded[:-1] & ~loaded[1:]).sum(axis=0)
         self._touched += (~loaded[:-1] & loaded[1:]).sum(axis=0)
-        total, lost = log[:, :, _TOTAL], log[:, :, _TOTAL] - log[:, :, _FORCE]
-        arm = np.divide(log[:, :, _MOMENT], log[:, :, _FORCE], out=np.zeros_like(total), where=loaded)
-        change = np.diff(rows, axis=0)
         n = len(self._system.table.tau)
-        along = np.hstack([change[:, 0 : 2 * n : 2], change[:, 2 * n : log.shape[1] + n]])
+        force, total = log[:, :, _FORCE], log[:, :, _TOTAL]
+        arm = np.divide(log[:, :, _MOMENT], force, out=np.zeros_like(total), where=force > 0.0)
+        along = np.hstack([rows[:, 0 : 2 * n : 2], rows[:, 2 * n : log.shape[1] + n]])
         tilt = np.zeros_like(along)
-        tilt[:, :n] = change[:, 1 : 2 * n : 2]
-        self._received += (_middle(total) * along + _middle(total * arm) * tilt).sum(axis=0)
-        self._loss += (_middle(lost) * along + _middle(lost * arm) * tilt).sum(axis=0)
+        tilt[:, :n] = rows[:, 1 : 2 * n : 2]
+        for values, sums in ((total, self._received), (total - force, self._loss)):
+            sums += _work(values, along, known) + _work(values * arm, tilt, known)
+        self._log, self._rows = log[-3:].copy(), rows[-3:].copy()
 
     def _sample(self, deviation: np.ndarray, first: int) -> None:
         at = np.arange(first, first + len(deviation))
@@ -189,7 +189,7 @@ class Books:
             names.append(("rope", slice(n, len(self._loss))))
         rows = {}
         for name, at in names:
-            change = float((self._log[at, _ENERGY] - self._first_energy[at]).sum())
+            change = float((self._log[-1, at, _ENERGY] - self._first_energy[at]).sum())
             loss, parametric = float(self._loss[at].sum()), float(self._parametric[at].sum())
             received = float(self._received[at].sum())
             scale = loss if loss > 0 else float(self._peak_element[at].max())
@@ -200,8 +200,15 @@ class Books:
         return self._step * self.steps
 
 
-def _middle(values: np.ndarray) -> np.ndarray:
-    return 0.5 * (values[1:] + values[:-1])
+def _work(force: np.ndarray, motion: np.ndarray, known: int) -> np.ndarray:
+    """Integral of force d(motion) over the steps after the first ``known`` instants; the cubic part lags by one step."""
+    new = slice(max(known - 1, 0), None)
+    total = (0.5 * (force[new][1:] + force[new][:-1]) * np.diff(motion[new], axis=0)).sum(axis=0)
+    if len(force) > 3:
+        bend = [0.5 * (x[3:] - x[2:-1] - x[1:-2] + x[:-3]) for x in (force, motion)]
+        slope = [x[2:-1] - x[1:-2] for x in (force, motion)]
+        total += (slope[0] * bend[1] - bend[0] * slope[1]).sum(axis=0) / 12
+    return total
 
 
 class _Integrals:

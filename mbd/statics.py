@@ -14,7 +14,7 @@ import numpy as np
 from mbd.checks import EquilibriumError
 from mbd.forces import LOG_COLUMNS
 from mbd.load import StaticTorque
-from mbd.mesh_reference import nominal_forces, touching_approach
+from mbd.mesh_reference import LARGEST_APPROACH, nominal_forces, touching_approach
 from mbd.rows_solver import solve_rows
 from mbd.system import System
 
@@ -68,10 +68,11 @@ def _loaded(system: System, free: np.ndarray, flexibility: np.ndarray) -> tuple[
     used = solve_rows(
         system.table, 0.0, free, still, flexibility, np.zeros_like(flexibility), force, u, v, log, TOLERANCE
     )
-    if used < 0:
+    opened = float(abs(u[: 4 * len(system.machine.meshes) : 4]).max(initial=0.0))
+    if used < 0 or not opened < LARGEST_APPROACH:
         loads = ", ".join(f"{name} {value:.4g} N" for name, value in nominal_forces(system.machine).items())
         raise EquilibriumError(
-            f"equilibrium at t = 0: not found in the allowed iterations (nominal mesh forces: {loads}). "
+            f"equilibrium at t = 0: not found within {LARGEST_APPROACH * 1e3:g} mm (nominal mesh forces: {loads}). "
             "Lower the load, or start where teeth are in mesh (mesh phase at the start)."
         )
     return force, log

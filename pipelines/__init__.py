@@ -7,7 +7,7 @@ __all__ = ["run"]
 
 def __getattr__(name: str) -> Any:
     if name == "run":  # imported late: importing the package must stay cheap
-        from pipelines.run import run
+        from pipelines.runs import run
 
         return run
     raise AttributeError(f"module 'pipelines' has no attribute {name!r}")

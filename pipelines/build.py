@@ -91,13 +91,20 @@ class Outcome:
 
 
 def run_graph(
-    graph: Graph, cache: Cache, wanted: Iterable[str], *, observer: Observer | None = None, processes: int | None = None
+    graph: Graph,
+    cache: Cache,
+    wanted: Iterable[str],
+    *,
+    observer: Observer | None = None,
+    processes: int | None = None,
+    known: Mapping[str, Result] | None = None,
 ) -> Outcome:
     """Build or reuse the wanted stages and what they take.
 
     Parameters
     ----------
     processes : long stages built at the same time; default 2, or 1 on a single core
+    known : results of stages of this graph that are at hand
 
     Raises
     ------
@@ -110,7 +117,7 @@ def run_graph(
     observer = observer or Silent()
     if processes is None:
         processes = min(2, os.cpu_count() or 1)
-    results: dict[str, Result] = {}
+    results = {name: result for name, result in (known or {}).items() if name in graph.stages}
     with one_thread(), Pool() as pool:
         while len(results) < len(graph.stages):
             ready = _take_what_is_cached(graph, cache, results, pool.names(), observer)

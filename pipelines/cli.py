@@ -106,11 +106,31 @@ def _run(sub: argparse.ArgumentParser) -> None:
     _work(sub)
     _out(sub)
     sub.add_argument("--no-control", action="store_true", help="leave out the healthy control and the diagnosis")
+    sub.add_argument("--one-load", action="store_true", help="with a rope, leave out the equivalent constant torque")
+    sub.add_argument(
+        "--seeds",
+        metavar="N",
+        type=_count,
+        default=0,
+        help="compare seeds 1 to N of the deviations and error-free gears",
+    )
 
 
 def _simulate(sub: argparse.ArgumentParser) -> None:
     _work(sub)
     _out(sub)
+
+
+def _diagnose(sub: argparse.ArgumentParser) -> None:
+    _run_folder(sub)
+    sub.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        dest="settings",
+        action="append",
+        default=[],
+        help="look elsewhere, as in --set diagnosis.sensor=sensor_5; repeatable",
+    )
 
 
 def _run_folder(sub: argparse.ArgumentParser) -> None:
@@ -149,7 +169,7 @@ _ARGUMENTS = {
     "gears": _work,
     "casing": _work,
     "simulate": _simulate,
-    "diagnose": _run_folder,
+    "diagnose": _diagnose,
     "run": _run,
     "inspect": _inspect,
     "export": _export,
@@ -218,11 +238,10 @@ def _show_warning(
 
 
 def _log_to_terminal(verbose: bool) -> None:
-    logging.basicConfig(
-        level=logging.INFO if verbose else logging.WARNING,
-        stream=sys.stderr,
-        format="%(levelname)s %(name)s: %(message)s",
-    )
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setLevel(logging.INFO if verbose else logging.WARNING)
+    handler.setFormatter(logging.Formatter("%(levelname)s %(name)s: %(message)s"))
+    logging.basicConfig(handlers=[handler], level=handler.level)
 
 
 if __name__ == "__main__":

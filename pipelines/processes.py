@@ -100,8 +100,8 @@ class Pool:
         answer = child.job.with_suffix(".answer")
         if not answer.exists():
             raise WorkError(
-                f"stage {name}: its process ended with code {child.process.returncode} and no answer, perhaps for lack of "
-                "memory. Run again with --processes 1, or with a coarser model."
+                f"stage {name}: its process ended with code {child.process.returncode} and no answer, perhaps for lack "
+                "of memory. Run again with --processes 1, or with a coarser model."
             )
         kind, content, notes = pickle.loads(answer.read_bytes())
         for category, text in notes:

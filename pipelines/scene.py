@@ -283,14 +283,17 @@ class DiagnosisTable(Table):
     """What the spectra and the envelope table look at."""
 
     sensor: Annotated[str, Field(description="its signal is diagnosed")] = "sensor_3"
-    axis: Annotated[Literal["x", "y", "z"], Field(description="of the sensor")] = "z"
+    axis: Annotated[Literal["x", "y", "z", "resultant"], Field(description="of the sensor")] = "z"
     stage: Annotated[int, Field(ge=1, description="stage whose mesh frequency carries the sidebands")] = 1
     gear: Annotated[Literal["pinion", "wheel"], Field(description="gear whose rotation is sought")] = "wheel"
     windows_s: dict[str, Window] = Field(default_factory=dict, description="constant-speed windows by name")
-    envelope_band_Hz: Annotated[tuple[Positive, Positive], Field(description="band that is demodulated")] = (
-        200.0,
-        3000.0,
-    )
+    envelope_band_Hz: Annotated[
+        Literal["mesh", "resonance"] | tuple[Positive, Positive],
+        Field(
+            description="band that is demodulated, [low, high]; mesh: f_m / 2 around f_m; resonance: where the healthy "
+            "run is strongest"
+        ),
+    ] = "mesh"
     noise_m_s2: Annotated[float, Field(ge=0, description="rms of white sensor noise added before diagnosis")] = 0.01
 
 

@@ -71,7 +71,7 @@ def _session() -> Iterator[Any]:
                 "Mesh.MaxNumThreads3D": 1,
                 "Mesh.RandomSeed": 1,
                 "Mesh.Algorithm": 6,
-                "Mesh.Algorithm3D": 10,  # HXT: the best worst element of gmsh's algorithms on this kind of body, and quick
+                "Mesh.Algorithm3D": 10,  # HXT: of gmsh's algorithms the one with the best worst element here
                 "Mesh.Optimize": 1,
                 "Mesh.ElementOrder": 1,
                 "Mesh.MeshSizeFromPoints": 0,

@@ -34,8 +34,8 @@ def housing_mass(housing: Housing, density: float) -> tuple[float, np.ndarray, n
         parts.append(_cylinder(bore.x, bore.z, *inner, bore.boss_diameter, 1.0))
         parts.append(_cylinder(bore.x, bore.z, start, end, bore.diameter, -1.0))
     volume = sum(part[0] for part in parts)
-    centre = sum(part[0] * part[1] for part in parts) / volume
-    second = sum(part[2] + part[0] * np.outer(part[1] - centre, part[1] - centre) for part in parts)
+    centre = np.sum([part[0] * part[1] for part in parts], axis=0) / volume
+    second = np.sum([part[2] + part[0] * np.outer(part[1] - centre, part[1] - centre) for part in parts], axis=0)
     return density * volume, centre, density * (np.trace(second) * np.eye(3) - second)
 
 

@@ -27,8 +27,9 @@ def main(options: argparse.Namespace) -> int:
     sys.stdout.write("".join(f"{line}\n" for line in _lines(loaded, facts)))
     for text in facts.warnings:
         sys.stdout.write(f"warning: {text}\n")
-    for line in control_differences(loaded, control) if control is not None else ():
-        sys.stdout.write(f"warning: the control {control.name} differs in more than the fault: {line}\n")
+    if control is not None:
+        for line in control_differences(loaded, control):
+            sys.stdout.write(f"warning: the control {control.name} differs in more than the fault: {line}\n")
     return 0
 
 

@@ -1,0 +1,81 @@
+"""Energy books: every part within 1 % of what it dissipates, the total within 1e-6 of all work."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from mbd_rigs import no_casing, rigid_casing, train
+
+from mbd.drive import SpeedProfile
+from mbd.simulate import Settings, simulate
+from mbd.system import assemble
+
+RAMP = SpeedProfile(times=np.array([0.01, 0.04]), speeds=np.array([0.0, 94.25]))
+JERK = SpeedProfile(times=np.array([0.01, 0.0105]), speeds=np.array([0.0, -94.25]))
+
+
+def books(machine, casing=None, channels=(), end=0.1, **settings):
+    casing = rigid_casing(machine, extra=10) if casing is None else casing
+    return simulate(assemble(machine, casing, channels), Settings(end=end, **settings))
+
+
+def assert_closed(result, part_limit=0.01):
+    assert abs(result.book("total", "residual")) <= 1e-6 * result.book("total", "scale")
+    for part in result.book_parts:
+        share = abs(result.book(part, "residual")) / result.book(part, "scale")
+        assert share <= part_limit, f"{part}: {share:.2%}"
+
+
+@pytest.mark.parametrize("integrator", ["exponential", "trapezoidal"])
+@pytest.mark.parametrize("load", ["torque", "rope"])
+def test_books_close(integrator, load):
+    machine = train(1, load=load, profile=RAMP, rope={"container_mass": 300.0})
+    result = books(machine, integrator=integrator, step=5e-6)
+    assert_closed(result)
+    assert (result.books[:-1, result.book_columns.index("dissipated")] >= 0).all()
+
+
+def test_books_close_through_contact_loss_and_impacts():
+    result = books(train(1, profile=JERK), end=0.06, step=2.5e-6)
+    assert result.counter("stage_1:contact_losses") > 0
+    assert result.counter("stage_1:coast_contacts") > 0
+    assert_closed(result)
+
+
+def test_books_close_without_damping():
+    machine = train(1, profile=RAMP, shaft_tau=0.0, bearing_tau=0.0, coupling_damping=0.0)
+    machine = dataclasses.replace(machine, meshes=(dataclasses.replace(machine.meshes[0], damping_time=0.0),))
+    result = books(machine, no_casing(), end=0.05, step=5e-6)
+    assert result.book("total", "dissipated") == pytest.approx(0.0, abs=1e-12)
+    assert_closed(result)
+
+
+def test_the_motor_lifts_the_load():
+    """Work of motors and gravity over a lift: their difference is small, each is torque x angle."""
+    machine = train(1, profile=RAMP)
+    result = books(machine, channels=("motor_1:torque", "motor_2:torque"), end=0.1)
+    torque = result.channel("motor_1:torque") + result.channel("motor_2:torque")
+    angle = machine.profile.angle(result.time)
+    motors = np.sum(0.5 * (torque[1:] + torque[:-1]) * np.diff(angle))
+    lifted = 60.0 * machine.ratios()["shaft_2"] * angle[-1]
+    assert motors - lifted == pytest.approx(result.book("total", "received"), rel=0.05, abs=0.02 * lifted)
+
+
+def test_a_book_sampled_every_few_steps_is_the_same(monkeypatch):
+    machine = train(1, profile=RAMP)
+    every = books(machine, end=0.1, step=5e-6)
+    monkeypatch.setattr("mbd.books.MAX_SAMPLES", 5000)
+    some = books(machine, end=0.1, step=5e-6)
+    column = every.book_columns.index("dissipated")
+    np.testing.assert_allclose(some.books[:, column], every.books[:, column], rtol=0.02)
+
+
+def test_a_missing_tooth_runs_and_books_close():
+    machine = train(1, speed=60.0)
+    wheel = np.zeros(55)
+    wheel[3] = np.inf
+    gap = dataclasses.replace(machine.meshes[0], drive_clearance_wheel=wheel, coast_clearance_wheel=wheel)
+    result = books(dataclasses.replace(machine, meshes=(gap,)), channels=("stage_1:delta",), end=0.05, step=5e-6)
+    healthy = books(machine, channels=("stage_1:delta",), end=0.05, step=5e-6)
+    assert result.channel("stage_1:delta").max() > 1.1 * healthy.channel("stage_1:delta").max()
+    assert_closed(result)

@@ -1,0 +1,177 @@
+"""Time integrators: exactness, order, period error, no drift, agreement, and their contract."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from mbd_rigs import no_casing, rigid_casing, train
+from scipy.linalg import expm
+
+from mbd.checks import StepError
+from mbd.drive import SpeedProfile
+from mbd.integrators import exponential, trapezoidal
+from mbd.integrators.generalised_alpha import spectral_radius
+from mbd.integrators.methods import METHODS
+from mbd.integrators.modal import complex_modes
+from mbd.simulate import Settings, simulate
+from mbd.statics import equilibrium
+from mbd.system import assemble, mesh_mode_frequency
+
+FIXED_STEP = ("exponential", "trapezoidal", "generalised-alpha")
+RAMP = SpeedProfile(times=np.array([0.0, 1.0]), speeds=np.array([0.0, 600.0]))
+LINEAR = {"stage": {"ripple": 0.0, "backlash": 1e-3, "tau": 0.0}}  # the linear reference is exact
+
+
+def run(system, method, step, end, profile=None):
+    """Blocks of a fixed-step run from equilibrium: rows, states."""
+    profile = system.machine.profile if profile is None else profile
+    integrator = METHODS[method](system, step)
+    integrator.start(equilibrium(system))
+    times = step * np.arange(round(end / step) + 1)
+    return integrator, integrator.advance(profile.angle(times[1:]), np.diff(profile.speed(times)) / step)
+
+
+@pytest.mark.parametrize(("steps", "error"), [(20, 0.817e-2), (40, 0.205e-2), (80, 0.051e-2)])
+def test_period_error_of_the_trapezoidal_rule(steps, error):
+    z = 2j * np.pi / steps
+    growth, _, _ = trapezoidal.coefficients(np.array([z]), 1.0)
+    assert abs(growth[0]) == pytest.approx(1.0, abs=1e-15)
+    assert 2 * np.pi / steps / np.angle(growth[0]) - 1 == pytest.approx(error, abs=1e-5)
+
+
+@pytest.mark.parametrize(("radius", "loss"), [(0.9, 1.135e-9), (0.6, 1.215e-7)])
+def test_spectral_radius_of_generalised_alpha(radius, loss):
+    assert 1 - spectral_radius(0.01, radius) == pytest.approx(loss, rel=2e-3)
+
+
+def test_generalised_alpha_reaches_its_radius_at_infinite_frequency():
+    assert spectral_radius(1e6, 0.7) == pytest.approx(0.7, abs=1e-4)
+
+
+@pytest.mark.parametrize("z", [1e-8, -0.3 + 0.1j, 0.499j, 0.501j, -4 + 30j])
+def test_exponential_step_under_a_linear_force_is_exact(z):
+    """eta' = z eta + g with g from 1 to -2 over a unit step, against the exponential of the augmented matrix."""
+    z = complex(z)
+    growth, old, new = exponential.coefficients(np.array([z]), 1.0)
+    augmented = np.array([[z, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
+    exact = (expm(augmented) @ [0.7, 1.0, -3.0])[0]
+    assert growth[0] * 0.7 + old[0] * 1.0 + new[0] * -2.0 == pytest.approx(exact, rel=1e-12)
+
+
+def test_exponential_run_of_a_linear_machine_is_exact():
+    """Constant mesh stiffness, ramp from rest: 1e-10 against one matrix exponential, with 12 steps per mesh period."""
+    system = assemble(train(1, profile=RAMP, **LINEAR), no_casing(), band=8e3)
+    step = 1 / (12 * mesh_mode_frequency(system))
+    integrator, block = run(system, "exponential", step, 300 * step)
+    basis, n = system.basis, len(system.frequencies)
+    matrix = np.zeros((2 * n + 1, 2 * n + 1))  # (p, p', 1)' with p from equilibrium
+    matrix[:n, n : 2 * n] = np.eye(n)
+    matrix[n : 2 * n, : 2 * n] = -np.hstack([np.diag(system.frequencies**2), basis.T @ system.damping @ basis])
+    matrix[n : 2 * n, -1] = -600.0 * basis.T @ system.mass @ system.rolling
+    deviation = basis @ expm(matrix * 300 * step)[:n, -1]
+    moved = integrator.displacement @ block.states[-1] - equilibrium(system).displacement
+    assert abs(block.forces).max() < 1e-6  # N: the reference is the machine
+    np.testing.assert_allclose(moved, deviation, atol=1e-10 * abs(deviation).max())
+
+
+@pytest.mark.parametrize("method", FIXED_STEP)
+def test_order_is_two(method):
+    """A rope that shortens changes the stiffness smoothly in time: error of the mesh approach against the step."""
+    rope = {"length": 0.5, "container_mass": 300.0, "axial_stiffness": 2e6}
+    profile = SpeedProfile(times=np.array([0.0, 1.0]), speeds=np.array([300.0, 900.0]))
+    system = assemble(train(1, load="rope", rope=rope, profile=profile, coupling=2e3, **LINEAR), no_casing(), band=np.inf)
+    end, row = 0.02, 4
+    exact = run(system, "exponential", end / 6400, end)[1].rows[-1, row]
+    errors = [abs(run(system, method, end / k, end)[1].rows[-1, row] - exact) for k in (400, 800)]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.15)
+
+
+@pytest.mark.parametrize("method", ["exponential", "trapezoidal"])
+def test_undamped_energy_does_not_drift(method):
+    machine = train(1, profile=RAMP, shaft_tau=0.0, bearing_tau=0.0, coupling_damping=0.0, **LINEAR)
+    system = assemble(machine, no_casing())
+    integrator = METHODS[method](system, 2e-5)
+    state = equilibrium(system)
+    rest = state.displacement
+    kick = dataclasses.replace(state, velocity=system.basis @ np.full(len(system.frequencies), 1e-3))
+    integrator.start(kick)
+    block = integrator.advance(np.zeros(50_000), np.zeros(50_000))
+    q = block.states[[0, -1]] @ integrator.displacement.T - rest
+    v = block.states[[0, -1]] @ integrator.velocity.T
+    energy = [0.5 * a @ system.stiffness @ a + 0.5 * b @ system.mass @ b for a, b in zip(q, v, strict=True)]
+    assert energy[1] == pytest.approx(energy[0], rel=1e-8)
+
+
+def nonlinear_system(**options):
+    profile = SpeedProfile(times=np.array([0.002, 0.012]), speeds=np.array([0.0, 94.25]))
+    machine = train(1, profile=profile, **options)
+    return assemble(machine, rigid_casing(machine), ("sensor_1:az", "stage_1:delta", "stage_1:drive_force"))
+
+
+def test_two_independent_integrators_agree():
+    system = nonlinear_system()
+    a, b = (
+        simulate(system, Settings(end=0.03, step=2e-6, integrator=name)).values
+        for name in ("exponential", "generalised-alpha")
+    )
+    spread = np.sqrt(np.mean((a - b) ** 2, axis=1) / np.var(a, axis=1))
+    assert spread.max() < 0.01  # generalised-alpha keeps modes above the band and damps them
+
+
+def test_the_default_agrees_with_the_adaptive_reference():
+    machine = train(1, speed=94.25)
+    system = assemble(machine, no_casing(), ("stage_1:delta",), band=15e3)
+    exact = run(system, "reference", 5e-5, 2e-3)[1].rows[-1]
+    fast = run(system, "exponential", 5e-6, 2e-3)[1].rows[-1]
+    assert fast[0] == pytest.approx(exact[0], rel=1e-3)
+
+
+@pytest.mark.parametrize("method", FIXED_STEP)
+def test_cutting_a_run_into_blocks_changes_nothing(method):
+    system = nonlinear_system()
+    profile, times = system.machine.profile, 1e-5 * np.arange(601)
+    angles, rates = profile.angle(times[1:]), np.diff(profile.speed(times)) / 1e-5
+    whole, cut = METHODS[method](system, 1e-5), METHODS[method](system, 1e-5)
+    whole.start(equilibrium(system))
+    cut.start(equilibrium(system))
+    one = whole.advance(angles, rates)
+    parts = [cut.advance(angles[a:b], rates[a:b]) for a, b in ((0, 7), (7, 300), (300, 600))]
+    for k, name in enumerate(one._fields):
+        np.testing.assert_array_equal(one[k], np.concatenate([p[k] for p in parts]), err_msg=name)
+
+
+@pytest.mark.parametrize("step", [1e-6, 5e-5])
+def test_reversal_in_one_sample_stays_finite(step):
+    profile = SpeedProfile(times=np.array([0.01, 0.0101]), speeds=np.array([94.25, -94.25]))
+    machine = train(1, profile=profile)
+    system = assemble(machine, rigid_casing(machine), ("sensor_1:az", "stage_1:coast_force", "stage_1:drive_force"))
+    result = simulate(system, Settings(end=0.03, step=step))
+    assert result.counter("stage_1:contact_losses") > 0
+    assert result.channel("stage_1:coast_force").max() > 0
+    assert np.isfinite(result.values).all()
+
+
+def test_critically_damped_modes_are_refused_with_the_reason():
+    with pytest.raises(StepError, match="critically damped"):
+        complex_modes(np.array([10.0, 30.0]), np.diag([20.0, 1.0]))
+
+
+def test_wrong_settings_are_refused():
+    with pytest.raises(ValueError, match="known: exponential"):
+        Settings(end=1.0, integrator="euler")
+    with pytest.raises(ValueError, match="greater than 0"):
+        Settings(end=-1.0)
+    with pytest.raises(ValueError, match="shorter than one sample"):
+        Settings(end=1e-5)
+
+
+def test_interruption_leaves_at_a_block():
+    class Stop(Exception):
+        pass
+
+    def stop(share):
+        assert 0 < share < 1
+        raise Stop
+
+    with pytest.raises(Stop):
+        simulate(nonlinear_system(), Settings(end=0.5), progress=stop)

@@ -1,0 +1,112 @@
+"""Rope load on a single shaft whose motor prescribes the drum: bounce after a ramp, slack, stiffness with length."""
+
+import numpy as np
+import pytest
+from mbd_rigs import no_casing
+
+from mbd.bearings import BearingSpec
+from mbd.drive import CouplingSpec, SpeedProfile
+from mbd.load import Rope
+from mbd.machine import STANDARD_GRAVITY, Machine
+from mbd.shafts import Disk, Section, ShaftSpec
+from mbd.simulate import Settings, simulate
+from mbd.statics import equilibrium
+from mbd.system import assemble, natural_frequencies
+
+MASS, RADIUS, LENGTH, EA, FALLS = 1000.0, 0.1, 5.0, 3.57e6, 8
+OMEGA = np.sqrt(FALLS * EA / LENGTH / MASS)
+
+
+def hoist(*, speed=0.2, tau=0.1, damping=0.0, follow=False, end_speed=None, start=0.05):
+    """A drum lifted to the rope speed ``speed`` (m/s) within ``tau`` (s)."""
+    shaft = ShaftSpec(
+        name="shaft_1",
+        x=0.0,
+        z=0.0,
+        sense=1,
+        sections=(Section(y_start=-0.2, y_end=0.2, outer_diameter=0.1),),
+        disks=(Disk(name="drum", y=0.0, mass=20.0, polar_inertia=0.1, diametral_inertia=0.1),),
+    )
+    bearings = tuple(
+        BearingSpec(
+            name=f"bearing_{i + 1}", shaft="shaft_1", y=y, stiffness_x=1e9, stiffness_z=1e9, stiffness_axial=1e8
+        )
+        for i, y in enumerate((-0.15, 0.15))
+    )
+    return Machine(
+        shafts=(shaft,),
+        bearings=bearings,
+        meshes=(),
+        couplings=(CouplingSpec(name="motor_1", shaft="shaft_1", y=0.0, stiffness=5e7),),
+        profile=SpeedProfile(times=np.array([start, start + tau]), speeds=np.array([0.0, speed * 2 / RADIUS])),
+        load=Rope(
+            shaft="shaft_1", drums=(-0.02, 0.02), container_mass=MASS, drum_radius=RADIUS, falls=FALLS,
+            axial_stiffness=EA, length=LENGTH, reeving=2.0, damping_ratio=damping, follow_length=follow,
+        ),
+    )  # fmt: skip
+
+
+def run(machine, end=0.6):
+    system = assemble(machine, no_casing())
+    return simulate(system, Settings(end=end, output_rate=2000.0, step=5e-5))
+
+
+def test_the_rope_mode_is_in_the_modes():
+    found = natural_frequencies(assemble(hoist(), no_casing()))
+    assert found[0] == pytest.approx(OMEGA / (2 * np.pi), rel=2e-3)
+
+
+@pytest.mark.parametrize("tau", [0.03, 0.1])
+def test_bounce_during_and_after_a_ramp(tau):
+    """F/F_stat = 1 + (dv/(g tau)) (1 - cos wt) in the ramp; then 1 + (dv w/g) |sinc(w tau/2)| at most."""
+    speed, start, weight = 0.1, 0.05, MASS * STANDARD_GRAVITY
+    result = run(hoist(speed=speed, tau=tau))
+    force, t = result.channel("rope:force") / weight, result.time
+    inside = (t > start + 0.2 * tau) & (t < start + 0.9 * tau)
+    ramp = 1 + speed / (STANDARD_GRAVITY * tau) * (1 - np.cos(OMEGA * (t - start)))
+    np.testing.assert_allclose(force[inside], ramp[inside], rtol=0.01)
+    half = OMEGA * tau / 2
+    expected = 1 + speed * OMEGA / STANDARD_GRAVITY * abs(np.sin(half) / half)
+    assert force[t > start + tau + 0.01].max() == pytest.approx(expected, rel=0.01)
+
+
+def test_two_per_cent_of_damping_lowers_the_bounce():
+    free, damped = (run(hoist(damping=z)).channel("rope:force").max() for z in (0.0, 0.02))
+    assert 0.005 < (free - damped) / free < 0.05
+
+
+@pytest.mark.parametrize(("share", "slack"), [(0.95, False), (1.05, True)])
+def test_the_rope_is_slack_when_and_only_when_the_force_would_be_negative(share, slack):
+    """A downward step of the speed by dv: the force falls to 1 - dv w/g of its rest value."""
+    tau = 1e-3
+    half = OMEGA * tau / 2
+    speed = -share * STANDARD_GRAVITY / (OMEGA * abs(np.sin(half) / half))
+    result = run(hoist(speed=speed, tau=tau))
+    assert (result.counter("rope:slack_events") > 0) is slack
+    force = result.channel("rope:force")
+    assert bool(force.min() < 1e-3 * force[0]) is slack
+
+
+def test_a_slack_container_falls_freely():
+    result = run(hoist(speed=-2.0, tau=2e-3), end=0.2)
+    fall = result.channel("container:acceleration")
+    assert fall.min() == pytest.approx(-STANDARD_GRAVITY, rel=0.01)  # the filter rings by 0.3 %
+    assert abs(result.book("total", "residual")) < 1e-6 * result.book("total", "scale")
+
+
+def test_a_shorter_rope_is_stiffer():
+    """Lifting by 2.5 m of 5 m: the container rises relative to the drum's travel by half the static stretch."""
+    machine = hoist(speed=5.0, tau=0.4, damping=0.2, follow=True)
+    result = run(machine, end=0.75)
+    travel = machine.profile.angle(result.time) * RADIUS / 2
+    stretch = travel - result.channel("container:lift")
+    mean_late = stretch[-400:].mean()
+    left = LENGTH - travel[-400:].mean()
+    weight = MASS * STANDARD_GRAVITY
+    assert stretch[0] == pytest.approx(weight * LENGTH / (FALLS * EA), rel=2e-2)
+    assert mean_late == pytest.approx(weight * left / (FALLS * EA), rel=0.05)
+
+
+def test_the_motor_holds_the_weight():
+    state = equilibrium(assemble(hoist(), no_casing()))
+    assert state.motor_torque == pytest.approx(MASS * STANDARD_GRAVITY * RADIUS / 2, rel=1e-9)
