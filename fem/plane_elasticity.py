@@ -7,7 +7,8 @@ that d/dz is a derivative in the section,
     d/dz (u, v) = twist (J (u, v) - d/dtheta (u, v)),   d/dz w = -twist d/dtheta w,   d/dtheta = x d/dy - y d/dx,
 
 J = [[0, -1], [1, 0]], and three-dimensional elasticity becomes a problem in the section alone with the three
-components (u, v, w). twist = 2 pi / lead = tan(beta) / r. For twist = 0 the axial component w decouples and is left out.
+components (u, v, w). twist = 2 pi / lead = tan(beta) / r. For twist = 0 the axial component w decouples and is left
+out.
 
 Isoparametric, biquadratic, three Gauss points in each direction. Degrees of freedom are numbered
 ``components * node + component``.
@@ -66,8 +67,8 @@ def geometry(points: np.ndarray, elements: np.ndarray, order: int = 3) -> tuple[
     if (determinant <= 0).any():
         element = int(np.argmin(determinant.min(axis=1)))
         raise ElementError(
-            f"section mesh: {int((determinant <= 0).any(axis=1).sum())} of {len(elements)} elements are turned inside out, "
-            f"the worst is element {element} near {places[element].mean(axis=0)} m (Jacobian must be positive). "
+            f"section mesh: {int((determinant <= 0).any(axis=1).sum())} of {len(elements)} elements are turned inside "
+            f"out, the worst is element {element} near {places[element].mean(axis=0)} m (Jacobian must be positive). "
             "Check the tooth profile or change the mesh refinement."
         )
     inverse = (

@@ -169,10 +169,11 @@ def rope_stiffness(table, j, angle):
 
 
 @njit(nogil=True, error_model="numpy")
-def row_forces(table, angle, u, v, force, slope_u, slope_v, log):
+def row_forces(table, angle, u, v, held, force, slope_u, slope_v, log):
     """Residual forces at row displacements u and rates v, motor angle ``angle`` (rad); fills force, slopes and log.
 
     ``slope_u[r]`` and ``slope_v[r]`` hold d force[r] with respect to the first and second row of r's element.
+    ``held`` (flank,) is the stiffness that the damping takes, where it is not negative, instead of the current one.
     """
     n_flank = len(table.tau)
     n_rope = len(table.rope_ea)
@@ -189,7 +190,8 @@ def row_forces(table, angle, u, v, force, slope_u, slope_v, log):
         if f > 0.0:
             arm = m / f
             rate = v[a] + arm * v[a + 1]
-            total = f + tau * f_d * rate
+            damper = tau * (f_d if held[k] < 0.0 else held[k])
+            total = f + damper * rate
             if total > 0.0:
                 moment = arm * total
                 share = total / f
@@ -197,10 +199,10 @@ def row_forces(table, angle, u, v, force, slope_u, slope_v, log):
                 slope_u[a, 1] -= f_p
                 slope_u[a + 1, 0] -= arm * f_d + share * (f_p - arm * f_d)
                 slope_u[a + 1, 1] -= arm * f_p + share * (m_p - arm * f_p)
-                slope_v[a, 0] -= tau * f_d
-                slope_v[a, 1] -= tau * f_d * arm
-                slope_v[a + 1, 0] -= tau * f_d * arm
-                slope_v[a + 1, 1] -= tau * f_d * arm * arm
+                slope_v[a, 0] -= damper
+                slope_v[a, 1] -= damper * arm
+                slope_v[a + 1, 0] -= damper * arm
+                slope_v[a + 1, 1] -= damper * arm * arm
             else:
                 total = 0.0
         force[a] = k0 * u[a] + tau * k0 * v[a] - total

@@ -4,8 +4,10 @@ With the predictions u_p, v_p without the new forces and the constant matrices G
 
     lambda = Lambda(u, v),   u = u_p + G_u lambda,   v = v_p + G_v lambda.
 
-The flank potentials are convex and G_u is positive, so the solution is unique; a step that raises the residual is
-halved (the force law has kinks where a contact opens).
+The flank potentials are convex and G_u is positive, so without damping the solution is unique; a step that raises the
+residual is halved (the force law has kinks where a contact opens). The damping tau k_t u' jumps where a pair of teeth
+touches, because k_t does: a step may then have no solution, the flank being neither in nor out of contact. Such a step
+is taken with k_t held at its value for the guess, which makes the force monotone again.
 
 Compiled code is kept on disk. The compiler looks only at the file of the function it stores, so what is stored is made
 by a factory whose argument is a digest of every file it is built from.
@@ -22,7 +24,7 @@ from numba import njit
 
 import fem.contact.evaluate
 import mbd.forces
-from mbd.forces import parametric_work, partner, row_forces, solve_dense
+from mbd.forces import flank, parametric_work, partner, row_forces, solve_dense
 
 MAX_ITERATIONS = 60
 MAX_HALVINGS = 8
@@ -50,6 +52,22 @@ def residual_size(force, target, scale):
 @njit(nogil=True, error_model="numpy")
 def iterate(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
     """Iterate on ``force`` (in: guess, out: solution); returns the iterations used, or -1 without convergence."""
+    n_flank = len(table.tau)
+    guess, held = force.copy(), np.full(n_flank, -1.0)
+    used = newton(table, angle, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance)
+    if used >= 0:
+        return used
+    force[:] = guess
+    move_rows(u_p, g_u, force, u)
+    for k in range(n_flank):
+        held[k] = flank(table, k, angle, u[2 * n_flank + len(table.rope_ea) + k // 2], u[2 * k], u[2 * k + 1])[3]
+    used = newton(table, angle, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance)
+    return used if used < 0 else used + MAX_ITERATIONS
+
+
+@njit(nogil=True, error_model="numpy")
+def newton(table, angle, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance):
+    """`iterate` with the damping stiffnesses ``held`` (flank,), see `mbd.forces.row_forces`."""
     m = len(force)
     n_flank = len(table.tau)
     target, step, trial = np.empty(m), np.empty(m), np.empty(m)
@@ -57,7 +75,7 @@ def iterate(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
     matrix = np.empty((m, m))
     move_rows(u_p, g_u, force, u)
     move_rows(v_p, g_v, force, v)
-    row_forces(table, angle, u, v, target, slope_u, slope_v, log)
+    row_forces(table, angle, u, v, held, target, slope_u, slope_v, log)
     size = residual_size(force, target, table.scale)
     for iteration in range(MAX_ITERATIONS):
         if size <= tolerance:
@@ -77,7 +95,7 @@ def iterate(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
                 trial[r] = force[r] + part * step[r]
             move_rows(u_p, g_u, trial, u)
             move_rows(v_p, g_v, trial, v)
-            row_forces(table, angle, u, v, target, slope_u, slope_v, log)
+            row_forces(table, angle, u, v, held, target, slope_u, slope_v, log)
             size = residual_size(trial, target, table.scale)
             if size < before:
                 break

@@ -136,7 +136,7 @@ class Cache:
         yield from (entry for _, entry in sorted(found, key=lambda pair: -pair[0]))
 
     def verify(self) -> tuple[int, list[str]]:
-        """Check every entry; damaged ones are removed. Number of sound entries, and what was removed with its reason."""
+        """Check every entry; damaged ones are removed. Number of sound entries, and what was removed and why."""
         sound, removed = 0, []
         for folder in sorted(self._entries.iterdir()) if self._entries.is_dir() else []:
             try:

@@ -37,11 +37,14 @@ figcaption { font-size: .88rem; color: #56616b; margin-top: .3rem; max-width: 50
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .88rem; margin: .6rem 0 1.4rem; font-variant-numeric: tabular-nums; }
 caption { text-align: left; font-weight: 600; padding: .2rem 0 .4rem; }
-th, td { padding: .28rem .75rem; text-align: left; border-bottom: 1px solid #e6eaee; vertical-align: top; }
+th, td { padding: .26rem .7rem; text-align: left; border-bottom: 1px solid #e6eaee; vertical-align: top; }
 th { border-bottom: 2px solid #b9c2cb; font-weight: 600; vertical-align: bottom; }
-sub { line-height: 0; }
-td.number, th.number { text-align: right; white-space: nowrap; }
-tr.stands td { background: #fbeeea; font-weight: 600; }
+sub { line-height: 0; font-size: .75em; }
+td:first-child { white-space: nowrap; }
+td.number { text-align: right; white-space: nowrap; }
+th.number { text-align: right; max-width: 6rem; }
+tr.stands td { background: #fbe6e0; }
+tr.stands td:first-child { box-shadow: inset 4px 0 #c23b22; }
 details summary { cursor: pointer; color: #2a6f97; margin: .6rem 0; }
 pre { font-size: .8rem; background: #f6f8fa; padding: .8rem; white-space: pre-wrap; word-break: break-word; }
 @media print { h2 { break-after: avoid; } figure, tr { break-inside: avoid; } nav { display: none; } }

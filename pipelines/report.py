@@ -3,66 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-from pipelines import page
+from pipelines import page, report_spectra
+from pipelines.analysis import channel_names
 from pipelines.callouts import casing_figure, gear_figure
-from pipelines.diagnosis import Diagnosis
 from pipelines.grid import Grid
-from pipelines.lines import LOADS
-from pipelines.pictures import LeftOut, Picture
-from pipelines.plots import (
-    StiffnessPlot,
-    Trace,
-    bars_figure,
-    comparison_figure,
-    drive_figure,
-    healthy_faulty_figure,
-    spectrum_figure,
-    stiffness_figure,
-    waveform_figure,
-)
-from pipelines.verdict import case_name, criterion, grade, headline, lines_grid, modulation, sentences, summary_grid
+from pipelines.pictures import LeftOut
+from pipelines.plots import bars_figure, drive_figure, stiffness_figure, waveform_figure
+from pipelines.report_contents import ReportContents, cell, grid
+from pipelines.verdict import criterion, directions, grade, headline, sentences, summary_grid
 
-if TYPE_CHECKING:
-    import xarray
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ReportContents:
-    """The parts of a report; each may be left out. `reasons` says why, by the title of the section.
-
-    Tables are rows of named cells (dicts with equal keys, the keys are the headers); numbers are set to four digits.
-    `runs` maps a name ("missing tooth", "healthy", ...) to a response, the run of the scene first; `diagnoses` the
-    comparisons whose lines are shown in full (rope, constant torque), `seeds` those of further deviations, which enter
-    the summary; `gear_names` words for the picture's "pinion", "wheel", "gone"; `short` for scenes without fault.
-    """
-
-    title: str
-    lead: str = ""
-    summary: Mapping[str, Any] = field(default_factory=dict)
-    diagnoses: Sequence[Diagnosis] = ()
-    seeds: Sequence[Diagnosis] = ()
-    gears: Sequence[Mapping[str, Any]] = ()
-    stiffness: Sequence[StiffnessPlot] = ()
-    gear_picture: Picture | LeftOut | None = None
-    gear_names: Mapping[str, str] = field(default_factory=dict)
-    casing_picture: Picture | LeftOut | None = None
-    casing_rows: Sequence[Mapping[str, Any]] = ()
-    runs: Mapping[str, xarray.Dataset] = field(default_factory=dict)
-    windows: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    sensor: str = "sensor_3"
-    axis: str = "z"
-    stages: Sequence[Mapping[str, Any]] = ()
-    energy: Sequence[Mapping[str, Any]] = ()
-    ledger: Mapping[str, Any] = field(default_factory=dict)
-    provenance: Mapping[str, Any] = field(default_factory=dict)
-    warnings: Sequence[str] = ()
-    reasons: Mapping[str, str] = field(default_factory=dict)
-    short: bool = False
+__all__ = ["ReportContents", "write_report"]
 
 
 def write_report(path: Path | str, contents: ReportContents) -> Path:
@@ -77,11 +30,11 @@ def write_report(path: Path | str, contents: ReportContents) -> Path:
         ("Casing", _casing),
         ("Speed and rope", _drive),
         ("Signals", _signals),
-        ("Spectra", _spectra),
-        ("Healthy and faulty", _healthy_faulty),
-        ("Lifting and lowering", _directions),
-        ("Rope and constant torque", _loads),
-        ("Envelope table", _envelope_table),
+        ("Spectra", report_spectra.spectra),
+        ("Healthy and faulty", report_spectra.healthy_faulty),
+        ("Lifting and lowering", report_spectra.lifting_lowering),
+        ("Rope and constant torque", report_spectra.rope_torque),
+        ("Envelope table", report_spectra.envelope_table),
         ("Cost", _cost),
         ("Energy books", _energy),
         ("Provenance", _provenance),
@@ -109,7 +62,7 @@ _REASONS = {
     "Stiffness": "Left out: this run derived no stiffness curve.",
     "Casing": "Left out: this casing model has no mesh to show.",
     "Speed and rope": "Left out: the run holds no motor or shaft speeds.",
-    "Signals": "Left out: the run holds no casing accelerations.",
+    "Signals": "Left out: the run holds no acceleration of this sensor.",
     "Spectra": _NO_CONTROL,
     "Healthy and faulty": _NO_CONTROL,
     "Lifting and lowering": "Left out: it takes a diagnosis with two windows.",
@@ -130,6 +83,7 @@ def _answer(contents: ReportContents) -> list[str]:
         return [page.answer([f"No diagnosis: {text}"], positive=False)]
     every = [*contents.diagnoses, *contents.seeds]
     texts = [headline(every), criterion(every[0]), *(s for d in contents.diagnoses for s in sentences(d))]
+    texts += [text for d in contents.diagnoses if (text := directions(d))]
     seen = any(grade(d.lines.where(window=w)) == "seen" for d in every for w in d.settings.windows)
     return [page.answer(texts, positive=seen), page.table(summary_grid(every))]
 
@@ -183,89 +137,13 @@ def _signals(contents: ReportContents) -> list[str]:
     runs = {
         name: run
         for name, run in contents.runs.items()
-        if "acceleration" in run and contents.sensor in run.sensor.values and contents.axis in run.axis.values
+        if contents.sensor in channel_names(run) and contents.axis in run.axis.values
     }
     if not runs:
         return []
     figure = waveform_figure(runs, contents.sensor, contents.axis, contents.windows)
     caption = "Acceleration at the sensor, without sensor noise: the whole run, and a tenth of a second."
     return [page.picture(figure, caption)]
-
-
-def _spectra(contents: ReportContents) -> list[str]:
-    parts = []
-    for diagnosis in contents.diagnoses[:1]:
-        for window in diagnosis.settings.windows:
-            segment = diagnosis.segments[window]
-            caption = (
-                f"{_named(diagnosis, window)}: one-sided peak amplitudes over {segment.revolutions} revolutions of the "
-                f"faulty shaft ({segment.duration:.4g} s), {diagnosis.settings.spectrum_window} window, "
-                f"sensor noise {diagnosis.noise:.3g} m/s² rms."
-            )
-            parts.append(page.picture(spectrum_figure(diagnosis, window), caption))
-    return parts
-
-
-def _healthy_faulty(contents: ReportContents) -> list[str]:
-    parts = []
-    for diagnosis in contents.diagnoses:
-        for window in diagnosis.settings.windows:
-            caption = f"{_named(diagnosis, window)}: both runs with the same deviations. Triangles: lines that stand."
-            parts.append(page.picture(healthy_faulty_figure(diagnosis, window), caption))
-    return parts
-
-
-def _directions(contents: ReportContents) -> list[str]:
-    parts = []
-    for diagnosis in contents.diagnoses:
-        windows = list(diagnosis.settings.windows)[:2]
-        if len(windows) < 2:
-            continue
-        traces = [_trace(diagnosis, window, window) for window in windows]
-        title = f"Faulty run, {' and '.join(windows)}, {LOADS.get(diagnosis.load, diagnosis.load)}"
-        parts.append(page.picture(comparison_figure(traces, diagnosis.settings, title), title + "."))
-        depths = [modulation(diagnosis.lines.where(window=w), "faulty") for w in windows]
-        parts.append(
-            page.paragraph(
-                f"Root sum square of the sidebands of f_m over f_m, {case_name(diagnosis)}: {depths[0]:.1f} dB in "
-                f"{windows[0]}, {depths[1]:.1f} dB in {windows[1]}; the modulation is clearer in "
-                f"{windows[0] if depths[0] > depths[1] else windows[1]} by {abs(depths[0] - depths[1]):.1f} dB."
-            )
-        )
-    return parts
-
-
-def _loads(contents: ReportContents) -> list[str]:
-    by_load = {diagnosis.load: diagnosis for diagnosis in contents.diagnoses}
-    if not {"rope", "static-torque"} <= set(by_load):
-        return []
-    rope, torque = by_load["rope"], by_load["static-torque"]
-    parts = []
-    for window in rope.settings.windows:
-        traces = [_trace(rope, window, LOADS["rope"]), _trace(torque, window, LOADS["static-torque"])]
-        title = f"Faulty run, rope and constant torque, {window}"
-        figure = comparison_figure(traces, rope.settings, title, window=window)
-        parts.append(page.picture(figure, title + "."))
-    return parts
-
-
-def _envelope_table(contents: ReportContents) -> list[str]:
-    if not contents.diagnoses:
-        return []
-    settings = contents.diagnoses[0].settings
-    parts = [
-        page.paragraph(
-            f"Harmonics of f_r in the envelope and sidebands n f_m + k f_r in the spectrum at {settings.sensor} "
-            f"({settings.axis}); lines that stand are shaded. The floor is the median between the orders, one f_r to "
-            "either side. The stated sensor noise is in both runs. The rope mode is printed beside each line."
-        )
-    ]
-    for diagnosis in contents.diagnoses:
-        parts += [page.table(lines_grid(diagnosis, window)) for window in diagnosis.settings.windows]
-    for diagnosis in contents.seeds:
-        inside = "".join(page.table(lines_grid(diagnosis, window)) for window in diagnosis.settings.windows)
-        parts.append(page.folded(f"Lines of {case_name(diagnosis)}", inside))
-    return parts
 
 
 def _cost(contents: ReportContents) -> list[str]:
@@ -294,32 +172,3 @@ def _provenance(contents: ReportContents) -> list[str]:
     for name, value in nested.items():
         parts.append(page.folded(name, page.preformatted(json.dumps(value, indent=1, default=str, ensure_ascii=False))))
     return parts
-
-
-def _trace(diagnosis: Diagnosis, window: str, name: str) -> Trace:
-    return Trace(
-        name=name, spectrum=diagnosis.spectra["faulty", window], envelope=diagnosis.envelopes["faulty", window]
-    )
-
-
-def _named(diagnosis: Diagnosis, window: str) -> str:
-    return f"{window.capitalize()}, {case_name(diagnosis)}"
-
-
-def grid(title: str, rows: Sequence[Mapping[str, Any]]) -> Grid:
-    """A table from rows of named cells; a cell that a row lacks stays empty."""
-    headers = tuple(dict.fromkeys(name for row in rows for name in row))
-    return Grid(title=title, headers=headers, rows=tuple(tuple(cell(row.get(h, "")) for h in headers) for row in rows))
-
-
-def cell(value: Any) -> str:
-    """A value as it is shown: floats with four significant digits, lists joined, nothing for None."""
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:.4g}"
-    if isinstance(value, (list, tuple)):
-        return ", ".join(cell(v) for v in value)
-    return str(value)

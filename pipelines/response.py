@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from mbd.trajectory import Trajectory
 
 from mbd import channels
 from mbd.load import Rope
 from mbd.machine import Machine
+from mbd.trajectory import Trajectory
 from pipelines.scene import Scene
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def make_response(scene: Scene, machine: Machine, trajectory: Trajectory) -> xar
     def variable(dims: tuple[str, ...], values: np.ndarray, units: str, text: str) -> tuple:
         return ("time", *dims), values, {"units": units, "long_name": text}
 
-    def points(named: list[str], spell) -> np.ndarray:
+    def points(named: list[str], spell: Callable[[str, str], str]) -> np.ndarray:
         return np.stack([by(*(spell(name, axis) for axis in AXES)) for name in named], axis=1)
 
     motors = [coupling.name for coupling in machine.couplings]

@@ -33,7 +33,7 @@ class IsoMesh(Table):
     """Mesh stiffness by ISO 6336-1: mean value by formula, shape by contact line length. Milliseconds."""
 
     model: Literal["iso"] = "iso"
-    slices: Annotated[int, Field(ge=1, le=101, description="slices along the face")] = 11
+    slices: Annotated[int, Field(ge=1, le=101, description="slices along the face")] = 15
 
 
 class PlaneMesh(Table):
@@ -41,7 +41,7 @@ class PlaneMesh(Table):
 
     model: Literal["plane"] = "plane"
     slices: Annotated[int, Field(ge=1, le=101, description="slices along the face")] = 15
-    refinement: Annotated[int, Field(ge=1, le=4, description="mesh refinement of the tooth sector; 2 is converged")] = 2
+    refinement: Annotated[float, Field(ge=0.5, le=8, description="divides all element sizes of the tooth sector")] = 1.0
 
 
 MeshModel = Annotated[IsoMesh | PlaneMesh, Field(discriminator="model")]
@@ -283,14 +283,17 @@ class DiagnosisTable(Table):
     """What the spectra and the envelope table look at."""
 
     sensor: Annotated[str, Field(description="its signal is diagnosed")] = "sensor_3"
-    axis: Annotated[Literal["x", "y", "z"], Field(description="of the sensor")] = "z"
+    axis: Annotated[Literal["x", "y", "z", "resultant"], Field(description="of the sensor")] = "z"
     stage: Annotated[int, Field(ge=1, description="stage whose mesh frequency carries the sidebands")] = 1
     gear: Annotated[Literal["pinion", "wheel"], Field(description="gear whose rotation is sought")] = "wheel"
     windows_s: dict[str, Window] = Field(default_factory=dict, description="constant-speed windows by name")
-    envelope_band_Hz: Annotated[tuple[Positive, Positive], Field(description="band that is demodulated")] = (
-        200.0,
-        3000.0,
-    )
+    envelope_band_Hz: Annotated[
+        Literal["mesh", "resonance"] | tuple[Positive, Positive],
+        Field(
+            description="band that is demodulated, [low, high]; mesh: f_m / 2 around f_m; resonance: where the healthy "
+            "run is strongest"
+        ),
+    ] = "mesh"
     noise_m_s2: Annotated[float, Field(ge=0, description="rms of white sensor noise added before diagnosis")] = 0.01
 
 

@@ -27,6 +27,8 @@ def problems_of(error: ValidationError, model: type[BaseModel], tree: Mapping[st
     """All problems of one validation, each in our words, without repeats."""
     out: list[Problem] = []
     for item in error.errors(include_url=False):
+        if item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]:
+            continue  # the validator counts valid items only; what is wrong with the others is listed itself
         own = getattr(item.get("ctx", {}).get("error"), "problems", None)
         found = list(own) if own else _own_words(item, model, tree)
         out.extend(problem for problem in found if problem not in out)
@@ -43,8 +45,8 @@ def _own_words(item: Any, model: type[BaseModel], tree: Mapping[str, Any]) -> li
 
 def user_path(location: Iterable[int | str], model: Any, tree: Any, *, missing: bool = False) -> tuple[str, ...]:
     """A validator's location as the path a user would write: items count from 1, rung tags are left out."""
-    path, annotation, value = (), model, tree
-    steps = list(location)
+    path: tuple[str, ...] = ()
+    annotation, value, steps = model, tree, list(location)
     for place, step in enumerate(steps):
         members = _models(annotation)
         is_tag = len(members) > 1 and step in {name for m in members for name in (*_tags(m), m.__name__)}

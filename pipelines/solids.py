@@ -20,12 +20,12 @@ def without_tooth(outline: np.ndarray, teeth: int, centre_angle: float) -> tuple
     radius, angle = np.hypot(*outline.T), np.arctan2(outline[:, 1], outline[:, 0])
     offset = (angle - centre_angle + np.pi) % (2 * np.pi) - np.pi
     half = np.pi / teeth
-    inside = np.abs(offset) <= half
+    inside = np.abs(offset) < half * (1 - 1e-6)  # the middles of the two spaces stay
     root = radius[inside].min()
     first = np.flatnonzero(~inside & np.roll(inside, -1))[0] + 1  # start of the tooth, going round
     rolled, gone = np.roll(outline, -first, axis=0), np.roll(inside, -first)
     tooth, rest = rolled[gone], rolled[~gone]
-    sweep = centre_angle + np.linspace(-half, half, 9)
+    sweep = centre_angle + np.linspace(-half, half, 11)[1:-1]
     arc = root * np.column_stack([np.cos(sweep), np.sin(sweep)])
     return np.vstack([rest, arc]), tooth
 

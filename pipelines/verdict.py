@@ -10,6 +10,7 @@ from pipelines.diagnosis import Diagnosis
 from pipelines.grid import Grid
 from pipelines.lines import LOADS, LineTable
 
+EQUAL = 1.0  # dB; modulations this close are called equal
 SIDEBANDS_WANTED = 3  # of the eight around one mesh order, and one envelope harmonic: the fault is seen
 
 
@@ -81,6 +82,22 @@ def modulation(lines: LineTable, state: str, mesh_harmonic: int = 1) -> float:
     return float(20 * np.log10(max(np.linalg.norm(sidebands), tiny) / max(carrier[0], tiny)))
 
 
+def directions(diagnosis: Diagnosis) -> str:
+    """In which of the first two windows the faulty run shows its modulation more clearly; "" with one window."""
+    windows = list(diagnosis.settings.windows)[:2]
+    if len(windows) < 2:
+        return ""
+    first, second = (modulation(diagnosis.lines.where(window=window), "faulty") for window in windows)
+    if abs(first - second) < EQUAL:
+        end = f"equal within {EQUAL:g} dB"
+    else:
+        end = f"clearer in {windows[0] if first > second else windows[1]} by {abs(first - second):.1f} dB"
+    return (
+        f"Modulation of the mesh with {case_name(diagnosis)} (sidebands over f_m, root sum square): {first:.1f} dB in "
+        f"{windows[0]}, {second:.1f} dB in {windows[1]}: {end}."
+    )
+
+
 def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
     """The envelope table of one case and window."""
     lines = diagnosis.lines.where(window=window)
@@ -127,6 +144,35 @@ def summary_grid(diagnoses: Sequence[Diagnosis]) -> Grid:
     title = "Lines that stand: envelope harmonics · sidebands around each mesh order"
     names = ["error-free" if kind == "off" else kind for kind in kinds]
     return Grid(title=title, headers=("load", "window", *names), rows=tuple(rows))
+
+
+def seeds_grid(diagnoses: Sequence[Diagnosis], load: str, window: str) -> Grid:
+    """Difference faulty over healthy of every line, a column per set of deviations; a dot marks lines that stand."""
+    chosen = sorted((d for d in diagnoses if d.load == load), key=lambda d: _seed_order(d.deviations))
+    tables = [d.lines.where(window=window).without_mesh() for d in chosen]
+    rows = []
+    for i, label in enumerate(tables[0].label):
+        where = "envelope " if tables[0].kind[i] == "envelope" else ""
+        cells = [f"{t.difference[i]:+.1f}" + (" ●" if t.stands[i] else "") for t in tables]
+        rows.append(
+            (where + label, f"{tables[0].frequency[i]:.3f}", *cells, str(sum(int(t.stands[i]) for t in tables)))
+        )
+    names = ["error-free" if d.deviations == "off" else d.deviations for d in chosen]
+    title = f"{_capital(window)}, {LOADS.get(load, load)}: faulty over healthy in dB (● stands)"
+    return Grid(title=title, headers=("line", "Hz", *names, "stands in"), rows=tuple(rows))
+
+
+def markdown(diagnoses: Sequence[Diagnosis]) -> str:
+    """The verdict and the envelope tables of all cases as Markdown."""
+    parts = [f"**{headline(diagnoses)}**", criterion(diagnoses[0]), _titled(summary_grid(diagnoses))]
+    for diagnosis in diagnoses:
+        parts += [*sentences(diagnosis), directions(diagnosis)]
+        parts += [_titled(lines_grid(diagnosis, window)) for window in diagnosis.settings.windows]
+    return "\n\n".join(filter(None, parts)) + "\n"
+
+
+def _titled(grid: Grid) -> str:
+    return f"**{grid.title}**\n\n{grid.to_markdown()}"
 
 
 def _seed_order(deviations: str) -> tuple[int, int]:

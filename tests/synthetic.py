@@ -67,9 +67,9 @@ def response(
             "title": "Synthetic hoist",
             "state": state,
             "load": load,
-            "seed": seed,
-            "deviations": deviations,
-            "sensor_noise": noise,
+            "seed": seed if deviations == "on" else "none",
+            "iso_grade": 5 if deviations == "on" else "none",
+            "sensor_noise_m_s2": noise,
             "fault": json.dumps({"stage": 1, "gear": "wheel", "tooth": 0}),
         },
     )

@@ -8,10 +8,21 @@ import pytest
 import xarray
 from synthetic import MESH, RATE, WHEEL, response
 
-from pipelines.diagnosis import DiagnosisError, DiagnosisSettings, diagnose, envelope_band
+from pipelines.analysis import analyse, envelope_band
+from pipelines.diagnosis import DiagnosisError, DiagnosisSettings, diagnose
 from pipelines.export import save_diagnoses
 from pipelines.lines import LineTable
-from pipelines.verdict import grade, headline, lines_grid, modulation, sentences, summary_grid
+from pipelines.verdict import (
+    directions,
+    grade,
+    headline,
+    lines_grid,
+    markdown,
+    modulation,
+    seeds_grid,
+    sentences,
+    summary_grid,
+)
 
 WINDOWS = {"lifting": (0.5, 2.5), "lowering": (3.0, 5.0)}
 
@@ -91,6 +102,7 @@ def test_weaker_lowering_reads_weaker():
     found = diagnose(response(lowering=0.1), response("healthy"), settings())
     depth = {w: modulation(found.lines.where(window=w), "faulty") for w in WINDOWS}
     assert depth["lifting"] - depth["lowering"] > 6
+    assert "clearer in lifting" in directions(found)
 
 
 def test_rope_mode_on_a_line_is_named():
@@ -117,10 +129,23 @@ def test_noise_of_a_sensor_does_not_depend_on_the_other_sensors(clear):
     np.testing.assert_array_equal(found.lines.faulty, clear.lines.faulty)
 
 
+def test_without_casing_a_journal_is_diagnosed(clear):
+    pair = []
+    for state in ("missing-tooth", "healthy"):
+        run = response(state)
+        journal = run.acceleration.sel(sensor="sensor_3").expand_dims(bearing=run.bearing, axis=1).drop_vars("sensor")
+        pair.append(run.drop_vars(["acceleration", "sensor"]).assign(journal_acceleration=journal))
+    found = diagnose(*pair, settings(sensor="bearing_3"))
+    strong = clear.lines.over_floor > 40
+    np.testing.assert_allclose(found.lines.faulty[strong], clear.lines.faulty[strong], rtol=0.02)
+    with pytest.raises(DiagnosisError, match="accelerations of bearing_1"):
+        diagnose(*pair, settings())
+
+
 def test_runs_that_are_no_pair_are_refused():
     faulty = response(duration=3.0)
     short = {"windows": {"lifting": (0.5, 2.5)}}
-    with pytest.raises(DiagnosisError, match=r"seed: 1 .* 2"):
+    with pytest.raises(DiagnosisError, match=r"seed: 1 in .* 2 in"):
         diagnose(faulty, response("healthy", seed=2, duration=3.0), settings(**short))
     with pytest.raises(DiagnosisError, match="load"):
         diagnose(faulty, response("healthy", load="static-torque", duration=3.0), settings(**short))
@@ -163,6 +188,26 @@ def test_seed_summary_has_a_column_per_seed():
     assert [row[:2] for row in grid.rows] == [(a, b) for a in ("rope load", "constant torque") for b in WINDOWS]
     assert grid.rows[0][2] == "4/5 · 8/8 · 8/8"
     assert grid.rows[2][2] == "-"
+    differences = seeds_grid([*seeds, free, torque], "rope", "lifting")
+    assert differences.headers == ("line", "Hz", "error-free", "seed 1", "seed 2", "stands in")
+    row = next(row for row in differences.rows if row[0] == "f_m + 2 f_r")
+    assert all(cell.endswith("●") for cell in row[2:5])
+    assert row[5] == "3"
+
+
+def test_one_run_alone_is_analysed_like_the_control_of_a_pair(clear):
+    alone = analyse(response("healthy"), settings())
+    np.testing.assert_array_equal(alone.spectra["lifting"].amplitude, clear.spectra["healthy", "lifting"].amplitude)
+    np.testing.assert_array_equal(
+        alone.envelopes["lowering"].amplitude, clear.envelopes["healthy", "lowering"].amplitude
+    )
+
+
+def test_markdown_answers_first(clear):
+    text = markdown([clear])
+    assert text.startswith("**One tooth of the stage 1 wheel missing: seen")
+    assert "equal within 1 dB" in text
+    assert text.count("| line | Hz |") == 2
 
 
 def test_saved_lines_come_back(clear, tmp_path):

@@ -15,7 +15,8 @@ from pipelines.grid import Grid, GridError
 from pipelines.page import typeset
 from pipelines.pictures import LeftOut
 from pipelines.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
-from pipelines.report import ReportContents, cell, grid, write_report
+from pipelines.report import ReportContents, write_report
+from pipelines.report_contents import cell, grid
 
 WINDOWS = {"lifting": (0.5, 2.5), "lowering": (3.0, 5.0)}
 CYCLE = np.linspace(0, 4, 81)
@@ -100,10 +101,15 @@ def test_full_report_answers_first_and_fetches_nothing(tmp_path, runs, diagnosis
 
 
 def test_short_report_has_no_empty_sections(tmp_path, runs):
-    contents = ReportContents(title="Minimal", stiffness=(CURVE,), runs={"healthy": runs["healthy"]}, short=True)
+    settings = DiagnosisSettings(
+        revolution_frequency=WHEEL, mesh_frequency=MESH, windows={"steady": (0.5, 1.5)}, axis="z"
+    )
+    contents = ReportContents(
+        title="Minimal", stiffness=(CURVE,), runs={"healthy": runs["healthy"]}, settings=settings, short=True
+    )
     text = write_report(tmp_path / "report.html", contents).read_text(encoding="utf-8")
-    assert Page(text).headings == ["Stiffness", "Speed and rope", "Signals"]
-    assert "Not part of this run: what was run, gears, casing, spectra" in text
+    assert Page(text).headings == ["Stiffness", "Speed and rope", "Signals", "Spectra"]
+    assert "Not part of this run: what was run, gears, casing, healthy and faulty" in text
     assert 'class="missing"' not in text
     assert 'class="answer' not in text
 

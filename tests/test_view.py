@@ -5,12 +5,16 @@ import sys
 
 import numpy as np
 import pytest
+from matplotlib.path import Path
 from synthetic import box, gear_outline, key_points
 
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
 from pipelines import pictures
 from pipelines.callouts import casing_figure, gear_figure, spread
 from pipelines.pictures import CasingView, GearPairView, LeftOut, Picture, render_casing, render_gears
 from pipelines.plots import StiffnessPlot
+from pipelines.shapes import casing_view, gear_view
 from pipelines.solids import enclosed_volume, gear_surface, prism_surface, without_tooth
 
 
@@ -50,7 +54,7 @@ def test_missing_tooth_and_the_rest_make_the_whole_gear():
     outline = gear_outline(20, 0.002)
     rest, tooth = without_tooth(outline, 20, 2 * np.pi * 7 / 20)
     root = 0.02 - 1.25 * 0.002
-    arc = root**2 / 2 * (2 * np.pi / 20)  # sector under the tooth
+    arc = root**2 / 2 * (0.84 * 2 * np.pi / 20)  # sector under the tooth, foot to foot
     fan = area(np.vstack([tooth, [[0, 0]]])) - arc
     assert area(rest) == pytest.approx(area(outline) - fan, rel=2e-3)
     assert np.hypot(*tooth.T).max() == pytest.approx(0.022)
@@ -58,6 +62,44 @@ def test_missing_tooth_and_the_rest_make_the_whole_gear():
     assert middle == pytest.approx(2 * np.pi * 7 / 20, abs=0.02)
     volume = enclosed_volume(*prism_surface(tooth, 0.0, 0.012))
     assert volume == pytest.approx(area(tooth) * 0.012, rel=1e-12)
+
+
+@pytest.mark.parametrize("missing", [("wheel", 3), ("pinion", 0)])
+def test_gears_of_the_picture_touch_at_the_pitch_point_without_overlap(missing):
+    common = {"normal_module": 0.002, "helix_angle": np.radians(12), "face_width": 0.012}
+    gears = GearPair(
+        pinion=Gear(teeth=20, bore_radius=0.01, hand="right", **common),
+        wheel=Gear(teeth=55, bore_radius=0.015, hand="left", **common),
+    )
+    view = gear_view(gears, missing)
+    pinion, wheel = view.pinion_outline, view.wheel_outline + [view.centre_distance, 0.0]
+    pitch_point = np.array([gears.working_radii[0], 0.0])
+    for outline in (pinion, wheel):
+        along = np.roll(outline, -1, axis=0) - outline
+        part = np.clip(np.einsum("ij,ij->i", pitch_point - outline, along) / np.sum(along**2, axis=1), 0, 1)
+        distance = np.linalg.norm(outline + part[:, None] * along - pitch_point, axis=1).min()
+        assert distance < 6e-6  # chords of the involute
+    assert area(pinion) > 0
+    chord = 6e-6
+    assert not Path(wheel).contains_points(pinion, radius=-chord).any()
+    assert not Path(pinion).contains_points(wheel, radius=-chord).any()
+    # opposite hands: at the pitch point both teeth lean the same way
+    assert view.pinion_twist * gears.working_radii[0] == pytest.approx(-view.wheel_twist * gears.working_radii[1])
+    gear_teeth = 55 if missing[0] == "wheel" else 20
+    _, tooth = without_tooth(
+        view.wheel_outline if missing[0] == "wheel" else view.pinion_outline, gear_teeth, view.missing_angle
+    )
+    middle = tooth.mean(axis=0)
+    assert np.arctan2(*middle[::-1]) == pytest.approx((view.missing_angle + np.pi) % (2 * np.pi) - np.pi, abs=1e-6)
+
+
+def test_casing_view_keeps_the_surface_alone():
+    nodes, triangles = box()
+    padded = np.vstack([nodes[:3], [[9.0, 9.0, 9.0]], nodes[3:]])  # a node inside the body, of no facet
+    shifted = np.where(triangles >= 3, triangles + 1, triangles)
+    view = casing_view(padded, np.column_stack([shifted, shifted]), ["ground_1"], np.zeros((1, 3)))
+    np.testing.assert_array_equal(view.nodes[view.triangles], nodes[triangles])
+    assert len(view.nodes) == 8
 
 
 def test_labels_do_not_overlap_and_stay_near():

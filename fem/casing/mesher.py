@@ -71,7 +71,7 @@ def _session() -> Iterator[Any]:
                 "Mesh.MaxNumThreads3D": 1,
                 "Mesh.RandomSeed": 1,
                 "Mesh.Algorithm": 6,
-                "Mesh.Algorithm3D": 10,  # HXT: the best worst element of gmsh's algorithms on this kind of body, and quick
+                "Mesh.Algorithm3D": 10,  # HXT: of gmsh's algorithms the one with the best worst element here
                 "Mesh.Optimize": 1,
                 "Mesh.ElementOrder": 1,
                 "Mesh.MeshSizeFromPoints": 0,
@@ -89,7 +89,7 @@ def _session() -> Iterator[Any]:
 
 
 def _build(gmsh: Any, housing: Housing) -> None:
-    """One solid: box minus cavity, plus bosses and feet, minus bores."""
+    """One solid: (box minus cavity) plus bosses and feet, minus bores."""
     occ, wall = gmsh.model.occ, housing.wall_thickness
     low, high = housing.box
 
@@ -99,14 +99,15 @@ def _build(gmsh: Any, housing: Housing) -> None:
     def cylinder(x: float, z: float, start: float, end: float, diameter: float) -> tuple[int, int]:
         return 3, occ.addCylinder(_MM * x, _MM * start, _MM * z, 0, _MM * (end - start), 0, _MM * diameter / 2)
 
+    shell, _ = occ.cut([block(low, high)], [block(low + wall, high - wall)])
     bosses = [cylinder(b.x, b.z, *housing.bore_span(b), b.boss_diameter) for b in housing.bores]
     feet = [block(*corners) for corners in housing.foot_boxes().values()]
-    body, _ = occ.fuse([block(low, high)], bosses + feet)
-    holes = [block(low + wall, high - wall)]
+    body, _ = occ.fuse(shell, bosses + feet)
+    bores = []
     for bore in housing.bores:
         start, end = housing.bore_span(bore)
-        holes.append(cylinder(bore.x, bore.z, start - wall / 2, end + wall / 2, bore.diameter))
-    body, _ = occ.cut(body, holes)
+        bores.append(cylinder(bore.x, bore.z, start - wall / 2, end + wall / 2, bore.diameter))
+    occ.cut(body, bores)
     occ.synchronize()
     if len(solids := gmsh.model.getEntities(3)) != 1:
         raise MeshError(f"housing falls into {len(solids)} bodies; check bosses and feet")

@@ -20,10 +20,21 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
-from fem.contact.kernel import MAX_PAIRS, evaluate_flank
+from fem.contact.kernel import MAX_PAIRS, evaluate, evaluate_many, evaluate_shares
 from fem.contact.law import MeshLaw
+
+__all__ = [
+    "LawError",
+    "MeshResponse",
+    "checked_clearances",
+    "evaluate",
+    "evaluate_law",
+    "evaluate_shares",
+    "law_tables",
+    "share_reach",
+    "shares",
+]
 
 
 class LawError(ValueError):
@@ -81,60 +92,6 @@ def law_tables(law: MeshLaw) -> tuple:
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def evaluate(
-    tables: tuple, cycle: float, delta: float, psi: float, clearance_pinion: np.ndarray, clearance_wheel: np.ndarray
-) -> tuple:
-    """Response of one flank at one state.
-
-    Parameters
-    ----------
-    tables : from `law_tables`
-    cycle : mesh cycle c of the gears (1); the law turns it into its own c'
-    delta, psi : approach along the transverse line of action (m) and tilt (rad)
-    clearance_pinion (z1,), clearance_wheel (z2,) : m, +inf for a missing tooth
-
-    Returns
-    -------
-    F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N), dM/d psi (N m), dU/dc (J)
-    """
-    return evaluate_flank(tables, cycle, delta, psi, clearance_pinion, clearance_wheel, np.empty(0))
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def evaluate_shares(
-    tables: tuple,
-    cycle: float,
-    delta: float,
-    psi: float,
-    clearance_pinion: np.ndarray,
-    clearance_wheel: np.ndarray,
-    pair_force: np.ndarray,
-) -> tuple:
-    """As `evaluate`, and add the force (N) of pair p to pair_force[p - floor(c') + pair_force.size // 2].
-
-    c' = cycle_sign c + cycle_offset. Pairs outside the array are left out; 2 `share_reach` + 1 places hold all.
-    """
-    return evaluate_flank(tables, cycle, delta, psi, clearance_pinion, clearance_wheel, pair_force)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _evaluate_many(
-    tables: tuple,
-    cycle: np.ndarray,
-    delta: np.ndarray,
-    psi: np.ndarray,
-    h1: np.ndarray,
-    h2: np.ndarray,
-    out: np.ndarray,
-) -> None:
-    none = np.empty(0)
-    for i in range(cycle.size):
-        out[i, 0], out[i, 1], out[i, 2], out[i, 3], out[i, 4], out[i, 5], out[i, 6] = evaluate_flank(
-            tables, cycle[i], delta[i], psi[i], h1, h2, none
-        )
-
-
 def share_reach(law: MeshLaw) -> int:
     """Half size of the array that `evaluate_shares` needs to hold every candidate pair."""
     last = law.position_start + (law.compliance.size - 1) * law.position_step
@@ -181,7 +138,7 @@ def evaluate_law(
             raise LawError(f"mesh law {law.model!r}: {name} is not finite; give finite numbers in SI")
     out = np.empty((states[0].size, 7))
     flat = [np.array(v).ravel() for v in states]
-    _evaluate_many(law_tables(law), flat[0], flat[1], flat[2], h1, h2, out)
+    evaluate_many(law_tables(law), flat[0], flat[1], flat[2], h1, h2, out)
     return MeshResponse(*(column.reshape(states[0].shape) for column in out.T))
 
 

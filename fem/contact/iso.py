@@ -11,8 +11,8 @@ as arc of the base circle, so F_bt = c_gamma_alpha b delta with F and delta of a
 
 The law gives each metre of face width on the path of contact the stiffness c_gamma_alpha / eps_alpha: eps_alpha pairs
 share it on average, so the mean is exact and the shape is that of the contact line length. The standard knows no
-contact of tip edges; here edges carry only where their gap exceeds `edge_onset`, which leaves the closed form untouched
-in normal running and catches the teeth when one is missing.
+contact of tip edges; here their gap is at least `edge_onset`, which leaves the closed form untouched below that
+approach and still catches the teeth when one is missing.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Iso:
 
     n_slices over the face; mean_factor C_M (0.8: theoretical stiffness against measurements); web_ratio b_s/b and
     rim_ratio s_R/m_n for C_R, or blank_factor to give C_R itself; line_load F_t K_A / b (N/m) or None for a load in the
-    linear range; edge_onset (m): tip-edge gap from which edges carry; largest_gap (m): gap to which they are followed.
+    linear range; edge_onset (m): least approach at which tip edges carry, followed to the gap largest_gap (m).
 
     Valid for steel-like pairs of elastic teeth with eps_alpha >= 1.2, beta <= 30 deg, -0.5 <= x1 + x2 <= 2.
     """
@@ -80,7 +80,7 @@ class Iso:
     rim_ratio: float = 5.0
     blank_factor: float | None = None
     line_load: float | None = None
-    edge_onset: float = 15e-6
+    edge_onset: float = 20e-6
     largest_gap: float = 100e-6
 
     def __post_init__(self) -> None:
@@ -154,31 +154,33 @@ class Iso:
             fraction=fraction,
         )
 
+    def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
+        """The laws of drive and coast flank."""
+        return self.law(pair, "drive"), self.law(pair, "coast")
+
     def _contact(self, pair: GearPair, xi: np.ndarray, step: float, ramp: float) -> tuple[np.ndarray, np.ndarray]:
-        """Gap and fraction: the path of contact with its ramps, then nothing, then tip edges from the onset on."""
-        edge_gap = path_points(pair, xi, self.largest_gap).gap
-        fraction = slice_fraction(xi, pair.xi_start, pair.xi_end, ramp)
-        reach = ramp / 2 + 1.5 * step  # keeps one empty point between the ramp and the edges
-        on_path = (xi > pair.xi_start - reach) & (xi < pair.xi_end + reach)
-        rise = max(0.25 * self.edge_onset, 1e-9)
-        with np.errstate(invalid="ignore"):
-            edges = np.clip((edge_gap - self.edge_onset) / rise, 0.0, 1.0)
-        fraction = np.where(on_path, fraction, edges)
-        gap = np.where(
-            (xi >= pair.xi_start - ramp / 2 - 0.5 * step) & (xi <= pair.xi_end + ramp / 2 + 0.5 * step), 0.0, edge_gap
-        )
-        return gap, fraction
+        """Gap and fraction: the path of contact with its ramps, beyond it tip edges from the onset on."""
+        start, end = pair.xi_start, pair.xi_end
+        edge_gap = np.maximum(path_points(pair, xi, self.largest_gap).gap, self.edge_onset)
+        reach = ramp / 2 + 0.5 * step
+        on_path = (xi > start - reach) & (xi < end + reach)
+        fraction = slice_fraction(xi, start, end, ramp) if ramp > 0.0 else np.ones(xi.size)
+        # behind a ramp the edges begin after one empty point, so that no cell mixes them with the path
+        beside = (xi > start - reach - step) & (xi < end + reach + step) if ramp > 0.0 else on_path
+        return np.where(on_path, 0.0, edge_gap), np.where(beside, fraction, 1.0)
 
 
 def _grid_step(contact_ratio: float, ramp: float) -> tuple[float, float]:
-    """Grid step and ramp width with grid points at both path ends and, closely, at the ends of the ramps.
+    """Grid step and ramp width, with grid points at both path ends and at the ends of the ramps.
 
     The step is eps_alpha / N with N from 300 to 600 such that the ramp is nearest to an even number of steps; the ramp
-    is then made exactly that (a change of its width by at most about 1 %, its middle stays). A ramp below two steps,
-    as for spur gears, becomes two steps.
+    is then made exactly that (its width changes by at most about 1 %, its middle stays). For a ramp below two steps, as
+    for spur gears, N is 1200 and there is none: the gap rises from 0 to the onset in the first cell beyond the path.
     """
     numbers = np.arange(300, 601)
-    half = np.maximum(np.round(ramp / 2 / contact_ratio * numbers), 1.0)
+    half = np.round(ramp / 2 / contact_ratio * numbers)
+    if half.min() < 1.0:
+        return contact_ratio / 1200.0, 0.0
     error = np.abs(2.0 * half * contact_ratio / numbers - ramp)
     best = int(np.argmin(error))
     step = contact_ratio / float(numbers[best])

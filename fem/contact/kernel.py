@@ -2,6 +2,9 @@
 
 `tables` is the tuple of `fem.contact.evaluate.law_tables`. `work` holds one column per candidate pair of a slice, named
 by the row numbers below, then MAX_PAIRS rows of coupling compliances and MAX_PAIRS rows for the linear system.
+
+After a change in `fem.contact.single_pair`, or here for callers elsewhere, empty the `__pycache__` folders: numba's
+cache on disk notices a change of the file that holds a function, but not of the files of the functions it calls.
 """
 
 from __future__ import annotations
@@ -11,55 +14,20 @@ import math
 import numpy as np
 from numba import njit
 
+from fem.contact.single_pair import (
+    CLOSE,
+    contact_approach,
+    contact_energy,
+    moved_log,
+    secant_compliance,
+    single_load,
+)
+
 MAX_PAIRS = 12  # pairs that the position grid may span
-_X, _GAP_SLOPE, _PHI, _PHI_SLOPE, _C, _C_SLOPE, _B, _B_SLOPE, _F, _LOG, _CELL, _WEIGHT, _PAIR, _RHS = range(14)
-_COUPLING = 14  # first row of the coupling compliances c_pq
+_X, _GAP_SLOPE, _PHI, _PHI_SLOPE, _C, _C_SLOPE, _B, _B_SLOPE, _F, _LOG, _CELL, _WEIGHT, _PAIR, _RHS, _BEFORE = range(15)
+_COUPLING = 15  # first row of the coupling compliances c_pq
 _SYSTEM = _COUPLING + MAX_PAIRS
 _ROWS = _SYSTEM + MAX_PAIRS
-_CLOSE = 1e-6  # a Newton step this small (relative) leaves an error of about its square times 0.1
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _contact(f: float, log: float, slope: float, offset: float) -> tuple[float, float]:
-    """Hertz approach A f (B - ln f) and its derivative, held constant above ln f = B - 1."""
-    depth = offset - log
-    if depth > 1.0:
-        return slope * f * depth, slope * (depth - 1.0)
-    return slope * math.exp(offset - 1.0), 0.0
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _contact_energy(f: float, log: float, slope: float, offset: float) -> tuple[float, float]:
-    """Complementary energy of the Hertz approach and its derivative by B."""
-    depth = offset - log
-    if depth > 1.0:
-        return slope * f * f * (0.5 * depth + 0.25), 0.5 * slope * f * f
-    top = math.exp(offset - 1.0)
-    return slope * top * (f - 0.25 * top), slope * top * (f - 0.5 * top)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _stiff_guess(x: float, compliance: float, slope: float, offset: float) -> float:
-    """Secant compliance C + A (B - ln f) of one pair, within a few per cent (one logarithm at x / C)."""
-    secant = compliance + slope * max(1.0, offset - math.log(x / compliance))
-    ratio = secant / compliance
-    return secant + 2.0 * slope * (ratio - 1.0) / (ratio + 1.0)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _single(x: float, compliance: float, slope: float, offset: float) -> tuple[float, float]:
-    """Line load f of one pair without neighbours, C f + A f (B - ln f) = x > 0, and ln f (0 when A = 0)."""
-    if slope == 0.0:
-        return x / compliance, 0.0
-    f = x / _stiff_guess(x, compliance, slope, offset)
-    for _ in range(60):
-        log = math.log(f)
-        approach, rate = _contact(f, log, slope, offset)
-        step = (x - compliance * f - approach) / ((compliance + rate) * f)
-        if abs(step) <= _CLOSE:
-            return f * (1.0 + step), log + step
-        f *= max(0.1, 1.0 + step)
-    return f, math.log(f)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -144,15 +112,6 @@ def _solve_system(n: int, work: np.ndarray) -> None:
 
     D stands on the diagonal of the system rows already.
     """
-    if n == 2 and work[_F, 0] > 0.0 and work[_F, 1] > 0.0:
-        a, b = work[_SYSTEM, 0], work[_SYSTEM + 1, 1]
-        c = work[_COUPLING, 1]
-        upper, lower = c * work[_PHI, 1], c * work[_PHI, 0]
-        r0, r1 = work[_RHS, 0], work[_RHS, 1]
-        scale = 1.0 / (a * b - upper * lower)
-        work[_RHS, 0] = (b * r0 - upper * r1) * scale
-        work[_RHS, 1] = (a * r1 - lower * r0) * scale
-        return
     for p in range(n):
         loaded = work[_F, p] > 0.0
         for q in range(n):
@@ -176,44 +135,18 @@ def _solve_system(n: int, work: np.ndarray) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _diagonal(n: int, slope: float, work: np.ndarray) -> None:
-    """D = d(own approach)/df of the loaded pairs, on the diagonal of the system rows."""
-    for p in range(n):
-        rate = 0.0
-        if slope > 0.0 and work[_F, p] > 0.0:
-            rate = slope * max(work[_B, p] - work[_LOG, p] - 1.0, 0.0)
-        work[_SYSTEM + p, p] = work[_C, p] + rate
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _start_coupled(n: int, slope: float, work: np.ndarray) -> None:
-    """First line loads: the linear system with secant compliances; a pair that comes out unloaded starts small."""
-    for p in range(n):
-        x = work[_X, p]
-        work[_F, p] = 1.0 if x > 0.0 else 0.0
-        work[_RHS, p] = x
-        work[_SYSTEM + p, p] = work[_C, p]
-        if slope > 0.0 and x > 0.0:
-            work[_SYSTEM + p, p] = _stiff_guess(x, work[_C, p], slope, work[_B, p])
-    _solve_system(n, work)
-    for p in range(n):
-        x = work[_X, p]
-        f = work[_RHS, p]
-        if x > 0.0 and f <= 0.0:
-            f = 0.01 * x / work[_C, p]
-        work[_F, p] = f if x > 0.0 else 0.0
-        work[_LOG, p] = math.log(f) if slope > 0.0 and x > 0.0 else 0.0
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def _solve_coupled(n: int, slope: float, work: np.ndarray) -> None:
     """Line loads of coupled pairs: Newton on the loaded set; pairs leave at f <= 0 and return at positive approach."""
-    _start_coupled(n, slope, work)
+    for p in range(n):
+        x = work[_X, p]
+        work[_F, p] = work[_LOG, p] = 0.0
+        if x > 0.0:
+            work[_F, p], work[_LOG, p] = single_load(x, work[_C, p], slope, work[_B, p])
     for _ in range(40):
         for p in range(n):
             f = work[_F, p]
             if f > 0.0:
-                approach, rate = _contact(f, work[_LOG, p], slope, work[_B, p]) if slope > 0.0 else (0.0, 0.0)
+                approach, rate = contact_approach(f, work[_LOG, p], slope, work[_B, p]) if slope > 0.0 else (0.0, 0.0)
                 work[_RHS, p] = _relieved(n, p, work) - work[_C, p] * f - approach
                 work[_SYSTEM + p, p] = work[_C, p] + rate
         _solve_system(n, work)
@@ -229,14 +162,14 @@ def _solve_coupled(n: int, slope: float, work: np.ndarray) -> None:
                     step = -0.9 if slope > 0.0 and _relieved(n, p, work) > 0.0 else -1.0
                 work[_F, p] = f * (1.0 + step)
                 if slope > 0.0 and step > -1.0:
-                    work[_LOG, p] = work[_LOG, p] + step if abs(step) <= _CLOSE else math.log(work[_F, p])
-        if switched or largest > _CLOSE:
+                    work[_LOG, p] = work[_LOG, p] + step if abs(step) <= CLOSE else math.log(work[_F, p])
+        if switched or largest > CLOSE:
             continue
         for p in range(n):
             if work[_F, p] == 0.0:
                 x = _relieved(n, p, work)
                 if x > 1e-15 * abs(work[_X, p]):
-                    work[_F, p], work[_LOG, p] = _single(x, work[_C, p], slope, work[_B, p])
+                    work[_F, p], work[_LOG, p] = single_load(x, work[_C, p], slope, work[_B, p])
                     switched = True
         if not switched:
             return
@@ -245,7 +178,7 @@ def _solve_coupled(n: int, slope: float, work: np.ndarray) -> None:
         largest = 0.0
         for p in range(n):
             x = _relieved(n, p, work)
-            f, log = _single(x, work[_C, p], slope, work[_B, p]) if x > 0.0 else (0.0, 0.0)
+            f, log = single_load(x, work[_C, p], slope, work[_B, p]) if x > 0.0 else (0.0, 0.0)
             change = max(change, abs(f - work[_F, p]))
             largest = max(largest, f)
             work[_F, p], work[_LOG, p] = f, log
@@ -254,14 +187,59 @@ def _solve_coupled(n: int, slope: float, work: np.ndarray) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _solve_two(slope: float, work: np.ndarray) -> float:
+    """The usual case, two loaded pairs: their line loads, and the stiffness of the slice; -1 if it is another case.
+
+    Starts from the loads of the slice before when that held the same pairs.
+    """
+    x0, x1, c0, c1 = work[_X, 0], work[_X, 1], work[_C, 0], work[_C, 1]
+    if x0 <= 0.0 or x1 <= 0.0:
+        return -1.0
+    phi0, phi1, b0, b1 = work[_PHI, 0], work[_PHI, 1], work[_B, 0], work[_B, 1]
+    upper, lower = work[_COUPLING, 1] * phi1, work[_COUPLING, 1] * phi0
+    f0, f1, log0, log1 = work[_F, 0], work[_F, 1], work[_LOG, 0], work[_LOG, 1]
+    if not (work[_BEFORE, 0] == work[_PAIR, 0] and work[_BEFORE, 1] == work[_PAIR, 1] and f0 > 0.0 and f1 > 0.0):
+        d0, d1 = c0, c1
+        if slope > 0.0:
+            d0, d1 = secant_compliance(x0, c0, slope, b0), secant_compliance(x1, c1, slope, b1)
+        scale = 1.0 / (d0 * d1 - upper * lower)
+        f0, f1 = (d1 * x0 - upper * x1) * scale, (d0 * x1 - lower * x0) * scale
+        if f0 <= 0.0 or f1 <= 0.0:
+            return -1.0
+        log0, log1 = math.log(f0), math.log(f1)
+    own0 = own1 = rate0 = rate1 = 0.0
+    for _ in range(20):
+        if slope > 0.0:
+            own0, rate0 = contact_approach(f0, log0, slope, b0)
+            own1, rate1 = contact_approach(f1, log1, slope, b1)
+        rest0, rest1 = x0 - upper * f1 - c0 * f0 - own0, x1 - lower * f0 - c1 * f1 - own1
+        d0, d1 = c0 + rate0, c1 + rate1
+        scale = 1.0 / (d0 * d1 - upper * lower)
+        step0, step1 = (d1 * rest0 - upper * rest1) * scale / f0, (d0 * rest1 - lower * rest0) * scale / f1
+        if step0 <= -1.0 or step1 <= -1.0:
+            return -1.0
+        f0, f1 = f0 * (1.0 + step0), f1 * (1.0 + step1)
+        log0, log1 = moved_log(log0, f0, step0), moved_log(log1, f1, step1)
+        if max(abs(step0), abs(step1)) <= CLOSE:
+            work[_F, 0], work[_F, 1], work[_LOG, 0], work[_LOG, 1] = f0, f1, log0, log1
+            d0 = c0 + slope * max(b0 - log0 - 1.0, 0.0)
+            d1 = c1 + slope * max(b1 - log1 - 1.0, 0.0)
+            return (phi0 * (d1 - upper) + phi1 * (d0 - lower)) / (d0 * d1 - upper * lower)
+    return -1.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def solve_slice(n: int, slope: float, grid: np.ndarray, work: np.ndarray) -> float:
     """Line loads of the n gathered pairs into `work`; returns d(sum phi f)/d approach (N/m per m of width)."""
     if n > 1 and grid.shape[1] > 4:
         _neighbours(grid, n, work)
+        stiffness = _solve_two(slope, work) if n == 2 else -1.0
+        if stiffness >= 0.0:
+            return stiffness
         _solve_coupled(n, slope, work)
-        _diagonal(n, slope, work)
         for p in range(n):
             work[_RHS, p] = 1.0
+            work[_SYSTEM + p, p] = work[_C, p] + slope * max(work[_B, p] - work[_LOG, p] - 1.0, 0.0)
         _solve_system(n, work)
         stiffness = 0.0
         for p in range(n):
@@ -272,10 +250,9 @@ def solve_slice(n: int, slope: float, grid: np.ndarray, work: np.ndarray) -> flo
         x = work[_X, p]
         work[_F, p] = 0.0
         if x > 0.0:
-            f, log = _single(x, work[_C, p], slope, work[_B, p])
-            rate = slope * max(work[_B, p] - log - 1.0, 0.0) if slope > 0.0 else 0.0
+            f, log = single_load(x, work[_C, p], slope, work[_B, p])
             work[_F, p], work[_LOG, p] = f, log
-            stiffness += work[_PHI, p] / (work[_C, p] + rate)
+            stiffness += work[_PHI, p] / (work[_C, p] + slope * max(work[_B, p] - log - 1.0, 0.0))
     return stiffness
 
 
@@ -292,7 +269,7 @@ def slice_energy(
             continue
         phi = work[_PHI, p]
         load += phi * f
-        stored, by_offset = _contact_energy(f, work[_LOG, p], slope, work[_B, p]) if slope > 0.0 else (0.0, 0.0)
+        stored, by_offset = contact_energy(f, work[_LOG, p], slope, work[_B, p]) if slope > 0.0 else (0.0, 0.0)
         own = work[_X, p] * f - 0.5 * work[_C, p] * f * f - stored
         energy += phi * own
         rate += work[_PHI_SLOPE, p] * own
@@ -320,8 +297,12 @@ def evaluate_flank(
     per_step, grid, slope, wheel_offset = tables[6], tables[7], tables[8], tables[12]
     force = moment = energy = k = k_mixed = k_tilt = rate = 0.0
     work = np.empty((_ROWS, MAX_PAIRS))
+    work[_BEFORE, 0] = math.inf
     own_cycle = sign * cycle + offset
     anchor = math.floor(own_cycle)
+    highest = delta + abs(psi) * np.abs(face).max()
+    if highest <= 0.0 and highest <= h1.min() + h2.min() and not tables[9]:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # out of contact everywhere, as the coast flank mostly is
     tooth = int(sign) * anchor
     pinion_tooth, wheel_tooth = tooth % h1.size, (tooth + wheel_offset) % h2.size
     for s in range(face.size):
@@ -330,6 +311,7 @@ def evaluate_flank(
         if n == 0:
             continue
         stiffness = w * solve_slice(n, slope, grid, work)
+        work[_BEFORE, 0], work[_BEFORE, 1] = work[_PAIR, 0], work[_PAIR, 1] if n == 2 else math.inf
         load, stored, along = slice_energy(n, slope, per_step, grid, work)
         for p in range(n if pair_force.size > 0 else 0):
             place = int(work[_PAIR, p]) - anchor + pair_force.size // 2
@@ -343,3 +325,52 @@ def evaluate_flank(
         k_mixed += stiffness * y
         k_tilt += stiffness * y * y
     return force, moment, energy, k, k_mixed, k_tilt, sign * rate
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def evaluate(
+    tables: tuple, cycle: float, delta: float, psi: float, clearance_pinion: np.ndarray, clearance_wheel: np.ndarray
+) -> tuple:
+    """Response of one flank at one state.
+
+    Parameters
+    ----------
+    tables : from `law_tables`
+    cycle : mesh cycle c of the gears (1); the law turns it into its own c'
+    delta, psi : approach along the transverse line of action (m) and tilt (rad)
+    clearance_pinion (z1,), clearance_wheel (z2,) : m, +inf for a missing tooth
+
+    Returns
+    -------
+    F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N), dM/d psi (N m), dU/dc (J)
+    """
+    return evaluate_flank(tables, cycle, delta, psi, clearance_pinion, clearance_wheel, np.empty(0))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def evaluate_shares(
+    tables: tuple, cycle: float, delta: float, psi: float, h1: np.ndarray, h2: np.ndarray, pair_force: np.ndarray
+) -> tuple:
+    """As `evaluate`, and add the force (N) of pair p to pair_force[p - floor(c') + pair_force.size // 2].
+
+    c' = cycle_sign c + cycle_offset. Pairs outside the array are left out; 2 `share_reach` + 1 places hold all.
+    """
+    return evaluate_flank(tables, cycle, delta, psi, h1, h2, pair_force)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def evaluate_many(
+    tables: tuple,
+    cycle: np.ndarray,
+    delta: np.ndarray,
+    psi: np.ndarray,
+    h1: np.ndarray,
+    h2: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    """Rows of `evaluate` for states given as arrays (n,), into out (n, 7)."""
+    none = np.empty(0)
+    for i in range(cycle.size):
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3], out[i, 4], out[i, 5], out[i, 6] = evaluate_flank(
+            tables, cycle[i], delta[i], psi[i], h1, h2, none
+        )

@@ -1,17 +1,17 @@
 """Rung `plane`: finite elements of the whole toothed rings in the transverse section, cut into slices along the face.
 
-Per slice and unit face width, transverse quantities. A ring model gives the displacement G_ij along the flank normal at
-position i by a load at position j, both spread over an elliptical patch of half-width w and averaged with the same
-weight (so G is symmetric and finite). It contains the local deformation of a patch w. A Hertz contact has the half-width
-a instead and its approach is counted at the centre, not as the mean. On a half plane in plane strain an elliptical
-pressure of resultant f gives
+Per slice and unit face width, transverse quantities. A ring model gives the displacement G_ij along the flank normal
+at position i by a load at position j, both spread over an elliptical patch of half-width w and averaged with the same
+weight (so G is symmetric and finite). It contains the local deformation of a patch w. A Hertz contact has the
+half-width a instead and its approach is counted at the centre, not as the mean. On a half plane in plane strain an
+elliptical pressure of resultant f gives
 
     u(x) = u(0) - K f x^2 / a^2,   K = 2 (1 - nu^2) / (pi E),   mean u = u(0) - K f / 4,   du(0) / d ln a = -K f,
 
 so that each body approaches by f (G_ii + K (1/4 + ln(w/a))). With a^2 = 4 f R / (pi E*), 1/E* = sum (1 - nu^2)/E and
 A = 1/(pi E*) the sum over both bodies is
 
-    x = C f + A f (B - ln f),   C = G_ii + G_ii' - 2 A ln(d/w),   B = 1/2 + ln(d^2 pi E* / (4 R)).
+    x = C f + A f (B - ln f),   C = G_ii + G_ii' + 2 A ln(w/d),   B = 1/2 + ln(d^2 pi E* / (4 R)).
 
 The depth d divides the same approach between the two terms; d = m_n keeps a < d at any bearable load.
 
@@ -35,7 +35,7 @@ import numpy as np
 from fem.contact.law import MeshLaw
 from fem.contact.ring import FlankCompliance, flank_compliance
 from fem.gears.geometry import GearPair
-from fem.gears.path import PathPoints, path_points
+from fem.gears.path import PathPoints, contact_window, path_points
 from fem.gears.sector import sector_mesh
 
 
@@ -64,7 +64,7 @@ class Plane:
     patch : half-width of the pressure patches in m_n; the result does not depend on it (below 0.2 %)
     positions : grid points per base pitch
     tip_rounding : radius of the tip edges in m_n, used only where an edge touches beyond the path of contact
-    largest_gap : no-load gap up to which tip-edge contact is followed, m
+    largest_gap : no-load gap up to which tip-edge contact is followed, in m_n; stay above the largest delta
     """
 
     model: Literal["plane"] = "plane"
@@ -73,7 +73,7 @@ class Plane:
     patch: float = 0.08
     positions: int = 64
     tip_rounding: float = 0.05
-    largest_gap: float = 100e-6
+    largest_gap: float = 0.05
 
     def __post_init__(self) -> None:
         limits = {
@@ -82,7 +82,7 @@ class Plane:
             "patch": (0.02, 0.2),
             "positions": (16, 1024),
             "tip_rounding": (0.001, 0.5),
-            "largest_gap": (1e-6, 1e-3),
+            "largest_gap": (0.001, 0.08),
         }
         for name, (low, high) in limits.items():
             value = getattr(self, name)
@@ -90,8 +90,8 @@ class Plane:
                 raise PlaneError(f"rung plane: {name} is {value!r}; give a value in [{low}, {high}]")
         if self.patch * self.refinement < 0.04:
             raise PlaneError(
-                f"rung plane: patch {self.patch} m_n is not resolved by flank elements of {0.05 / self.refinement:.3g} m_n; "
-                f"give refinement >= {0.04 / self.patch:.2g} or a larger patch"
+                f"rung plane: patch {self.patch} m_n is not resolved by flank elements of "
+                f"{0.05 / self.refinement:.3g} m_n; give refinement >= {0.04 / self.patch:.2g} or a larger patch"
             )
 
     def law(self, pair: GearPair, flank: str) -> MeshLaw:
@@ -133,30 +133,31 @@ class Plane:
         return laws[0], laws[1]
 
     def path(self, pair: GearPair) -> PathPoints:
-        """The path of contact on the uniform grid, with every position whose gap is below `largest_gap`."""
-        step = 1.0 / self.positions
-        ahead = np.arange(0, round(3.5 * self.positions)) * step
-        wide = np.concatenate([-ahead[:0:-1], ahead])
-        reached = wide[np.isfinite(path_points(pair, wide, self.largest_gap).gap)]
-        count = round((reached[-1] - reached[0]) / step)
-        grid = (round(reached[0] / step) - 1 + np.arange(count + 3)) * step
-        return path_points(pair, grid, self.largest_gap)
+        """The path of contact on the uniform grid that holds every position whose gap is below `largest_gap`."""
+        largest = self.largest_gap * pair.pinion.normal_module
+        first, last = contact_window(pair, largest)
+        grid = np.arange(math.floor(first * self.positions), math.ceil(last * self.positions) + 1) / self.positions
+        return path_points(pair, grid, largest)
 
     def tables(self, pair: GearPair, path: PathPoints) -> PairCompliance:
         """Compliances of one slice at the positions of `path`."""
         depth = pair.pinion.normal_module
         half_width = self.patch * depth
-        reach = max(1, math.ceil((len(path.xi) - 3) / self.positions) - 1)
+        reach = max(1, math.ceil((len(path.xi) - 1) / self.positions) - 1)
         rings = self.rings(pair, reach)
-        weights = [
-            ring.patches((radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius), half_width)[0]
+        patches = [
+            ring.patches((radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius), half_width)
             for ring, gear, radius in zip(
                 rings, (pair.pinion, pair.wheel), (path.pinion_radius, path.wheel_radius), strict=True
             )
         ]
+        weights = [weight for weight, _ in patches]
+        cosine = math.cos(pair.base_helix_angle)
+        materials = (pair.pinion_material, pair.wheel_material)
         own = np.zeros(len(path.xi))
-        for weight, ring in zip(weights, rings, strict=True):
+        for (weight, used), ring, material in zip(patches, rings, materials, strict=True):
             own += np.einsum("pi,ij,pj->p", weight, ring.matrix[0], weight)
+            own += 2 / (math.pi * material.plane_strain_modulus * cosine) * np.log(used / depth)
         coupling = np.zeros((reach, len(path.xi)))
         here = np.arange(len(path.xi))
         for n in range(1, reach + 1):
@@ -165,12 +166,11 @@ class Plane:
             # of the pinion and tooth +n of the wheel counted towards the loaded flank
             for weight, ring, tooth in zip(weights, rings, (-n, n), strict=True):
                 coupling[n - 1] += np.einsum("pi,ij,pj->p", weight[behind], ring.matrix[tooth], weight)
-        cosine = math.cos(pair.base_helix_angle)
-        reduced = 1.0 / (1.0 / pair.pinion_material.plane_strain_modulus + 1.0 / pair.wheel_material.plane_strain_modulus)
+        reduced = 1.0 / sum(1.0 / material.plane_strain_modulus for material in materials)
         slope = 1.0 / (math.pi * reduced * cosine)
         radius = self.contact_radius(pair, path) / cosine
         return PairCompliance(
-            compliance=own - 2 * slope * math.log(depth / half_width),
+            compliance=own,
             coupling=coupling,
             contact_slope=slope,
             contact_offset=0.5 + np.log(depth**2 * math.pi * reduced / (4 * radius)),
@@ -178,10 +178,13 @@ class Plane:
 
     def rings(self, pair: GearPair, reach: int) -> tuple[FlankCompliance, FlankCompliance]:
         """Flank compliances of pinion and wheel."""
+        from threadpoolctl import threadpool_limits
+
         out = []
-        for gear, material in ((pair.pinion, pair.pinion_material), (pair.wheel, pair.wheel_material)):
-            mesh = sector_mesh(gear, self.refinement)
-            out.append(flank_compliance(mesh, material.elastic_modulus, material.poisson_ratio, reach))
+        with threadpool_limits(1):  # the matrices are small: more threads only wait for one another
+            for gear, material in ((pair.pinion, pair.pinion_material), (pair.wheel, pair.wheel_material)):
+                mesh = sector_mesh(gear, self.refinement)
+                out.append(flank_compliance(mesh, material.elastic_modulus, material.poisson_ratio, reach))
         return out[0], out[1]
 
     def contact_radius(self, pair: GearPair, path: PathPoints) -> np.ndarray:

@@ -54,7 +54,8 @@ class FlankCompliance:
     def patches(self, centre: np.ndarray, half_width: float) -> tuple[np.ndarray, np.ndarray]:
         """Elliptical pressure patches as nodal forces of unit sum.
 
-        A patch that would reach over the tip corner (or below the meshed flank) is moved to end there.
+        A patch that would reach over the tip corner shrinks, to half of `half_width` at the least, and is then moved
+        to end at the corner; likewise it is moved up to stay on the meshed flank.
 
         Parameters
         ----------
@@ -62,20 +63,22 @@ class FlankCompliance:
 
         Returns
         -------
-        weight (position, node), centre (position,) as used
+        weight (position, node), half_width (position,) as used
         """
-        centre = np.clip(np.asarray(centre, dtype=float), self.arc[0] + half_width, self.tip_arc - half_width)
+        centre = np.asarray(centre, dtype=float)
+        used = np.clip(self.tip_arc - centre, half_width / 2, half_width)
+        centre = np.clip(centre, self.arc[0] + used, self.tip_arc - used)
         n = 48  # Gauss-Chebyshev points of the second kind: the ellipse is their weight function
         angle = np.pi * np.arange(1, n + 1) / (n + 1)
         weight = 2.0 / (n + 1) * np.sin(angle) ** 2
-        place = centre[:, None] + half_width * np.cos(angle)
+        place = centre[:, None] + used[:, None] * np.cos(angle)
         element = np.clip(np.searchsorted(self.arc[2::2], place), 0, len(self.arc) // 2 - 1)
         start, end = self.arc[2 * element], self.arc[2 * element + 2]
         values, _ = lagrange(2 * (place - start) / (end - start) - 1)
         out = np.zeros((len(centre), len(self.arc)))
         row = np.arange(len(centre))[:, None, None]
         np.add.at(out, (row, 2 * element[..., None] + np.arange(3)), weight[:, None] * values)
-        return out, centre
+        return out, used
 
 
 def flank_loads(mesh: SectorMesh) -> sparse.csc_matrix:
@@ -116,8 +119,8 @@ def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.
         factor = splu(k_ii, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:
         raise RingError(
-            f"gear z={mesh.teeth}: the stiffness matrix of the tooth sector ({k_ii.shape[0]} unknowns) is singular ({error}). "
-            "Check bore radius and material."
+            f"gear z={mesh.teeth}: the stiffness matrix of the tooth sector ({k_ii.shape[0]} unknowns) is singular "
+            f"({error}). Check bore radius and material."
         ) from error
     p = loads.tocsr()[inner]
     answer = factor.solve(sparse.hstack([k_ic, p]).toarray())
@@ -133,7 +136,7 @@ def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.
 
 
 def ring_response(sector: SectorReduction, reach: int = 2) -> dict[int, np.ndarray]:
-    """Displacement along load vector i of tooth n by unit load j on tooth 0, for n = -reach .. reach; (p, p) each, m2/N."""
+    """Displacement along load i of tooth n by unit load j on tooth 0, m2/N; (p, p) for each n = -reach .. reach."""
     z, cut = sector.teeth, sector.stiffness.shape[0] // 2
     s, h = sector.stiffness, sector.transfer
     low, high = slice(0, cut), slice(cut, 2 * cut)

@@ -83,7 +83,10 @@ def growing(first: float, growth: float, largest: float, total: float) -> np.nda
 
 
 def sector_mesh(gear: Gear, refinement: float = 1.0) -> SectorMesh:
-    """Mesh one pitch of `gear`; element sizes are divided by `refinement` (1: 0.05 m_n along the flank)."""
+    """Mesh one pitch of `gear`.
+
+    Element sizes are divided by `refinement`; 1: 0.05 m_n along the flank, half of that at the tip corner.
+    """
     size = gear.normal_module / refinement
     fillet = _Fillet.of(gear)
     r_b, r_bore = gear.base_radius, gear.bore_radius
@@ -92,7 +95,8 @@ def sector_mesh(gear: Gear, refinement: float = 1.0) -> SectorMesh:
     form_arc = roll_length(gear, form_radius(gear)) ** 2 / (2 * r_b)
     tip_arc = roll_length(gear, gear.tip_radius) ** 2 / (2 * r_b)
     lower = with_middles(np.linspace(fillet.middle, fillet.length, _count(fillet.length - fillet.middle, 0.08 * size)))
-    upper = with_middles(np.linspace(form_arc, tip_arc, _count(tip_arc - form_arc, 0.05 * size)))
+    upper = with_middles(tip_arc - growing(0.025 * size, 1.15, 0.05 * size, tip_arc - form_arc)[::-1])
+    upper[[0, -1]] = form_arc, tip_arc
     point, radius, normal = flank_at_roll(gear, np.sqrt(2 * r_b * upper))
     flank_radius = np.concatenate([fillet.radius(lower[:-1]), radius])
     flank_angle = np.concatenate([fillet.angle(lower[:-1]), np.arctan2(point[:, 0], point[:, 1])])

@@ -1,0 +1,80 @@
+"""Measures gearcase on the shipped scenes: python -m benchmarks [PART ...].
+
+Every part runs in a process of its own, on one thread. Writes benchmarks/results/latest.json, docs/benchmarks.md and
+the measured tables of docs/choosing-a-rung.md. Parts named on the command line are measured again, the others are
+taken over from the last result; a part that needs what another leaves behind measures that one, too.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+from benchmarks import page
+from benchmarks.child import PARTS
+from benchmarks.clock import conditions
+
+ROOT = Path(__file__).resolve().parent.parent
+RESULTS = ROOT / "benchmarks" / "results" / "latest.json"
+NEEDS = {
+    "factors": ("mesh",),
+    "modes": ("mesh",),
+    "static": ("mesh",),
+    "loop": ("laws", "mesh", "modes"),
+    "rungs": ("laws", "mesh", "modes", "static"),
+    "precision": ("laws", "mesh", "modes"),
+}
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+LIMIT = 900  # s for one part
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Measure, write, and say on the screen how far it is; 1 if a part was skipped."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Measure gearcase on the shipped scenes.")
+    parser.add_argument("part", nargs="*", help=f"all if none is given: {', '.join(PARTS)}")
+    chosen = parser.parse_args(arguments).part
+    if unknown := [name for name in chosen if name not in PARTS]:
+        parser.error(f"unknown part {', '.join(unknown)}; known: {', '.join(PARTS)}")
+    wanted = set(chosen or PARTS)
+    wanted |= {need for name in tuple(wanted) for need in NEEDS.get(name, ())}
+    old = json.loads(RESULTS.read_text(encoding="utf-8"))["parts"] if RESULTS.exists() else {}
+    parts: dict[str, Any] = {}
+    start = time.perf_counter()
+    with tempfile.TemporaryDirectory(prefix="gearcase-benchmarks-") as folder:
+        for name in PARTS:
+            parts[name] = measured(name, Path(folder)) if name in wanted else old.get(name, {"skipped": "not measured"})
+            if name in wanted:
+                found = parts[name]
+                print(f"{name}: {found.get('skipped') or round(found['part_seconds'], 1)}", flush=True)
+    seconds = time.perf_counter() - start
+    result = {"conditions": conditions(), "parts": parts}
+    RESULTS.parent.mkdir(exist_ok=True)
+    RESULTS.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    page.write(result, ROOT / "docs")
+    print(f"{seconds:.0f} s; see docs/benchmarks.md")
+    return int(any("skipped" in parts[name] for name in wanted))
+
+
+def measured(name: str, folder: Path) -> dict[str, Any]:
+    """The result of one part from its own process."""
+    command = [sys.executable, "-m", "benchmarks.child", str(folder), name]
+    environment = os.environ | dict.fromkeys(THREADS, "1")
+    try:
+        done = subprocess.run(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, timeout=LIMIT, check=False)
+    except subprocess.TimeoutExpired:
+        return {"skipped": f"not finished after {LIMIT} s"}
+    lines = done.stdout.decode("utf-8").strip().splitlines()
+    if done.returncode or not lines:
+        return {"skipped": f"its process ended with code {done.returncode}"}
+    return json.loads(lines[-1])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,92 @@
+"""Parts `casing` and `static`: seconds and memory of the casing stages at the shipped size."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from benchmarks.clock import timed
+from benchmarks.rig import casing_parts, casing_rung, keep, kept, read
+from fem.casing.checkup import check_up
+from fem.casing.grounded import ground_casing
+from fem.casing.modes import casing_modes
+from fem.casing.reduction import reduce_body
+from fem.casing.rungs import MODES_OVER_BAND, CraigBamptonCasing, StaticCasing
+from fem.elasticity import assemble
+from fem.linear_solver import cholmod_available, factorize
+
+SHIFT = 4e7  # 1/s2: K + SHIFT M of the free body is definite and has the pattern of K
+
+
+def mesh(folder: Path) -> list[dict[str, Any]]:
+    """Geometry and tetrahedra."""
+    scene, layout = read()
+    box, _ = casing_parts(scene, layout)
+    rung = casing_rung(scene)
+    assert isinstance(rung, CraigBamptonCasing)
+    seconds, found = timed(lambda: rung.mesh(box))
+    keep(folder, "mesh", found)
+    size = f"{len(found.nodes)} nodes, {len(found.elements)} tetrahedra"
+    return [{"step": "mesh", "size": size, "solver": "", **seconds}]
+
+
+def factors(folder: Path) -> list[dict[str, Any]]:
+    """Assembly of K and M, and their factorisation by every solver that is installed."""
+    scene, layout = read()
+    found, (_, iron) = kept(folder, "mesh"), casing_parts(scene, layout)
+    constants = {
+        "elastic_modulus": iron.elastic_modulus,
+        "poisson_ratio": iron.poisson_ratio,
+        "density": iron.density,
+    }
+    seconds, (stiffness, mass) = timed(lambda: assemble(found.nodes, found.elements, **constants))
+    rows = [{"step": "assembly of K and M", "size": f"{stiffness.shape[0]} unknowns", "solver": "", **seconds}]
+    shifted = (stiffness + SHIFT * mass).tocsr()
+    for solver in ("cholmod", "superlu"):
+        if solver == "cholmod" and not cholmod_available():
+            continue
+        seconds, factor = timed(lambda name=solver: factorize(shifted, solver=name))
+        rows.append(
+            {"step": "factorisation", "size": f"{stiffness.shape[0]} unknowns", "solver": factor.name, **seconds}
+        )
+        right = mass[:, :24].toarray()
+        seconds, _ = timed(lambda f=factor, r=right: f.solve(r))
+        rows.append({"step": "24 right sides at once", "size": "", "solver": factor.name, **seconds})
+    return rows
+
+
+def modes(folder: Path) -> list[dict[str, Any]]:
+    """Craig-Bampton reduction at the shipped band, and its check-up; keeps the body."""
+    scene, layout = read()
+    found, (box, iron) = kept(folder, "mesh"), casing_parts(scene, layout)
+    rung = casing_rung(scene)
+    assert isinstance(rung, CraigBamptonCasing)
+    grounding, casing = timed(lambda: ground_casing(found, iron), repeats=1)
+    limit = MODES_OVER_BAND * rung.band
+    reducing, reduction = timed(
+        lambda: reduce_body(casing.interface, casing.K_free, casing.M_free, highest=limit), repeats=1
+    )
+    checking, checked = timed(lambda: check_up(casing, reduction), repeats=1)
+    result = casing_modes(casing, reduction, model="craig-bampton", band_limit=limit)
+    recovering, body = timed(lambda: rung.body(result, box.sensors))
+    keep(folder, "craig-bampton", body)
+    n_fixed, total = reduction.n_fixed, len(result.mass)
+    size = f"{n_fixed} modes to {limit:.0f} Hz, {total} coordinates"
+    return [
+        {"step": "assembly, clamping, factorisation, constraint modes", "solver": result.solver, **grounding},
+        {"step": "fixed-interface modes and inertia correction", "size": size, "solver": result.solver, **reducing},
+        {"step": "check-up", "size": f"{len(checked.failures)} of 14 items fail", "solver": "", **checking},
+        {"step": "damping and recovery rows", "size": f"{len(box.sensors)} sensors", "solver": "", **recovering},
+    ]
+
+
+def static(folder: Path) -> list[dict[str, Any]]:
+    """Static condensation, check-up included; keeps the body."""
+    scene, layout = read(casing__model="static")
+    found, (box, iron) = kept(folder, "mesh"), casing_parts(scene, layout)
+    rung = casing_rung(scene)
+    assert isinstance(rung, StaticCasing)
+    seconds, body = timed(lambda: rung.body(rung.modes(found, iron)[0], box.sensors), repeats=1)
+    keep(folder, "static", body)
+    size = f"{len(body.coordinate_names)} coordinates"
+    return [{"step": "rung static, all but the mesh", "size": size, "solver": "", **seconds}]

@@ -1,0 +1,160 @@
+"""docs/benchmarks.md, and the measured blocks of docs/choosing-a-rung.md, from the results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+BEGIN, END = "<!-- measured: {} -->", "<!-- end of measured -->"
+
+
+def write(result: dict[str, Any], docs: Path) -> None:
+    """Write docs/benchmarks.md and fill the blocks of docs/choosing-a-rung.md."""
+    (docs / "benchmarks.md").write_text(benchmarks_page(result), encoding="utf-8")
+    choosing = docs / "choosing-a-rung.md"
+    if choosing.exists():
+        text = choosing.read_text(encoding="utf-8")
+        for name, block in blocks(result).items():
+            text = filled(text, name, block)
+        choosing.write_text(text, encoding="utf-8")
+
+
+def blocks(result: dict[str, Any]) -> dict[str, str]:
+    """Tables by the name of their block."""
+    parts = result["parts"]
+    return {
+        "conditions": conditions_text(result["conditions"]),
+        "mesh": _part(parts, "laws", law_table),
+        "casing": "\n\n".join([_part(parts, "modes", casing_table), _part(parts, "static", casing_table)]),
+        "rungs": _part(parts, "rungs", rung_table),
+        "precision": _part(parts, "precision", precision_table),
+    }
+
+
+def filled(text: str, name: str, block: str) -> str:
+    """The text with what stands between the marks of `name` replaced; unchanged if it has no such mark."""
+    begin = BEGIN.format(name)
+    before, found, rest = text.partition(begin)
+    if not found:
+        return text
+    return f"{before}{begin}\n\n{block}\n\n{END}{rest.partition(END)[2]}"
+
+
+def benchmarks_page(result: dict[str, Any]) -> str:
+    """The whole page."""
+    parts = result["parts"]
+    sections = [
+        ("Mesh laws", "Both flanks of one gear pair, 15 slices, geometry to tables.", "laws", law_table),
+        ("Evaluation of a law", "One call of the compiled kernel: force, moment, energy and their derivatives at one "
+         "state of stage 1 of `rig-healthy`, at random cycles and the approach of the nominal load.", "evaluation",
+         evaluation_table),
+        ("Casing: mesh", "The housing of `rig-healthy`, element size 22 mm.", "mesh", casing_table),
+        ("Casing: assembly and factorisation", "Quadratic tetrahedra. The factorised matrix is K + s M of the free "
+         "body.", "factors", casing_table),
+        ("Casing: reduction", "Rung craig-bampton to a band of 5 kHz, check-up of the report included.", "modes",
+         casing_table),
+        ("Casing: static condensation", "", "static", casing_table),
+        ("Time loop", "Equilibrium, time steps, output filter and energy books. The rig starts at once: 900 rpm at "
+         "0.05 s. Compiled code is loaded beforehand.", "loop", loop_table),
+        ("One rung changed", "`rig-healthy` with one word changed, 0.3 s of motion, 900 rpm from 0.05 s on; "
+         "figures of the vibration from 0.1 s to 0.3 s (standard deviation).", "rungs", rung_table),
+        ("Integrators: error against seconds", "The full rig over 0.2 s of motion, channel sensor_3 z after the output "
+         "filter. Error: RMS of the difference to the exponential method at 1.25 us over the RMS of the signal.",
+         "precision", precision_table),
+    ]  # fmt: skip
+    text = [
+        "# Benchmarks",
+        "Made by `python -m benchmarks` (`make bench`); figures in `benchmarks/results/latest.json`.",
+        conditions_text(result["conditions"]),
+    ]
+    for title, lead, name, table in sections:
+        text += [f"## {title}", *([lead] if lead else []), _part(parts, name, table)]
+    return "\n\n".join(text) + "\n"
+
+
+def conditions_text(found: dict[str, Any]) -> str:
+    """The conditions in one paragraph."""
+    versions = ", ".join(f"{name} {version}" for name, version in found["libraries"].items())
+    return (
+        f"Conditions: {found['system']} on {found['architecture']}, {found['cores']} cores of which one thread is "
+        f"used, not reserved for the measurement; Python {found['python']}, {versions}. Seconds are wall-clock "
+        "medians of the stated number of calls (one call where it takes longer than 8 s), in brackets the processor's. "
+        "Memory is the peak of the process that did the part, imports included."
+    )
+
+
+def _part(parts: dict[str, Any], name: str, table: Callable[[list[dict[str, Any]]], str]) -> str:
+    found = parts.get(name, {"skipped": "not measured"})
+    if "skipped" in found:
+        return f"Not measured: {found['skipped']}"
+    return f"{table(found['rows'])}\n\nPeak memory of this part: {found['peak_MB']:.0f} MB."
+
+
+def markdown(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A Markdown table."""
+    lines = [headers, ["---"] * len(headers), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def _seconds(row: dict[str, Any]) -> str:
+    return f"{row['seconds']:.3g} ({row['cpu_seconds']:.3g})"
+
+
+def law_table(rows: list[dict[str, Any]]) -> str:
+    """Rungs of the mesh law."""
+    cells = [[str(r["stage"]), r["pair"], r["rung"], _seconds(r), str(r["calls"])] for r in rows]
+    return markdown(("stage", "teeth", "rung", "seconds", "calls"), cells)
+
+
+def evaluation_table(rows: list[dict[str, Any]]) -> str:
+    """The compiled kernel."""
+    cells = [[r["rung"], str(r["slices"]), f"{r['force_N']:.0f}", f"{r['microseconds']:.2f}"] for r in rows]
+    return markdown(("rung", "slices", "force N", "µs per call"), cells)
+
+
+def casing_table(rows: list[dict[str, Any]]) -> str:
+    """Steps of the casing."""
+    cells = [[r["step"], r.get("size", ""), r["solver"], _seconds(r), str(r["calls"])] for r in rows]
+    return markdown(("step", "size", "solver", "seconds", "calls"), cells)
+
+
+def loop_table(rows: list[dict[str, Any]]) -> str:
+    """The time loop."""
+    cells = [
+        [
+            r["scene"], str(r["coordinates"]), str(r["modes"]), f"{r['step_us']:g}", f"{r['iterations_per_step']:.2f}",
+            f"{r['microseconds_per_step']:.0f}", f"{r['seconds_per_second']:.2f} ({r['cpu_per_second']:.2f})",
+            f"{r['assembly_s']:.2f}", str(r["calls"]),
+        ]
+        for r in rows
+    ]  # fmt: skip
+    headers = ("scene", "coordinates", "modes kept", "step µs", "iterations per step", "µs per step",
+               "seconds per second of motion", "assembly s", "calls")  # fmt: skip
+    return markdown(headers, cells)
+
+
+def rung_table(rows: list[dict[str, Any]]) -> str:
+    """The rig with one rung changed."""
+    cells = [
+        [
+            r["variant"], str(r["coordinates"]), str(r["modes"]), f"{r['seconds_per_second']:.2f}",
+            f"{r['rms']:.3g} ({r['channel']})", f"{r['mesh_force_rms_N']:.3g}", f"{r['delta_ptp_um']:.3g}",
+        ]
+        for r in rows
+    ]  # fmt: skip
+    headers = ("rung changed", "coordinates", "modes kept", "seconds per second of motion", "acceleration m/s²",
+               "mesh force, stage 1, N", "approach peak to peak, stage 1, µm")  # fmt: skip
+    return markdown(headers, cells)
+
+
+def precision_table(rows: list[dict[str, Any]]) -> str:
+    """Work against precision."""
+    cells = [
+        [r["method"], f"{r['step_us']:g}", f"{r['seconds']:.3g}", f"{100 * r['error']:.2g} %",
+         f"{100 * r['rms_error']:.2g} %"]
+        for r in rows
+        if "left_out" not in r
+    ]  # fmt: skip
+    text = markdown(("integrator", "step µs", "seconds", "error of the signal", "error of its RMS"), cells)
+    return "\n\n".join([text, *(f"Left out: {r['method']}, {r['left_out']}." for r in rows if "left_out" in r)])

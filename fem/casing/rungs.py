@@ -1,0 +1,130 @@
+"""The rungs of the casing, cheap to dear; each returns a ReducedBody from `reduce`.
+
+none            bearings held by the ground; no casing motion, no sensors
+rigid           six coordinates on mount springs; valid below the first elastic mode of the housing
+static          Guyan condensation to the bearing points; valid well below the first fixed-interface mode
+craig-bampton   every mode to 1.5 times the wanted band, with inertia correction
+
+The last two go through stages that can be stored one by one: `mesh`, `modes` (with the check-up), `body`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from fem.casing.body import ReducedBody
+from fem.casing.checkup import CheckUp, check_up
+from fem.casing.grounded import ground_casing
+from fem.casing.housing import Housing, Sensor
+from fem.casing.mesh import CasingMesh
+from fem.casing.modes import CasingModes, casing_modes, grounded_body, reduced_body
+from fem.casing.reduction import reduce_body
+from fem.casing.rigid import rigid_body
+from fem.linear_solver import Solver
+from fem.materials import Material
+
+MODES_OVER_BAND = 1.5  # fixed-interface modes are kept to this multiple of the band
+
+
+@dataclass(frozen=True, kw_only=True)
+class NoCasing:
+    """Bearings to ground."""
+
+    model: Literal["none"] = "none"
+
+    def reduce(self, housing: Housing | Mapping[str, Sequence[float]], material: Material | None = None) -> ReducedBody:
+        """A body without coordinates. Instead of a housing, bearing points {name: (x, y, z)} (m) will do."""
+        if isinstance(housing, Housing):
+            return grounded_body({bore.name: tuple(housing.bore_centre(bore)) for bore in housing.bores})
+        return grounded_body(housing)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidCasing:
+    """A rigid body on one spring per foot."""
+
+    model: Literal["rigid"] = "rigid"
+    mount_stiffness: float = 2e8  # N/m of each foot, in x, y and z
+    damping_ratio: float = 0.01
+
+    def reduce(self, housing: Housing, material: Material) -> ReducedBody:
+        """Six coordinates; mass and inertia from the volumes of the housing."""
+        return rigid_body(
+            housing,
+            density=material.density,
+            mount_stiffness=self.mount_stiffness,
+            damping_ratio=self.damping_ratio,
+            sensors=housing.sensors,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class StaticCasing:
+    """Finite elements condensed statically to the bearing points; its inertia is right only far below resonance."""
+
+    model: Literal["static"] = "static"
+    element_size: float = 0.022  # m
+    damping_ratio: float = 0.01
+    solver: Solver = "auto"
+
+    def mesh(self, housing: Housing) -> CasingMesh:
+        """First stage: geometry to tetrahedra."""
+        return _mesh(housing, self.element_size)
+
+    def modes(self, mesh: CasingMesh, material: Material) -> tuple[CasingModes, CheckUp]:
+        """Second stage: factorise and condense; the check-up tells whether the result can be trusted."""
+        casing = ground_casing(mesh, material, solver=self.solver)
+        reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=0, enrich=False)
+        return casing_modes(casing, reduction, model=self.model, band_limit=0.0), check_up(casing, reduction)
+
+    def body(self, modes: CasingModes, sensors: Sequence[Sensor] = ()) -> ReducedBody:
+        """Last stage: damping and the rows of the sensors asked."""
+        return reduced_body(modes, sensors=sensors, damping_ratio=self.damping_ratio)
+
+    def reduce(self, housing: Housing, material: Material) -> ReducedBody:
+        """All stages; five coordinates per bearing."""
+        return self.body(self.modes(self.mesh(housing), material)[0], housing.sensors)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CraigBamptonCasing:
+    """Finite elements reduced to the bearing points and every fixed-interface mode to 1.5 times `band`."""
+
+    model: Literal["craig-bampton"] = "craig-bampton"
+    band: float = 5000.0  # Hz
+    element_size: float = 0.022  # m
+    damping_ratio: float = 0.01
+    inertia_correction: bool = True
+    solver: Solver = "auto"
+
+    def mesh(self, housing: Housing) -> CasingMesh:
+        """First stage: geometry to tetrahedra."""
+        return _mesh(housing, self.element_size)
+
+    def modes(self, mesh: CasingMesh, material: Material) -> tuple[CasingModes, CheckUp]:
+        """Second stage: factorise and reduce; the check-up tells whether the result can be trusted."""
+        limit = MODES_OVER_BAND * self.band
+        casing = ground_casing(mesh, material, solver=self.solver)
+        reduction = reduce_body(
+            casing.interface, casing.K_free, casing.M_free, highest=limit, enrich=self.inertia_correction
+        )
+        return casing_modes(casing, reduction, model=self.model, band_limit=limit), check_up(casing, reduction)
+
+    def body(self, modes: CasingModes, sensors: Sequence[Sensor] = ()) -> ReducedBody:
+        """Last stage: damping and the rows of the sensors asked."""
+        return reduced_body(modes, sensors=sensors, damping_ratio=self.damping_ratio)
+
+    def reduce(self, housing: Housing, material: Material) -> ReducedBody:
+        """All stages."""
+        return self.body(self.modes(self.mesh(housing), material)[0], housing.sensors)
+
+
+CasingRung = NoCasing | RigidCasing | StaticCasing | CraigBamptonCasing
+
+
+def _mesh(housing: Housing, element_size: float) -> CasingMesh:
+    from fem.casing.mesher import mesh_housing
+
+    return mesh_housing(housing, element_size=element_size)

@@ -1,0 +1,119 @@
+"""Pitch deviations of the teeth: tolerances after ISO 1328-1:2013 and seeded samples inside them.
+
+With the reference diameter d and m_n, b in mm the tolerances of grade 5 are (um; clause 5.3, formulae 3 to 10)
+
+    f_pT  = 0.001 d + 0.4 m_n + 5                  single pitch
+    F_pT  = 0.002 d + 0.55 sqrt(d) + 0.7 m_n + 12  total cumulative pitch
+    F_rT  = 0.9 F_pT                               runout (informative)
+
+and each grade multiplies by sqrt(2). Rounded to 1 um above 10 um, 0.5 um from 5 to 10 um, 0.1 um below.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.gears.gear import Gear, GeometryError
+from fem.records import Record, array, integer, scalar
+
+GRADES = range(1, 12)
+ECCENTRIC_PART = 0.7  # share of the total cumulative deviation that runs once per revolution, before scaling
+
+
+@dataclass(frozen=True, kw_only=True)
+class PitchTolerance:
+    """Tolerances in m: single pitch f_pT, total cumulative pitch F_pT, runout F_rT."""
+
+    single: float
+    cumulative: float
+    runout: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PitchDeviations(Record):
+    """Seeded deviations of one gear as clearances along the transverse line of action.
+
+    A positive value sets the flank back, so that its pair touches later. Values have either sign and mean zero over
+    each flank: delta = 0 stays the position of the average tooth. Deviations along the pitch circle are the clearance
+    divided by cos alpha_t, with the sign turned.
+    """
+
+    grade: int = integer()
+    seed: int = integer()
+    single_tolerance: float = scalar(units="m")
+    cumulative_tolerance: float = scalar(units="m")
+    drive: np.ndarray = array("tooth", units="m")
+    coast: np.ndarray = array("tooth", units="m")
+
+
+def pitch_tolerance(gear: Gear, grade: int) -> PitchTolerance:
+    """ISO 1328-1:2013 tolerances of the gear.
+
+    Raises
+    ------
+    GeometryError : grade or gear size outside the standard (grades 1 to 11, 5 <= z <= 1000, 5 mm <= d <= 15 m,
+        0.5 mm <= m_n <= 70 mm)
+    """
+    d, m_n = 2000.0 * gear.reference_radius, 1000.0 * gear.normal_module
+    for bad, what in (
+        (grade not in GRADES, f"grade is {grade!r}; give a whole number from {GRADES[0]} to {GRADES[-1]}"),
+        (not 5 <= gear.teeth <= 1000, f"z is {gear.teeth}; ISO 1328-1 covers 5 to 1000 teeth"),
+        (not 5.0 <= d <= 15000.0, f"reference diameter is {d:.4g} mm; ISO 1328-1 covers 5 to 15000 mm"),
+        (not 0.5 <= m_n <= 70.0, f"normal module is {m_n:.4g} mm; ISO 1328-1 covers 0.5 to 70 mm"),
+    ):
+        if bad:
+            raise GeometryError(f"pitch tolerance of gear z={gear.teeth}: {what}; or switch deviations off")
+    factor = math.sqrt(2.0) ** (grade - 5)
+    single = (0.001 * d + 0.4 * m_n + 5.0) * factor
+    cumulative = (0.002 * d + 0.55 * math.sqrt(d) + 0.7 * m_n + 12.0) * factor
+    return PitchTolerance(
+        single=_rounded(single) / 1e6, cumulative=_rounded(cumulative) / 1e6, runout=_rounded(0.9 * cumulative) / 1e6
+    )
+
+
+def _rounded(value: float) -> float:
+    """Rounding rule of ISO 1328-1:2013, 5.2.3 (um)."""
+    if value > 10.0:
+        return float(round(value))
+    if value >= 5.0:
+        return round(2.0 * value) / 2.0
+    return round(10.0 * value) / 10.0
+
+
+def sample_pitch_deviations(gear: Gear, grade: int, seed: int, *, use: float = 0.9) -> PitchDeviations:
+    """Deviations that use the part `use` of whichever tolerance binds; equal arguments give equal values.
+
+    The sample is an eccentric gear (seen by both flanks, one pressure angle ahead and behind) plus an independent
+    random part of each flank. It is scaled so that the largest single pitch deviation is at most use * f_pT and the
+    range of the cumulative deviation at most use * F_pT, one of them exactly, over both flanks.
+
+    Raises
+    ------
+    GeometryError : outside ISO 1328-1, or `use` not in (0, 1]
+    """
+    if not 0.0 < use <= 1.0:
+        raise GeometryError(f"pitch deviations of gear z={gear.teeth}: use is {use!r}; give a value in (0, 1]")
+    tolerance = pitch_tolerance(gear, grade)
+    draw = np.random.default_rng(seed)
+    direction = draw.uniform(0.0, 2.0 * math.pi)
+    scatter = draw.uniform(-1.0, 1.0, size=(2, gear.teeth)) * 0.5 * tolerance.single
+    # tooth i + 1 follows tooth i, so it lies one pitch back in the direction of rotation
+    angle = direction + 2.0 * math.pi / gear.teeth * np.arange(gear.teeth)
+    alpha = gear.transverse_pressure_angle
+    eccentric = 0.5 * ECCENTRIC_PART * tolerance.cumulative * np.array([-np.sin(angle + alpha), np.sin(angle - alpha)])
+    arc = eccentric + scatter
+    arc -= arc.mean(axis=1, keepdims=True)
+    single = np.abs(arc - np.roll(arc, 1, axis=1)).max()
+    scale = use * min(tolerance.single / single, tolerance.cumulative / np.ptp(arc, axis=1).max())
+    clearance = arc * scale * math.cos(alpha)
+    return PitchDeviations(
+        grade=grade,
+        seed=seed,
+        single_tolerance=tolerance.single,
+        cumulative_tolerance=tolerance.cumulative,
+        drive=clearance[0],
+        coast=clearance[1],
+    )

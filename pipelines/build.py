@@ -1,0 +1,261 @@
+"""Run a graph of stages: take what the cache holds, build the rest, long independent stages side by side."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import threading
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from pipelines.cache import Cache, Entry
+from pipelines.errors import WorkError
+from pipelines.payload import PayloadError, digest, load_payload, save_payload
+from pipelines.stages import Built, Graph, Stage, StageRecord
+
+_LOG = logging.getLogger(__name__)
+_LONG_SECONDS = 3.0  # stages expected to take longer may go to a process of their own
+_THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+
+
+class Observer(Protocol):
+    """Is told what happens, for progress and logs."""
+
+    def started(self, stage: Stage) -> None:
+        """A stage is being built."""
+
+    def finished(self, stage: Stage, record: StageRecord) -> None:
+        """A stage is built or taken from the cache."""
+
+
+class Silent:
+    """Observes nothing."""
+
+    def started(self, stage: Stage) -> None:
+        """Nothing."""
+
+    def finished(self, stage: Stage, record: StageRecord) -> None:
+        """Nothing."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """A stage's record with the way to its value: an entry of the cache, or the value itself if none was stored."""
+
+    record: StageRecord
+    entry: Entry | None
+    value: Any = None
+
+    def load(self) -> Any:
+        """The value, read from the cache if it is there."""
+        if self.entry is None or self.value is not None:
+            return self.value
+        try:
+            return load_payload(self.entry.folder)
+        except OSError as error:
+            raise WorkError(
+                f"stage {self.record.name}: its stored result {self.entry.name} was removed while it was needed "
+                f"({error}). Run again; do not clear the cache during a run."
+            ) from error
+
+    def stored(self) -> Result:
+        """The same without the value, where the cache holds it."""
+        return self if self.entry is None else Result(self.record, self.entry)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """All stages of a run by name."""
+
+    results: Mapping[str, Result]
+
+    def value(self, name: str) -> Any:
+        """What the stage returned."""
+        return self.results[name].load()
+
+    @property
+    def records(self) -> tuple[StageRecord, ...]:
+        """Records in the order of the graph."""
+        return tuple(result.record for result in self.results.values())
+
+    def ledger(self) -> dict[str, int]:
+        """Counts of all stages, each distinct result counted once, reused or not."""
+        total: dict[str, int] = {}
+        for record in {r.key: r for r in self.records}.values():
+            for name, count in record.ledger.items():
+                total[name] = total.get(name, 0) + count
+        return total
+
+
+def run_graph(
+    graph: Graph,
+    cache: Cache,
+    wanted: Iterable[str],
+    *,
+    observer: Observer | None = None,
+    processes: int | None = None,
+    known: Mapping[str, Result] | None = None,
+) -> Outcome:
+    """Build or reuse the wanted stages and what they take.
+
+    Parameters
+    ----------
+    processes : long stages built at the same time; default 2, or 1 on a single core
+    known : results of stages of this graph that are at hand
+
+    Raises
+    ------
+    whatever a stage raises, with the stage's name added; WorkError if a process ends without an answer.
+    Finished stages stay in the cache.
+    """
+    from pipelines.processes import Pool
+
+    graph = graph.needed(wanted)
+    observer = observer or Silent()
+    if processes is None:
+        processes = min(2, os.cpu_count() or 1)
+    results = {name: result for name, result in (known or {}).items() if name in graph.stages}
+    with one_thread(), Pool() as pool:
+        while len(results) < len(graph.stages):
+            ready = _take_what_is_cached(graph, cache, results, pool.names(), observer)
+            ready = [(stage, key) for stage, key in ready if not pool.builds(key)]
+            long = [(stage, key) for stage, key in ready if stage.seconds >= _LONG_SECONDS]
+            if processes > 1 and (len({key for _, key in long}) > 1 or (long and len(pool))):
+                for stage, key in long:
+                    if len(pool) < processes and not pool.builds(key):
+                        observer.started(stage)
+                        pool.start(stage, key, _upstream(stage, results), cache.folder)
+                ready = [(stage, key) for stage, key in ready if stage.seconds < _LONG_SECONDS]
+            if ready:
+                stage, key = ready[0]
+                observer.started(stage)
+                _keep(results, stage, build_here(stage, key, _upstream(stage, results), cache), observer)
+            elif len(pool):
+                for stage, result in pool.wait():
+                    _keep(results, stage, result, observer)
+    return Outcome({name: results[name] for name in graph.stages})
+
+
+def _take_what_is_cached(
+    graph: Graph, cache: Cache, results: dict[str, Result], running: set[str], observer: Observer
+) -> list[tuple[Stage, str]]:
+    """Move stages that need no work into `results`; the (stage, key) that are ready to be built."""
+    ready = []
+    for stage in graph:
+        if stage.name in results or stage.name in running or any(name not in results for name in stage.takes):
+            continue
+        contents = {name: results[name].record.content for name in stage.takes}
+        key = stage.key(contents)
+        same = next((r for r in results.values() if r.record.key == key), None)
+        entry = same.entry if same else cache.find(stage.kind, key)
+        if same is not None:
+            record = _record(stage, key, _facts_of(same.record), reused=True)
+            _keep(results, stage, Result(record, entry, same.value), observer)
+        elif entry is not None:
+            _keep(results, stage, Result(_record(stage, key, entry.facts, reused=True), entry), observer)
+        else:
+            ready.append((stage, key))
+    return ready
+
+
+def _keep(results: dict[str, Result], stage: Stage, result: Result, observer: Observer) -> None:
+    results[stage.name] = result
+    observer.finished(stage, result.record)
+
+
+def _upstream(stage: Stage, results: Mapping[str, Result]) -> dict[str, Result]:
+    return {name: results[name] for name in stage.takes}
+
+
+def build_here(stage: Stage, key: str, upstream: Mapping[str, Result], cache: Cache) -> Result:
+    """Build one stage in this process and store it."""
+    inputs = [upstream[name].load() for name in stage.takes]
+    start = time.perf_counter()
+    with peak_memory() as peak:
+        try:
+            made = stage.build(stage.spec, *inputs)
+        except Exception as error:
+            error.add_note(f"in stage {stage.name}")
+            raise
+    built = made if isinstance(made, Built) else Built(made)
+    facts = {
+        **stage.facts({name: upstream[name].record.content for name in stage.takes}),
+        "content": digest(built.value),
+        "seconds": round(time.perf_counter() - start, 6),
+        "peak_bytes": peak.bytes,
+        "ledger": dict(built.ledger),
+        "stage": stage.name,
+    }
+    try:
+        entry = cache.store(stage.kind, key, lambda folder: save_payload(folder, built.value), facts)
+    except PayloadError as error:
+        raise WorkError(f"stage {stage.name}: its result cannot be stored: {error}") from error
+    return Result(_record(stage, key, facts, reused=False), entry, built.value)
+
+
+def _record(stage: Stage, key: str, facts: Mapping[str, Any], *, reused: bool) -> StageRecord:
+    return StageRecord(
+        name=stage.name,
+        kind=stage.kind,
+        key=key,
+        content=facts["content"],
+        reused=reused,
+        seconds=facts["seconds"],
+        peak_bytes=facts["peak_bytes"],
+        ledger=facts["ledger"],
+    )
+
+
+def _facts_of(record: StageRecord) -> dict[str, Any]:
+    return {name: getattr(record, name) for name in ("content", "seconds", "peak_bytes", "ledger")}
+
+
+@contextlib.contextmanager
+def one_thread() -> Iterator[None]:
+    """BLAS and OpenMP limited to one thread, in libraries loaded before and after."""
+    from threadpoolctl import threadpool_limits
+
+    before = {name: os.environ.get(name) for name in _THREAD_VARIABLES}
+    os.environ.update(dict.fromkeys(_THREAD_VARIABLES, "1"))
+    try:
+        with threadpool_limits(1):
+            yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+class Peak:
+    """Largest resident memory seen, in bytes."""
+
+    bytes = 0
+
+
+@contextlib.contextmanager
+def peak_memory(interval: float = 0.05) -> Iterator[Peak]:
+    """Sample the resident memory of this process while the block runs."""
+    import psutil
+
+    process, peak, done = psutil.Process(), Peak(), threading.Event()
+
+    def look() -> None:
+        peak.bytes = max(peak.bytes, process.memory_info().rss)
+
+    def watch() -> None:
+        while not done.wait(interval):
+            look()
+
+    thread = threading.Thread(target=watch, name="peak memory", daemon=True)
+    thread.start()
+    try:
+        yield peak
+    finally:
+        done.set()
+        thread.join()
+        look()

@@ -1,0 +1,68 @@
+"""Stage `casing`: the reduced body with damping and the recovery rows of the sensors that are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem.casing.housing import Housing, Sensor
+from fem.materials import Material
+from pipelines.stages import Built
+
+if TYPE_CHECKING:
+    from fem.casing.body import ReducedBody
+    from fem.casing.checkup import CheckUp
+    from fem.casing.modes import CasingModes
+
+
+@dataclass(frozen=True, kw_only=True)
+class GroundSpec:
+    """Rung `none`: bearing points (m) held by the ground."""
+
+    points: Mapping[str, tuple[float, float, float]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidSpec:
+    """Rung `rigid`: a housing with its sensors on mount springs (N/m)."""
+
+    housing: Housing
+    material: Material
+    mount_stiffness: float
+    damping_ratio: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElasticSpec:
+    """Rungs `static` and `craig-bampton`: what is added to the modes."""
+
+    sensors: tuple[Sensor, ...]
+    damping_ratio: float
+
+
+def build_ground(spec: GroundSpec) -> Built:
+    """A body without coordinates."""
+    from fem.casing.rungs import NoCasing
+
+    return _built(NoCasing().reduce(spec.points))
+
+
+def build_rigid(spec: RigidSpec) -> Built:
+    """Six coordinates."""
+    from fem.casing.rungs import RigidCasing
+
+    rung = RigidCasing(mount_stiffness=spec.mount_stiffness, damping_ratio=spec.damping_ratio)
+    return _built(rung.reduce(spec.housing, spec.material))
+
+
+def build_elastic(spec: ElasticSpec, modes: tuple[CasingModes, CheckUp]) -> Built:
+    """Bearing coordinates and modes."""
+    from fem.casing.modes import reduced_body
+
+    return _built(reduced_body(modes[0], sensors=spec.sensors, damping_ratio=spec.damping_ratio))
+
+
+def _built(body: ReducedBody) -> Built:
+    recovered = sum(name.startswith("sensor_") for name in body.row_names)
+    return Built(body, {"casing_coordinates": len(body.coordinate_names), "recovery_rows": recovered})

@@ -1,0 +1,67 @@
+"""Stage `diagnose`: all cases of a study against their controls, as files and as words."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray
+
+    from pipelines.analysis import DiagnosisSettings
+    from pipelines.diagnosis import Diagnosis
+
+
+@dataclass(frozen=True, kw_only=True)
+class CaseSpec:
+    """One comparison: what is looked for, how the deviations are named, and the noise of the sensor (m/s2 rms)."""
+
+    settings: DiagnosisSettings
+    deviations: str  # "off" | "on"
+    seed: int
+    noise: float
+    full: bool  # its lines are shown in full; else it enters summaries
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiagnosingSpec:
+    """All comparisons, in the order of the responses that are taken: faulty, healthy, faulty, ..."""
+
+    cases: tuple[CaseSpec, ...]
+
+
+def build(spec: DiagnosingSpec, *responses: xarray.Dataset) -> dict[str, Any]:
+    """diagnosis.nc, .csv, .json as bytes by name, and the verdict with its tables as text under "words"."""
+    from pipelines.export import save_diagnoses
+
+    found = diagnoses(spec, responses)
+    with tempfile.TemporaryDirectory() as folder:
+        files = {path.name: path.read_bytes() for path in save_diagnoses(Path(folder), found)}
+    full = [d for d, case in zip(found, spec.cases, strict=True) if case.full]
+    return {"files": files, "words": words(found, full)}
+
+
+def diagnoses(spec: DiagnosingSpec, responses: tuple[xarray.Dataset, ...]) -> list[Diagnosis]:
+    """One diagnosis per case."""
+    from pipelines.diagnosis import diagnose
+
+    out = []
+    for number, case in enumerate(spec.cases):
+        labels = {"sensor_noise": case.noise, "deviations": case.deviations, "seed": case.seed}
+        faulty, healthy = (run.assign_attrs(labels) for run in responses[2 * number : 2 * number + 2])
+        out.append(diagnose(faulty, healthy, case.settings))
+    return out
+
+
+def words(every: list[Diagnosis], full: list[Diagnosis]) -> str:
+    """The answer first, then the envelope tables of the cases shown in full, then the summary."""
+    from pipelines.verdict import criterion, headline, lines_grid, sentences, summary_grid
+
+    parts = [headline(every), criterion(every[0])]
+    for diagnosis in full:
+        parts += sentences(diagnosis)
+        parts += [lines_grid(diagnosis, window).to_text() for window in diagnosis.settings.windows]
+    parts.append(summary_grid(every).to_text())
+    return "\n\n".join(parts) + "\n"

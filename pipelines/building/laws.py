@@ -1,0 +1,42 @@
+"""Stage `law`: the mesh law of a gear pair, both flanks. A missing tooth does not enter here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from fem.contact.law import MeshLaw
+from fem.gears.geometry import GearPair
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawSpec:
+    """A gear pair and the rung of its law with options; `line_load` (N/m) is read by the rung `iso` alone, else 0."""
+
+    pair: GearPair
+    model: str  # "iso" | "plane"
+    slices: int
+    refinement: float
+    line_load: float
+
+
+def law_spec(pair: GearPair, model: str, slices: int, refinement: float, line_load: float) -> LawSpec:
+    """The spec without what no law depends on: the play between the flanks, and the load of all rungs but `iso`."""
+    return LawSpec(
+        pair=replace(pair, backlash_allowance=0.0),
+        model=model,
+        slices=slices,
+        refinement=refinement,
+        line_load=line_load if model == "iso" else 0.0,
+    )
+
+
+def build(spec: LawSpec) -> tuple[MeshLaw, MeshLaw]:
+    """The laws of drive and coast flank."""
+    if spec.model == "iso":
+        from fem.contact.iso import Iso
+
+        rung = Iso(n_slices=spec.slices, line_load=spec.line_load or None)
+        return rung.law(spec.pair, "drive"), rung.law(spec.pair, "coast")
+    from fem.contact.plane import Plane
+
+    return Plane(n_slices=spec.slices, refinement=spec.refinement).laws(spec.pair)

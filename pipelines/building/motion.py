@@ -1,0 +1,58 @@
+"""Stage `simulate`: machine in its casing, from equilibrium through the speed profile."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pipelines.scene import Scene
+from pipelines.stages import Built
+
+if TYPE_CHECKING:
+    from fem.casing.body import ReducedBody
+    from fem.contact.law import MeshLaw
+    from mbd.trajectory import Trajectory
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionSpec:
+    """The scene without all that the motion does not depend on, see `pipelines.chain.motion_scene`."""
+
+    scene: Scene
+
+
+def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw]) -> Built:
+    """The trajectory of the wanted channels, with its energy books and counters."""
+    from mbd.load import Rope
+    from mbd.simulate import Settings, simulate
+    from mbd.system import assemble
+    from pipelines.layout import lay_out
+    from pipelines.machine import machine
+    from pipelines.parts import mesh_inputs
+    from pipelines.response import wanted_channels
+
+    scene = spec.scene
+    layout = lay_out(scene)
+    train = machine(scene, layout, mesh_inputs(scene, layout, list(laws)))
+    system = assemble(train, body, wanted_channels(scene, train))
+    table = scene.simulation
+    settings = Settings(
+        end=table.end_s,
+        output_rate=table.output_rate_Hz,
+        step=table.step_us / 1_000_000,
+        integrator=table.integrator,
+    )
+    trajectory = simulate(system, settings)
+    return Built(trajectory, ledger(trajectory, system.basis.shape[1], rope=isinstance(train.load, Rope)))
+
+
+def ledger(trajectory: Trajectory, coordinates: int, *, rope: bool) -> dict[str, int]:
+    """Counts of the run."""
+    counts = {name: trajectory.counter(name) for name in trajectory.counter_names if name == "steps"}
+    return {
+        "simulations": 1,
+        "coordinates": coordinates,
+        "rope_coordinates": int(rope),
+        "time_steps": counts.get("steps", 0),
+        "channels": len(trajectory.channel_names),
+    }

@@ -1,0 +1,163 @@
+"""The stages of a scene: which part of it each one reads, and what it takes.
+
+    law_1 .. law_n                          one per gear pair; equal pairs share one
+    casing mesh -> casing modes -> casing   finite elements only for the rungs static and craig-bampton
+    simulate -> response                    a missing tooth, deviations, drive and load enter here
+
+Scenes that are run together (`pipelines.study`) share the stages that do not differ.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from pipelines.derived import bearing_points, derive
+from pipelines.layout import Layout
+from pipelines.scene import (
+    CraigBamptonCasingTable,
+    DiagnosisTable,
+    HousingTable,
+    IsoMesh,
+    MaterialTable,
+    NoCasingTable,
+    RigidCasingTable,
+    Scene,
+)
+from pipelines.stages import Stage
+from pipelines.validity import checked_layout
+
+_NUMERIC = ("numpy", "scipy", "numba")
+_ZERO = (0.0, 0.0, 0.0)
+_SOME_CASING = RigidCasingTable(  # stands for any casing where only its presence counts
+    housing=HousingTable(
+        length_mm=1,
+        width_mm=1,
+        height_mm=1,
+        wall_thickness_mm=1,
+        left_end_mm=0,
+        shaft_height_mm=1,
+        bore_diameters_mm=(1,),
+        boss_diameters_mm=(1,),
+        boss_length_mm=1,
+    ),
+    material=MaterialTable(elastic_modulus_GPa=1, poisson_ratio=0, density_kg_m3=1),
+)
+
+
+def scene_stages(scene: Scene, source: str) -> list[Stage]:
+    """The stages of one scene, in order."""
+    from pipelines.building import motion, signals
+
+    layout = checked_layout(scene, source)
+    laws = _law_stages(scene, layout)
+    casing = _casing_stages(scene, layout, source)
+    takes = tuple(law.name for law in laws)
+    return [
+        *laws,
+        *casing,
+        Stage(
+            name="simulate",
+            kind="simulate",
+            build=motion.build,
+            spec=motion.MotionSpec(scene=motion_scene(scene)),
+            takes=(casing[-1].name, *takes),
+            libraries=_NUMERIC,
+            seconds=1.5 * scene.simulation.end_s,
+        ),
+        Stage(
+            name="response",
+            kind="response",
+            build=signals.build,
+            spec=signals.SignalsSpec(scene=_labelled(scene)),
+            takes=("simulate", *takes),
+            libraries=("numpy", "xarray"),
+        ),
+    ]
+
+
+def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
+    from pipelines.building import laws
+
+    stages = []
+    facts = derive(scene, layout).stages
+    for number, (table, pair, fact) in enumerate(zip(scene.stages, layout.pairs, facts, strict=True), 1):
+        mesh = table.mesh
+        refinement = 0.0 if isinstance(mesh, IsoMesh) else mesh.refinement
+        stages.append(
+            Stage(
+                name=f"law_{number}",
+                kind="law",
+                build=laws.build,
+                spec=laws.law_spec(pair, mesh.model, mesh.slices, refinement, fact.line_load),
+                modules=("fem.contact.iso",) if isinstance(mesh, IsoMesh) else ("fem.contact.plane",),
+                libraries=("numpy", "scipy"),
+                seconds=0.0 if isinstance(mesh, IsoMesh) else 8.0,
+            )
+        )
+    return stages
+
+
+def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
+    from pipelines.building import casing_body as body
+    from pipelines.housing import housing
+    from pipelines.layout import material
+
+    table = scene.casing
+    if isinstance(table, NoCasingTable):
+        points = {f"bearing_{n}": point for n, point in enumerate(bearing_points(scene, layout), 1)}
+        return [Stage(name="casing", kind="casing", build=body.build_ground, spec=body.GroundSpec(points=points))]
+    box, iron = housing(scene, table.housing, layout, source), material("casing", table.material)
+    if isinstance(table, RigidCasingTable):
+        rigid = body.RigidSpec(
+            housing=box,
+            material=iron,
+            mount_stiffness=table.mount_stiffness_N_per_um * 1e6,
+            damping_ratio=table.damping_ratio,
+        )
+        return [Stage(name="casing", kind="casing", build=body.build_rigid, spec=rigid)]
+    from pipelines.building import casing_mesh, casing_modes
+
+    band = table.band_Hz if isinstance(table, CraigBamptonCasingTable) else 0.0
+    return [
+        Stage(
+            name="casing mesh",
+            kind="casing-mesh",
+            build=casing_mesh.build,
+            spec=casing_mesh.CasingMeshSpec(
+                housing=replace(box, sensors=()), element_size=table.element_size_mm / 1000
+            ),
+            libraries=("numpy", "gmsh"),
+            seconds=8.0,
+        ),
+        Stage(
+            name="casing modes",
+            kind="casing-modes",
+            build=casing_modes.build,
+            spec=casing_modes.CasingModesSpec(material=iron, model=table.model, band=band),
+            takes=("casing mesh",),
+            libraries=("numpy", "scipy", "scikit-fem", "scikit-sparse", "pymetis"),
+            seconds=30.0,
+        ),
+        Stage(
+            name="casing",
+            kind="casing",
+            build=body.build_elastic,
+            spec=body.ElasticSpec(sensors=box.sensors, damping_ratio=table.damping_ratio),
+            takes=("casing modes",),
+        ),
+    ]
+
+
+def motion_scene(scene: Scene) -> Scene:
+    """The scene with everything blanked that the motion does not read itself (laws and casing come as results)."""
+    return _labelled(scene).model_copy(update={"title": "", "diagnosis": DiagnosisTable()})
+
+
+def _labelled(scene: Scene) -> Scene:
+    """The same with title and sensor noise, which only label the response."""
+    stages = tuple(stage.model_copy(update={"mesh": IsoMesh()}) for stage in scene.stages)
+    sensors = tuple(sensor.model_copy(update={"position_mm": _ZERO}) for sensor in scene.sensors)
+    casing = scene.casing if isinstance(scene.casing, NoCasingTable) else _SOME_CASING
+    noise = DiagnosisTable(noise_m_s2=scene.diagnosis.noise_m_s2)
+    changes = {"stages": stages, "sensors": sensors, "casing": casing, "control": None, "diagnosis": noise}
+    return scene.model_copy(update=changes)

@@ -1,0 +1,248 @@
+"""The command `gearcase`: arguments, and errors turned into one message and an exit code.
+
+Only the standard library is imported before a command is chosen, so that help appears at once.
+Exit codes: 0 success, 1 the work failed, 2 the input cannot be used, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import logging
+import os
+import sys
+import traceback
+import warnings
+from collections.abc import Sequence
+from typing import TextIO
+
+PROLOGUE = """\
+From gearbox geometry to sensor signals: finite-element mesh stiffness, reduced casing, multibody run, diagnosis.
+
+A SCENE is the name of a shipped scene (minimal, rig-healthy, rig-missing-tooth, ...) or a path ending in .toml.
+A RUN is a result folder, or the name of a scene whose newest result under ./runs is meant.
+"""
+EPILOGUE = """\
+first steps:
+  gearcase run minimal                        a whole run in seconds; opens nothing, names the report
+  gearcase new my.toml --from rig-healthy     a commented scene to change
+  gearcase check my.toml                      what follows from it, before anything is computed
+  gearcase run my.toml                        signals, diagnosis and report under ./runs/my
+
+More on a command: gearcase COMMAND --help
+"""
+# command, module, one line, example
+COMMANDS = (
+    ("new", "write a commented scene file to change", "gearcase new my.toml --from rig-healthy"),
+    ("check", "validate a scene and print what follows from it", "gearcase check rig-missing-tooth"),
+    ("explain", "say what a run would build, reuse, and why", "gearcase explain minimal --set load.container_kg=80"),
+    ("gears", "build the mesh laws and print the stiffness of each pair", "gearcase gears rig-healthy"),
+    ("casing", "build the casing and print its check-up", "gearcase casing rig-healthy"),
+    ("simulate", "run the machine and write response.nc, no control, no report", "gearcase simulate minimal"),
+    ("diagnose", "print the lines of a fault in a finished run", "gearcase diagnose rig-missing-tooth"),
+    ("run", "everything: simulation, healthy control, diagnosis, report", "gearcase run rig-missing-tooth"),
+    ("inspect", "write pictures of a gear pair with its curve and of the casing", "gearcase inspect rig-healthy"),
+    ("export", "write the signals of a run as CSV or MATLAB file", "gearcase export rig-missing-tooth --to mat"),
+    ("cache", "show, verify or clear the store of finished stages", "gearcase cache info"),
+)
+
+
+class Formatter(argparse.RawDescriptionHelpFormatter):
+    """Keeps the line breaks of examples; a little wider than the default."""
+
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog, max_help_position=30, width=110)
+
+
+def parser() -> argparse.ArgumentParser:
+    """The whole command line."""
+    top = argparse.ArgumentParser(
+        prog="gearcase", description=PROLOGUE, epilog=EPILOGUE, formatter_class=Formatter, allow_abbrev=False
+    )
+    top.add_argument("--version", action="store_true", help="print the version and end")
+    commands = top.add_subparsers(dest="command", metavar="COMMAND", title="commands")
+    for name, words, example in COMMANDS:
+        sub = commands.add_parser(
+            name,
+            help=words,
+            description=f"{words[0].upper()}{words[1:]}.",
+            epilog=f"example:\n  {example}",
+            formatter_class=Formatter,
+            allow_abbrev=False,
+        )
+        _ARGUMENTS[name](sub)
+        sub.add_argument("-v", "--verbose", action="store_true", help="log what is done; tracebacks of failures")
+    return top
+
+
+def _scene(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("scene", metavar="SCENE", help="name of a shipped scene, or a path ending in .toml")
+    sub.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        dest="settings",
+        action="append",
+        default=[],
+        help="change one value, as in --set stages.1.face_width_mm=32; repeatable; items count from 1",
+    )
+
+
+def _work(sub: argparse.ArgumentParser) -> None:
+    _scene(sub)
+    sub.add_argument("--processes", type=_count, metavar="N", help="long stages built side by side (default 2)")
+    sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
+
+
+def _out(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--out", metavar="FOLDER", help="result folder instead of ./runs/<scene>/<timestamp>")
+
+
+def _new(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("file", metavar="FILE", help="file to write, ending in .toml; never overwritten")
+    sub.add_argument("--from", metavar="SCENE", dest="source", default="rig-healthy", help="default: rig-healthy")
+
+
+def _run(sub: argparse.ArgumentParser) -> None:
+    _work(sub)
+    _out(sub)
+    sub.add_argument("--no-control", action="store_true", help="leave out the healthy control and the diagnosis")
+    sub.add_argument("--one-load", action="store_true", help="with a rope, leave out the equivalent constant torque")
+    sub.add_argument(
+        "--seeds",
+        metavar="N",
+        type=_count,
+        default=0,
+        help="compare seeds 1 to N of the deviations and error-free gears",
+    )
+
+
+def _simulate(sub: argparse.ArgumentParser) -> None:
+    _work(sub)
+    _out(sub)
+
+
+def _diagnose(sub: argparse.ArgumentParser) -> None:
+    _run_folder(sub)
+    sub.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        dest="settings",
+        action="append",
+        default=[],
+        help="look elsewhere, as in --set diagnosis.sensor=sensor_5; repeatable",
+    )
+
+
+def _run_folder(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("run", metavar="RUN", help="result folder, or the name of a scene for its newest result")
+
+
+def _inspect(sub: argparse.ArgumentParser) -> None:
+    _work(sub)
+    sub.add_argument("--out", metavar="FOLDER", default=".", help="folder for the pictures (default: here)")
+    sub.add_argument("--stage", type=_count, metavar="N", default=1, help="gear stage to show (default 1)")
+
+
+def _export(sub: argparse.ArgumentParser) -> None:
+    _run_folder(sub)
+    sub.add_argument("--to", dest="form", choices=("csv", "mat"), required=True, help="file format")
+    sub.add_argument("--out", metavar="FILE", help="file to write (default: response.csv or .mat in the run folder)")
+
+
+def _cache(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("action", choices=("info", "verify", "clear"), nargs="?", default="info", help="default: info")
+    sub.add_argument(
+        "--older-than", metavar="DAYS", type=float, default=0.0, help="clear only what was not used lately"
+    )
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1")
+    return int(text)
+
+
+_ARGUMENTS = {
+    "new": _new,
+    "check": _scene,
+    "explain": _scene,
+    "gears": _work,
+    "casing": _work,
+    "simulate": _simulate,
+    "diagnose": _diagnose,
+    "run": _run,
+    "inspect": _inspect,
+    "export": _export,
+    "cache": _cache,
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; the exit code. Nothing but argparse's own usage errors leaves by SystemExit."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # a console without some letter must not stop a run
+    top = parser()
+    options = top.parse_args(arguments)
+    if options.version:
+        from importlib.metadata import version
+
+        sys.stdout.write(f"gearcase {version('gearcase')}\n")
+        return 0
+    if options.command is None:
+        top.print_help(sys.stderr)
+        return 2
+    return _guarded(options)
+
+
+def _guarded(options: argparse.Namespace) -> int:
+    from pipelines.errors import CacheWarning
+
+    _log_to_terminal(options.verbose)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", CacheWarning)
+            warnings.showwarning = _show_warning
+            return importlib.import_module(f"pipelines.commands.{options.command}").main(options)
+    except KeyboardInterrupt:
+        sys.stderr.write("gearcase: interrupted. Finished stages are kept; the same command goes on from there.\n")
+        return 130
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # who read our output has closed it
+        return 1
+    except Exception as error:
+        if options.verbose:
+            traceback.print_exc()
+        return _report(error, verbose=options.verbose)
+
+
+def _report(error: Exception, *, verbose: bool) -> int:
+    """Print the message of an error; 2 if it is about the input, else 1."""
+    ours = type(error).__module__.partition(".")[0] in ("fem", "mbd", "pipelines")
+    text = str(error) if ours else f"{type(error).__name__}: {error}"
+    notes = "".join(f"\n  ({note})" for note in getattr(error, "__notes__", ()))
+    hint = "" if ours or verbose else "\n  This should not happen. The same command with -v shows where it comes from."
+    sys.stderr.write(f"gearcase: {text}{notes}{hint}\n")
+    return 2 if ours and isinstance(error, ValueError) else 1
+
+
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    sys.stderr.write(f"warning: {message}\n")
+
+
+def _log_to_terminal(verbose: bool) -> None:
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setLevel(logging.INFO if verbose else logging.WARNING)
+    handler.setFormatter(logging.Formatter("%(levelname)s %(name)s: %(message)s"))
+    logging.basicConfig(handlers=[handler], level=handler.level)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

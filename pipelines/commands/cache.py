@@ -1,0 +1,32 @@
+"""`gearcase cache`: show, verify or clear the store of finished stages."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections import defaultdict
+
+
+def main(options: argparse.Namespace) -> int:
+    """info: sizes by kind; verify: check every entry, 1 if one was damaged; clear: remove."""
+    from pipelines.cache import Cache
+
+    cache = Cache()
+    if options.action == "clear":
+        count, size = cache.clear(options.older_than)
+        sys.stdout.write(f"{count} entries removed, {size / 1e6:.1f} MB freed in {cache.folder}\n")
+        return 0
+    if options.action == "verify":
+        sound, removed = cache.verify()
+        sys.stdout.write("".join(f"removed {line}\n" for line in removed))
+        sys.stdout.write(f"{sound} sound entries, {len(removed)} damaged ones removed\n")
+        return 1 if removed else 0
+    sizes: dict[str, list[int]] = defaultdict(list)
+    for entry in cache.entries():
+        sizes[entry.facts["kind"]].append(entry.bytes)
+    sys.stdout.write(f"{cache.folder}\n")
+    for kind, found in sorted(sizes.items()):
+        sys.stdout.write(f"  {kind:16} {len(found):5} entries {sum(found) / 1e6:10.1f} MB\n")
+    total = sum(sum(found) for found in sizes.values())
+    sys.stdout.write(f"  {'all':16} {sum(map(len, sizes.values())):5} entries {total / 1e6:10.1f} MB\n")
+    return 0

@@ -1,0 +1,61 @@
+"""`gearcase check`: validate a scene and print what follows from it."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pipelines.derived import Facts
+    from pipelines.scene_file import LoadedScene
+
+
+def main(options: argparse.Namespace) -> int:
+    """Print ratios, frequencies, torques and warnings; SceneError lists everything that does not fit."""
+    from pipelines.derived import derive
+    from pipelines.scene_file import control_differences, control_of, load_scene
+    from pipelines.validity import checked_layout
+
+    loaded = load_scene(options.scene, options.settings)
+    facts = derive(loaded.scene, checked_layout(loaded.scene, loaded.source.shown))
+    control = control_of(loaded)
+    if control is not None:
+        checked_layout(control.scene, control.source.shown)
+    sys.stdout.write("".join(f"{line}\n" for line in _lines(loaded, facts)))
+    for text in facts.warnings:
+        sys.stdout.write(f"warning: {text}\n")
+    if control is not None:
+        for line in control_differences(loaded, control):
+            sys.stdout.write(f"warning: the control {control.name} differs in more than the fault: {line}\n")
+    return 0
+
+
+def _lines(loaded: LoadedScene, facts: Facts) -> Iterator[str]:
+    scene = loaded.scene
+    yield scene.title
+    yield f"  motor speed {facts.motor_speed * 30 / math.pi:.4g} rpm, total ratio {facts.total_ratio:.4f}"
+    yield f"  torque at the input {facts.input_torque:.4g} N m, at the drums {facts.output_torque:.4g} N m"
+    yield f"  container at most {facts.container_speed:.4g} m/s"
+    if facts.rope_frequency is not None:
+        yield f"  the container bounces on its rope at {facts.rope_frequency:.3g} Hz (length at the start)"
+    yield "  stage  z1/z2     ratio   a mm      eps_alpha eps_beta  f_m Hz    f_r pinion, wheel Hz  F_bt N   N/mm"
+    for number, (table, stage) in enumerate(zip(scene.stages, facts.stages, strict=True), 1):
+        teeth = f"{table.pinion_teeth}/{table.wheel_teeth}"
+        yield (
+            f"  {number:<6} {teeth:9} {stage.ratio:<7.4f} {stage.centre_distance * 1000:<9.3f} "
+            f"{stage.transverse_contact_ratio:<9.4f} {stage.overlap_ratio:<9.4f} {stage.mesh_frequency:<9.5g} "
+            f"{stage.pinion_frequency:<9.5g} {stage.wheel_frequency:<10.5g} {stage.mesh_force:<8.4g} "
+            f"{stage.line_load / 1000:.4g}"
+        )
+    for number, point in enumerate(facts.bearing_points, 1):
+        x, y, z = (value * 1000 for value in point)
+        yield f"  bearing_{number} at x {x:.2f}, y {y:.2f}, z {z:.2f} mm"
+    models = [f"mesh {'/'.join(dict.fromkeys(stage.mesh.model for stage in scene.stages))}"]
+    models += [f"casing {scene.casing.model}", f"shafts {scene.shaft_model.model}", f"load {scene.load.model}"]
+    yield f"  rungs: {', '.join(models)}, integrator {scene.simulation.integrator}"
+    if scene.faults:
+        yield "  faults: " + ", ".join(f"{f.kind} {f.tooth} of the stage {f.stage} {f.gear}" for f in scene.faults)
+    yield f"  control: {scene.control or 'none'}"

@@ -1,0 +1,44 @@
+"""`gearcase diagnose`: the lines of a fault in a finished run, looked for anew."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+
+def main(options: argparse.Namespace) -> int:
+    """Print verdict and envelope tables; --set diagnosis.... looks elsewhere without running anything."""
+    import xarray
+
+    from pipelines import results
+    from pipelines.building.diagnosing import CaseSpec, DiagnosingSpec, diagnoses, words
+    from pipelines.errors import InputError
+    from pipelines.scene_file import load_scene
+    from pipelines.study import diagnosis_settings
+
+    folder = results.find_run(options.run)
+    scene = load_scene(folder / results.RESOLVED, options.settings).scene
+    settings = diagnosis_settings(scene)
+    if settings is None:
+        raise InputError(
+            f"{folder}: the scene gives no diagnosis.windows_s or no sensors; there is nothing to look at."
+        )
+    if not (folder / results.CONTROL).is_file():
+        raise InputError(
+            f"{folder}: no healthy control was run, so no line can be told from those of a healthy gearbox. "
+            "Name a control in the scene and run it again."
+        )
+    runs = []
+    for name in (results.RESPONSE, results.CONTROL):
+        with xarray.open_dataset(folder / name, engine="h5netcdf") as data:
+            runs.append(data.load())
+    case = CaseSpec(
+        settings=settings,
+        deviations="on" if scene.deviations.enabled else "off",
+        seed=scene.deviations.seed,
+        noise=scene.diagnosis.noise_m_s2,
+        full=True,
+    )
+    found = diagnoses(DiagnosingSpec(cases=(case,)), tuple(runs))
+    sys.stdout.write(words(found, found))
+    return 0

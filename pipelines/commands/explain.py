@@ -1,0 +1,28 @@
+"""`gearcase explain`: what a run would build and reuse, and why."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+_WORDS = {"reuse": "reused", "build": "built", "follow": "perhaps"}
+
+
+def main(options: argparse.Namespace) -> int:
+    """Print one line per stage; nothing is built."""
+    from pipelines.cache import Cache
+    from pipelines.scene_file import load_scene
+    from pipelines.stages import explain
+    from pipelines.study import plan_study
+
+    found = explain(plan_study(load_scene(options.scene, options.settings)).graph, Cache())
+    width = max(len(status.name) for status in found)
+    for status in found:
+        line = f"{_WORDS[status.action]:8} {status.name:{width}}  {status.reason}".rstrip()
+        sys.stdout.write(f"{line}\n")
+    actions = [status.action for status in found]
+    sys.stdout.write(
+        f"{actions.count('build')} stages would be built, {actions.count('reuse')} reused, "
+        f"{actions.count('follow')} follow if what they take changes.\n"
+    )
+    return 0

@@ -1,0 +1,54 @@
+"""`gearcase gears`: the mesh laws of a scene."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+
+def main(options: argparse.Namespace) -> int:
+    """Build the laws and print the stiffness and transmission error of each pair at its load."""
+    import numpy as np
+
+    from fem.contact.curves import stiffness_curve
+    from pipelines.build import run_graph
+    from pipelines.cache import Cache
+    from pipelines.derived import derive
+    from pipelines.layout import lay_out
+    from pipelines.report_contents import grid
+    from pipelines.scene_file import load_scene
+    from pipelines.study import plan_study
+    from pipelines.terminal import shown_progress
+
+    loaded = load_scene(options.scene, options.settings)
+    graph = plan_study(loaded, with_control=False, both_loads=False).graph
+    wanted = [f"law_{number}" for number in range(1, len(loaded.scene.stages) + 1)]
+    with shown_progress(len(wanted), quiet=options.quiet) as observer:
+        outcome = run_graph(graph, Cache(), wanted, observer=observer, processes=options.processes)
+    layout = lay_out(loaded.scene)
+    rows = []
+    for number, (name, pair, facts) in enumerate(
+        zip(wanted, layout.pairs, derive(loaded.scene, layout).stages, strict=True), 1
+    ):
+        law = outcome.value(name)[0]
+        load = facts.mesh_force or 100e3 * pair.face_width
+        curve = stiffness_curve(law, load)
+        rows.append(
+            {
+                "stage": number,
+                "pair": f"{pair.pinion.teeth}/{pair.wheel.teeth}",
+                "model": law.model,
+                "eps_alpha": pair.transverse_contact_ratio,
+                "eps_beta": pair.overlap_ratio,
+                "load N": load,
+                "secant N/um": float(curve.secant.mean()) / 1e6,
+                "tangent N/um": float(curve.tangent.mean()) / 1e6,
+                "ripple %": 100 * float(np.ptp(curve.secant) / curve.secant.mean()),
+                "TE um": float(curve.transmission_error.mean()) * 1e6,
+                "TE p-p um": float(np.ptp(curve.transmission_error)) * 1e6,
+                "bores mm": f"{pair.pinion.bore_radius * 2000:g}/{pair.wheel.bore_radius * 2000:g}",
+            }
+        )
+    title = "Mesh laws without deviations, along the transverse line of action, compliance counted from the bores"
+    sys.stdout.write(grid(title, rows).to_text() + "\n")
+    return 0

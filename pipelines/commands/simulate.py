@@ -1,0 +1,22 @@
+"""`gearcase simulate`: the signals of a scene alone."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+
+def main(options: argparse.Namespace) -> int:
+    """Run the machine and write response.nc; no control, diagnosis or report."""
+    from pipelines.results import RESPONSE
+    from pipelines.runs import Options, run_scene
+    from pipelines.scene_file import load_scene
+
+    finished = run_scene(
+        load_scene(options.scene, options.settings),
+        Options(
+            out=options.out, with_control=False, with_report=False, processes=options.processes, quiet=options.quiet
+        ),
+    )
+    sys.stdout.write(f"signals: {finished.folder / RESPONSE}\n")
+    return 0

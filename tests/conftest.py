@@ -1,0 +1,44 @@
+"""One cache folder for the whole test run, so that a stage is built once however many tests need it."""
+
+import os
+
+import pytest
+
+
+def pytest_configure(config):
+    """Set GEARCASE_CACHE before any test; processes of pytest-xdist share the folder of their parent."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    if hasattr(config, "workerinput"):
+        return
+    import tempfile
+
+    folder = tempfile.mkdtemp(prefix="gearcase-test-cache-")
+    config.stash[_FOLDER] = folder
+    config.stash[_BEFORE] = os.environ.get("GEARCASE_CACHE")
+    os.environ["GEARCASE_CACHE"] = folder
+
+
+def pytest_unconfigure(config):
+    """Remove the folder."""
+    if _FOLDER not in config.stash:
+        return
+    import shutil
+
+    shutil.rmtree(config.stash[_FOLDER], ignore_errors=True)
+    if config.stash[_BEFORE] is None:
+        os.environ.pop("GEARCASE_CACHE", None)
+    else:
+        os.environ["GEARCASE_CACHE"] = config.stash[_BEFORE]
+
+
+_FOLDER = pytest.StashKey[str]()
+_BEFORE = pytest.StashKey[str | None]()
+
+
+@pytest.fixture
+def own_cache(tmp_path, monkeypatch):
+    """An empty cache of this test alone."""
+    folder = tmp_path / "cache"
+    monkeypatch.setenv("GEARCASE_CACHE", str(folder))
+    return folder

@@ -1,0 +1,37 @@
+"""A made-up mesh law with every feature: Hertz term, coupling, gaps, fractions, helix."""
+
+import numpy as np
+
+from fem.contact.law import MeshLaw
+
+
+def made_up_law(*, hertz=4e-12, neighbours=2, slices=7, helix=1.0, n=201, **changes):
+    """Pairs touch over 1.6 pitches, edges beyond; about four candidates meet in a slice, up to three of them loaded."""
+    xi = np.linspace(-1.5, 1.5, n)
+    face = ((np.arange(slices) + 0.5) / slices - 0.5) * 0.03
+    compliance = 6e-11 * (1 + 0.6 * xi**2)
+    gap = 2e-4 * (np.clip(xi - 0.8, 0, None) ** 2 + np.clip(-0.8 - xi, 0, None) ** 2)
+    gap[[0, 1, -2, -1]] = np.inf
+    coupling = np.array([0.2 * compliance * (1 - 0.2 * xi), 0.05 * compliance])[:neighbours]
+    data = {
+        "model": "made up",
+        "flank": "drive",
+        "face_coordinate": face,
+        "slice_width": np.full(slices, 0.03 / slices),
+        "cycle_shift": helix * face / 0.03,
+        "cycle_sign": 1,
+        "cycle_offset": 0.0,
+        "position_start": xi[0],
+        "position_step": xi[1] - xi[0],
+        "compliance": compliance,
+        "contact_slope": hertz,
+        "contact_offset": 25 + 0.5 * np.sin(2 * xi),
+        "coupling": coupling,
+        "gap": gap,
+        "fraction": np.clip(np.minimum((xi + 1.45) / 0.3, (1.42 - xi) / 0.3), 0, 1),
+        "base_pitch": 6e-3,
+        "pinion_teeth": 20,
+        "wheel_teeth": 55,
+        "wheel_tooth_offset": 0,
+    }
+    return MeshLaw(**(data | changes))

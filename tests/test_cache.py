@@ -1,0 +1,200 @@
+"""Cache: damage is found and rebuilt, a kill leaves nothing half, a cache that cannot be used is only a warning."""
+
+import os
+import random
+import threading
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from fem.records import Record, array
+from pipelines.cache import Cache
+from pipelines.errors import CacheWarning
+from pipelines.payload import PayloadError, digest, flat, load_payload, save_payload
+
+KEY = "0123456789abcdef" * 4
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Curve(Record):
+    value: np.ndarray = array("position", units="N")
+
+
+def fill(folder, size=1000):
+    (folder / "a.bin").write_bytes(bytes(range(256)) * (size // 256 + 1))
+    (folder / "b.txt").write_text("content", encoding="utf-8")
+
+
+def files_of(entry):
+    return sorted(p for p in entry.folder.rglob("*") if p.is_file())
+
+
+def test_stored_then_found_with_its_facts(tmp_path):
+    cache = Cache(tmp_path)
+    assert cache.find("law", KEY) is None
+    cache.store("law", KEY, fill, {"seconds": 1.5})
+    entry = cache.find("law", KEY)
+    assert entry.facts["seconds"] == 1.5
+    assert (entry.folder / "b.txt").read_text(encoding="utf-8") == "content"
+    assert not any((tmp_path / "partial").iterdir())
+
+
+def test_names_are_good_on_every_system(tmp_path):
+    entry = Cache(tmp_path).store("law", KEY, fill)
+    for path in entry.folder.parent.rglob("*"):
+        assert not set(path.name) & set('<>:"/\\|?*')
+        assert not path.is_symlink()
+
+
+@pytest.mark.parametrize("damage", ["flip", "truncate", "delete", "grow"])
+@pytest.mark.parametrize("which", [0, 1, 2])
+def test_a_damaged_entry_is_named_removed_and_built_again(tmp_path, damage, which):
+    cache = Cache(tmp_path)
+    entry = cache.store("law", KEY, fill, {"seconds": 1.5})
+    path = files_of(entry)[which]
+    content = bytearray(path.read_bytes())
+    if damage == "flip":
+        place = random.Random(which).randrange(len(content) * 8)
+        content[place // 8] ^= 1 << place % 8
+        path.write_bytes(content)
+    elif damage == "truncate":
+        path.write_bytes(content[: len(content) // 2])
+    elif damage == "grow":
+        path.write_bytes(content + b" x")
+    else:
+        path.unlink()
+    with pytest.warns(CacheWarning, match=entry.name):
+        assert cache.find("law", KEY) is None
+    assert cache.store("law", KEY, fill) is not None
+    assert cache.find("law", KEY) is not None
+
+
+def test_every_flipped_bit_of_a_manifest_is_noticed_or_harmless(tmp_path):
+    """A flip may hit white space of the JSON text; what is then read must be what was written."""
+    cache = Cache(tmp_path)
+    entry = cache.store("law", KEY, fill, {"seconds": 1.5, "stage": "law_1"})
+    path = entry.folder / "manifest.json"
+    good = path.read_bytes()
+    for place in random.Random(7).sample(range(len(good) * 8), 60):
+        bad = bytearray(good)
+        bad[place // 8] ^= 1 << place % 8
+        path.write_bytes(bad)
+        found = list(cache.entries())
+        assert not found or found[0].facts == entry.facts
+
+
+def test_two_writers_of_one_entry_do_not_disturb_each_other(tmp_path):
+    start = threading.Barrier(8)
+    entries = []
+
+    def write():
+        start.wait()
+        entries.append(Cache(tmp_path).store("law", KEY, fill))
+
+    threads = [threading.Thread(target=write) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(entry is not None for entry in entries)
+    assert Cache(tmp_path).verify() == (1, [])
+
+
+def test_a_write_that_fails_leaves_nothing(tmp_path):
+    def stop(folder):
+        fill(folder)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        Cache(tmp_path).store("law", KEY, stop)
+    assert Cache(tmp_path).find("law", KEY) is None
+    assert not any((tmp_path / "partial").iterdir())
+
+
+def test_a_full_disk_is_a_warning(tmp_path):
+    def full(folder):
+        raise OSError(28, "No space left on device")
+
+    cache = Cache(tmp_path)
+    with pytest.warns(CacheWarning, match=r"No space left.*Free space"):
+        assert cache.store("law", KEY, full) is None
+    assert cache.store("law", KEY, full) is None  # said once
+
+
+def test_a_folder_that_cannot_be_made_is_a_warning(tmp_path):
+    (tmp_path / "file").write_text("in the way", encoding="utf-8")
+    with pytest.warns(CacheWarning, match="GEARCASE_CACHE"):
+        assert Cache(tmp_path / "file" / "cache").store("law", KEY, fill) is None
+
+
+def test_what_a_killed_process_left_is_swept_after_a_day(tmp_path):
+    left = tmp_path / "partial" / "1-dead"
+    left.mkdir(parents=True)
+    os.utime(left, (0, 0))
+    Cache(tmp_path).store("law", KEY, fill)
+    assert not left.exists()
+
+
+def test_clear_removes_only_what_is_old_enough_and_ours(tmp_path):
+    cache = Cache(tmp_path)
+    (tmp_path / "letter.txt").write_text("not ours", encoding="utf-8")
+    cache.store("law", KEY, fill)
+    old = cache.store("law", KEY[::-1], fill)
+    os.utime(old.folder / "manifest.json", (0, 0))
+    assert cache.clear(older_than_days=30)[0] == 1
+    assert len(list(cache.entries())) == 1
+    assert cache.clear()[0] == 1
+    assert [p.name for p in tmp_path.iterdir()] == ["letter.txt"]
+
+
+def test_verify_counts_and_removes(tmp_path):
+    cache = Cache(tmp_path)
+    cache.store("law", KEY, fill)
+    bad = cache.store("law", KEY[::-1], fill)
+    (bad.folder / "a.bin").write_bytes(b"")
+    sound, removed = cache.verify()
+    assert sound == 1
+    assert "a.bin has 0 bytes" in removed[0]
+
+
+def values():
+    import xarray
+
+    data = xarray.Dataset({"a": ("time", [1.0, np.pi])}, coords={"time": [0.0, 0.1]}, attrs={"load": "rope"})
+    return {
+        "curve": Curve(value=[0.1, 1 / 3]),
+        "data": data,
+        "array": np.arange(6, dtype=np.int32).reshape(2, 3),
+        "page": "ü" * 500,
+        "bytes": b"\x00\xff",
+        "nested": {"list": [1, 2.5, None, True, "x"], "pair": (1, Curve(value=[2.0]))},
+    }
+
+
+def test_payloads_come_back_with_the_same_bits(tmp_path):
+    save_payload(tmp_path, values())
+    loaded = load_payload(tmp_path)
+    assert digest(loaded) == digest(values())
+    assert loaded["page"] == "ü" * 500
+    assert isinstance(loaded["nested"]["pair"], tuple)
+    assert loaded["data"].a.values.tobytes() == values()["data"].a.values.tobytes()
+
+
+def test_the_digest_sees_every_part():
+    original = digest(values())
+    changed = [values() for _ in range(3)]
+    changed[0]["curve"] = Curve(value=[0.1, np.nextafter(1 / 3, 1)])
+    changed[1]["data"].attrs["load"] = "torque"
+    changed[2]["nested"]["list"][1] = 2.6
+    assert len({original, *map(digest, changed)}) == 4
+
+
+def test_what_cannot_be_stored_is_refused():
+    with pytest.raises(PayloadError, match="object"):
+        digest({"x": object()})
+
+
+def test_flat_names_leaves_as_a_user_would():
+    tree = {"stages": [{"teeth": 20}, {"teeth": 21}], "times": (0.0, 1.0)}
+    assert flat(tree) == {"stages.1.teeth": 20, "stages.2.teeth": 21, "times": [0.0, 1.0]}

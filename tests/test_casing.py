@@ -1,0 +1,266 @@
+"""Housings, their meshes, rungs and check-up."""
+
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+
+from fem.casing.checkup import check_up
+from fem.casing.coupling import CouplingError, surface_weights
+from fem.casing.grounded import ground_casing
+from fem.casing.housing import HousingError, Sensor
+from fem.casing.layout import housing_for_shafts
+from fem.casing.mesh import CasingMesh, MeshError
+from fem.casing.mesher import mesh_housing
+from fem.casing.modes import CasingModes, casing_modes, reduced_body
+from fem.casing.reduction import reduce_body
+from fem.casing.rigid import housing_mass
+from fem.casing.rungs import CraigBamptonCasing, NoCasing, RigidCasing, StaticCasing
+from fem.elasticity import mass_properties
+from fem.materials import CAST_IRON
+
+BAND = 1500.0
+
+
+@pytest.fixture(scope="module")
+def rig():
+    return housing_for_shafts()
+
+
+@pytest.fixture(scope="module")
+def small():
+    """A one-stage housing: two shafts, four bearings, six feet."""
+    return housing_for_shafts(
+        (0.0, 0.07668),
+        bore_diameters=(0.047, 0.062),
+        boss_diameters=(0.065, 0.080),
+        length=0.26,
+        width=0.16,
+        height=0.16,
+        left=-0.07,
+        axis_height=0.08,
+        foot_length=0.04,
+    )
+
+
+@pytest.fixture(scope="module")
+def mesh(small):
+    return mesh_housing(small, element_size=0.04)
+
+
+@pytest.fixture(scope="module")
+def casing(mesh):
+    return ground_casing(mesh, CAST_IRON)
+
+
+@pytest.fixture(scope="module")
+def reduction(casing):
+    return reduce_body(casing.interface, casing.K_free, casing.M_free, highest=1.5 * BAND)
+
+
+@pytest.fixture(scope="module")
+def modes(casing, reduction):
+    return casing_modes(casing, reduction, model="craig-bampton", band_limit=1.5 * BAND)
+
+
+def test_rig_layout(rig):
+    assert [b.name for b in rig.bores] == [f"bearing_{i}" for i in range(1, 9)]
+    assert all((b.side < 0) == (int(b.name[-1]) % 2 == 1) for b in rig.bores)
+    assert list(rig.ground_points()) == [f"ground_{i}" for i in range(1, 7)]
+    assert [s.name for s in rig.sensors] == [f"sensor_{i}" for i in range(1, 10)]
+    bore, sensor = rig.bore("bearing_3"), rig.sensors[2].position
+    distance = np.hypot(sensor[0] - bore.x, sensor[2] - bore.z)
+    assert bore.diameter / 2 < distance < bore.boss_diameter / 2  # on the rim of its boss
+    assert sensor[1] == -rig.width / 2
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"wall_thickness": 0.2}, "wall thickness 200 mm fills the box"),
+        ({"length": -1.0}, "length is -1000 mm; it must be positive"),
+        ({"shaft_x": (0.0, 0.03, 0.18275, 0.31569)}, "bosses of bearing_1 and bearing_3 overlap by 42.5 mm"),
+        ({"shaft_x": (0.0, 0.074, 0.18275, 0.31569)}, "leave a ligament of only 1.5 mm .limit: 3 mm apart"),
+        ({"shaft_x": (0.0, 0.07668, 0.18275, 0.45)}, "boss at x = 450 mm, z = 0 mm leaves its side wall by 40 mm"),
+        ({"boss_diameters": (0.049, 0.08, 0.097, 0.12)}, "boss ring is 1 mm thick .limit 3 mm"),
+        ({"boss_length": 0.005}, "boss length 5 mm is less than the wall"),
+        ({"boss_length": 0.16}, "reaches the opposite boss"),
+        ({"foot_length": 0.2}, "feet of 200 mm meet"),
+        ({"foot_height": 0.0}, "foot height is 0 mm"),
+    ],
+)
+def test_unsound_housings_are_refused_with_numbers(change, message):
+    with pytest.raises(HousingError, match=message):
+        housing_for_shafts(**change)
+
+
+def test_unknown_and_double_names_are_refused(rig):
+    with pytest.raises(HousingError, match="no sensor sensor_77; known: sensor_1"):
+        rig.with_sensors("sensor_77")
+    with pytest.raises(HousingError, match="'sensor_1' is given 2 times"):
+        replace(rig, sensors=(rig.sensors[0], rig.sensors[0]))
+
+
+def test_mesh_has_the_mass_of_the_housing(small, mesh):
+    meshed, exact = mass_properties(mesh.nodes, mesh.elements, 7200.0), housing_mass(small, 7200.0)
+    assert meshed[0] == pytest.approx(exact[0], rel=5e-5)
+    assert np.abs(meshed[1] - exact[1]).max() < 1e-5
+    assert np.abs(meshed[2] - exact[2]).max() < 1e-4 * np.trace(exact[2])
+
+
+def test_patches_have_the_area_of_bores_and_feet(small, mesh):
+    for bore in small.bores:
+        area = surface_weights(mesh.nodes, mesh.patch(bore.name))[2].sum()
+        assert area == pytest.approx(np.pi * bore.diameter * bore.boss_length, rel=1e-3)
+    for name in mesh.patches("ground_"):
+        assert surface_weights(mesh.nodes, mesh.patch(name))[2].sum() == pytest.approx(0.04**2, rel=1e-9)
+    volume = np.einsum("fd,fd->", *_facet_moments(mesh)) / 3  # the whole surface is closed
+    assert abs(volume) == pytest.approx(mass_properties(mesh.nodes, mesh.elements, 1.0)[0], rel=1e-2)
+
+
+def _facet_moments(mesh):
+    """Mean place and area vector of each facet (flat approximation)."""
+    corners = mesh.nodes[mesh.facets[:, :3]]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
+    return corners.mean(axis=1), normal
+
+
+def test_same_input_same_mesh_in_any_thread(small, mesh):
+    found = []
+    worker = threading.Thread(target=lambda: found.append(mesh_housing(small, element_size=0.04)))
+    worker.start()
+    worker.join()
+    assert found[0].digest() == mesh.digest()
+
+
+def test_mesh_and_modes_are_stored(mesh, modes, tmp_path):
+    for record, kind in ((mesh, CasingMesh), (modes, CasingModes)):
+        record.save(tmp_path / "record.h5")
+        assert kind.load(tmp_path / "record.h5").digest() == record.digest()
+
+
+def test_element_size_out_of_range_is_refused(small):
+    with pytest.raises(MeshError, match="element size 1000 mm is out of range"):
+        mesh_housing(small, element_size=1.0)
+    with pytest.raises(MeshError, match="no patch 'bearing_9'; known: ground_1"):
+        mesh_housing(small, element_size=0.05).patch("bearing_9")
+
+
+def test_check_up_passes(casing, reduction):
+    found = check_up(casing, reduction, full_band=BAND)
+    assert found.failures == ()
+    assert found.rigid_eigenvalue < 1e-8
+    assert len(found.full_frequencies) >= 3
+    assert (found.frequency_error > -1e-9).all()  # from above
+    assert found.frequency_error.max() < 1e-3
+    assert (found.effective_mass.sum(axis=0) <= found.movable * (1 + 1e-9)).all()
+    text = found.report()
+    assert "static_response" in text
+    assert "FAIL" not in text
+
+
+def test_check_up_finds_a_wrong_reduction(casing, reduction):
+    wrong = replace(reduction, stiffness=reduction.stiffness * 1.01, modes=reduction.modes * 1.001)
+    assert set(check_up(casing, wrong).failures) >= {"static_response", "modal_mass_identity"}
+
+
+def test_reduced_body_has_interface_and_recovered_rows(small, modes):
+    body = CraigBamptonCasing().body(modes, small.sensors)
+    assert body.coordinate_names[:6] == tuple(f"bearing_1:{a}" for a in ("ux", "uy", "uz", "rx", "rz")) + (
+        "bearing_2:ux",
+    )
+    assert np.array_equal(body.row("bearing_2:uz"), np.eye(len(body.mass))[7])
+    assert len(body.row_names) == 20 + 3 * len(small.sensors)
+    one = reduced_body(modes, sensors=small.with_sensors("sensor_3").sensors)
+    assert len(one.row_names) == 20 + 3
+    assert np.array_equal(one.row("sensor_3:uz"), body.row("sensor_3:uz"))
+
+
+def test_sensor_rows_read_the_full_model(casing, reduction, modes, small):
+    """Static response of a sensor to a bearing force, against the full model at the nearest node."""
+    mesh = casing.mesh
+    node = mesh.facets[mesh.facet_patch < 0][10, 0]
+    sensor = Sensor(name="sensor_1", position=tuple(mesh.nodes[node]))
+    body = reduced_body(modes, sensors=[sensor])
+    load = casing.interface.rows.T @ np.eye(20)[2]
+    full = np.zeros(casing.K.shape[0])
+    full[casing.free] = casing.interface.factor.solve(load)
+    q = la.solve(body.stiffness, body.row("bearing_1:uz"))
+    found = np.array([body.row(f"sensor_1:{axis}") @ q for axis in ("ux", "uy", "uz")])
+    assert found == pytest.approx(full[3 * node : 3 * node + 3], abs=1e-5 * np.abs(full).max())
+
+
+def test_every_mode_has_the_damping_ratio_asked(modes):
+    body = reduced_body(modes, damping_ratio=0.02)
+    square, phi = la.eigh(body.stiffness, body.mass)
+    assert np.allclose(phi.T @ body.damping @ phi, np.diag(0.04 * np.sqrt(square)), atol=1e-7 * np.sqrt(square[-1]))
+    with pytest.raises(ValueError, match=r"damping ratio is 1\.5"):
+        reduced_body(modes, damping_ratio=1.5)
+
+
+def test_a_sensor_away_from_the_casing_is_refused(modes):
+    with pytest.raises(CouplingError, match="from the casing surface"):
+        reduced_body(modes, sensors=[Sensor(name="sensor_1", position=(0.0, 1.0, 0.0))])
+
+
+def test_rung_none_has_rows_without_coordinates(small):
+    body = NoCasing().reduce(small)
+    assert body.rows.shape == (20, 0)
+    assert body.row("bearing_4:rz").size == 0
+    assert NoCasing().reduce({"bearing_1": (0.0, -0.1, 0.0)}).point_names == ("bearing_1",)
+
+
+def test_rung_rigid_moves_as_one_body(small):
+    body = RigidCasing(mount_stiffness=1e8, damping_ratio=0.0).reduce(small, CAST_IRON)
+    mass, centre, _ = housing_mass(small, CAST_IRON.density)
+    assert body.mass[0, 0] == mass
+    assert np.diag(body.stiffness)[:3] == pytest.approx(6e8)
+    assert not body.damping.any()
+    lift = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    assert all(body.row(f"bearing_{i}:uz") @ lift == 1.0 for i in range(1, 5))
+    turn = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0])  # about x: uz = y
+    assert body.row("bearing_2:uz") @ turn == pytest.approx(small.bore_centre(small.bore("bearing_2"))[1])
+    assert body.row("bearing_2:rx") @ turn == 1.0
+    assert body.row("sensor_9:uy") @ turn == pytest.approx(centre[2] - small.sensors[-1].position[2])
+    with pytest.raises(ValueError, match="mount stiffness"):
+        RigidCasing(mount_stiffness=0.0).reduce(small, CAST_IRON)
+
+
+def test_rung_static_has_only_interface_coordinates(mesh, casing, small):
+    rung = StaticCasing(element_size=0.04)
+    modes, check = rung.modes(mesh, CAST_IRON)
+    assert check.failures == ()
+    body = rung.body(modes, small.with_sensors("sensor_3").sensors)
+    assert body.model == "static"
+    assert body.mass.shape == (20, 20)
+    assert la.inv(body.stiffness) == pytest.approx(la.inv(casing.interface.stiffness), rel=1e-9)
+
+
+def test_one_call_does_all_stages(small):
+    body = CraigBamptonCasing(band=500.0, element_size=0.05).reduce(small, CAST_IRON)
+    assert body.model == "craig-bampton"
+    assert la.eigvalsh(body.mass).min() > 0
+    assert la.eigvalsh(body.damping).min() > -1e-6 * np.abs(body.damping).max()
+
+
+def test_stiffer_material_scales_frequencies(mesh):
+    """Hz go with the root of E: a check of units from material to modes."""
+    found = []
+    for E in (1e9, 4e9):
+        casing = ground_casing(mesh, replace(CAST_IRON, elastic_modulus=E), interfaces=["bearing_1"])
+        reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=0, enrich=False)
+        found.append(np.sqrt(la.eigvalsh(reduction.stiffness, reduction.mass)))
+    soft, stiff = found
+    assert stiff == pytest.approx(2 * soft, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_rig_housing_passes_its_check_up(rig):
+    rung = CraigBamptonCasing(band=2000.0, element_size=0.03)
+    casing = ground_casing(rung.mesh(rig), CAST_IRON)
+    reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, highest=3000.0)
+    found = check_up(casing, reduction, full_band=2000.0)
+    assert found.failures == ()
+    assert found.frequency_error.max() < 1e-3

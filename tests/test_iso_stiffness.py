@@ -1,0 +1,187 @@
+"""Rung iso: published stiffness figures, exact mean, shape of the contact line, limits in helix angle and load."""
+
+import math
+
+import numpy as np
+import pytest
+from gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur
+
+from fem.contact.curves import stiffness_curve
+from fem.contact.evaluate import evaluate_law
+from fem.contact.frame import RungError, flank_frame
+from fem.contact.iso import Iso, blank_factor, rack_factor
+from fem.gears.faults import missing_tooth
+from fem.gears.path import line_length
+from fem.materials import CAST_IRON, STEEL, Material, MaterialError
+
+PER_MM_UM = 1e9
+
+
+def stiffness(pair, **options):
+    found = Iso(**options).stiffness(pair)
+    return [value / PER_MM_UM for value in (found.single, found.mean, found.mean_for_distribution)]
+
+
+def test_published_helical_pair():
+    """KISSsoft report 03/2017 published in gfsReboucas/Drivetrain: c', c_gamma_alpha, c_gamma_beta, C_R, C_B."""
+    pair = kisssoft_helical()
+    assert blank_factor(0.25, 5.0) == pytest.approx(0.898, rel=1e-3)
+    assert rack_factor(pair.pinion) == pytest.approx(0.975, rel=1e-12)
+    found = stiffness(pair, web_ratio=0.25, rim_ratio=5.0, line_load=666.85e3)
+    assert found == pytest.approx([13.832, 18.632, 15.837], rel=1e-3)
+
+
+def test_published_spur_pair():
+    assert stiffness(kisssoft_spur(), blank_factor=0.862) == pytest.approx([12.240, 15.640, 13.294], rel=1e-3)
+
+
+@pytest.mark.parametrize(("helix", "single", "mean"), [(0, 13.07, 19.57), (12, 12.94, 18.90), (15, 12.87, 18.52)])
+def test_standard_arithmetic(helix, single, mean):
+    assert stiffness(gear_pair((20, 55), 2, helix, 30))[:2] == pytest.approx([single, mean], rel=2e-3)
+
+
+def test_low_load_and_soft_material_lower_the_stiffness():
+    pair = gear_pair((20, 55), 2, 12, 30)
+    full = Iso().stiffness(pair).single
+    assert Iso(line_load=40e3).stiffness(pair).single == pytest.approx(full * 0.4**0.25, rel=1e-12)
+    assert Iso(line_load=100e3).stiffness(pair).single == full
+    mixed = gear_pair((20, 55), 2, 12, 30, wheel_material=CAST_IRON)
+    e1, e2 = STEEL.elastic_modulus, CAST_IRON.elastic_modulus
+    assert Iso().stiffness(mixed).single == pytest.approx(full * 2 * e2 / (e1 + e2), rel=1e-12)
+
+
+def test_blank_factor_limits():
+    assert blank_factor(1.0, 5.0) == 1.0
+    assert blank_factor(0.1, 5.0) == blank_factor(0.2, 5.0)
+    assert blank_factor(2.0, 0.5) == blank_factor(1.2, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("helix", "face", "tolerance"), [(0, 12, 1e-3), (12, 12, 1e-6), (15, 30, 1e-6), (25, 40, 1e-6)]
+)
+def test_mean_over_a_pitch_is_the_standard_value(helix, face, tolerance):
+    """k along the transverse line of action, F_bt = c_gamma_alpha b delta."""
+    pair = gear_pair((20, 55), 2, helix, face)
+    cycle = (np.arange(4000) + 0.5) / 4000
+    mean = evaluate_law(Iso().law(pair), cycle, 5e-6).stiffness.mean()
+    assert mean == pytest.approx(Iso().stiffness(pair).mean * pair.face_width, rel=tolerance)
+
+
+@pytest.mark.parametrize(("helix", "face"), [(12, 12), (15, 30), (25, 40)])
+@pytest.mark.parametrize("flank", ["drive", "coast"])
+def test_shape_is_the_contact_line_length(helix, face, flank):
+    pair = gear_pair((20, 55), 2, helix, face)
+    law = Iso().law(pair, flank)
+    cycle = np.linspace(0, 1, 401)
+    own = law.cycle_sign * cycle + law.cycle_offset
+    mean = pair.transverse_contact_ratio * pair.face_width / math.cos(pair.base_helix_angle)
+    stiffness = evaluate_law(law, cycle, 5e-6).stiffness / (Iso().stiffness(pair).mean * pair.face_width)
+    assert stiffness == pytest.approx(line_length(pair, own) / mean, abs=2e-4)
+
+
+def test_helix_to_zero_gives_the_spur_law():
+    spur, nearly = gear_pair((20, 55), 2, 0, 12), gear_pair((20, 55), 2, 1e-4, 12)
+    cycle = np.linspace(0, 1, 101)
+    ends = np.array([spur.xi_start, spur.xi_end])
+    away = (np.abs((cycle[:, None] - ends + 0.5) % 1.0 - 0.5) > 0.01).all(axis=1)
+    a, b = (evaluate_law(Iso().law(pair), cycle[away], 5e-6).force for pair in (spur, nearly))
+    assert a == pytest.approx(b, rel=1e-6)
+
+
+def test_stiffness_responds_to_the_helix():
+    peaks = [np.ptp(evaluate_law(Iso().law(gear_pair((20, 55), 2, beta, 12)), np.linspace(0, 1, 200), 5e-6).stiffness)
+             for beta in (0, 6, 12, 20)]  # fmt: skip
+    assert (np.diff(peaks) < 0).all()
+    means = [Iso().stiffness(gear_pair((20, 55), 2, beta, 12)).mean for beta in (0, 10, 20, 30)]
+    assert (np.diff(means) < 0).all()
+
+
+def test_tilt_stiffness_of_a_full_line():
+    """With a pair in contact over the whole face dM/d psi = k b^2 / 12 (slices: less by 1 / n^2)."""
+    pair = gear_pair((20, 55), 2, 0, 12)
+    r = evaluate_law(Iso(n_slices=20).law(pair), 0.0, 5e-6)
+    assert r.tilt_stiffness == pytest.approx(r.stiffness * 0.012**2 / 12 * (1 - 1 / 400), rel=1e-9)
+    assert r.coupling_stiffness == pytest.approx(0.0, abs=1e-9 * float(r.stiffness))
+
+
+def test_missing_tooth_lowers_the_stiffness_by_its_line():
+    pair = gear_pair((20, 55), 2, 12, 12)
+    law = Iso(edge_onset=50e-6).law(pair)
+    cycle = np.linspace(-1.5, 1.5, 301)
+    broken = evaluate_law(law, cycle, 5e-6, 0.0, None, missing_tooth(np.zeros(55), 0)).stiffness
+    mean = pair.transverse_contact_ratio * pair.face_width / math.cos(pair.base_helix_angle)
+    expected = line_length(pair, cycle, missing=True) / mean
+    assert broken / (Iso().stiffness(pair).mean * pair.face_width) == pytest.approx(expected, abs=2e-4)
+
+
+def test_spur_gears_drop_onto_the_tip_edges_where_a_tooth_is_missing():
+    pair = gear_pair((20, 55), 2, 0, 12)
+    cycle = np.linspace(-1.0, 1.0, 201)
+    curve = stiffness_curve(Iso().law(pair), 500.0, cycle, clearance_wheel=missing_tooth(np.zeros(55), 0))
+    alone = (cycle > pair.xi_end - 1 + 0.01) & (cycle < pair.xi_start + 1 - 0.01)  # no other pair on its path
+    assert alone.sum() > 30
+    assert (curve.no_load_error[alone] >= 20e-6).all()
+    assert curve.no_load_error.max() < 60e-6
+    assert (curve.no_load_error[np.abs(cycle) > 0.4] == 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("pair", "message"),
+    [
+        (gear_pair((20, 55), 2, 35, 30), "beta is 35.000 deg"),
+        (gear_pair((20, 55), 2, 0, 12, tip_mm=-0.7), "eps_alpha is 1.1"),
+        (gear_pair((60, 90), 2, 0, 12, (-0.3, -0.3), tip_mm=-0.1), "x1 [+] x2 is -0.6"),
+    ],
+)
+def test_outside_the_standard_is_refused(pair, message):
+    with pytest.raises(RungError, match=message):
+        Iso().law(pair)
+
+
+@pytest.mark.parametrize("option", [{"n_slices": 0}, {"line_load": -1.0}, {"edge_onset": 1.0}, {"blank_factor": 0.0}])
+def test_bad_options_are_refused(option):
+    with pytest.raises(RungError, match=next(iter(option))):
+        Iso(**option)
+
+
+def test_unknown_flank_is_refused():
+    with pytest.raises(RungError, match="drive, coast"):
+        Iso().law(gear_pair((20, 55), 2, 0, 12), "left")
+
+
+def test_impossible_material_is_refused():
+    with pytest.raises(MaterialError, match="poisson_ratio"):
+        Material(name="rubber", elastic_modulus=1e6, poisson_ratio=0.5, density=1000.0)
+
+
+@pytest.mark.parametrize("helix", [0, 12])
+def test_coast_flanks_touch_where_the_frame_says(helix):
+    """Without backlash, place both gears at cycle c and look at the mirrored line of action, tooth by tooth."""
+    pair = gear_pair((20, 55), 2, helix, 12, (0.3, -0.1))
+    frame = flank_frame(pair, "coast", 1)
+    (r1, r2), alpha = pair.working_radii, pair.working_pressure_angle
+    for c in (0.0, 0.27, 7.9):
+        own = frame["cycle_sign"] * c + frame["cycle_offset"]
+        for p in range(math.ceil(own - pair.xi_end), math.floor(own - pair.xi_start) + 1):
+            i = frame["cycle_sign"] * p
+            j = i + frame["wheel_tooth_offset"]
+            along = (own - p) * pair.base_pitch
+            point = r1 + along * math.sin(alpha) - 1j * along * math.cos(alpha)
+            for gear, centre, middle in (
+                (pair.pinion, 0.0, 2 * math.pi * (c - i) / 20 - pair.pinion.half_thickness_angle(r1)),
+                (
+                    pair.wheel,
+                    pair.axis_distance,
+                    math.pi - 2 * math.pi * (c - j) / 55 - pair.wheel.half_thickness_angle(r2),
+                ),
+            ):
+                seen = point - centre
+                flank = middle - gear.half_thickness_angle(abs(seen))
+                assert np.exp(1j * flank) == pytest.approx(seen / abs(seen), abs=1e-9)
+
+
+def test_a_right_hand_pinion_meets_first_at_positive_face_coordinate():
+    pair = gear_pair((20, 55), 2, 12, 12)
+    drive, coast = (flank_frame(pair, flank, 5)["cycle_shift"] for flank in ("drive", "coast"))
+    assert drive[-1] - drive[0] == pytest.approx(0.8 * pair.overlap_ratio)
+    assert coast == pytest.approx(-drive)

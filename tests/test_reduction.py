@@ -1,0 +1,257 @@
+"""Craig-Bampton reduction: a published superelement run, plates with known frequencies, and what must always hold."""
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+import scipy.sparse as sp
+from solids import box_mesh, facets_on, unknowns
+
+from fem.casing.coupling import CouplingError, mean_motion_rows, nearest_surface_point
+from fem.casing.lanczos import block_lanczos
+from fem.casing.reduction import ReductionError, craig_bampton, held_interface, reduce_body
+from fem.elasticity import assemble, rigid_body_modes
+from fem.linear_solver import factorize
+
+IRON = {"elastic_modulus": 1.1e11, "poisson_ratio": 0.26, "density": 7200.0}
+
+
+def hertz(stiffness, mass):
+    """Natural frequencies of the massive motions, Hz."""
+    theta = la.eigvalsh(mass, stiffness)[::-1]
+    return 1 / (2 * np.pi * np.sqrt(theta[theta > 1e-12 * theta[0]]))
+
+
+def planar_beam(n, E=2.9e7, A=0.1, inertia=0.01, density=7.357e-4):
+    """n unit beam elements, unknowns w and theta per node; lumped translational mass."""
+    element = E * inertia * np.array([[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]])
+    K, M = np.zeros((2 * n + 2, 2 * n + 2)), np.zeros((2 * n + 2, 2 * n + 2))
+    for i in range(n):
+        K[2 * i : 2 * i + 4, 2 * i : 2 * i + 4] += element
+        M[2 * i, 2 * i] += density * A / 2
+        M[2 * i + 2, 2 * i + 2] += density * A / 2
+    return K, M
+
+
+# Hz, MSC Nastran superelement run published in vtpasquale/NASTRAN_CoFE, model cantilever_bar
+COFE_FULL = [349.7288, 2167.324, 6007.803, 11650.23, 19044.54, 28065.27]
+COFE = {
+    0: [359.0738, 2934.100],
+    1: [349.7555, 2182.490, 6733.634, 18222.00],
+    2: [349.7299, 2168.126, 6011.365, 11851.45, 21809.58, 48160.41],
+    3: [349.7289, 2167.436, 6008.068, 11670.88, 19073.61, 28653.90],
+}
+
+
+def test_full_bar_agrees_with_the_published_run():
+    K, M = planar_beam(10)
+    assert hertz(K[2:, 2:], M[2:, 2:])[:6] == pytest.approx(COFE_FULL, rel=1e-5)
+
+
+@pytest.mark.parametrize("n_modes", [0, 1, 2, 3])
+def test_two_part_bar_agrees_with_the_published_run(n_modes):
+    K, M = planar_beam(5)
+    clamped = craig_bampton(sp.csr_matrix(K[2:, 2:]), sp.csr_matrix(M[2:, 2:]), np.array([8, 9]), n_modes)
+    free = craig_bampton(sp.csr_matrix(K), sp.csr_matrix(M), np.array([0, 1]), n_modes)
+    # common coordinates: the two interface unknowns, the modes of the first part, those of the second
+    size = 2 + 2 * n_modes
+    stiffness, mass = np.zeros((size, size)), np.zeros((size, size))
+    for part, start in ((clamped, 2), (free, 2 + n_modes)):
+        place = np.r_[0:2, start : start + n_modes]
+        stiffness[np.ix_(place, place)] += part.stiffness
+        mass[np.ix_(place, place)] += part.mass
+    assert hertz(stiffness, mass)[: len(COFE[n_modes])] == pytest.approx(COFE[n_modes], rel=1e-5)
+
+
+class Bar:
+    """A clamped bar of solid elements with two mean-motion patches: large enough for the iterative eigensolver."""
+
+    def __init__(self):
+        self.nodes, self.elements = box_mesh((0.4, 0.06, 0.05), (8, 2, 2), distortion=0.2)
+        K, M = assemble(self.nodes, self.elements, **IRON)
+        self.free = unknowns(np.flatnonzero(self.nodes[:, 0] > 0))
+        self.K, self.M = K[self.free][:, self.free], M[self.free][:, self.free]
+        end = facets_on(self.nodes, self.elements, self.nodes[:, 0] > 0.4 - 1e-9)
+        top = facets_on(self.nodes, self.elements, (self.nodes[:, 2] > 0.05 - 1e-9) & (self.nodes[:, 0] < 0.2))
+        self.patches = [(end, np.array([0.4, 0.03, 0.025])), (top, np.array([0.1, 0.03, 0.05]))]
+        rows = [mean_motion_rows(self.nodes, *patch)[[0, 1, 2, 3, 5]] for patch in self.patches]
+        self.rows = sp.vstack(rows, format="csr")[:, self.free]
+        self.held = held_interface(self.K, self.rows)
+        self.full = hertz(self.K.toarray(), self.M.toarray())
+
+    def reduced(self, **options):
+        return reduce_body(self.held, self.K, self.M, **options)
+
+
+@pytest.fixture(scope="module")
+def bar():
+    return Bar()
+
+
+def test_constraint_modes_move_one_interface_coordinate_each(bar):
+    assert np.allclose(bar.rows @ bar.held.constraint, np.eye(10), atol=1e-10)
+
+
+def test_reduced_matrices_are_the_projected_ones(bar):
+    reduction = bar.reduced(highest=20000.0)
+    assert reduction.n_fixed > 5
+    for matrix, full in ((reduction.stiffness, bar.K), (reduction.mass, bar.M)):
+        projected = reduction.basis.T @ (full @ reduction.basis)
+        root = np.sqrt(np.diag(projected))
+        assert np.abs((matrix - projected) / np.outer(root, root)).max() < 1e-8
+    assert np.abs(bar.rows @ reduction.modes).max() < 1e-9 * np.abs(reduction.modes).max()
+
+
+@pytest.mark.parametrize("enrich", [False, True])
+def test_static_interface_response_is_exact(bar, enrich):
+    reduction = bar.reduced(count=3, enrich=enrich)
+    exact = bar.rows @ factorize(bar.K).solve(bar.rows.T.toarray())
+    found = la.inv(reduction.stiffness)[:10, :10]
+    root = np.sqrt(np.diag(exact))
+    assert np.abs((found - exact) / np.outer(root, root)).max() < 1e-9
+
+
+def test_no_modes_means_guyan(bar):
+    """On plain unknowns, against the textbook partition formula."""
+    keep = np.arange(0, 30, 7)
+    rest = np.setdiff1d(np.arange(bar.K.shape[0]), keep)
+    reduction = craig_bampton(bar.K, bar.M, keep, 0)
+    K, M = bar.K.toarray(), bar.M.toarray()
+    T = np.zeros((len(K), len(keep)))
+    T[keep], T[rest] = np.eye(len(keep)), -la.solve(K[np.ix_(rest, rest)], K[np.ix_(rest, keep)])
+    assert np.allclose(reduction.stiffness, T.T @ K @ T, rtol=1e-7, atol=1e-9 * np.abs(K).max())
+    assert np.allclose(reduction.mass, T.T @ M @ T, rtol=1e-7, atol=1e-9 * np.abs(M).max())
+
+
+def test_frequencies_come_from_above_and_fall_with_more_modes(bar):
+    found = [hertz(r.stiffness, r.mass)[:6] for r in (bar.reduced(count=n, enrich=False) for n in (0, 2, 4, 8, 16))]
+    assert (np.diff(found, axis=0) <= 1e-6).all()
+    assert (found[-1] >= bar.full[:6] * (1 - 1e-9)).all()
+    assert found[0][3] > 1.01 * found[-1][3]
+
+
+def test_inertia_correction_lowers_the_error(bar):
+    band = 0.6 * bar.full[14]
+    kept = int((bar.full < band).sum())
+    plain, enriched = (
+        hertz(r.stiffness, r.mass)[:kept] / bar.full[:kept] - 1
+        for r in (bar.reduced(highest=1.5 * band, enrich=e) for e in (False, True))
+    )
+    assert kept >= 4
+    assert enriched.max() < 1e-4
+    assert enriched.max() < 0.1 * plain.max()
+
+
+def test_all_modes_below_the_limit_are_found(bar):
+    """Block Lanczos against the dense eigensolution, double frequencies of a square bar included."""
+    nodes, elements = box_mesh((0.5, 0.05, 0.05), (8, 2, 2))
+    K, M = assemble(nodes, elements, **IRON)
+    free = unknowns(np.flatnonzero(nodes[:, 0] > 0))
+    K, M = K[free][:, free], M[free][:, free]
+    full = hertz(K.toarray(), M.toarray())
+    limit = full[40] * 1.0001
+    theta, modes = block_lanczos(factorize(K).solve, M, smallest=(2 * np.pi * limit) ** -2)
+    assert 1 / (2 * np.pi * np.sqrt(theta)) == pytest.approx(full[:41], rel=1e-9)
+    assert np.allclose(modes.T @ (M @ modes), np.eye(41), atol=1e-10)
+    by_count, _ = block_lanczos(factorize(K).solve, M, count=7)
+    assert by_count == pytest.approx(theta[:7], rel=1e-9)
+
+
+def test_dependent_interface_rows_are_refused(bar):
+    with pytest.raises(ReductionError, match="not independent"):
+        held_interface(bar.K, sp.vstack([bar.rows, bar.rows[:1]]))
+
+
+def test_more_modes_than_masses_are_refused():
+    K, M = planar_beam(5)
+    with pytest.raises(ReductionError, match="only 4 have mass"):
+        craig_bampton(sp.csr_matrix(K[2:, 2:]), sp.csr_matrix(M[2:, 2:]), np.array([8, 9]), 5)
+
+
+def test_mean_motion_reproduces_rigid_motions_and_resultants(bar):
+    for facets, centre in bar.patches:
+        rows = mean_motion_rows(bar.nodes, facets, centre)
+        R = rigid_body_modes(bar.nodes, centre)
+        assert np.allclose(rows @ R, np.eye(6), atol=1e-10)  # also: unit loads have unit resultants, R^T B^T = 1
+
+
+def test_mean_motion_weighs_by_area():
+    """The mean of a quadratic field over a flat patch, against its integral."""
+    nodes, elements = box_mesh((1.0, 2.0, 1.0), (2, 3, 1), distortion=0.0)
+    facets = facets_on(nodes, elements, nodes[:, 2] > 1 - 1e-9)
+    rows = mean_motion_rows(nodes, facets, np.array([0.5, 1.0, 1.0]))
+    field = np.zeros_like(nodes)
+    field[:, 2] = nodes[:, 0] ** 2
+    assert (rows @ field.ravel())[2] == pytest.approx(1 / 3, rel=1e-12)
+
+
+def test_a_patch_without_facets_is_refused(bar):
+    with pytest.raises(CouplingError, match="no facet"):
+        mean_motion_rows(bar.nodes, np.zeros((0, 6), int), np.zeros(3))
+
+
+def test_sensor_point_is_the_nearest_of_the_surface(bar):
+    facets = facets_on(bar.nodes, bar.elements, (np.abs(bar.nodes - [0.2, 0.03, 0.025]) > 0).any(axis=1))
+    corners, weights, point = nearest_surface_point(bar.nodes, bar.patches[1][0], np.array([0.111, 0.017, 0.06]))
+    assert point == pytest.approx([0.111, 0.017, 0.05])
+    assert weights @ bar.nodes[corners] == pytest.approx(point)
+    assert weights.sum() == pytest.approx(1.0)
+    beyond = nearest_surface_point(bar.nodes, bar.patches[0][0], np.array([0.41, 0.07, 0.07]))[2]
+    assert beyond == pytest.approx([0.4, 0.06, 0.05])  # the corner
+    with pytest.raises(CouplingError, match="600 mm from the casing surface"):
+        nearest_surface_point(bar.nodes, facets, np.array([1.0, 0.03, 0.025]))
+
+
+# NAFEMS, The Standard NAFEMS Benchmarks, free vibration: plates 10 x 10 m, E 200 GPa, nu 0.3, 8000 kg/m3
+NAFEMS = {"elastic_modulus": 2.0e11, "poisson_ratio": 0.3, "density": 8000.0}
+
+
+def plate_frequencies(nodes, elements, held, count, shift=0.0):
+    """Lowest frequencies (Hz) with the unknowns `held` fixed."""
+    K, M = assemble(nodes, elements, **NAFEMS)
+    free = np.setdiff1d(np.arange(len(nodes) * 3), held)
+    K, M = K[free][:, free], M[free][:, free]
+    theta, _ = block_lanczos(factorize((K + shift * M).tocsr(), block=1).solve, M, count=count)
+    return np.sqrt(np.maximum(1 / theta - shift, 0.0)) / (2 * np.pi)
+
+
+@pytest.mark.slow
+def test_nafems_fv16_thin_cantilever_plate():
+    nodes, elements = box_mesh((10.0, 10.0, 0.05), (40, 40, 1))
+    held = unknowns(np.flatnonzero(nodes[:, 0] == 0))
+    expected = [0.421, 1.029, 2.582, 3.306, 3.753, 6.555]
+    assert plate_frequencies(nodes, elements, held, 6) == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.slow
+def test_nafems_free_thin_plate():
+    nodes, elements = box_mesh((10.0, 10.0, 0.05), (40, 40, 1))
+    found = plate_frequencies(nodes, elements, np.zeros(0, int), 11, shift=(2 * np.pi * 0.5) ** 2)
+    assert found[6:] == pytest.approx([1.624, 2.383, 2.942, 4.217, 4.217], rel=0.01)
+
+
+@pytest.mark.slow
+def test_nafems_fv32_tapered_membrane():
+    nodes, elements = box_mesh((10.0, 1.0, 0.05), (16, 8, 2))
+    nodes[:, 1] = (nodes[:, 1] - 0.5) * (5.0 - 0.4 * nodes[:, 0])
+    held = unknowns(np.flatnonzero(nodes[:, 0] == 0))
+    middle = 3 * np.flatnonzero(np.isclose(nodes[:, 2], 0.025)) + 2
+    expected = [44.623, 130.03, 162.70, 246.05, 379.90, 391.44]
+    assert plate_frequencies(nodes, elements, np.union1d(held, middle), 6) == pytest.approx(expected, rel=0.01)
+
+
+def test_nafems_fv52_in_plane_modes_of_a_thick_plate():
+    nodes, elements = box_mesh((10.0, 10.0, 1.0), (8, 8, 1))
+    x, y, z = nodes.T
+    edge = np.isclose(x, 0) | np.isclose(x, 10) | np.isclose(y, 0) | np.isclose(y, 10)
+    held = 3 * np.flatnonzero(edge & np.isclose(z, 0)) + 2
+    # free to slide in its plane: three rigid motions, then bending modes; in-plane ones found by their motion
+    K, M = assemble(nodes, elements, **NAFEMS)
+    free = np.setdiff1d(np.arange(len(nodes) * 3), held)
+    shift = (2 * np.pi * 50.0) ** 2
+    K, M = K[free][:, free], M[free][:, free]
+    theta, modes = block_lanczos(factorize((K + shift * M).tocsr(), block=1).solve, M, count=14)
+    frequency = np.sqrt(np.maximum(1 / theta - shift, 0)) / (2 * np.pi)
+    vertical = free % 3 == 2
+    share = np.einsum("ij,ij->j", modes[vertical], (M @ modes)[vertical])
+    in_plane = frequency[(share < 0.1) & (frequency > 1.0)]
+    assert in_plane[:3] == pytest.approx([193.59, 206.19, 206.19], rel=0.01)

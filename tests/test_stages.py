@@ -1,0 +1,204 @@
+"""Stages: the same input means no work, one changed input exactly the dependent stages."""
+
+import os
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from pipelines.build import run_graph
+from pipelines.cache import Cache
+from pipelines.code_version import code_version, reachable
+from pipelines.errors import CacheWarning, WorkError
+from pipelines.stages import Built, Graph, Stage, explain
+
+CALLS = []
+
+
+@dataclass(frozen=True)
+class Pair:
+    width: float
+    teeth: int = 20
+
+
+def make_law(pair):
+    CALLS.append("law")
+    return Built({"stiffness": np.array([pair.width, pair.teeth])}, {"factorisations": 2})
+
+
+def make_sum(names, *laws):
+    CALLS.append("sum")
+    return {"total": float(sum(law["stiffness"][0] for law in laws)), "names": names}
+
+
+def make_rounded(digits, total):
+    CALLS.append("rounded")
+    return {"rounded": round(total["total"], digits)}
+
+
+def make_text(words, rounded):
+    CALLS.append("text")
+    return f"{words} {rounded['rounded']}"
+
+
+def make_slowly(seconds):
+    time.sleep(seconds)
+    return {"process": os.getpid(), "seconds": seconds}
+
+
+def make_nothing(message):
+    raise ValueError(message)
+
+
+def end_at_once(_):
+    os._exit(9)
+
+
+def graph(widths=(1.0, 2.0), digits=0, words="total"):
+    laws = [Stage(name=f"law_{n}", kind="law", build=make_law, spec=Pair(w)) for n, w in enumerate(widths, 1)]
+    return Graph(
+        [
+            *laws,
+            Stage(name="sum", kind="sum", build=make_sum, spec="names", takes=tuple(law.name for law in laws)),
+            Stage(name="rounded", kind="rounded", build=make_rounded, spec=digits, takes=("sum",)),
+            Stage(name="text", kind="text", build=make_text, spec=words, takes=("rounded",)),
+        ]
+    )
+
+
+@pytest.fixture
+def cache(tmp_path):
+    CALLS.clear()
+    return Cache(tmp_path)
+
+
+def built(cache, **changes):
+    """Stages built in a run, after checking that `explain` foretold it."""
+    foretold = [status.name for status in explain(graph(**changes), cache) if status.action == "build"]
+    outcome = run_graph(graph(**changes), cache, ["text"])
+    done = [record.name for record in outcome.records if not record.reused]
+    assert set(done) <= set(foretold) | {s.name for s in explain(graph(**changes), cache)}
+    assert all(name in done for name in foretold)
+    return done
+
+
+def test_the_same_input_means_no_work(cache):
+    assert built(cache) == ["law_1", "law_2", "sum", "rounded", "text"]
+    CALLS.clear()
+    assert built(cache) == []
+    assert CALLS == []
+
+
+def test_a_changed_input_builds_exactly_what_depends_on_it(cache):
+    built(cache)
+    assert built(cache, widths=(1.0, 5.0)) == ["law_2", "sum", "rounded", "text"]
+    assert built(cache, words="sum") == ["text"]
+    assert built(cache, widths=(1.0, 2.0)) == []
+
+
+def test_equal_content_cuts_the_chain_off(cache):
+    """2.0 -> 2.2 changes the law and the sum; the sum rounds to the same number, so the text stays."""
+    built(cache)
+    assert built(cache, widths=(1.0, 2.2)) == ["law_2", "sum", "rounded"]
+
+
+def test_identical_pairs_share_one_law(cache):
+    outcome = run_graph(graph(widths=(3.0, 3.0, 3.0)), cache, ["text"])
+    assert CALLS.count("law") == 1
+    assert outcome.value("text") == "total 9.0"
+    assert outcome.ledger() == {"factorisations": 2}
+
+
+def test_the_ledger_counts_reused_stages_too(cache):
+    run_graph(graph(), cache, ["text"])
+    assert run_graph(graph(), cache, ["text"]).ledger() == {"factorisations": 4}
+
+
+def test_only_what_is_wanted_is_built(cache):
+    run_graph(graph(), cache, ["law_2"])
+    assert CALLS == ["law"]
+
+
+def test_explain_names_the_field_and_the_chain(cache):
+    built(cache)
+    status = {s.name: s for s in explain(graph(widths=(1.0, 5.0)), cache)}
+    assert status["law_1"].action == "reuse"
+    assert status["law_2"].action == "build"
+    assert status["law_2"].reason == "width 2.0 -> 5.0"
+    assert (status["sum"].action, status["sum"].reason) == ("follow", "after law_2")
+    assert CALLS.count("law") == 2
+
+
+def test_explain_on_an_empty_cache(cache):
+    status = explain(graph(), cache)
+    assert [s.action for s in status] == ["build"] * 5
+    assert status[0].reason == "never built"
+
+
+def test_a_damaged_result_is_built_again_with_the_same_bits(cache):
+    first = run_graph(graph(), cache, ["text"])
+    entry = first.results["law_1"].entry
+    (entry.folder / "part_1.npy").write_bytes(b"")
+    with pytest.warns(CacheWarning, match="part_1.npy"):
+        second = run_graph(graph(), cache, ["text"])
+    assert [r.name for r in second.records if not r.reused] == ["law_1"]
+    assert [r.content for r in first.records] == [r.content for r in second.records]
+
+
+def test_without_a_usable_cache_the_work_goes_on(tmp_path):
+    (tmp_path / "file").write_text("in the way", encoding="utf-8")
+    with pytest.warns(CacheWarning):
+        outcome = run_graph(graph(widths=(3.0, 3.0)), Cache(tmp_path / "file" / "c"), ["text"])
+    assert outcome.value("text") == "total 6.0"
+
+
+def long_graph(count, seconds=0.4):
+    return Graph(
+        Stage(name=f"s{n}", kind="slow", build=make_slowly, spec=seconds + n / 1000, seconds=9.0) for n in range(count)
+    )
+
+
+def test_long_stages_run_side_by_side(cache):
+    outcome = run_graph(long_graph(3), cache, ["s0", "s1", "s2"], processes=2)
+    processes = [outcome.value(f"s{n}")["process"] for n in range(3)]
+    assert os.getpid() not in processes
+    assert len(set(processes)) == 3
+    assert all(record.peak_bytes > 1e6 for record in outcome.records)
+
+
+def test_one_process_gives_the_same(cache):
+    outcome = run_graph(long_graph(2, 0.0), cache, ["s0", "s1"], processes=1)
+    assert {outcome.value(n)["process"] for n in ("s0", "s1")} == {os.getpid()}
+
+
+def test_an_error_keeps_its_kind_and_names_the_stage_from_another_process_too(cache):
+    stages = [
+        Stage(name=f"bad_{n}", kind="bad", build=make_nothing, spec=f"reason {n}", seconds=9.0 * n) for n in range(3)
+    ]
+    with pytest.raises(ValueError, match="reason 0") as here:
+        run_graph(Graph(stages), cache, ["bad_0"])
+    assert here.value.__notes__ == ["in stage bad_0"]
+    with pytest.raises(ValueError, match=r"reason [12]") as there:
+        run_graph(Graph(stages), cache, ["bad_1", "bad_2"], processes=2)
+    assert there.value.__notes__[0].startswith("in stage bad_")
+
+
+def test_a_process_that_dies_is_reported(cache):
+    stages = [Stage(name=f"dead_{n}", kind="dead", build=end_at_once, spec=n, seconds=9.0) for n in range(2)]
+    with pytest.raises(WorkError, match=r"dead_\d: its process ended with code 9"):
+        run_graph(Graph(stages), cache, ["dead_0", "dead_1"], processes=2)
+
+
+def test_a_graph_refuses_wrong_order_and_repeated_names():
+    with pytest.raises(ValueError, match="takes 'b'"):
+        Graph([Stage(name="a", kind="k", build=make_slowly, takes=("b",))])
+    with pytest.raises(ValueError, match="given twice"):
+        Graph([Stage(name="a", kind="k", build=make_slowly)] * 2)
+
+
+def test_the_code_version_follows_imports():
+    assert "fem.records" in reachable("pipelines.payload")
+    assert "pipelines.scene" in reachable("pipelines.scene_file")  # imported inside functions
+    assert "pipelines.scene" not in reachable("pipelines.payload")
+    assert code_version("pipelines.cache") != code_version("pipelines.payload")
