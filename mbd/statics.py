@@ -14,7 +14,7 @@ import numpy as np
 from mbd.checks import EquilibriumError
 from mbd.forces import LOG_COLUMNS
 from mbd.load import StaticTorque
-from mbd.mesh_reference import LARGEST_APPROACH, nominal_forces, touching_approach
+from mbd.mesh_reference import LARGEST_APPROACH, approach_at, nominal_forces, touching_approach
 from mbd.rows_solver import solve_rows
 from mbd.system import System
 
@@ -62,8 +62,8 @@ def equilibrium(system: System) -> State:
 
 
 def _loaded(system: System, free: np.ndarray, flexibility: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    m, n_elements = len(system.rows), len(system.table.tau) + len(system.table.rope_ea)
-    force, log = np.zeros(m), np.zeros((n_elements, len(LOG_COLUMNS)))
+    n_elements = len(system.table.tau) + len(system.table.rope_ea)
+    force, log = _guess(system), np.zeros((n_elements, len(LOG_COLUMNS)))
     u, v, still = np.zeros(len(free)), np.zeros(len(free)), np.zeros(len(free))
     used = solve_rows(
         system.table, 0.0, free, still, flexibility, np.zeros_like(flexibility), force, u, v, log, TOLERANCE
@@ -76,6 +76,18 @@ def _loaded(system: System, free: np.ndarray, flexibility: np.ndarray) -> tuple[
             "Lower the load, or start where teeth are in mesh (mesh phase at the start)."
         )
     return force, log
+
+
+def _guess(system: System) -> np.ndarray:
+    """Residual forces with every drive flank carrying its nominal force at no tilt: from open flanks, where the law has
+    no slope, the iteration would not find its way."""
+    guess = np.zeros(len(system.rows))
+    for i, (mesh, force) in enumerate(zip(system.machine.meshes, nominal_forces(system.machine).values(), strict=True)):
+        if force > 0:
+            gears = mesh.drive_clearance_pinion, mesh.drive_clearance_wheel
+            delta = approach_at(mesh.drive, float(system.table.cycle_start[i]), force, *gears)
+            guess[4 * i] = system.table.stiffness[2 * i, 0] * delta - force
+    return guess
 
 
 def _touching(system: System, free: np.ndarray, flexibility: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
