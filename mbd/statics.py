@@ -14,7 +14,7 @@ import numpy as np
 from mbd.checks import EquilibriumError
 from mbd.forces import LOG_COLUMNS
 from mbd.load import StaticTorque
-from mbd.mesh_reference import LARGEST_APPROACH, approach_at, nominal_forces, touching_approach
+from mbd.mesh_reference import LARGEST_APPROACH, nominal_forces, touching_approach
 from mbd.rows_solver import solve_rows
 from mbd.system import System
 
@@ -62,9 +62,11 @@ def equilibrium(system: System) -> State:
 
 
 def _loaded(system: System, free: np.ndarray, flexibility: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    n_elements = len(system.table.tau) + len(system.table.rope_ea)
-    force, log = _guess(system), np.zeros((n_elements, len(LOG_COLUMNS)))
+    m, n_elements = len(system.rows), len(system.table.tau) + len(system.table.rope_ea)
+    force, log = np.zeros(m), np.zeros((n_elements, len(LOG_COLUMNS)))
     u, v, still = np.zeros(len(free)), np.zeros(len(free)), np.zeros(len(free))
+    drive = np.arange(len(system.machine.meshes)) * 4
+    force[drive] = np.linalg.solve(flexibility[np.ix_(drive, drive)], _pressed(system, free) - free[drive])
     used = solve_rows(
         system.table, 0.0, free, still, flexibility, np.zeros_like(flexibility), force, u, v, log, TOLERANCE
     )
@@ -78,16 +80,16 @@ def _loaded(system: System, free: np.ndarray, flexibility: np.ndarray) -> tuple[
     return force, log
 
 
-def _guess(system: System) -> np.ndarray:
-    """Residual forces with every drive flank carrying its nominal force at no tilt: from open flanks, where the law has
-    no slope, the iteration would not find its way."""
-    guess = np.zeros(len(system.rows))
-    for i, (mesh, force) in enumerate(zip(system.machine.meshes, nominal_forces(system.machine).values(), strict=True)):
-        if force > 0:
-            gears = mesh.drive_clearance_pinion, mesh.drive_clearance_wheel
-            delta = approach_at(mesh.drive, float(system.table.cycle_start[i]), force, *gears)
-            guess[4 * i] = system.table.stiffness[2 * i, 0] * delta - force
-    return guess
+def _pressed(system: System, free: np.ndarray) -> np.ndarray:
+    """Approaches (mesh,) with every drive flank well in contact: an open flank leaves the train without a hold, and a
+    convex force law is found safely from the side of too much contact."""
+    table, loads = system.table, nominal_forces(system.machine)
+    found = []
+    for i, mesh in enumerate(system.machine.meshes):
+        cycle = table.cycle_start[i] + table.cycle_rate[i] * free[len(system.rows) + i]
+        touch = touching_approach(mesh.drive, cycle, mesh.drive_clearance_pinion, mesh.drive_clearance_wheel, 0.0)
+        found.append(touch + 4 * abs(loads[mesh.name]) / table.stiffness[2 * i, 0])
+    return np.array(found)
 
 
 def _touching(system: System, free: np.ndarray, flexibility: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

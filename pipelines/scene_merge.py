@@ -19,6 +19,10 @@ from pipelines.toml_text import format_value
 Path = tuple[str, ...]
 
 
+class Whole(dict):
+    """A table given as one value, ``--set diagnosis.windows_s={}``: it replaces the table below instead of merging."""
+
+
 @dataclass(frozen=True)
 class Merged:
     """A merged tree, the problems met on the way, and inherited keys that a newly chosen rung may not know."""
@@ -48,6 +52,8 @@ def _merged_table(
 
 
 def _merged(base: Any, change: Any, path: Path, offers: set[Path], problems: list[Problem]) -> Any:
+    if isinstance(change, Whole):
+        return dict(change)
     if not isinstance(change, Mapping):
         return change
     if isinstance(base, Mapping):
@@ -114,7 +120,7 @@ def settings_tree(settings: Iterable[str] | Mapping[str, Any]) -> tuple[dict[str
                 break
             table = deeper
         else:
-            table[keys[-1]] = value
+            table[keys[-1]] = Whole(value) if isinstance(value, Mapping) else value
     return tree, problems
 
 

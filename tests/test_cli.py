@@ -1,0 +1,197 @@
+"""The command line: help for newcomers, one readable message per mistake, exit codes, no traceback."""
+
+import json
+import subprocess
+import sys
+import time
+
+import pytest
+
+from pipelines.cli import COMMANDS, main, parser
+
+
+def gearcase(capsys, *arguments):
+    """Exit code, standard output, standard error of a command run in this process."""
+    try:
+        code = main(list(arguments))
+    except SystemExit as end:  # argparse: help and usage errors
+        code = end.code
+    out = capsys.readouterr()
+    return code, out.out, out.err
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_help_appears_at_once():
+    """0.4 s on a free machine; the best of three, so that a busy one does not matter."""
+    seconds = []
+    for _ in range(3):
+        start = time.perf_counter()
+        done = subprocess.run([sys.executable, "-m", "pipelines.cli", "--help"], capture_output=True, check=True)
+        seconds.append(time.perf_counter() - start)
+    assert b"first steps" in done.stdout
+    assert min(seconds) < 0.4
+
+
+@pytest.mark.parametrize("command", [name for name, *_ in COMMANDS])
+def test_every_command_explains_itself_with_an_example(capsys, command):
+    code, out, _ = gearcase(capsys, command, "--help")
+    assert code == 0
+    assert f"example:\n  gearcase {command} " in out
+    example = out.partition("example:\n  gearcase ")[2].splitlines()[0]
+    assert parser().parse_args(example.split()).command == command
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["check", "minimal", "--set", "stages.1.face_widht_mm=12"], "Did you mean face_width_mm?"),
+        (["check", "minimal", "--set", "stages.1.module_mm=-2"], "stages.1.module_mm = -2: must be greater than 0"),
+        (["check", "minimal", "--set", "stages.1.face_width_mm=0"], "stages.1.face_width_mm = 0: must be greater"),
+        (["check", "nowhere.toml"], "nowhere.toml: no such file"),
+        (["check", "minimal", "--set", "casing.model=rubber"], "is not one of none, rigid"),
+        (["check", "minimal", "--set", "stages.1.mesh.model=solid-ish"], "stages.1.mesh.model"),
+        (["check", "minimal", "--set", "casing.housing.boss_diameters_mm=[90, 90]"], "overlap"),
+        (["check", "minimal", "--set", "drive.times_s=[0.0, 0.5, 0.2]"], "must rise strictly: 0.2 s follows 0.5 s"),
+        (["check", "minimal", "--set", "casing.housing.height_mm=100"], "hits the"),
+        (["run", "minimal", "--set", "stages.1.module_mm=0"], "stages.1.module_mm = 0"),
+        (["simulate", "minmal"], "Did you mean minimal?"),
+        (["explain", "minimal", "--set", "x"], "has no value"),
+        (["export", "minimal", "--to", "csv"], "First: gearcase run minimal"),
+        (["diagnose", "nowhere"], "no result here"),
+        (["new", "my.txt"], "ends in .toml"),
+        (["run", "minimal", "--processes", "0"], "whole number from 1"),
+        (["fly"], "invalid choice"),
+        ([], "usage"),
+    ],
+)
+def test_a_mistake_gives_exit_code_2_and_a_message(capsys, here, arguments, words):
+    code, out, err = gearcase(capsys, *arguments)
+    assert code == 2
+    assert words in err
+    assert "Traceback" not in err
+    assert out == ""
+    assert list(here.iterdir()) == []
+
+
+def test_check_prints_what_follows(capsys):
+    code, out, _ = gearcase(capsys, "check", "rig-missing-tooth")
+    assert code == 0
+    for words in ("20/55", "300", "5.4545", "23.9881", "bearing_8", "control: rig-healthy", "missing-tooth 0"):
+        assert words in out
+
+
+def test_new_then_check(capsys, here):
+    assert gearcase(capsys, "new", "my.toml", "--from", "rig-missing-tooth")[0] == 0
+    assert gearcase(capsys, "check", "my.toml")[0] == 0
+    code, _, err = gearcase(capsys, "new", "my.toml")
+    assert code == 2
+    assert "not overwritten" in err
+
+
+def test_explain_builds_nothing(capsys, own_cache):
+    code, out, _ = gearcase(capsys, "explain", "minimal")
+    assert code == 0
+    assert "never built" in out
+    assert not own_cache.exists()
+
+
+def test_cache_info_verify_and_clear(capsys, own_cache):
+    from pipelines.cache import Cache
+
+    entry = Cache().store("law", "0" * 64, lambda folder: (folder / "a").write_bytes(b"abc"))
+    assert "law                  1 entries" in gearcase(capsys, "cache")[1]
+    (entry.folder / "a").write_bytes(b"abd")
+    code, out, _ = gearcase(capsys, "cache", "verify")
+    assert code == 1
+    assert "does not match its checksum" in out
+    assert gearcase(capsys, "cache", "clear")[0] == 0
+    assert not (own_cache / "entries").exists()
+
+
+def raising(error):
+    def main(options):
+        raise error
+
+    return main
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [
+        (KeyboardInterrupt(), 130, "Finished stages are kept"),
+        (ZeroDivisionError("division by zero"), 1, "ZeroDivisionError: division by zero"),
+        (ValueError("from a library"), 1, "ValueError: from a library"),
+    ],
+)
+def test_failures_of_the_work(capsys, monkeypatch, error, code, words):
+    monkeypatch.setattr("pipelines.commands.check.main", raising(error))
+    found, _, err = gearcase(capsys, "check", "minimal")
+    assert found == code
+    assert words in err
+    assert "Traceback" not in err
+    if code == 1:
+        assert "Traceback" in gearcase(capsys, "check", "minimal", "-v")[2]
+
+
+def test_our_own_work_errors_are_one_message(capsys, monkeypatch):
+    from pipelines.errors import WorkError
+
+    monkeypatch.setattr("pipelines.commands.check.main", raising(WorkError("no convergence at t = 1 s")))
+    assert gearcase(capsys, "check", "minimal") == (1, "", "gearcase: no convergence at t = 1 s\n")
+
+
+def test_the_version(capsys):
+    code, out, _ = gearcase(capsys, "--version")
+    assert code == 0
+    assert out.startswith("gearcase ")
+
+
+SHORT = (
+    "--set", "simulation.end_s=0.05", "--set", "drive.times_s=[0.0, 0.02, 0.05]",
+    "--set", "diagnosis.windows_s={}",
+)  # fmt: skip
+
+
+def test_simulate_then_export(capsys, here):
+    code, out, err = gearcase(capsys, "simulate", "minimal", *SHORT, "--out", "mine")
+    assert (code, err) == (0, "")
+    assert "response.nc" in out
+    assert sorted(p.name for p in (here / "mine").iterdir()) == [
+        "log.jsonl", "response.nc", "run.json", "scene.asked.toml", "scene.resolved.toml"
+    ]  # fmt: skip
+    facts = json.loads((here / "mine" / "run.json").read_text(encoding="utf-8"))
+    assert facts["ledger"]["recovery_rows"] == 3
+    assert facts["ledger"]["rope_coordinates"] == 0
+    assert "meshes" not in facts["ledger"]
+    assert gearcase(capsys, "export", "mine", "--to", "csv")[0] == 0
+    assert (here / "mine" / "response.csv").stat().st_size > 1000
+    assert gearcase(capsys, "simulate", "minimal", "--out", "mine")[0] == 2
+
+
+def test_a_repeated_run_builds_nothing_and_takes_at_most_2_s(capsys, here):
+    """The time of the work itself, in a process that has its modules loaded."""
+    gearcase(capsys, "simulate", "minimal", *SHORT)
+    start = time.perf_counter()
+    code, _, _ = gearcase(capsys, "simulate", "minimal", *SHORT)
+    assert code == 0
+    assert time.perf_counter() - start < 2.0
+    newest = (here / "runs" / "minimal" / "latest.txt").read_text(encoding="utf-8").strip()
+    facts = json.loads((here / "runs" / "minimal" / newest / "run.json").read_text(encoding="utf-8"))
+    assert all(stage["reused"] for stage in facts["stages"])
+
+
+def test_from_python_the_same_as_a_dataset(here):
+    from pipelines import run
+
+    settings = dict(s.split("=") for s in SHORT[1::2])
+    settings = {path: json.loads(value) for path, value in settings.items()}
+    data = run("minimal", set=settings, out=here / "out")
+    signal = data.acceleration.sel(sensor="sensor_3", axis="z")
+    assert signal.sizes == {"time": 500}
+    assert signal.attrs["units"] == "m/s2"
+    assert (here / "out" / "report.html").is_file()
