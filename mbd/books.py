@@ -28,7 +28,7 @@ from mbd.system import Part, System
 
 BOOK_COLUMNS = ("stored", "dissipated", "received", "parametric", "residual", "scale")
 MAX_SAMPLES = 125_000  # of the Gram matrix; longer runs are sampled every few steps
-_FORCE, _MOMENT, _ENERGY, _TOTAL, _PARAMETRIC = range(len(LOG_COLUMNS))
+_FORCE, _MOMENT, _ENERGY, _TOTAL, _, _, _, _PARAMETRIC, _PUSH, _TURN = range(len(LOG_COLUMNS))
 
 
 class Books:
@@ -112,6 +112,7 @@ class Books:
         tilt[:, :n] = rows[:, 1 : 2 * n : 2]
         for values, sums in ((total, self._received), (total - force, self._loss)):
             sums += _work(values, along, known) + _work(values * arm, tilt, known)
+        self._parametric += _push_work(log[:, :, _PUSH], along) + _push_work(log[:, :, _TURN], tilt)
         self._log, self._rows = log[-3:].copy(), rows[-3:].copy()
 
     def _sample(self, deviation: np.ndarray, first: int) -> None:
@@ -201,14 +202,22 @@ class Books:
 
 
 def _work(force: np.ndarray, motion: np.ndarray, known: int) -> np.ndarray:
-    """Integral of force d(motion) over the steps after the first ``known`` instants; the cubic part lags by one step."""
+    """Integral of force d(motion) after the first ``known`` instants; its cubic part lags by one step."""
     new = slice(max(known - 1, 0), None)
     total = (0.5 * (force[new][1:] + force[new][:-1]) * np.diff(motion[new], axis=0)).sum(axis=0)
-    if len(force) > 3:
-        bend = [0.5 * (x[3:] - x[2:-1] - x[1:-2] + x[:-3]) for x in (force, motion)]
-        slope = [x[2:-1] - x[1:-2] for x in (force, motion)]
-        total += (slope[0] * bend[1] - bend[0] * slope[1]).sum(axis=0) / 12
-    return total
+    slope = [x[2:-1] - x[1:-2] for x in (force, motion)]
+    return total + (slope[0] * _bend(motion) - _bend(force) * slope[1]).sum(axis=0) / 12
+
+
+def _bend(values: np.ndarray) -> np.ndarray:
+    """Mean of the second differences at both ends of every step that has neighbours."""
+    return 0.5 * (values[3:] - values[2:-1] - values[1:-2] + values[:-3])
+
+
+def _push_work(push: np.ndarray, motion: np.ndarray) -> np.ndarray:
+    """The part of the parametric work that needs the neighbouring steps; ``push`` is that of the step before."""
+    slope, change = motion[2:-1] - motion[1:-2], 0.5 * (push[3:] - push[1:-2])
+    return (change * slope - push[2:-1] * _bend(motion)).sum(axis=0) / 12
 
 
 class _Integrals:

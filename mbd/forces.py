@@ -6,12 +6,17 @@ M q'' + C q' + K q = f + B^T lambda. Row order: per mesh delta, psi of the drive
 then the stretch of each rope, then rows that are only observed (rotation of each driving gear).
 
 Element order (for the log): drive and coast flank of each mesh, then the ropes. Log columns: elastic force, elastic
-moment, potential U, force with damping, and the parametric work of the step that ends here: the integral of dU/dp dp,
-p being the mesh cycle or the rope stiffness.
+moment, potential U, force with damping, the stiffness H (dF/d delta, dF/d psi, dM/d psi), the parametric work of the
+step that ends here, and the changes G_F, G_M of force and moment by the parameter alone.
 
-dU/dc jumps wherever a tooth enters a new cell of the law's tables, so a quadrature of dU/dc would be first order. The
-parametric work of a step is instead the change of U when c moves at fixed (delta, psi): at the old ones in even steps,
-at the new ones in odd steps. The error of that split alternates in sign and cancels.
+The parametric work is the integral of dU/dp dp, p being the mesh cycle or the rope stiffness. dU/dc jumps wherever a
+tooth enters a new cell of the law's tables, so a quadrature of dU/dc would be first order. Instead U is evaluated
+again at the new c with the old u = (delta, psi), which gives the work at frozen u across any jump, with
+G = F(c_1, u_0) - F(c_0, u_0) and Q = H(c_1, u_0) - H(c_0, u_0) of the stiffness H; to third order in the step
+
+    work = U(c_1, u_0) - U(c_0, u_0) + G . Du/2 + Du . Q Du/12 + [D G . Du - G . D2 u]/12,
+
+where the last bracket, central differences over the neighbouring steps, is added by `mbd.books`.
 """
 
 from __future__ import annotations
@@ -27,7 +32,10 @@ from fem.contact.law import MeshLaw
 from mbd.load import Rope
 from mbd.machine import Machine
 
-LOG_COLUMNS = ("force", "moment", "energy", "total_force", "parametric")
+LOG_COLUMNS = (
+    "force", "moment", "energy", "total_force", "stiffness", "coupling", "tilt", "parametric", "push_force",
+    "push_moment",
+)  # fmt: skip
 FLANK_GROUP = 8  # laws are padded to a multiple of this, so that compiled code is shared between machines
 
 
@@ -200,6 +208,7 @@ def row_forces(table, angle, u, v, held, force, slope_u, slope_v, log):
         force[a] = k0 * u[a] + tau * k0 * v[a] - total
         force[a + 1] = kp0 * u[a + 1] - moment
         log[k, 0], log[k, 1], log[k, 2], log[k, 3] = f, m, energy, total
+        log[k, 4], log[k, 5], log[k, 6] = f_d, f_p, m_p
     for j in range(n_rope):
         r = 2 * n_flank + j
         stiff = rope_stiffness(table, j, angle)
@@ -221,24 +230,27 @@ def row_forces(table, angle, u, v, held, force, slope_u, slope_v, log):
 
 
 @njit(nogil=True, error_model="numpy")
-def parametric_work(table, odd, before, after, u_before, u_after, log_before, log_after):
-    """Fill the last log column of the step from motor angle ``before`` to ``after`` (rad)."""
+def parametric_work(table, before, after, u_before, u_after, log_before, log_after):
+    """Fill the last three log columns of the step from motor angle ``before`` to ``after`` (rad)."""
     n_flank = len(table.tau)
     n_rope = len(table.rope_ea)
     n_force = 2 * n_flank + n_rope
     for k in range(n_flank):
         a, c = 2 * k, n_force + k // 2
-        work = 0.0
+        log_after[k, 7], log_after[k, 8], log_after[k, 9] = 0.0, 0.0, 0.0
         if log_before[k, 2] > 0.0 or log_after[k, 2] > 0.0:
-            if odd:
-                work = log_after[k, 2] - flank(table, k, before, u_before[c], u_after[a], u_after[a + 1])[2]
-            else:
-                work = flank(table, k, after, u_after[c], u_before[a], u_before[a + 1])[2] - log_before[k, 2]
-        log_after[k, 4] = work
+            delta, psi = u_before[a], u_before[a + 1]
+            d, p = u_after[a] - delta, u_after[a + 1] - psi
+            f, m, energy, f_d, f_p, m_p, _ = flank(table, k, after, u_after[c], delta, psi)
+            f_d, f_p, m_p = f_d - log_before[k, 4], f_p - log_before[k, 5], m_p - log_before[k, 6]
+            push, turn = f - log_before[k, 0], m - log_before[k, 1]
+            twice = f_d * d * d + 2.0 * f_p * d * p + m_p * p * p
+            log_after[k, 7] = energy - log_before[k, 2] + 0.5 * (push * d + turn * p) + twice / 12.0
+            log_after[k, 8], log_after[k, 9] = push, turn
     for j in range(n_rope):
         r = 2 * n_flank + j
         change = rope_stiffness(table, j, after) - rope_stiffness(table, j, before)
-        log_after[n_flank + j, 4] = 0.25 * change * (max(u_before[r], 0.0) ** 2 + max(u_after[r], 0.0) ** 2)
+        log_after[n_flank + j, 7] = 0.25 * change * (max(u_before[r], 0.0) ** 2 + max(u_after[r], 0.0) ** 2)
 
 
 @njit(nogil=True, error_model="numpy")

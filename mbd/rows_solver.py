@@ -121,9 +121,9 @@ def _compiled(digest: int) -> tuple[Callable, Callable]:
         return iterate(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance)
 
     @njit(cache=True, nogil=True, error_model="numpy")
-    def work(table, odd, before, after, u_before, u_after, log_before, log_after):
+    def work(table, before, after, u_before, u_after, log_before, log_after):
         if digest >= 0:
-            parametric_work(table, odd, before, after, u_before, u_after, log_before, log_after)
+            parametric_work(table, before, after, u_before, u_after, log_before, log_after)
 
     return solve, work
 

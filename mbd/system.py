@@ -24,7 +24,7 @@ from mbd.mesh_reference import mean_stiffness, nominal_forces, reference_load
 from mbd.reduction import modal_basis
 from mbd.shafts import shaft_matrices
 
-DEFAULT_BAND = 25e3  # Hz
+DEFAULT_BAND = 20e3  # Hz
 
 
 @dataclass(frozen=True, eq=False)

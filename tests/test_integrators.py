@@ -79,7 +79,8 @@ def test_order_is_two(method):
     """A rope that shortens changes the stiffness smoothly in time: error of the mesh approach against the step."""
     rope = {"length": 0.5, "container_mass": 300.0, "axial_stiffness": 2e6}
     profile = SpeedProfile(times=np.array([0.0, 1.0]), speeds=np.array([300.0, 900.0]))
-    system = assemble(train(1, load="rope", rope=rope, profile=profile, coupling=2e3, **LINEAR), no_casing(), band=np.inf)
+    machine = train(1, load="rope", rope=rope, profile=profile, coupling=2e3, **LINEAR)
+    system = assemble(machine, no_casing(), band=np.inf)
     end, row = 0.02, 4
     exact = run(system, "exponential", end / 6400, end)[1].rows[-1, row]
     errors = [abs(run(system, method, end / k, end)[1].rows[-1, row] - exact) for k in (400, 800)]

@@ -32,7 +32,7 @@ class Block(NamedTuple):
     states: np.ndarray  # (instant, x)
     forces: np.ndarray  # (instant, m) residual forces lambda
     rows: np.ndarray  # (instant, m + mesh) row displacements, then observed rows
-    log: np.ndarray  # (instant, element, 6), see `mbd.forces.LOG_COLUMNS`
+    log: np.ndarray  # (instant, element, column), see `mbd.forces.LOG_COLUMNS`
 
 
 class Integrator(Protocol):

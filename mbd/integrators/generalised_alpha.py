@@ -101,7 +101,7 @@ class GeneralisedAlpha:
                 f"time step {step} (t = {(step + 1) * h:.6g} s, h = {h:.3g} s): the contact forces did not converge. "
                 "Use a smaller step."
             )
-        parametric(system.table, step % 2 == 1, self._angle, angle, self._rows, rows, self._log, log)
+        parametric(system.table, self._angle, angle, self._rows, rows, self._log, log)
         self._acceleration = a_p + self._answer @ self._forces
         self._q = q_p + self._beta * h * h * self._acceleration
         self._v = v_p + self._gamma * h * self._acceleration

@@ -91,7 +91,7 @@ class ModalIntegrator:
         iterations, failed = advance_modes(
             table, angles, accelerations, self._growth, self._old, self._new, self._constant, self._ramp,
             self._u_rows, self._v_rows, self._g_u, self._g_v, self._state, self._forces, self._angle, self._last,
-            self._log, self.counters["steps"], *block, TOLERANCE,
+            self._log, *block, TOLERANCE,
         )  # fmt: skip
         if failed >= 0:
             raise StepError(
@@ -166,7 +166,7 @@ def _compiled(digest: int) -> Callable:
     @njit(cache=True, nogil=True, error_model="numpy")
     def advance(
         table, angles, accelerations, growth, old, new, constant, ramp, u_rows, v_rows, g_u, g_v,
-        state, memory, last_angle, last_rows, last_log, first, states, forces, rows, log, tolerance,
+        state, memory, last_angle, last_rows, last_log, states, forces, rows, log, tolerance,
     ):  # fmt: skip
         if digest < 0:  # part of the key under which the compiled code is stored
             return -1, 0
@@ -191,8 +191,7 @@ def _compiled(digest: int) -> Callable:
             iterations += used
             if n > 0:
                 last_angle, last_rows, last_log = angles[n - 1], rows[n - 1], log[n - 1]
-            odd = (first + n) % 2 == 1
-            parametric_work(table, odd, last_angle, angles[n], last_rows, rows[n], last_log, log[n])
+            parametric_work(table, last_angle, angles[n], last_rows, rows[n], last_log, log[n])
             for r in range(m):
                 if guess[r] != 0.0:
                     _add(eta, guess[r], new[r])

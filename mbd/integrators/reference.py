@@ -58,8 +58,7 @@ class Reference:
         for angle, acceleration in zip(angles, accelerations, strict=True):
             self._x = self._one_step(float(angle), float(acceleration))
             forces, rows, log = self._forces(self._x, float(angle))
-            odd = self.counters["steps"] % 2 == 1
-            parametric(self._system.table, odd, self._angle, float(angle), self._rows, rows, self._log, log)
+            parametric(self._system.table, self._angle, float(angle), self._rows, rows, self._log, log)
             self._rows, self._log, self._angle = rows, log, float(angle)
             self.counters["steps"] += 1
             instants.append((self._x, forces, rows, log))

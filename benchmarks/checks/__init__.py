@@ -1,0 +1,1 @@
+"""Numbers that gearcase is held against, by subject."""
