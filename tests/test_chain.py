@@ -85,7 +85,7 @@ def test_identical_pairs_have_one_key():
         f"stages.2.{key}={getattr(text.scene.stages[0], key)}" for key in ("pinion_teeth", "wheel_teeth", "module_mm")
     ]
     same += ["stages.2.face_width_mm=12", "stages.2.pinion_bore_mm=25", "stages.2.wheel_bore_mm=35"]
-    same += ["stages.2.pinion_hand=right", "stages.2.helix_angle_deg=12", "stages.2.direction_deg=90"]
+    same += ["stages.2.pinion_hand=right", "stages.2.helix_angle_deg=12", "shafts.3.sections.1.diameter_mm=30"]
     found = inputs("rig-healthy", *same, "casing.model=none", "sensors=[]", with_control=False)
     assert found["law_1"][:2] == found["law_2"][:2]
 
