@@ -65,6 +65,8 @@ def _loaded(system: System, free: np.ndarray, flexibility: np.ndarray) -> tuple[
     m, n_elements = len(system.rows), len(system.table.tau) + len(system.table.rope_ea)
     force, log = np.zeros(m), np.zeros((n_elements, len(LOG_COLUMNS)))
     u, v, still = np.zeros(len(free)), np.zeros(len(free)), np.zeros(len(free))
+    drive = np.arange(len(system.machine.meshes)) * 4
+    force[drive] = np.linalg.solve(flexibility[np.ix_(drive, drive)], _pressed(system, free) - free[drive])
     used = solve_rows(
         system.table, 0.0, free, still, flexibility, np.zeros_like(flexibility), force, u, v, log, TOLERANCE
     )
@@ -76,6 +78,18 @@ def _loaded(system: System, free: np.ndarray, flexibility: np.ndarray) -> tuple[
             "Lower the load, or start where teeth are in mesh (mesh phase at the start)."
         )
     return force, log
+
+
+def _pressed(system: System, free: np.ndarray) -> np.ndarray:
+    """Approaches (mesh,) with every drive flank well in contact: an open flank leaves the train without a hold, and a
+    convex force law is found safely from the side of too much contact."""
+    table, loads = system.table, nominal_forces(system.machine)
+    found = []
+    for i, mesh in enumerate(system.machine.meshes):
+        cycle = table.cycle_start[i] + table.cycle_rate[i] * free[len(system.rows) + i]
+        touch = touching_approach(mesh.drive, cycle, mesh.drive_clearance_pinion, mesh.drive_clearance_wheel, 0.0)
+        found.append(touch + 4 * abs(loads[mesh.name]) / table.stiffness[2 * i, 0])
+    return np.array(found)
 
 
 def _touching(system: System, free: np.ndarray, flexibility: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
