@@ -64,7 +64,7 @@ def test_the_motor_lifts_the_load():
 def test_a_book_sampled_every_few_steps_is_the_same(monkeypatch):
     machine = train(1, profile=RAMP)
     every = books(machine, end=0.1, step=5e-6)
-    monkeypatch.setattr("mbd.books.MAX_SAMPLES", 5000)
+    monkeypatch.setattr("mbd.linear_work.MAX_SAMPLES", 5000)
     some = books(machine, end=0.1, step=5e-6)
     column = every.book_columns.index("dissipated")
     np.testing.assert_allclose(some.books[:, column], every.books[:, column], rtol=0.02)

@@ -46,9 +46,9 @@ def hoist(*, speed=0.2, tau=0.1, damping=0.0, follow=False, end_speed=None, star
     )  # fmt: skip
 
 
-def run(machine, end=0.6):
+def run(machine, end=0.6, step=5e-5):
     system = assemble(machine, no_casing())
-    return simulate(system, Settings(end=end, output_rate=2000.0, step=5e-5))
+    return simulate(system, Settings(end=end, output_rate=2000.0, step=step))
 
 
 def test_the_rope_mode_is_in_the_modes():
@@ -88,7 +88,7 @@ def test_the_rope_is_slack_when_and_only_when_the_force_would_be_negative(share,
 
 
 def test_a_slack_container_falls_freely():
-    result = run(hoist(speed=-2.0, tau=2e-3), end=0.2)
+    result = run(hoist(speed=-2.0, tau=2e-3), end=0.2, step=1e-5)
     fall = result.channel("container:acceleration")
     assert fall.min() == pytest.approx(-STANDARD_GRAVITY, rel=0.01)  # the filter rings by 0.3 %
     assert abs(result.book("total", "residual")) < 1e-6 * result.book("total", "scale")

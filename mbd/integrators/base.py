@@ -12,7 +12,8 @@ Contract
 6. Nonlinear forces hold at the end of each step to ``TOLERANCE`` of their scale; a step that does not converge raises
    StepError with its time.
 7. ``counters`` has "steps" and "iterations" (of all Newton solves).
-8. The same input gives the same bits; nothing depends on how steps are cut into blocks.
+8. ``linear_forces`` says whether lambda is linear within a step; its kinks at the instants then enter the energy books.
+9. The same input gives the same bits; nothing depends on how steps are cut into blocks.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ class Integrator(Protocol):
     displacement: np.ndarray
     velocity: np.ndarray
     inverse_mass: np.ndarray
+    linear_forces: bool
     counters: dict[str, int]
 
     def start(self, state: State) -> Block:

@@ -44,4 +44,4 @@ def phi_functions(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def exponential(system: System, step: float) -> ModalIntegrator:
     """Integrator with a first-order hold of the nonlinear forces."""
-    return ModalIntegrator(system, step, coefficients)
+    return ModalIntegrator(system, step, coefficients, linear_forces=True)

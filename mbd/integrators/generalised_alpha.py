@@ -31,6 +31,8 @@ DEFAULT_RADIUS = 0.9
 class GeneralisedAlpha:
     """Integrator (see `mbd.integrators.base`); the state is (q, v)."""
 
+    linear_forces = False
+
     def __init__(self, system: System, step: float, radius: float = DEFAULT_RADIUS) -> None:
         if not 0.0 <= radius <= 1.0:
             raise StepError(f"generalised-alpha: spectral radius {radius} must lie between 0 and 1.")

@@ -34,7 +34,7 @@ LARGEST_RESIDUAL = 1e-9
 class ModalIntegrator:
     """Integrator (see `mbd.integrators.base`) over complex modes with the given ``coefficients(lambda, h)``."""
 
-    def __init__(self, system: System, step: float, coefficients: Coefficients) -> None:
+    def __init__(self, system: System, step: float, coefficients: Coefficients, linear_forces: bool) -> None:
         basis, omega = system.basis, system.frequencies
         eigenvalues, vectors, inverse = complex_modes(omega, basis.T @ system.damping @ basis)
         n = len(omega)
@@ -42,7 +42,7 @@ class ModalIntegrator:
         rotation = np.where(eigenvalues.imag == 0.0, 1.0, 2.0)  # a pair counts twice its kept member
         stacked = [_real_rows(part * rotation) for part in (vectors[:n] / omega[:, None], vectors[n:])]
         self.displacement, self.velocity = (basis @ part for part in stacked)
-        self.inverse_mass = basis @ basis.T
+        self.inverse_mass, self.linear_forces = basis @ basis.T, linear_forces
         self.counters = {"steps": 0, "iterations": 0}
         self._system, self._step, self._time = system, step, 0.0
         to_modal = basis.T @ system.mass

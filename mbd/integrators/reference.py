@@ -28,6 +28,8 @@ ATOL = 1e-13  # mass-normalised coordinates
 class Reference:
     """Integrator (see `mbd.integrators.base`) that takes as many inner steps per step as its tolerance needs."""
 
+    linear_forces = False
+
     def __init__(self, system: System, step: float, method: str = "DOP853") -> None:
         basis, n = system.basis, len(system.frequencies)
         self._system, self._step, self._method = system, step, method

@@ -24,4 +24,4 @@ def coefficients(eigenvalues: np.ndarray, step: float) -> tuple[np.ndarray, np.n
 
 def trapezoidal(system: System, step: float) -> ModalIntegrator:
     """Integrator with the average of the forces at both ends."""
-    return ModalIntegrator(system, step, coefficients)
+    return ModalIntegrator(system, step, coefficients, linear_forces=False)
