@@ -20,6 +20,8 @@ from typing import Literal
 import numpy as np
 import scipy.sparse as sp
 
+from fem.ledger import count
+
 Solver = Literal["auto", "cholmod", "superlu"]
 _RESIDUAL_LIMIT = 1e-8
 _PIVOT_LIMIT = 1e-13  # smallest pivot over largest diagonal entry: below it the matrix is singular to round-off
@@ -86,6 +88,7 @@ def factorize(K: sp.spmatrix, *, solver: Solver = "auto", block: int = 3) -> Fac
     use_cholmod = solver == "cholmod" or (solver == "auto" and _cholmod_is_faster())
     factor = _cholmod(K) if use_cholmod else _superlu(K, block)
     _check_residual(K, factor)
+    count("factorisations")
     return factor
 
 

@@ -36,7 +36,8 @@ def approach_at(
         if high > LARGEST_APPROACH:
             raise EquilibriumError(
                 f"{law.model} law, {law.flank} flank, cycle {cycle:.3f}: no approach up to {LARGEST_APPROACH * 1e3:g} "
-                f"mm carries {force:.4g} N. Too many teeth are missing, or the load is beyond the law."
+                f"mm carries {force:.4g} N. Too many teeth are missing (choose another mesh phase at the start), or "
+                "the load is beyond the law."
             )
     for _ in range(200):
         middle = 0.5 * (low + high)

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from fem.ledger import counting
 from pipelines.cache import Cache, Entry
 from pipelines.errors import WorkError
 from pipelines.payload import PayloadError, digest, load_payload, save_payload
@@ -113,15 +114,19 @@ def run_graph(
     """
     from pipelines.processes import Pool
 
+    wanted = set(wanted)
     graph = graph.needed(wanted)
     observer = observer or Silent()
     if processes is None:
         processes = min(2, os.cpu_count() or 1)
     results = {name: result for name, result in (known or {}).items() if name in graph.stages}
+    verified: set[str] = set()
     with one_thread(), Pool() as pool:
         while len(results) < len(graph.stages):
-            ready = _take_what_is_cached(graph, cache, results, pool.names(), observer)
+            ready = _take_what_is_cached(graph, cache, results, wanted, pool.names(), observer)
             ready = [(stage, key) for stage, key in ready if not pool.builds(key)]
+            if _drop_damaged(ready, cache, results, verified):
+                continue
             long = [(stage, key) for stage, key in ready if stage.seconds >= _LONG_SECONDS]
             if processes > 1 and (len({key for _, key in long}) > 1 or (long and len(pool))):
                 for stage, key in long:
@@ -140,9 +145,12 @@ def run_graph(
 
 
 def _take_what_is_cached(
-    graph: Graph, cache: Cache, results: dict[str, Result], running: set[str], observer: Observer
+    graph: Graph, cache: Cache, results: dict[str, Result], wanted: set[str], running: set[str], observer: Observer
 ) -> list[tuple[Stage, str]]:
-    """Move stages that need no work into `results`; the (stage, key) that are ready to be built."""
+    """Move stages that need no work into `results`; the (stage, key) that are ready to be built.
+
+    Only what is wanted is verified to the last byte now, the rest when it is read.
+    """
     ready = []
     for stage in graph:
         if stage.name in results or stage.name in running or any(name not in results for name in stage.takes):
@@ -150,7 +158,7 @@ def _take_what_is_cached(
         contents = {name: results[name].record.content for name in stage.takes}
         key = stage.key(contents)
         same = next((r for r in results.values() if r.record.key == key), None)
-        entry = same.entry if same else cache.find(stage.kind, key)
+        entry = same.entry if same else cache.find(stage.kind, key, thorough=stage.name in wanted)
         if same is not None:
             record = _record(stage, key, _facts_of(same.record), reused=True)
             _keep(results, stage, Result(record, entry, same.value), observer)
@@ -159,6 +167,20 @@ def _take_what_is_cached(
         else:
             ready.append((stage, key))
     return ready
+
+
+def _drop_damaged(ready: list[tuple[Stage, str]], cache: Cache, results: dict[str, Result], verified: set[str]) -> bool:
+    """Verify stored results before stages read them; True if one was damaged and must be built again."""
+    inputs = dict.fromkeys(name for stage, _ in ready for name in stage.takes if name not in verified)
+    dropped = False
+    for name in inputs:
+        record, entry = results[name].record, results[name].entry
+        if record.reused and entry is not None and cache.find(record.kind, record.key) is None:
+            del results[name]
+            dropped = True
+        else:
+            verified.add(name)
+    return dropped
 
 
 def _keep(results: dict[str, Result], stage: Stage, result: Result, observer: Observer) -> None:
@@ -174,7 +196,7 @@ def build_here(stage: Stage, key: str, upstream: Mapping[str, Result], cache: Ca
     """Build one stage in this process and store it."""
     inputs = [upstream[name].load() for name in stage.takes]
     start = time.perf_counter()
-    with peak_memory() as peak:
+    with peak_memory() as peak, counting() as book:
         try:
             made = stage.build(stage.spec, *inputs)
         except Exception as error:
@@ -186,7 +208,7 @@ def build_here(stage: Stage, key: str, upstream: Mapping[str, Result], cache: Ca
         "content": digest(built.value),
         "seconds": round(time.perf_counter() - start, 6),
         "peak_bytes": peak.bytes,
-        "ledger": dict(built.ledger),
+        "ledger": {**book, **built.ledger},
         "stage": stage.name,
     }
     try:

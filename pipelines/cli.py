@@ -185,9 +185,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     top = parser()
     options = top.parse_args(arguments)
     if options.version:
-        from importlib.metadata import version
+        from pipelines.code_version import library_versions
 
-        sys.stdout.write(f"gearcase {version('gearcase')}\n")
+        sys.stdout.write(f"gearcase {library_versions('gearcase')['gearcase']}\n")
         return 0
     if options.command is None:
         top.print_help(sys.stderr)

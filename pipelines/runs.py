@@ -98,7 +98,8 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
     )
     diagnosing = _diagnose_stage(study) if options.with_report else None
     stages = [*study.graph, *([diagnosing] if diagnosing else [])]
-    wanted = [*study.responses, *([diagnosing.name] if diagnosing else [])]
+    first = study.cases[0]
+    wanted = [name for name in (first.faulty, first.healthy, diagnosing and diagnosing.name) if name]
     final = results.final_folder(loaded.name, options.out)
     with results.result_folder(final) as folder, results.logged_to(folder / "log.jsonl"):
         graph = Graph(stages).needed(wanted)

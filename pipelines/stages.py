@@ -132,7 +132,7 @@ def explain(graph: Graph, cache: Cache) -> list[StageStatus]:
             out.append(StageStatus(stage.name, "build" if own else "follow", reason))
             continue
         key = stage.key(contents)
-        entry = cache.find(stage.kind, key)
+        entry = cache.find(stage.kind, key, thorough=False)
         if entry is not None:
             contents[stage.name] = entry.facts["content"]
             out.append(StageStatus(stage.name, "reuse", ""))

@@ -70,6 +70,15 @@ def test_a_damaged_entry_is_named_removed_and_built_again(tmp_path, damage, whic
     assert cache.find("law", KEY) is not None
 
 
+def test_a_quick_look_verifies_the_manifest_and_the_sizes_only(tmp_path):
+    cache = Cache(tmp_path)
+    entry = cache.store("law", KEY, fill)
+    (entry.folder / "b.txt").write_text("cOntent", encoding="utf-8")
+    assert cache.find("law", KEY, thorough=False) is not None
+    with pytest.warns(CacheWarning):
+        assert cache.find("law", KEY) is None
+
+
 def test_every_flipped_bit_of_a_manifest_is_noticed_or_harmless(tmp_path):
     """A flip may hit white space of the JSON text; what is then read must be what was written."""
     cache = Cache(tmp_path)

@@ -153,7 +153,7 @@ def test_the_version(capsys):
 
 SHORT = (
     "--set", "simulation.end_s=0.05", "--set", "drive.times_s=[0.0, 0.02, 0.05]",
-    "--set", "diagnosis.windows_s={}",
+    "--set", "diagnosis.windows_s={}", "--set", "load.container_kg=100",
 )  # fmt: skip
 
 

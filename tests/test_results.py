@@ -21,9 +21,13 @@ def test_a_folder_appears_when_everything_is_there(tmp_path):
 
 @pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
 def test_a_failed_run_leaves_nothing(tmp_path, error):
-    with pytest.raises(error), results.result_folder(tmp_path / "rig" / "now") as folder:
-        (folder / results.RESPONSE).write_text("x", encoding="utf-8")
-        raise error
+    def run():
+        with results.result_folder(tmp_path / "rig" / "now") as folder:
+            (folder / results.RESPONSE).write_text("x", encoding="utf-8")
+            raise error
+
+    with pytest.raises(error):
+        run()
     assert list((tmp_path / "rig").iterdir()) == []
 
 

@@ -138,11 +138,15 @@ def test_explain_on_an_empty_cache(cache):
 
 def test_a_damaged_result_is_built_again_with_the_same_bits(cache):
     first = run_graph(graph(), cache, ["text"])
-    entry = first.results["law_1"].entry
-    (entry.folder / "part_1.npy").write_bytes(b"")
-    with pytest.warns(CacheWarning, match="part_1.npy"):
+    path = first.results["law_1"].entry.folder / "part_1.npy"
+    path.write_bytes(path.read_bytes()[:-1] + b"x")
+    run_graph(graph(), cache, ["text"])  # the damaged file is not read, so nobody minds
+    entry = first.results["sum"].entry
+    (entry.folder / "contents.json").unlink()
+    with pytest.warns(CacheWarning) as warned:
         second = run_graph(graph(), cache, ["text"])
-    assert [r.name for r in second.records if not r.reused] == ["law_1"]
+    assert {r.name for r in second.records if not r.reused} == {"law_1", "sum"}
+    assert sorted(str(w.message).split()[2].partition("-")[0] for w in warned) == ["law", "sum"]
     assert [r.content for r in first.records] == [r.content for r in second.records]
 
 

@@ -84,3 +84,16 @@ def with_missing(machine, teeth):
     wheel[list(teeth)] = np.inf
     mesh = dataclasses.replace(machine.meshes[0], drive_clearance_wheel=wheel, coast_clearance_wheel=wheel)
     return dataclasses.replace(machine, meshes=(mesh,))
+
+
+@pytest.mark.parametrize("stages", [1, 2, 3])
+@pytest.mark.parametrize("model", ["timoshenko", "torsion"])
+@pytest.mark.parametrize("clearance", [10e-6, 60e-6])
+def test_flanks_set_back_beyond_the_reference_approach_still_find_each_other(stages, model, clearance):
+    """The linear reference alone leaves these flanks open, and an open train has no stiffness against turning."""
+    machine = train(stages, model=model)
+    meshes = tuple(
+        dataclasses.replace(m, drive_clearance_pinion=np.full(m.drive.pinion_teeth, clearance)) for m in machine.meshes
+    )
+    state = equilibrium(assemble(dataclasses.replace(machine, meshes=meshes), rigid_casing(machine)))
+    assert state.motor_torque == pytest.approx(needed_torque(machine), rel=1e-9)

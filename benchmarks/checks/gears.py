@@ -67,7 +67,14 @@ def standard(helix_deg: float) -> GearPair:
 
 def _diameters() -> Values:
     pair = helical()
-    return [2000 * r for gear in (pair.pinion, pair.wheel) for r in (gear.base_radius, gear.tip_radius, gear.root_radius)]
+    return [
+        2000 * r for gear in (pair.pinion, pair.wheel) for r in (gear.base_radius, gear.tip_radius, gear.root_radius)
+    ]
+
+
+def _ratios(helix_deg: float) -> Values:
+    pair = standard(helix_deg)
+    return [pair.transverse_contact_ratio, pair.overlap_ratio][: 2 if helix_deg else 1]
 
 
 def _stiffness(pair: GearPair, **options: float) -> Values:
@@ -144,10 +151,7 @@ def checks() -> Iterator[Check]:
             reference=ratios,
             gate=5e-5,
             kind="absolute",
-            compute=lambda pair=standard(float(helix)), n=len(ratios): [
-                pair.transverse_contact_ratio,
-                pair.overlap_ratio,
-            ][:n],
+            compute=lambda beta=float(helix): _ratios(beta),
             test="test_involute.py::test_contact_ratios",
         )
     yield Check(
@@ -233,7 +237,7 @@ def _stiffness_checks() -> Iterator[Check]:
             unit="N/(mm µm)",
             reference=values,
             gate=2e-3,
-            compute=lambda pair=standard(float(helix)): _stiffness(pair)[:2],
+            compute=lambda beta=float(helix): _stiffness(standard(beta))[:2],
             test="test_iso_stiffness.py::test_standard_arithmetic",
         )
     yield Check(

@@ -106,7 +106,12 @@ def _point_load(mesh: SectorMesh, place: np.ndarray, direction: np.ndarray) -> n
 
 def checks() -> Iterator[Check]:
     """All rows of this subject."""
-    for teeth, radius, value in ((17, 8.0023, 0.01626), (17, 8.5, 0.02226), (43, 21.5, 0.02085), (43, 22.4434, 0.05411)):
+    for teeth, radius, value in (
+        (17, 8.0023, 0.01626),
+        (17, 8.5, 0.02226),
+        (43, 21.5, 0.02085),
+        (43, 22.4434, 0.05411),
+    ):
         yield Check(
             subject=SUBJECT,
             quantity=f"tooth compliance seen on its centre line, z {teeth}, m 1 mm, load at r = {radius} mm",

@@ -45,4 +45,4 @@ class Check:
 
 def numbers(values: Values) -> str:
     """Values of a cell."""
-    return "; ".join(f"{value:.6g}" for value in values)
+    return "; ".join(f"{value:.7g}" for value in values)

@@ -16,6 +16,7 @@ import numpy as np
 
 from fem.casing.housing import Housing
 from fem.casing.mesh import CasingMesh, MeshError
+from fem.ledger import count
 
 _log = logging.getLogger(__name__)
 _lock = threading.Lock()  # gmsh keeps one global model
@@ -53,6 +54,7 @@ def mesh_housing(housing: Housing, *, element_size: float = 0.022, curved: bool 
         if curved:
             gmsh.model.mesh.optimize("HighOrder")  # acts on elements that curving has distorted
         mesh = _extract(gmsh, housing, patches, element_size, curved)
+    count("casing_meshes")
     _log.info("casing mesh: %d nodes, %d tetrahedra", len(mesh.nodes), len(mesh.elements))
     return mesh
 

@@ -37,6 +37,7 @@ from fem.contact.ring import FlankCompliance, flank_compliance
 from fem.gears.geometry import GearPair
 from fem.gears.path import PathPoints, contact_window, path_points
 from fem.gears.sector import sector_mesh
+from fem.ledger import count
 
 
 class PlaneError(ValueError):
@@ -184,6 +185,7 @@ class Plane:
         with threadpool_limits(1):  # the matrices are small: more threads only wait for one another
             for gear, material in ((pair.pinion, pair.pinion_material), (pair.wheel, pair.wheel_material)):
                 mesh = sector_mesh(gear, self.refinement)
+                count("gear_meshes")
                 out.append(flank_compliance(mesh, material.elastic_modulus, material.poisson_ratio, reach))
         return out[0], out[1]
 

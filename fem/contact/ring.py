@@ -18,6 +18,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from fem.gears.sector import SectorMesh
+from fem.ledger import count
 from fem.plane_elasticity import lagrange, stiffness
 
 
@@ -122,6 +123,7 @@ def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.
             f"gear z={mesh.teeth}: the stiffness matrix of the tooth sector ({k_ii.shape[0]} unknowns) is singular "
             f"({error}). Check bore radius and material."
         ) from error
+    count("gear_factorisations")
     p = loads.tocsr()[inner]
     answer = factor.solve(sparse.hstack([k_ic, p]).toarray())
     by_cut, by_load = answer[:, : len(cut)], answer[:, len(cut) :]

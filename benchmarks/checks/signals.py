@@ -1,0 +1,74 @@
+"""Kinematic frequencies of the rig and known signals through the spectra."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from benchmarks.checks.record import Check, Values
+from pipelines.derived import derive
+from pipelines.layout import lay_out
+from pipelines.scene_file import load_scene
+from pipelines.spectrum import amplitude_spectrum, cut, envelope, envelope_spectrum, whole_revolutions
+
+SUBJECT = "Frequencies and spectra"
+RATE, MESH = 10_000.0, 300.0
+WHEEL = MESH / 55
+
+
+def _rig() -> Values:
+    scene = load_scene("rig-healthy").scene
+    first = derive(scene, lay_out(scene)).stages[0]
+    return [first.mesh_frequency, first.wheel_frequency]
+
+
+def _revolutions() -> Values:
+    segment = whole_revolutions((0.5, 2.5), RATE, WHEEL)
+    return [segment.revolutions, segment.samples]
+
+
+def _modulated_tone() -> Values:
+    """Carrier, sideband and modulation depth of 2 (1 + 0.3 cos 2 pi f_r t) cos 2 pi f_m t, and the line's place."""
+    time = np.arange(50_000) / RATE
+    signal = 2 * (1 + 0.3 * np.cos(2 * np.pi * WHEEL * time + 0.4)) * np.cos(2 * np.pi * MESH * time + 1)
+    segment = whole_revolutions((0.5, 2.5), RATE, WHEEL)
+    piece, band = cut(signal, RATE, segment), (150.0, 450.0)
+    carrier, side = amplitude_spectrum(piece, segment).lines([MESH, MESH + WHEEL])
+    found = envelope_spectrum(piece, segment, band)
+    depth = found.lines([WHEEL])[0] / envelope(piece, segment, band).mean()
+    return [float(v) for v in (carrier, side, depth, found.frequency[np.argmax(found.amplitude)])]
+
+
+def checks() -> Iterator[Check]:
+    """All rows of this subject."""
+    yield Check(
+        subject=SUBJECT,
+        quantity="f_m and f_r of the stage 1 wheel at 900 rpm",
+        source="quay-crane hoist study, Springer 978-981-97-1876-4, chapter 15",
+        unit="Hz",
+        reference=(300.0, 5.4545),
+        gate=1e-5,
+        compute=_rig,
+        test="test_spectrum.py::test_nine_wheel_revolutions_of_the_20_55_stage_are_16500_samples",
+    )
+    yield Check(
+        subject=SUBJECT,
+        quantity="revolutions and samples of the lifting window at 10 kHz",
+        source="exact",
+        unit="",
+        reference=(9, 16_500),
+        gate=1e-12,
+        compute=_revolutions,
+        test="test_spectrum.py::test_nine_wheel_revolutions_of_the_20_55_stage_are_16500_samples",
+    )
+    yield Check(
+        subject=SUBJECT,
+        quantity="amplitude-modulated tone: carrier, sideband, modulation depth, modulation frequency (Hz)",
+        source="exact",
+        unit="",
+        reference=(2.0, 0.3, 0.3, WHEEL),
+        gate=1e-8,
+        compute=_modulated_tone,
+        test="test_spectrum.py::test_envelope_gives_modulation_frequency_and_depth",
+    )

@@ -1,0 +1,82 @@
+"""docs/validation.md: every published or exact number that gearcase is held against.
+
+python -m benchmarks.validation computes all rows and writes the page; it takes a few minutes. Exit code 1 if a
+deviation is beyond its gate.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from benchmarks.checks import gears, motion, plane, signals, structures
+from benchmarks.checks.invariants import INVARIANTS
+from benchmarks.checks.record import Check, Values, numbers
+
+PAGE = Path(__file__).resolve().parent.parent / "docs" / "validation.md"
+HEADERS = ("quantity", "source", "unit", "reference", "gearcase", "deviation", "gate", "test")
+LEAD = """# Validation
+
+Made by `python -m benchmarks.validation`; a test keeps its rows and gates current. The first tables hold numbers that
+were published, computed by others or follow exactly; several values of one kind share a row, whose deviation is the
+largest of them. Deviations are relative unless they carry the unit. What has no single number (limits, invariants,
+rates) stands in the last table.
+"""
+
+
+def all_checks() -> Iterator[Check]:
+    """Every row, in the order of the page."""
+    for module in (gears, plane, structures, motion, signals):
+        yield from module.checks()
+
+
+def fixed_cells(check: Check) -> tuple[str, ...]:
+    """The cells that do not depend on the machine: quantity, source, unit, reference, gate, test."""
+    file, _, function = check.test.partition("::")
+    cells = (check.quantity, check.source, check.unit, numbers(check.reference), check.shown(check.gate))
+    return (*(cell.replace("|", "\\|") for cell in cells), f"`{file}` {function}")
+
+
+def row(check: Check, ours: Values) -> str:
+    """One line of the page."""
+    *front, gate, test = fixed_cells(check)
+    found = check.shown(check.deviation(ours))
+    return "| " + " | ".join((*front, numbers(ours), found, gate, test)) + " |"
+
+
+def page(values: Mapping[int, Values]) -> str:
+    """The whole page from the library's values by number of the check."""
+    lines, subject = [LEAD], ""
+    for number, check in enumerate(all_checks()):
+        if check.subject != subject:
+            subject = check.subject
+            lines += [f"\n## {subject}\n", _line(HEADERS), _line(["---"] * len(HEADERS))]
+        lines.append(row(check, values[number]))
+    lines += ["\n## What must always hold\n", _line(("statement", "gate", "test")), _line(["---"] * 3)]
+    for statement, gate, test in INVARIANTS:
+        file, _, function = test.partition("::")
+        lines.append(_line((statement, gate, f"`{file}` {function}")))
+    return "\n".join(lines) + "\n"
+
+
+def _line(cells: tuple[str, ...] | list[str]) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+def main() -> int:
+    """Compute every row, write the page; 1 if a gate is missed."""
+    values, missed = {}, 0
+    for number, check in enumerate(all_checks()):
+        values[number] = check.compute()
+        deviation = check.deviation(values[number])
+        if not deviation < check.gate:
+            missed += 1
+            print(f"beyond its gate: {check.quantity}: {check.shown(deviation)} (gate {check.shown(check.gate)})")
+    PAGE.write_text(page(values), encoding="utf-8")
+    print(f"{len(values)} rows, {missed} beyond their gates; see {PAGE.name}")
+    return int(missed > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

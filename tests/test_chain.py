@@ -1,0 +1,102 @@
+"""What a changed value touches: nothing is built here, only the inputs of the stages are compared."""
+
+import pytest
+
+from pipelines.payload import digest
+from pipelines.scene_file import load_scene
+from pipelines.study import diagnosis_settings, plan_study
+
+
+def inputs(scene, *settings, **options):
+    study = plan_study(load_scene(scene, settings), **options)
+    return {stage.name: (stage.kind, digest(stage.spec), stage.takes) for stage in study.graph}
+
+
+def touched(scene, *settings):
+    """Stages of the scene itself whose own inputs change; what follows from them is a matter of content."""
+    before = inputs(scene, with_control=False, both_loads=False)
+    after = inputs(scene, *settings, with_control=False, both_loads=False)
+    assert before.keys() == after.keys()
+    return {name for name in before if before[name] != after[name]}
+
+
+@pytest.mark.parametrize(
+    ("setting", "stages"),
+    [
+        ("load.container_kg=800", {"simulate", "response"}),
+        ("stages.1.face_width_mm=13", {"law_1", "simulate", "response"}),
+        ("stages.1.backlash_um=90", {"simulate", "response"}),
+        ("stages.2.mesh.slices=9", {"law_2"}),
+        ("stages.1.pinion_bore_mm=24", {"law_1", "simulate", "response"}),
+        ("sensors.2.position_mm=[1, 150, 28]", {"casing"}),
+        ("casing.damping_ratio=0.02", {"casing"}),
+        ("casing.band_Hz=4000", {"casing modes"}),
+        ("casing.material.density_kg_m3=7300", {"casing modes"}),
+        ("casing.housing.wall_thickness_mm=11", {"casing mesh"}),
+        ("casing.element_size_mm=30", {"casing mesh"}),
+        ("stages.1.direction_deg=1", {"casing mesh", "simulate", "response"}),
+        ("deviations.seed=2", {"simulate", "response"}),
+        ("faults.1.tooth=5", {"simulate", "response"}),
+        ("simulation.step_us=5", {"simulate", "response"}),
+        ("diagnosis.noise_m_s2=0.02", {"response"}),
+        ("title=another", {"response"}),
+        ("diagnosis.axis=x", set()),
+    ],
+)
+def test_a_changed_value_touches_only_the_stages_that_read_it(setting, stages):
+    assert touched("rig-missing-tooth", setting) == stages
+
+
+def test_a_missing_tooth_enters_only_the_simulation():
+    healthy = inputs("rig-healthy", with_control=False, both_loads=False)
+    faulty = inputs("rig-missing-tooth", with_control=False, both_loads=False)
+    assert {name for name in healthy if healthy[name] != faulty[name]} == {"simulate", "response"}
+
+
+def test_scene_and_control_share_all_but_the_simulation():
+    alone = inputs("rig-missing-tooth", with_control=False, both_loads=False)
+    together = inputs("rig-missing-tooth", both_loads=False)
+    assert together.keys() - alone.keys() == {"healthy simulate", "healthy response"}
+
+
+def test_the_loads_and_seeds_share_all_but_the_simulation():
+    study = plan_study(load_scene("rig-missing-tooth"), seeds=2)
+    assert [case.label for case in study.cases] == [
+        "", "torque", "error-free", "seed 2", "torque error-free", "torque seed 2"
+    ]  # fmt: skip
+    kinds = [stage.kind for stage in study.graph]
+    assert (kinds.count("law"), kinds.count("casing-modes"), kinds.count("simulate")) == (3, 1, 12)
+
+
+def test_the_torque_beside_the_rope_is_the_shipped_torque_scene():
+    study = plan_study(load_scene("rig-missing-tooth"))
+    stages = {name: study.graph.stages[name].spec for name in ("torque simulate", "torque healthy simulate")}
+    for name, shipped in (
+        ("torque simulate", "rig-missing-tooth-torque"),
+        ("torque healthy simulate", "rig-healthy-torque"),
+    ):
+        alone = plan_study(load_scene(shipped), with_control=False).graph.stages["simulate"].spec
+        assert digest(stages[name]) == digest(alone)
+
+
+def test_identical_pairs_have_one_key():
+    text = load_scene("rig-healthy")
+    same = [
+        f"stages.2.{key}={getattr(text.scene.stages[0], key)}" for key in ("pinion_teeth", "wheel_teeth", "module_mm")
+    ]
+    same += ["stages.2.face_width_mm=12", "stages.2.pinion_bore_mm=25", "stages.2.wheel_bore_mm=35"]
+    same += ["stages.2.pinion_hand=right", "stages.2.helix_angle_deg=12", "shafts.3.sections.1.diameter_mm=30"]
+    found = inputs("rig-healthy", *same, "casing.model=none", "sensors=[]", with_control=False)
+    assert found["law_1"][:2] == found["law_2"][:2]
+
+
+def test_minimal_has_no_finite_elements_of_the_casing():
+    assert list(inputs("minimal")) == ["law_1", "casing", "simulate", "response"]
+
+
+def test_the_diagnosis_looks_at_the_wheel_of_stage_1():
+    settings = diagnosis_settings(load_scene("rig-missing-tooth").scene)
+    assert settings.mesh_frequency == pytest.approx(300.0, rel=1e-12)
+    assert settings.revolution_frequency == pytest.approx(300 / 55, rel=1e-12)
+    assert settings.shaft == "shaft_2"
+    assert settings.rope_mode["lifting"] == pytest.approx(12.3, abs=0.1)
