@@ -39,7 +39,7 @@ class Books:
 
     def take(self, block: Block, first: int, accelerations: np.ndarray) -> None:
         """Add instants ``first``, ``first`` + 1, ... (steps since the start); accelerations held before each."""
-        self._linear.take(block, first)
+        self._linear.take(block, first, accelerations)
         self._elements.take(block)
         angles = self._system.machine.profile.angle(self._step * np.arange(first, first + len(block.states)))
         watched = block.states @ self._watch.T

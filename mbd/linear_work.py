@@ -6,9 +6,11 @@ all of them after the run: with v = V x, a part that feels the forces g = G x + 
 
     integral v . g dt = g_0 . Dq + v_0 . integral dg dt + sum (V S) G + sum (V L^T) B^T.
 
-The integrals are sums by the trapezoidal rule, accurate beyond all orders for smooth oscillations. A method that holds
-the forces linear within a step makes kinks at the instants; Euler and Maclaurin's formula then adds
-h/12 sum (second difference of lambda) x^T to L.
+The integrals are sums by the trapezoidal rule, accurate beyond all orders for smooth oscillations. Kinks are added by
+Euler and Maclaurin's formula: a method that holds the forces linear within a step gives
+h/12 sum (second difference of lambda) x^T to L; a jump Dphi'' of the motor acceleration turns v by J Dphi'',
+J = -M^-1 M R, so a power v . g gains H^2 B_2(theta)/2 J Dphi'' . g, at the place theta between samples H apart
+(B_2 = theta^2 - theta + 1/6, 1/6 at a sample).
 """
 
 from __future__ import annotations
@@ -33,13 +35,16 @@ class LinearWork:
         size, m = self.to_q.shape[1], len(system.rows)
         self._second, self._first = np.zeros((size, size), order="F"), np.zeros(size)
         self._cross, self._pushed = np.zeros((m, size)), np.zeros(m)
+        self._turn = -integrator.inverse_mass @ (system.mass @ system.rolling)  # J
+        self._jump_states, self._jump_forces = np.zeros(size), np.zeros(m)
+        self._held = 0.0
         self._tail_states, self._tail_forces = np.zeros((0, size)), np.zeros((0, m))
         self.origin, self.latest, self._origin_force = np.zeros(size), np.zeros(size), np.zeros(m)
         self._stored_first: dict[str, float] = {}
         self._peak: dict[str, float] = {}
 
-    def take(self, block: Block, first: int) -> None:
-        """Add instants ``first``, ``first`` + 1, ... (steps since the start)."""
+    def take(self, block: Block, first: int, accelerations: np.ndarray) -> None:
+        """Add instants ``first``, ``first`` + 1, ... (steps since the start); accelerations held before each."""
         if first == 0:
             self.origin, self._origin_force, self.latest = block.states[0], block.forces[0], block.states[0]
             self._stored_first = self._stored()
@@ -53,6 +58,7 @@ class LinearWork:
             near, x = np.vstack([self._tail_forces, forces]), np.vstack([self._tail_states, states])
             self._cross += self._step / 12 * np.diff(near, 2, axis=0).T @ x[1:-1]
             self._tail_forces, self._tail_states = near[-2:].copy(), x[-2:].copy()
+        self._jumps(at, states, forces, accelerations)
         use = at % self.stride == 0
         root = np.sqrt(weight[use] * self.stride)
         chosen = states[use] * root[:, None]
@@ -62,14 +68,27 @@ class LinearWork:
         for name, value in self._stored().items():
             self._peak[name] = max(self._peak[name], value)
 
+    def _jumps(self, at: np.ndarray, states: np.ndarray, forces: np.ndarray, accelerations: np.ndarray) -> None:
+        """Acceleration jumps, each counted at the first instant after it: within one step of its place."""
+        jumps = np.diff(accelerations, prepend=self._held)
+        self._held = float(accelerations[-1])
+        some = np.flatnonzero(jumps)
+        if len(some) == 0:
+            return
+        theta = ((at[some] - 1) % self.stride) / self.stride
+        weight = 0.5 * (self.stride * self._step) ** 2 * (theta**2 - theta + 1 / 6)
+        self._jump_states += (weight * jumps[some]) @ states[some]
+        self._jump_forces += self._step**2 / 12 * jumps[some] @ forces[some]
+
     def books(self, ramp_work: dict[str, float]) -> dict[str, list[float]]:
         """Stored, dissipated, received, parametric (0), residual, scale of every part, J."""
         system = self._system
         second = np.triu(self._second) + np.triu(self._second, 1).T
         stored, moved = self._stored(), self.to_q @ (self.latest - self.origin)
         v_0, v_1 = self.to_v @ self.origin, self.to_v @ self._first
-        half, cross = second @ self.to_v.T, self._cross @ self.to_v.T
-        v_2 = self.to_v @ half
+        half = second @ self.to_v.T + np.outer(self._jump_states, self._turn)
+        cross = self._cross @ self.to_v.T + np.outer(self._jump_forces, self._turn)
+        v_2 = self.to_v @ half + np.outer(self._turn, self.to_v @ self._jump_states)
         rows: dict[str, list[float]] = {}
         for part in system.parts:
             i = part.index
