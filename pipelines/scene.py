@@ -275,7 +275,7 @@ class SimulationTable(Table):
         10.0
     )
     integrator: Annotated[
-        Literal["exponential", "trapezoidal", "generalized-alpha"], Field(description="see docs/choosing-a-rung.md")
+        Literal["exponential", "trapezoidal", "generalised-alpha"], Field(description="see docs/choosing-a-rung.md")
     ] = "exponential"
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.linalg import eigh, expm
 
 from benchmarks.checks.record import Check, Values
+from fem.casing.body import ReducedBody
 from mbd.bearings import BearingSpec
 from mbd.drive import CouplingSpec, SpeedProfile
 from mbd.integrators import exponential, trapezoidal
@@ -129,7 +130,7 @@ def _hoist() -> tuple[np.ndarray, np.ndarray]:
     return result.time, result.channel("rope:force") / (MASS * STANDARD_GRAVITY)
 
 
-def _no_casing(machine: Machine):
+def _no_casing(machine: Machine) -> ReducedBody:
     from fem.casing.rungs import NoCasing
 
     return NoCasing().reduce({b.name: (0.0, b.y, 0.0) for b in machine.bearings})

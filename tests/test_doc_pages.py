@@ -1,0 +1,49 @@
+"""The hand-written pages name what exists: every rung a scene may choose, every integrator, every module."""
+
+import re
+import typing
+from pathlib import Path
+
+import pytest
+
+from benchmarks.modules import modules
+from mbd.integrators.methods import METHODS
+from pipelines import scene
+
+DOCS = Path(__file__).resolve().parent.parent / "docs"
+
+
+def choices(table, field="model"):
+    return typing.get_args(table.model_fields[field].annotation)
+
+
+RUNGS = [
+    *(choices(t)[0] for t in (scene.IsoMesh, scene.PlaneMesh, scene.BearingTable)),
+    *(choices(t)[0] for t in (scene.NoCasingTable, scene.RigidCasingTable, scene.StaticCasingTable)),
+    *(choices(t)[0] for t in (scene.CraigBamptonCasingTable, scene.StaticTorqueTable, scene.RopeTable)),
+    *choices(scene.ShaftModel),
+    *choices(scene.SimulationTable, "integrator"),
+]
+
+
+@pytest.mark.parametrize("rung", RUNGS)
+def test_every_rung_has_its_row_in_the_guide(rung):
+    text = (DOCS / "choosing-a-rung.md").read_text(encoding="utf-8")
+    assert f"| `{rung}` |" in text or f"`{rung}` is the one rung" in text
+
+
+def test_every_integrator_of_the_scene_exists():
+    assert set(choices(scene.SimulationTable, "integrator")) <= METHODS.keys()
+
+
+def test_the_module_map_names_nothing_that_is_gone():
+    text = (DOCS / "modules.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"^\| `((?:fem|mbd|pipelines)\.[\w.]+)` \|", text, re.M))
+    assert len(named) > 50
+    assert named <= modules().keys(), "run: python -m benchmarks.modules"
+
+
+@pytest.mark.parametrize("page", ["theory.md", "choosing-a-rung.md", "modules.md", "validation.md", "benchmarks.md"])
+def test_links_between_pages_lead_somewhere(page):
+    for target in re.findall(r"\]\(([\w./-]+\.md)\)", (DOCS / page).read_text(encoding="utf-8")):
+        assert (DOCS / target).exists()
