@@ -113,12 +113,16 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
                     Graph([*graph, stage]), cache, [stage.name], observer=observer, known=outcome.results, processes=1
                 )
                 report, outcome = whole.value(stage.name), Outcome({**outcome.results, **whole.results})
-        words = outcome.value(diagnosing.name)["words"] if diagnosing else ""
+        diagnosis = outcome.value(diagnosing.name) if diagnosing else {"words": "", "failure": ""}
         _write(folder, loaded, study, outcome, diagnosing, report)
     if options.out is None:
         results.note_latest(final)
     left_out = tuple(report["left_out"]) if report else ()
-    return Finished(folder=final, words=words, records=outcome.records, ledger=outcome.ledger(), left_out=left_out)
+    if diagnosis["failure"]:
+        left_out = (f"The diagnosis is left out: {diagnosis['failure']}", *left_out)
+    return Finished(
+        folder=final, words=diagnosis["words"], records=outcome.records, ledger=outcome.ledger(), left_out=left_out
+    )
 
 
 def _diagnose_stage(study: Study) -> Stage | None:
@@ -171,6 +175,7 @@ def _report_stage(loaded: LoadedScene, study: Study, diagnosing: Stage | None, o
         stages=tuple(_cost_row(record) for record in outcome.records),
         ledger=outcome.ledger(),
         provenance=provenance(loaded, outcome),
+        failure=outcome.value(diagnosing.name)["failure"] if diagnosing else "",
         warnings=tuple(f"the control differs in more than the fault: {line}" for line in warnings),
     )
     return Stage(
@@ -211,7 +216,8 @@ def _write(
 ) -> None:
     """Fill the result folder."""
     (folder / results.ASKED).write_text(loaded.asked(), encoding="utf-8")
-    (folder / results.RESOLVED).write_text(loaded.resolved(), encoding="utf-8")
+    twin = study.control is not None and not control_differences(loaded, study.control)
+    (folder / results.RESOLVED).write_text(loaded.resolved(own_control=twin), encoding="utf-8")
     facts = {
         **provenance(loaded, outcome),
         "ledger": outcome.ledger(),
@@ -227,7 +233,8 @@ def _write(
         found = outcome.value(diagnosing.name)
         for name, content in found["files"].items():
             (folder / name).write_bytes(content)
-        (folder / "diagnosis.txt").write_text(found["words"], encoding="utf-8")
+        if found["words"]:
+            (folder / "diagnosis.txt").write_text(found["words"], encoding="utf-8")
     if report is not None:
         (folder / "report.html").write_text(report["page"], encoding="utf-8")
     results.write_json(folder / results.RUN, facts)

@@ -301,7 +301,9 @@ class Scene(Table):
     """A gearbox, its drive and load, its faults, and what to compute."""
 
     title: Annotated[str, Field(description="one line that names the scene in every result")]
-    control: Annotated[str | None, Field(description="healthy twin: a shipped scene or a path ending in .toml")] = None
+    control: Annotated[
+        str | None, Field(description='healthy twin: a shipped scene, a path ending in .toml, or "without-faults"')
+    ] = None
     gear_material: MaterialTable
     stages: Annotated[tuple[StageTable, ...], Field(min_length=1, max_length=6)]
     shafts: Annotated[tuple[ShaftTable, ...], Field(min_length=2, max_length=7)]

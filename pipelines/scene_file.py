@@ -45,9 +45,14 @@ class LoadedScene:
     tree: Mapping[str, Any]
     scene: Scene
 
-    def resolved(self) -> str:
-        """TOML text of the whole scene with every default written out; loads to an equal scene."""
-        return format_document(self.scene.model_dump(mode="json", exclude_none=True))
+    def resolved(self, *, own_control: bool = False) -> str:
+        """TOML text of the whole scene with every default written out; loads to an equal scene.
+
+        With `own_control` its control is the scene itself without faults: right when the named control is a twin,
+        whose settings would be lost otherwise.
+        """
+        values = self.scene.model_dump(mode="json", exclude_none=True)
+        return format_document(values | ({"control": WITHOUT_FAULTS} if own_control else {}))
 
     def asked(self) -> str:
         """TOML text of what was asked: the source (a shipped one by its name), then the settings."""
@@ -95,6 +100,7 @@ def control_of(loaded: LoadedScene) -> LoadedScene | None:
         return None
     if control == WITHOUT_FAULTS:
         tree = {key: value for key, value in loaded.tree.items() if key not in ("faults", "control")}
+        tree["title"] = f"{loaded.scene.title} (without its faults)"
         scene, tree = validate(Merged(tree), Scene, loaded.source.shown)
         return LoadedScene(f"{loaded.name}-without-faults", loaded.source, loaded.settings, tree, scene)
     source = find_source(control, loaded.source.folder)

@@ -180,7 +180,7 @@ def _differences(stage: Stage, entry: Entry, facts: Mapping[str, Any]) -> list[s
         return None
     before, after = old["fields"], facts["fields"]
     out = [
-        f"{path or 'input'} {_shown(before, path)} -> {_shown(after, path)}"
+        f"{path.removeprefix('scene.') or 'input'} {_shown(before, path)} -> {_shown(after, path)}"
         for path in sorted(before.keys() | after.keys())
         if before.get(path) != after.get(path) or (path in before) != (path in after)
     ]

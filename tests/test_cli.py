@@ -153,7 +153,7 @@ def test_the_version(capsys):
 
 SHORT = (
     "--set", "simulation.end_s=0.05", "--set", "drive.times_s=[0.0, 0.02, 0.05]",
-    "--set", "diagnosis.windows_s={}", "--set", "load.container_kg=100",
+    "--set", "diagnosis.windows_s={}",
 )  # fmt: skip
 
 
@@ -171,6 +171,23 @@ def test_simulate_then_export(capsys, here):
     assert gearcase(capsys, "export", "mine", "--to", "csv")[0] == 0
     assert (here / "mine" / "response.csv").stat().st_size > 1000
     assert gearcase(capsys, "simulate", "minimal", "--out", "mine")[0] == 2
+
+
+def test_gears_and_casing_print_what_they_built(capsys):
+    code, out, _ = gearcase(capsys, "gears", "minimal", "--quiet")
+    assert code == 0
+    assert "secant N/um" in out
+    code, out, _ = gearcase(capsys, "casing", "minimal", "--quiet")
+    assert code == 0
+    assert "casing rigid: 6 coordinates" in out
+    assert "bearing_4" in out
+
+
+def test_inspect_writes_a_picture_or_says_why_not(capsys, here):
+    code, out, _ = gearcase(capsys, "inspect", "minimal", "--out", "pictures", "--quiet")
+    assert code == 0
+    assert (here / "pictures" / "gears_1.png").is_file() or "left out" in out
+    assert gearcase(capsys, "inspect", "minimal", "--stage", "2")[0] == 2
 
 
 def test_a_repeated_run_builds_nothing_and_takes_at_most_2_s(capsys, here):

@@ -12,15 +12,7 @@ import pytest
 from pipelines.payload import digest
 from pipelines.results import RESPONSE, find_run
 
-SCENE = (
-    "minimal",
-    "--set",
-    "simulation.end_s=0.1",
-    "--set",
-    "diagnosis.windows_s={}",
-    "--set",
-    "load.container_kg=100",
-)
+SCENE = ("minimal", "--set", "simulation.end_s=0.1", "--set", "diagnosis.windows_s={}")
 MOMENTS = 10
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals as POSIX has them")

@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
-from scipy.optimize import brentq
 
 from fem.gears.gear import Gear, GeometryError, Rack, involute, require
 from fem.gears.profile import form_radius
@@ -106,6 +105,8 @@ class GearPair:
             f"{self.label}: the sum of profile shifts {shift:.4g} leaves no working pressure angle (inv alpha_wt = "
             f"{target:.3g}, limit > 0): raise a profile shift",
         )
+        from scipy.optimize import brentq  # late: commands that only read a scene start sooner
+
         angle = brentq(lambda alpha: involute(alpha) - target, 1e-9, math.radians(60.0), xtol=1e-15)
         return (p.base_radius + w.base_radius) / math.cos(angle)
 

@@ -33,14 +33,22 @@ class DiagnosingSpec:
 
 
 def build(spec: DiagnosingSpec, *responses: xarray.Dataset) -> dict[str, Any]:
-    """diagnosis.nc, .csv, .json as bytes by name, and the verdict with its tables as text under "words"."""
-    from pipelines.export import save_diagnoses
+    """diagnosis.nc, .csv, .json as bytes under "files", the verdict with its tables as text under "words".
 
-    found = diagnoses(spec, responses)
+    A window in which no diagnosis is possible must not cost the signals: its reason is returned under "failure".
+    """
+    from pipelines.analysis import DiagnosisError
+    from pipelines.export import save_diagnoses
+    from pipelines.spectrum import SpectrumError
+
+    try:
+        found = diagnoses(spec, responses)
+    except (DiagnosisError, SpectrumError) as error:
+        return {"files": {}, "words": "", "failure": str(error)}
     with tempfile.TemporaryDirectory() as folder:
         files = {path.name: path.read_bytes() for path in save_diagnoses(Path(folder), found)}
     full = [d for d, case in zip(found, spec.cases, strict=True) if case.full]
-    return {"files": files, "words": words(found, full)}
+    return {"files": files, "words": words(found, full), "failure": ""}
 
 
 def diagnoses(spec: DiagnosingSpec, responses: tuple[xarray.Dataset, ...]) -> list[Diagnosis]:

@@ -47,6 +47,7 @@ class ReportSpec:
     ledger: Mapping[str, int]
     provenance: Mapping[str, Any]
     warnings: tuple[str, ...]
+    failure: str = ""  # why no diagnosis was possible
 
 
 def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
@@ -63,8 +64,9 @@ def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
     laws, body, rest = taken[: spec.laws], taken[spec.laws], taken[spec.laws + 1 :]
     mesh, modes = rest[:2] if spec.elastic else (None, None)
     responses = rest[2:] if spec.elastic else rest
-    found = diagnoses(spec.diagnosing, responses) if spec.diagnosing else []
-    shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing else []
+    possible = spec.diagnosing is not None and not spec.failure
+    found = diagnoses(spec.diagnosing, responses) if spec.diagnosing and possible else []
+    shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing and possible else []
     gears, casing = gear_picture(scene, layout, scene.diagnosis.stage), casing_picture(mesh, body)
     curves = stiffness_plots(scene, layout, facts, laws)
     looked_at = scene.diagnosis.stage - 1
@@ -88,6 +90,7 @@ def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
         ledger=spec.ledger,
         provenance=spec.provenance,
         warnings=(*facts.warnings, *spec.warnings),
+        reasons={"Envelope table": f"Left out: {spec.failure}"} if spec.failure else {},
         short=spec.diagnosing is None,
     )
     with tempfile.TemporaryDirectory() as folder:

@@ -23,6 +23,7 @@ def main(options: argparse.Namespace) -> int:
     actions = [status.action for status in found]
     sys.stdout.write(
         f"{actions.count('build')} stages would be built, {actions.count('reuse')} reused, "
-        f"{actions.count('follow')} follow if what they take changes.\n"
+        f"{actions.count('follow')} follow if what they take changes. "
+        "Diagnosis and report (seconds) follow the responses.\n"
     )
     return 0

@@ -1,0 +1,81 @@
+"""The wheel: everything is in it, and it works in another environment, started from another folder."""
+
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGES = ("fem", "mbd", "pipelines", "meshes")
+
+
+def run(*command, **options):
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False, **options)
+    assert done.returncode == 0, f"{' '.join(map(str, command))}\n{done.stdout}\n{done.stderr}"
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    """Built from a copy, so that nothing is left in the source tree; with the build tools of this environment."""
+    copy = tmp_path_factory.mktemp("source")
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, copy / name)
+    for name in PACKAGES:
+        shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+    options = ("--no-deps", "--no-build-isolation", "--no-index", "--quiet")
+    run(sys.executable, "-m", "pip", "wheel", *options, "--wheel-dir", copy / "dist", copy)
+    (built,) = (copy / "dist").glob("gearcase-*.whl")
+    return built
+
+
+@pytest.fixture(scope="module")
+def installed(wheel, tmp_path_factory):
+    """The command of a new environment that holds the wheel alone and sees the libraries of this one."""
+    folder = tmp_path_factory.mktemp("environment")
+    run(sys.executable, "-m", "venv", "--without-pip", folder)
+    bin_folder = folder / ("Scripts" if os.name == "nt" else "bin")
+    python = bin_folder / Path(sys.executable).name
+    run(sys.executable, "-m", "pip", "--python", python, "install", "--no-deps", "--no-index", "--quiet", wheel)
+    site = run(python, "-c", "import sysconfig; print(sysconfig.get_paths()['purelib'])").strip()
+    libraries = {sysconfig.get_paths()[kind] for kind in ("purelib", "platlib")}
+    (Path(site) / "libraries.pth").write_text("\n".join(sorted(libraries)) + "\n", encoding="utf-8")
+    return bin_folder / ("gearcase.exe" if os.name == "nt" else "gearcase"), python
+
+
+def elsewhere(**changes):
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    return environment | changes
+
+
+def test_every_module_scene_and_mesh_is_in_the_wheel(wheel):
+    inside = set(zipfile.ZipFile(wheel).namelist())
+    patterns = ("*.py", "*.toml", "*.msh", "*.step")
+    wanted = {
+        p.relative_to(ROOT).as_posix() for package in PACKAGES for q in patterns for p in (ROOT / package).rglob(q)
+    }
+    assert wanted <= inside
+    assert not [name for name in inside if name.startswith(("tests", "benchmarks"))]
+    assert any(name.endswith("licenses/LICENSE") for name in inside)
+
+
+def test_the_installed_command_works_from_another_folder(installed, tmp_path):
+    command, python = installed
+    where = run(python, "-c", "import pipelines; print(pipelines.__file__)", cwd=tmp_path, env=elsewhere())
+    assert not Path(where.strip()).is_relative_to(ROOT)
+    assert "20/55" in run(command, "check", "minimal", cwd=tmp_path, env=elsewhere())
+    run(command, "new", "my.toml", "--from", "minimal", cwd=tmp_path, env=elsewhere())
+    out = run(command, "run", "my.toml", "--quiet", cwd=tmp_path, env=elsewhere())
+    report = Path(out.splitlines()[-1].removeprefix("report: "))
+    assert (tmp_path / report).is_file()
+
+
+@pytest.mark.slow
+def test_the_installed_command_builds_everything_itself(installed, tmp_path):
+    out = run(installed[0], "run", "minimal", cwd=tmp_path, env=elsewhere(GEARCASE_CACHE=str(tmp_path / "cache")))
+    assert " 0 reused" in out

@@ -1,0 +1,87 @@
+"""Every shipped scene runs: 0.1 s of motion with coarse rungs, finite numbers, the ledger as it should be."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray
+from coarse import coarse, diagnosable
+
+from pipelines import results, run
+from pipelines.runs import Options, run_scene
+from pipelines.scene_file import load_scene, shipped_names
+
+
+@pytest.mark.parametrize("name", shipped_names())
+def test_a_shipped_scene_runs(name, tmp_path):
+    loaded = load_scene(name, coarse(name))
+    finished = run_scene(loaded, Options(out=tmp_path / "out", with_control=False, with_report=False))
+    with xarray.open_dataset(finished.folder / results.RESPONSE, engine="h5netcdf") as data:
+        data.load()
+    assert data.acceleration.sizes == {"time": 1000, "sensor": len(loaded.scene.sensors), "axis": 3}
+    for variable in data.data_vars.values():
+        assert np.isfinite(variable.values).all()
+        assert variable.attrs["units"]
+    assert data.attrs["state"] == ("missing-tooth" if loaded.scene.faults else "healthy")
+    ledger = json.loads(data.attrs["build_ledger"])
+    rope, elastic = loaded.scene.load.model == "rope", loaded.scene.casing.model == "craig-bampton"
+    assert ledger["recovery_rows"] == 3 * len(loaded.scene.sensors)
+    assert (ledger["rope_coordinates"] > 0) == rope
+    assert ("casing_meshes" in ledger) == elastic
+    assert ("factorisations" in ledger) == elastic
+
+
+def test_one_sensor_means_three_recovery_rows(tmp_path):
+    settings = coarse("rig-healthy") | {"sensors": [{"name": "sensor_3", "position_mm": [76.7, -150.0, 35.5]}]}
+    finished = run_scene(load_scene("rig-healthy", settings), Options(out=tmp_path / "out", with_report=False))
+    assert finished.ledger["recovery_rows"] == 3
+
+
+@pytest.fixture(scope="module")
+def whole_run(tmp_path_factory):
+    """A faulty scene with its control, both loads, diagnosis and report."""
+    folder = tmp_path_factory.mktemp("whole") / "run"
+    return run("rig-missing-tooth", set=diagnosable("rig-missing-tooth"), out=folder), folder
+
+
+def test_a_whole_run_leaves_everything_in_its_folder(whole_run):
+    data, folder = whole_run
+    assert {p.name for p in folder.iterdir()} == {
+        "response.nc", "control.nc", "diagnosis.nc", "diagnosis.csv", "diagnosis.json", "diagnosis.txt", "report.html",
+        "run.json", "log.jsonl", "scene.asked.toml", "scene.resolved.toml",
+    }  # fmt: skip
+    assert data.acceleration.sel(sensor="sensor_3", axis="z").sizes == {"time": 6000}
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "missing" in page
+    facts = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    assert facts["ledger"]["simulations"] == 4
+    assert facts["ledger"]["casing_meshes"] == facts["ledger"]["factorisations"] == 1
+    assert facts["rungs"]["casing"] == "craig-bampton"
+    assert all(stage["seconds"] >= 0 and stage["peak MB"] > 10 for stage in facts["stages"])
+
+
+def test_the_resolved_scene_of_a_run_gives_the_same_run(whole_run, tmp_path):
+    data, folder = whole_run
+    again = load_scene(folder / "scene.resolved.toml")
+    finished = run_scene(again, Options(out=tmp_path / "again", with_report=False))
+    assert {r.name for r in finished.records if not r.reused} == {"healthy response"}  # its title alone differs
+    with xarray.open_dataset(finished.folder / results.RESPONSE, engine="h5netcdf") as second:
+        assert second.acceleration.values.tobytes() == data.acceleration.values.tobytes()
+
+
+def test_the_lines_are_found_again_from_the_folder(whole_run, capsys):
+    from pipelines.cli import main
+
+    assert main(["diagnose", str(whole_run[1])]) == 0
+    out = capsys.readouterr().out
+    assert "f_m - f_r" in out
+    assert main(["diagnose", str(whole_run[1]), "--set", "diagnosis.sensor=sensor_5", "--set", "diagnosis.axis=x"]) == 0
+    assert "sensor_5" in capsys.readouterr().out
+
+
+def test_a_window_without_a_revolution_does_not_cost_the_signals(tmp_path):
+    settings = diagnosable("rig-missing-tooth") | {"diagnosis.windows_s": {"lifting": [0.58, 0.6]}}
+    finished = run_scene(load_scene("rig-missing-tooth", settings), Options(out=tmp_path / "out", both_loads=False))
+    assert "The diagnosis is left out" in finished.left_out[0]
+    assert (finished.folder / "response.nc").is_file()
+    assert "Left out" in (finished.folder / "report.html").read_text(encoding="utf-8")
