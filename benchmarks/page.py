@@ -56,10 +56,12 @@ def benchmarks_page(result: dict[str, Any]) -> str:
          casing_table),
         ("Casing: static condensation", "", "static", casing_table),
         ("Time loop", "Time steps, output filter and energy books; assembly, modes, equilibrium and the start of the "
-         "filter are set-up. The rig starts at once: 900 rpm at 0.05 s. Compiled code is loaded beforehand.", "loop", loop_table),
+         "filter are set-up. The rig starts at once: 900 rpm at 0.05 s. Compiled code is loaded beforehand.", "loop",
+         loop_table),
         ("One rung changed", "`rig-healthy` with one word changed, 0.3 s of motion, 900 rpm from 0.05 s on; "
          "figures of the vibration from 0.1 s to 0.3 s (standard deviation; the mesh force holds the bounce of the "
-         "container). Bearings to ground have no casing sensor; the journal of bearing 3 stands in.", "rungs", rung_table),
+         "container). Bearings to ground have no casing sensor; the journal of bearing 3 stands in.", "rungs",
+         rung_table),
         ("Integrators: error against seconds", "The full rig over 0.2 s of motion, channel sensor_3 z after the output "
          "filter. Error: RMS of the difference to the exponential method at 1.25 us over the RMS of the signal.",
          "precision", precision_table),
@@ -158,5 +160,7 @@ def precision_table(rows: list[dict[str, Any]]) -> str:
         for r in rows
         if "left_out" not in r
     ]  # fmt: skip
-    text = markdown(("integrator", "step µs", "seconds", "of which set-up", "error of the signal", "error of its RMS"), cells)
+    text = markdown(
+        ("integrator", "step µs", "seconds", "of which set-up", "error of the signal", "error of its RMS"), cells
+    )
     return "\n\n".join([text, *(f"Left out: {r['method']}, {r['left_out']}." for r in rows if "left_out" in r)])
