@@ -41,6 +41,13 @@ def move_rows(predicted, flexibility, force, result):
 
 
 @njit(nogil=True, error_model="numpy")
+def copy_to(target, source):
+    """Copy element by element: an array assignment drags its error text into the compilation, which costs seconds."""
+    for r in range(len(target)):
+        target[r] = source[r]
+
+
+@njit(nogil=True, error_model="numpy")
 def residual_size(force, target, scale):
     """Largest |target - force| in units of ``scale``."""
     worst = 0.0
@@ -54,15 +61,19 @@ def iterate(table, angle, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
     """Iterate on ``force`` (in: guess, out: solution); returns the iterations used, or -1 without convergence."""
     n_flank = len(table.tau)
     guess, held = force.copy(), np.full(n_flank, -1.0)
-    used = newton(table, angle, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance)
-    if used >= 0:
-        return used
-    force[:] = guess
-    move_rows(u_p, g_u, force, u)
-    for k in range(n_flank):
-        held[k] = flank(table, k, angle, u[2 * n_flank + len(table.rope_ea) + k // 2], u[2 * k], u[2 * k + 1])[3]
-    used = newton(table, angle, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance)
-    return used if used < 0 else used + MAX_ITERATIONS
+    total = 0
+    for attempt in range(2):
+        if attempt == 1:
+            copy_to(force, guess)
+            move_rows(u_p, g_u, force, u)
+            first = len(force)  # the rows that are observed only
+            for k in range(n_flank):
+                held[k] = flank(table, k, angle, u[first + k // 2], u[2 * k], u[2 * k + 1])[3]
+        used = newton(table, angle, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance)
+        if used >= 0:
+            return total + used
+        total += MAX_ITERATIONS
+    return -1
 
 
 @njit(nogil=True, error_model="numpy")
@@ -70,25 +81,11 @@ def newton(table, angle, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance):
     """`iterate` with the damping stiffnesses ``held`` (flank,), see `mbd.forces.row_forces`."""
     m = len(force)
     n_flank = len(table.tau)
-    target, step, trial = np.empty(m), np.empty(m), np.empty(m)
+    target, step, trial = np.empty(m), np.zeros(m), np.empty(m)
     slope_u, slope_v = np.empty((m, 2)), np.empty((m, 2))
     matrix = np.empty((m, m))
-    move_rows(u_p, g_u, force, u)
-    move_rows(v_p, g_v, force, v)
-    row_forces(table, angle, u, v, held, target, slope_u, slope_v, log)
-    size = residual_size(force, target, table.scale)
-    for iteration in range(MAX_ITERATIONS):
-        if size <= tolerance:
-            return iteration
-        for r in range(m):
-            a, b = partner(r, n_flank)
-            ua, ub, va, vb = slope_u[r, 0], slope_u[r, 1], slope_v[r, 0], slope_v[r, 1]
-            for c in range(m):
-                matrix[r, c] = -(ua * g_u[a, c] + ub * g_u[b, c] + va * g_v[a, c] + vb * g_v[b, c])
-            matrix[r, r] += 1.0
-            step[r] = target[r] - force[r]
-        if not solve_dense(matrix, step):
-            return -1
+    size = np.inf
+    for iteration in range(MAX_ITERATIONS + 1):
         before, part = size, 1.0
         for _ in range(MAX_HALVINGS):
             for r in range(m):
@@ -100,7 +97,18 @@ def newton(table, angle, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance):
             if size < before:
                 break
             part *= 0.5
-        force[:] = trial
+        copy_to(force, trial)
+        if size <= tolerance:
+            return iteration
+        for r in range(m):
+            a, b = partner(r, n_flank)
+            ua, ub, va, vb = slope_u[r, 0], slope_u[r, 1], slope_v[r, 0], slope_v[r, 1]
+            for c in range(m):
+                matrix[r, c] = -(ua * g_u[a, c] + ub * g_u[b, c] + va * g_v[a, c] + vb * g_v[b, c])
+            matrix[r, r] += 1.0
+            step[r] = target[r] - force[r]
+        if not solve_dense(matrix, step):
+            return -1
     return -1
 
 

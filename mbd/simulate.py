@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from mbd.books import BOOK_COLUMNS, Books
 from mbd.checks import StepError, positive
@@ -77,6 +78,11 @@ def simulate(
     ------
     EquilibriumError, StepError : with the reason
     """
+    with threadpool_limits(limits=1):  # small matrices: a second thread only waits
+        return _simulate(system, settings, progress, start)
+
+
+def _simulate(system: System, settings: Settings, progress: Progress | None, start: State | None) -> Trajectory:
     every = steps_per_sample(system, settings)
     step = 1 / (settings.output_rate * every)
     integrator = METHODS[settings.integrator](system, step)

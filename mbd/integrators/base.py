@@ -24,7 +24,7 @@ import numpy as np
 
 from mbd.statics import State
 
-TOLERANCE = 1e-9
+TOLERANCE = 1e-7  # states move by 1e-6 of their size against 1e-9
 
 
 class Block(NamedTuple):

@@ -116,10 +116,13 @@ def complex_modes(omega: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, n
     n = len(omega)
     matrix = np.block([[np.zeros((n, n)), np.diag(omega)], [-np.diag(omega), -damping]])
     values, vectors = linalg.eig(matrix)
-    condition = float(np.linalg.cond(vectors))
-    inverse = np.linalg.inv(vectors) if condition < LARGEST_CONDITION else vectors
+    try:
+        inverse = np.linalg.inv(vectors)
+    except np.linalg.LinAlgError:
+        inverse = np.full_like(vectors, np.inf)
+    condition = float(np.linalg.norm(vectors) * np.linalg.norm(inverse)) / (2 * n)
     residual = float(abs((vectors * values) @ inverse - matrix).max() / abs(matrix).max())
-    if condition >= LARGEST_CONDITION or residual > LARGEST_RESIDUAL:
+    if not (condition < LARGEST_CONDITION and residual < LARGEST_RESIDUAL):
         raise StepError(
             f"complex modes: condition {condition:.3g} (limit {LARGEST_CONDITION:.0e}), residual {residual:.3g} (limit "
             f"{LARGEST_RESIDUAL:.0e}): some mode is critically damped. Change a damping value slightly or use the "
