@@ -18,7 +18,7 @@ from mbd.trajectory import Trajectory
 
 CHANNEL = "sensor_3:az"
 JOURNAL = "bearing_3:journal_az"  # where there is no casing
-WARM_UP = 0.002  # s of motion that pay for compiling
+SHORT = 0.01  # s of motion: what this run takes is subtracted, so that set-up (modes, equilibrium) does not count
 
 
 def run(machine: System, end: float, step: float = 10e-6, method: str = "exponential") -> Trajectory:
@@ -46,9 +46,11 @@ def loop(folder: Path) -> list[dict[str, Any]]:
     small = system(scene, layout, [stage_law(scene, layout, 0)], casing_body(scene, layout))
     for name, build, span in (("minimal", lambda: small, 0.5), ("rig-healthy", lambda: rig(folder), 0.2)):
         assembling, machine = timed(build, repeats=1)
-        run(machine, WARM_UP)
+        run(machine, SHORT)
+        setup, short = timed(lambda m=machine: run(m, SHORT))
         seconds, trajectory = timed(lambda m=machine, s=span: run(m, s))
         steps = trajectory.counter("steps")
+        more = steps - short.counter("steps")
         rows.append(
             {
                 "scene": name,
@@ -57,10 +59,11 @@ def loop(folder: Path) -> list[dict[str, Any]]:
                 "motion_s": span,
                 "step_us": trajectory.step * 1e6,
                 "assembly_s": assembling["seconds"],
+                "setup_s": setup["seconds"],
                 "iterations_per_step": trajectory.counter("iterations") / steps,
-                "microseconds_per_step": seconds["seconds"] / steps * 1e6,
-                "seconds_per_second": seconds["seconds"] / (steps * trajectory.step),
-                "cpu_per_second": seconds["cpu_seconds"] / (steps * trajectory.step),
+                "microseconds_per_step": (seconds["seconds"] - setup["seconds"]) / more * 1e6,
+                "seconds_per_second": (seconds["seconds"] - setup["seconds"]) / (more * trajectory.step),
+                "cpu_per_second": (seconds["cpu_seconds"] - setup["cpu_seconds"]) / (more * trajectory.step),
                 **seconds,
             }
         )
@@ -83,8 +86,9 @@ def rungs(folder: Path) -> list[dict[str, Any]]:
     rows = []
     for name, settings in VARIANTS.items():
         building, machine = timed(lambda s=settings: rig(folder, **s), repeats=1)
-        run(machine, WARM_UP)
+        setup, short = timed(lambda m=machine: run(m, SHORT), repeats=1)
         seconds, trajectory = timed(lambda m=machine: run(m, 0.3), repeats=1)
+        more = (trajectory.counter("steps") - short.counter("steps")) * trajectory.step
         steady = trajectory.time >= 0.1
         force, delta = trajectory.channel("mesh_1:drive_force")[steady], trajectory.channel("mesh_1:delta")[steady]
         row = {
@@ -92,7 +96,8 @@ def rungs(folder: Path) -> list[dict[str, Any]]:
             "coordinates": machine.layout.size,
             "modes": len(machine.frequencies),
             "assembly_s": building["seconds"],
-            "seconds_per_second": seconds["seconds"] / (trajectory.counter("steps") * trajectory.step),
+            "seconds_per_second": (seconds["seconds"] - setup["seconds"]) / more,
+            "cpu_per_second": (seconds["cpu_seconds"] - setup["cpu_seconds"]) / more,
             "mesh_force_rms_N": float(force.std()),
             "delta_ptp_um": float(np.ptp(delta)) * 1e6,
             **seconds,
@@ -114,7 +119,8 @@ def precision(folder: Path) -> list[dict[str, Any]]:
     exact = run(machine, SPAN, REFERENCE_STEP * 1e-6).channel(CHANNEL)
     rows = []
     for method, steps in PRECISION_STEPS.items():
-        run(machine, WARM_UP, 40e-6, method)
+        run(machine, SHORT, 40e-6, method)
+        setup, _ = timed(lambda m=method: run(machine, SHORT, 40e-6, m), repeats=1)
         for step in steps:
             seconds, trajectory = timed(lambda m=method, s=step: run(machine, SPAN, s * 1e-6, m), repeats=1)
             rows.append(
@@ -123,6 +129,7 @@ def precision(folder: Path) -> list[dict[str, Any]]:
                     "step_us": trajectory.step * 1e6,
                     "error": relative_error(trajectory.channel(CHANNEL), exact),
                     "rms_error": abs(float(trajectory.channel(CHANNEL).std() / exact.std()) - 1.0),
+                    "setup_s": setup["seconds"],
                     **seconds,
                 }
             )
