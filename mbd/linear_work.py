@@ -1,16 +1,16 @@
 """Works of the linear parts: shafts, bearings, casing, couplings, container.
 
-With the state x and the residual forces lambda the powers of these parts are quadratic forms. S = integral of dx dx^T,
-sampled every ``stride`` steps, and L = integral of dlambda dx^T at every step (d: minus the value at the start) give
-all of them after the run: with v = V x, a part that feels the forces g = G x + B^T lambda receives
+Parts with mass touch only through ports: rows B with the forces f = k B q + c B q' - lambda of bearings, couplings,
+meshes and ropes (lambda for the last two). With the state x, v = V x, and d for "minus the value at the start", the
+integral C of df dx^T, summed at every step, gives the work of every port on every part after the run:
 
-    integral v . g dt = g_0 . Dq + v_0 . integral dg dt + sum (V S) G + sum (V L^T) B^T.
+    integral f . B v dt = f_0 . B Dq + B v_0 . integral df dt + sum (C V^T B^T).
 
-The integrals are sums by the trapezoidal rule, accurate beyond all orders for smooth oscillations. Kinks are added by
-Euler and Maclaurin's formula: a method that holds the forces linear within a step gives
-h/12 sum (second difference of lambda) x^T to L; a jump Dphi'' of the motor acceleration turns v by J Dphi'',
-J = -M^-1 M R, so a power v . g gains H^2 B_2(theta)/2 J Dphi'' . g, at the place theta between samples H apart
-(B_2 = theta^2 - theta + 1/6, 1/6 at a sample).
+The dissipation v^T C v of a part follows from S = integral of dx dx^T, summed every ``stride`` steps. Sums are those of
+the trapezoidal rule, accurate beyond all orders for smooth oscillations. Kinks are added by Euler and Maclaurin's
+formula: a method that holds lambda linear within a step gives h/12 sum (second difference of -lambda) x^T to C; a jump
+Dphi'' of the motor acceleration turns v by J Dphi'', J = -M^-1 M R, so that a power v . g gains
+H^2 B_2(theta)/2 J Dphi'' . g at the place theta between samples H apart (B_2 = theta^2 - theta + 1/6).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from scipy.linalg import blas
 from mbd.integrators.base import Block, Integrator
 from mbd.system import Part, System
 
-MAX_SAMPLES = 200_000  # of S; longer runs are sampled every few steps
+MAX_SAMPLES = 100_000  # of S; longer runs are sampled every few steps
 
 
 class LinearWork:
@@ -32,12 +32,13 @@ class LinearWork:
         self.stride = max(1, -(-n_steps // MAX_SAMPLES))
         self.steps = -(-n_steps // self.stride) * self.stride
         self.to_q, self.to_v = integrator.displacement, integrator.velocity
-        size, m = self.to_q.shape[1], len(system.rows)
-        self._second, self._first = np.zeros((size, size), order="F"), np.zeros(size)
-        self._cross, self._pushed = np.zeros((m, size)), np.zeros(m)
+        self._ports, stiffness, damping = _ports(system)
+        self._to_force = stiffness[:, None] * (self._ports @ self.to_q) + damping[:, None] * (self._ports @ self.to_v)
         self._turn = -integrator.inverse_mass @ (system.mass @ system.rolling)  # J
-        self._jump_states, self._jump_forces = np.zeros(size), np.zeros(m)
-        self._held = 0.0
+        size, m, p = self.to_q.shape[1], len(system.rows), len(self._ports)
+        self._second, self._first = np.zeros((size, size), order="F"), np.zeros(size)
+        self._cross, self._pushed = np.zeros((p, size)), np.zeros(p)
+        self._jump_states, self._jump_forces, self._held = np.zeros(size), np.zeros(p), 0.0
         self._tail_states, self._tail_forces = np.zeros((0, size)), np.zeros((0, m))
         self.origin, self.latest, self._origin_force = np.zeros(size), np.zeros(size), np.zeros(m)
         self._stored_first: dict[str, float] = {}
@@ -49,14 +50,17 @@ class LinearWork:
             self.origin, self._origin_force, self.latest = block.states[0], block.forces[0], block.states[0]
             self._stored_first = self._stored()
             self._peak = dict(self._stored_first)
-        states, forces = block.states - self.origin, block.forces - self._origin_force
+        states, residual = block.states - self.origin, block.forces - self._origin_force
+        m = residual.shape[1]
         at = np.arange(first, first + len(states))
         weight = self._step * np.where((at == 0) | (at == self.steps), 0.5, 1.0)
+        forces = states @ self._to_force.T
+        forces[:, :m] -= residual
         self._cross += (weight[:, None] * forces).T @ states
         self._pushed += weight @ forces
         if self._kinks:
-            near, x = np.vstack([self._tail_forces, forces]), np.vstack([self._tail_states, states])
-            self._cross += self._step / 12 * np.diff(near, 2, axis=0).T @ x[1:-1]
+            near, x = np.vstack([self._tail_forces, residual]), np.vstack([self._tail_states, states])
+            self._cross[:m] -= self._step / 12 * np.diff(near, 2, axis=0).T @ x[1:-1]
             self._tail_forces, self._tail_states = near[-2:].copy(), x[-2:].copy()
         self._jumps(at, states, forces, accelerations)
         use = at % self.stride == 0
@@ -82,28 +86,22 @@ class LinearWork:
 
     def books(self, ramp_work: dict[str, float]) -> dict[str, list[float]]:
         """Stored, dissipated, received, parametric (0), residual, scale of every part, J."""
-        system = self._system
-        second = np.triu(self._second) + np.triu(self._second, 1).T
-        stored, moved = self._stored(), self.to_q @ (self.latest - self.origin)
-        v_0, v_1 = self.to_v @ self.origin, self.to_v @ self._first
-        half = second @ self.to_v.T + np.outer(self._jump_states, self._turn)
+        system, stored, moved = self._system, self._stored(), self.to_q @ (self.latest - self.origin)
+        v_0, v_1, v_2 = self._velocity_integrals()
+        start = self._to_force @ self.origin
+        start[: len(self._origin_force)] -= self._origin_force
         cross = self._cross @ self.to_v.T + np.outer(self._jump_forces, self._turn)
-        v_2 = self.to_v @ half + np.outer(self._turn, self.to_v @ self._jump_states)
+        # work (port, coordinate) that the motion of each coordinate does against each port
+        work = self._ports * (np.outer(start, moved) + np.outer(self._pushed, v_0) + cross)
         rows: dict[str, list[float]] = {}
+        port = len(system.rows)
         for part in system.parts:
             i = part.index
-            own = part.stiffness @ self.to_q[i] + part.damping @ self.to_v[i]
             if part.mass.any():
-                around = own - system.stiffness[i] @ self.to_q - system.damping[i] @ self.to_v
-                rest = system.constant_force[i] + system.rows[:, i].T @ self._origin_force
-                received = ramp_work[part.name] + float(moved[i] @ rest)
-                received += float(
-                    v_0[i] @ (system.rows[:, i].T @ self._pushed) + np.sum(system.rows[:, i] * cross[:, i])
-                )
+                received = ramp_work[part.name] + float(moved[i] @ system.constant_force[i] - work[:, i].sum())
             else:
-                around, received = own, 0.0
-            received += float(moved[i] @ (around @ self.origin) + v_0[i] @ (around @ self._first))
-            received += float(np.sum(around * half[:, i].T))
+                received = float(work[port : port + len(part.rows)].sum())
+                port += len(part.rows)
             span = self._step * self.steps
             dissipated = float(v_0[i] @ part.damping @ (span * v_0[i] + 2 * v_1[i]))
             dissipated += float(np.sum(part.damping * v_2[np.ix_(i, i)]))
@@ -112,9 +110,26 @@ class LinearWork:
             rows[part.name] = [change, dissipated, received, 0.0, received - change - dissipated, scale]
         return rows
 
+    def _velocity_integrals(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """v_0, integral of dv, integral of dv dv^T."""
+        second = np.triu(self._second) + np.triu(self._second, 1).T
+        half = np.outer(self.to_v @ self._jump_states, self._turn)
+        return self.to_v @ self.origin, self.to_v @ self._first, self.to_v @ second @ self.to_v.T + half + half.T
+
     def _stored(self) -> dict[str, float]:
         q, v = self.to_q @ self.latest, self.to_v @ self.latest
         return {part.name: _energy(part, q, v) for part in self._system.parts}
+
+
+def _ports(system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows, stiffness and damping of all ports: meshes and ropes (their linear reference), then the massless parts."""
+    table, massless = system.table, [part for part in system.parts if not part.mass.any()]
+    damping = table.tau[:, None] * table.stiffness * [1.0, 0.0]
+    return (
+        np.vstack([system.rows, *(part.rows for part in massless)]),
+        np.concatenate([table.stiffness.ravel(), table.rope_stiffness, *(part.row_stiffness for part in massless)]),
+        np.concatenate([damping.ravel(), table.rope_damping, *(part.row_damping for part in massless)]),
+    )
 
 
 def _energy(part: Part, q: np.ndarray, v: np.ndarray) -> float:

@@ -29,7 +29,10 @@ DEFAULT_BAND = 20e3  # Hz
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Matrices of one linear part on the coordinates ``index``; parts sum to the system without its references."""
+    """Matrices of one linear part on the coordinates ``index``; parts sum to the system without its references.
+
+    Massless parts are springs and dampers on ``rows`` (row, n): force row_stiffness u + row_damping u'.
+    """
 
     name: str
     kind: str  # "shaft" | "bearing" | "casing" | "drive" | "load"
@@ -37,6 +40,9 @@ class Part:
     mass: np.ndarray
     damping: np.ndarray
     stiffness: np.ndarray
+    rows: np.ndarray
+    row_stiffness: np.ndarray
+    row_damping: np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -157,7 +163,7 @@ def _shaft_parts(lay: Layout) -> list[Part]:
         if shaft.model == "torsion":  # the rigid motions store nothing: remove the round-off
             k[:5], k[:, :5] = 0.0, 0.0
         index = np.arange(lay.size)[lay.spans[shaft.name]]
-        parts.append(Part(shaft.name, "shaft", index, m, shaft.damping_time * k, k))
+        parts.append(_massive(lay, shaft.name, "shaft", index, m, shaft.damping_time * k, k))
     return parts
 
 
@@ -165,7 +171,14 @@ def _row_part(name: str, kind: str, rows: np.ndarray, stiffness: np.ndarray, dam
     index = np.flatnonzero(np.any(rows != 0.0, axis=0))
     r = rows[:, index]
     zero = np.zeros((len(index), len(index)))
-    return Part(name, kind, index, zero, r.T @ (damping[:, None] * r), r.T @ (stiffness[:, None] * r))
+    c, k = r.T @ (damping[:, None] * r), r.T @ (stiffness[:, None] * r)
+    return Part(name, kind, index, zero, c, k, rows, stiffness, damping)
+
+
+def _massive(
+    lay: Layout, name: str, kind: str, index: np.ndarray, mass: np.ndarray, damping: np.ndarray, stiffness: np.ndarray
+) -> Part:
+    return Part(name, kind, index, mass, damping, stiffness, np.zeros((0, lay.size)), np.zeros(0), np.zeros(0))
 
 
 def _bearing_parts(lay: Layout) -> list[Part]:
@@ -183,7 +196,7 @@ def _casing_part(lay: Layout) -> list[Part]:
     if not len(casing.coordinate_names):
         return []
     index = np.arange(lay.size)[lay.spans["casing"]]
-    return [Part("casing", "casing", index, casing.mass, casing.damping, casing.stiffness)]
+    return [_massive(lay, "casing", "casing", index, casing.mass, casing.damping, casing.stiffness)]
 
 
 def _drive_part(lay: Layout) -> list[Part]:
@@ -198,7 +211,7 @@ def _load_part(lay: Layout) -> list[Part]:
         return []
     zero = np.zeros((1, 1))
     mass = np.array([[lay.machine.load.container_mass]])
-    return [Part("load", "load", np.array([lay.size - 1]), mass, zero, zero)]
+    return [_massive(lay, "load", "load", np.array([lay.size - 1]), mass, zero, zero)]
 
 
 def _force_rows(lay: Layout) -> tuple[np.ndarray, tuple[str, ...], np.ndarray]:
