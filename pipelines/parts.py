@@ -72,5 +72,3 @@ def mesh_inputs(scene: Scene, layout: Layout, laws: list[tuple[MeshLaw, MeshLaw]
         MeshInput(drive=drive, coast=coast, **clearances(scene, pair, stage))
         for stage, (pair, (drive, coast)) in enumerate(zip(layout.pairs, laws, strict=True))
     ]
-
-

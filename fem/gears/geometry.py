@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
-
 from fem.gears.gear import Gear, GeometryError, Rack, involute, require
 from fem.gears.profile import form_radius
 from fem.materials import STEEL, Material
