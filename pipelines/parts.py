@@ -1,11 +1,6 @@
-"""What each stage of a run computes: plain functions from specs (frozen, in SI) to records.
-
-A spec holds all that its function reads from the scene, so equal specs may share one result.
-"""
+"""Teeth of a scene: clearances by pitch deviations and faults, and the inputs of the meshes made of them."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,39 +10,7 @@ from fem.gears.faults import missing_tooth
 from fem.gears.geometry import GearPair
 from pipelines.layout import Layout
 from pipelines.machine import MeshInput
-from pipelines.scene import IsoMesh, MeshModel, Scene
-
-
-@dataclass(frozen=True, kw_only=True)
-class LawSpec:
-    """A gear pair and the rung of its mesh law; `line_load` (N/m) is read by the rung `iso` alone, else 0."""
-
-    pair: GearPair
-    mesh: MeshModel
-    line_load: float
-
-
-def law_spec(mesh: MeshModel, pair: GearPair, line_load: float) -> LawSpec:
-    """The spec of a law; the play between the flanks is left out, no law depends on it."""
-    from dataclasses import replace
-
-    return LawSpec(
-        pair=replace(pair, backlash_allowance=0.0),
-        mesh=mesh,
-        line_load=line_load if isinstance(mesh, IsoMesh) else 0.0,
-    )
-
-
-def mesh_laws(spec: LawSpec) -> tuple[MeshLaw, MeshLaw]:
-    """The laws of drive and coast flank."""
-    if isinstance(spec.mesh, IsoMesh):
-        from fem.contact.iso import Iso
-
-        rung = Iso(n_slices=spec.mesh.slices, line_load=spec.line_load or None)
-        return rung.law(spec.pair, "drive"), rung.law(spec.pair, "coast")
-    from fem.contact.plane import Plane
-
-    return Plane(n_slices=spec.mesh.slices, refinement=spec.mesh.refinement).laws(spec.pair)
+from pipelines.scene import Scene
 
 
 def clearances(scene: Scene, pair: GearPair, stage: int) -> dict[str, np.ndarray]:
