@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.linalg as la
+from housings import housing_for_shafts
 
 from fem.casing.checkup import check_up
 from fem.casing.coupling import CouplingError, surface_weights
 from fem.casing.grounded import ground_casing
 from fem.casing.housing import HousingError, Sensor
-from fem.casing.layout import housing_for_shafts
 from fem.casing.mesh import CasingMesh, MeshError
 from fem.casing.mesher import mesh_housing
 from fem.casing.modes import CasingModes, casing_modes, reduced_body

@@ -1,4 +1,4 @@
-"""The usual housing around parallel shafts: bores, bosses, feet and nine sensors placed from the shaft positions."""
+"""A housing around parallel shafts for tests: bores, bosses, feet and nine sensors placed from the shaft positions."""
 
 from __future__ import annotations
 
