@@ -16,12 +16,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class CaseSpec:
-    """One comparison: what is looked for, how the deviations are named, and the noise of the sensor (m/s2 rms)."""
+    """One comparison: what is looked for."""
 
     settings: DiagnosisSettings
-    deviations: str  # "off" | "on"
-    seed: int
-    noise: float
     full: bool  # its lines are shown in full; else it enters summaries
 
 
@@ -57,8 +54,7 @@ def diagnoses(spec: DiagnosingSpec, responses: tuple[xarray.Dataset, ...]) -> li
 
     out = []
     for number, case in enumerate(spec.cases):
-        labels = {"sensor_noise": case.noise, "deviations": case.deviations, "seed": case.seed}
-        faulty, healthy = (run.assign_attrs(labels) for run in responses[2 * number : 2 * number + 2])
+        faulty, healthy = responses[2 * number : 2 * number + 2]
         out.append(diagnose(faulty, healthy, case.settings))
     return out
 
