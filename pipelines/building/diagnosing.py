@@ -30,13 +30,14 @@ class DiagnosingSpec:
 
 
 def build(spec: DiagnosingSpec, *responses: xarray.Dataset) -> dict[str, Any]:
-    """diagnosis.nc, .csv, .json as bytes under "files", the verdict with its tables as text under "words".
+    """diagnosis.nc, .csv, .json, .md as bytes under "files", the verdict with its tables as text under "words".
 
     A window in which no diagnosis is possible must not cost the signals: its reason is returned under "failure".
     """
     from pipelines.analysis import DiagnosisError
     from pipelines.export import save_diagnoses
     from pipelines.spectrum import SpectrumError
+    from pipelines.verdict import markdown
 
     try:
         found = diagnoses(spec, responses)
@@ -44,6 +45,7 @@ def build(spec: DiagnosingSpec, *responses: xarray.Dataset) -> dict[str, Any]:
         return {"files": {}, "words": "", "failure": str(error)}
     with tempfile.TemporaryDirectory() as folder:
         files = {path.name: path.read_bytes() for path in save_diagnoses(Path(folder), found)}
+    files["diagnosis.md"] = markdown(found).encode()
     full = [d for d, case in zip(found, spec.cases, strict=True) if case.full]
     return {"files": files, "words": words(found, full), "failure": ""}
 
