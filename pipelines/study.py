@@ -6,6 +6,7 @@ seeds of the deviations and error-free gears tell what belongs to the fault and 
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -130,7 +131,11 @@ def diagnosis_settings(scene: Scene, layout: Layout | None = None) -> DiagnosisS
     layout = layout or lay_out(scene)
     stage = derive(scene, layout).stages[table.stage - 1]
     on_wheel = table.gear == "wheel"
-    words = ", ".join(f"one tooth of the stage {f.stage} {f.gear} missing" for f in scene.faults)
+    missing = Counter((f.stage, f.gear) for f in scene.faults)
+    words = ", ".join(
+        f"{'one tooth' if count == 1 else f'{count} teeth'} of the stage {number} {gear} missing"
+        for (number, gear), count in missing.items()
+    )
     modes = {
         name: rope_frequency(scene, _rope_length(scene, layout, sum(w) / 2)) for name, w in table.windows_s.items()
     }
