@@ -8,9 +8,9 @@ the tangent stiffness of every flank at its force, the ropes at their length, da
 shafts, couplings and casing are linear already. Eigenvalues lambda come in the modal basis of the system, which the
 time step uses as well. The speed does not enter: gyroscopic moments are left out of the machine.
 
-The vibration also turns the gears and so shifts the mesh cycle, which changes F at frozen delta. That is left out (the
-time step has it without its counterpart, a torque dU/dc): it is (dF/dc) z1/(2 pi r_b1) beside k_t, at most 0.5 % in the
-scene `minimal` over a turn of its pinion.
+The vibration also turns the gears and so shifts the mesh cycle, which changes F at frozen delta. The time step has this
+without its counterpart, a torque dU/dc, so that K_t would be asymmetric. It is left out: in the scene `minimal` and the
+rig (`iso` laws, no casing) it moves frequencies by at most 0.08 %; by 0.35 %, a motor mode, at a missing tooth.
 
 The energy of a mode is its mean over a period, strain phi^H K phi/4 and kinetic |lambda|^2 phi^H M phi/4, split by
 part. Masses and strain of shafts and casing are theirs; meshes, bearings, couplings and ropes are springs alone.
