@@ -160,7 +160,7 @@ def _export(sub: argparse.ArgumentParser) -> None:
 def _cache(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("action", choices=("info", "verify", "clear"), nargs="?", default="info", help="default: info")
     sub.add_argument(
-        "--older-than", metavar="DAYS", type=float, default=0.0, help="clear only what was not used lately"
+        "--older-than", metavar="DAYS", type=_days, default=0.0, help="clear only what was not used lately"
     )
 
 
@@ -184,6 +184,16 @@ def _positive(text: str) -> float:
     if _number(text) <= 0:
         raise argparse.ArgumentTypeError(f"{text!r} is not above 0")
     return _number(text)
+
+
+def _days(text: str) -> float:
+    try:
+        days = float(text)
+    except ValueError:
+        days = -1.0
+    if not 0 <= days < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of days from 0")
+    return days
 
 
 _ARGUMENTS = {

@@ -150,3 +150,12 @@ def _warnings(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterato
         )
     if scene.load.container_kg == 0:
         yield "load.container_kg = 0: nothing holds the drive flank; the gears will rattle in their backlash"
+    looked_at = (scene.diagnosis.stage, scene.diagnosis.gear)
+    if scene.faults and scene.diagnosis.windows_s and looked_at not in {(f.stage, f.gear) for f in scene.faults}:
+        yield (
+            f"diagnosis looks for the stage {looked_at[0]} {looked_at[1]}, no fault is there; set diagnosis.stage and "
+            "diagnosis.gear to the faulty gear"
+        )
+    if scene.faults and not (scene.control and scene.diagnosis.windows_s):
+        missing = "control" if not scene.control else "diagnosis.windows_s"
+        yield f"{missing} is not given: the run makes signals, but no diagnosis"

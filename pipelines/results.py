@@ -80,6 +80,7 @@ def find_run(name: str | Path, root: Path | None = None) -> Path:
             found = parent / latest.read_text(encoding="utf-8").strip()
             if (found / RESPONSE).is_file():
                 return found
+            raise InputError(f"{found}: no {RESPONSE} here, though {latest} names it. Again: gearcase run {name}")
     raise InputError(
         f"{name}: no result here, neither {folder / RESPONSE} nor {scene / LATEST}. First: gearcase run {name}"
     )

@@ -134,16 +134,7 @@ def _diagnose_stage(study: Study) -> Stage | None:
         settings = diagnosis_settings(case.scene)
         if settings is None or case.healthy is None:
             return None
-        deviations = case.scene.deviations
-        cases.append(
-            diagnosing.CaseSpec(
-                settings=settings,
-                deviations="on" if deviations.enabled else "off",
-                seed=deviations.seed,
-                noise=case.scene.diagnosis.noise_m_s2,
-                full=number == 0 or case.label == "torque",
-            )
-        )
+        cases.append(diagnosing.CaseSpec(settings=settings, full=number == 0 or case.label == "torque"))
         takes += [case.faulty, case.healthy]
     spec = diagnosing.DiagnosingSpec(cases=tuple(cases))
     return Stage(

@@ -10,9 +10,13 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-Positive = Annotated[float, Field(gt=0)]
-NotNegative = Annotated[float, Field(ge=0)]
-Window = Annotated[tuple[float, float], Field(description="start and end in s")]
+# as written: text is no number, true is not 1
+Number = Annotated[float, Field(strict=True)]
+Whole = Annotated[int, Field(strict=True)]
+Flag = Annotated[bool, Field(strict=True)]
+Positive = Annotated[Number, Field(gt=0)]
+NotNegative = Annotated[Number, Field(ge=0)]
+Window = Annotated[tuple[Number, Number], Field(description="start and end in s")]
 
 
 class Table(BaseModel):
@@ -24,24 +28,26 @@ class Table(BaseModel):
 class MaterialTable(Table):
     """An isotropic linear elastic material."""
 
-    elastic_modulus_GPa: Annotated[float, Field(gt=0, le=1e6, description="Young's modulus")]
-    poisson_ratio: Annotated[float, Field(ge=0, lt=0.5, description="Poisson's ratio")]
-    density_kg_m3: Annotated[float, Field(gt=0, description="density")]
+    elastic_modulus_GPa: Annotated[Number, Field(gt=0, le=1e6, description="Young's modulus")]
+    poisson_ratio: Annotated[Number, Field(ge=0, lt=0.5, description="Poisson's ratio")]
+    density_kg_m3: Annotated[Number, Field(gt=0, description="density")]
 
 
 class IsoMesh(Table):
     """Mesh stiffness by ISO 6336-1: mean value by formula, shape by contact line length. Milliseconds."""
 
     model: Literal["iso"] = "iso"
-    slices: Annotated[int, Field(ge=1, le=101, description="slices along the face")] = 15
+    slices: Annotated[Whole, Field(ge=1, le=101, description="slices along the face")] = 15
 
 
 class PlaneMesh(Table):
     """Mesh stiffness by 2-D finite elements of the whole ring, sliced along the face. Seconds."""
 
     model: Literal["plane"] = "plane"
-    slices: Annotated[int, Field(ge=1, le=101, description="slices along the face")] = 15
-    refinement: Annotated[float, Field(ge=0.5, le=8, description="divides all element sizes of the tooth sector")] = 1.0
+    slices: Annotated[Whole, Field(ge=1, le=101, description="slices along the face")] = 15
+    refinement: Annotated[Number, Field(ge=0.5, le=8, description="divides all element sizes of the tooth sector")] = (
+        1.0
+    )
 
 
 MeshModel = Annotated[IsoMesh | PlaneMesh, Field(discriminator="model")]
@@ -50,37 +56,41 @@ MeshModel = Annotated[IsoMesh | PlaneMesh, Field(discriminator="model")]
 class StageTable(Table):
     """One helical gear pair: the pinion drives (shaft i), the wheel is driven (shaft i + 1)."""
 
-    pinion_teeth: Annotated[int, Field(ge=8, le=400, description="z1")]
-    wheel_teeth: Annotated[int, Field(ge=8, le=400, description="z2")]
-    module_mm: Annotated[float, Field(gt=0, le=60, description="normal module m_n")]
-    pressure_angle_deg: Annotated[float, Field(gt=5, lt=35, description="normal pressure angle alpha_n")] = 20.0
-    helix_angle_deg: Annotated[float, Field(ge=0, le=40, description="helix angle beta at the reference circle")] = 0.0
+    pinion_teeth: Annotated[Whole, Field(ge=8, le=400, description="z1")]
+    wheel_teeth: Annotated[Whole, Field(ge=8, le=400, description="z2")]
+    module_mm: Annotated[Number, Field(gt=0, le=60, description="normal module m_n")]
+    pressure_angle_deg: Annotated[Number, Field(gt=5, lt=35, description="normal pressure angle alpha_n")] = 20.0
+    helix_angle_deg: Annotated[Number, Field(ge=0, le=40, description="helix angle beta at the reference circle")] = 0.0
     pinion_hand: Annotated[Literal["right", "left"], Field(description="hand of the pinion's helix")] = "right"
-    face_width_mm: Annotated[float, Field(gt=0, le=2000, description="common face width b")]
-    pinion_profile_shift: Annotated[float, Field(ge=-1, le=1.5, description="x1")] = 0.0
-    wheel_profile_shift: Annotated[float, Field(ge=-1, le=1.5, description="x2")] = 0.0
-    pinion_bore_mm: Annotated[float, Field(gt=0, description="diameter where the gear body is bonded to the shaft")]
-    wheel_bore_mm: Annotated[float, Field(gt=0, description="diameter where the gear body is bonded to the shaft")]
-    rack_addendum: Annotated[float, Field(gt=0.5, le=1.6, description="in modules")] = 1.0
-    rack_dedendum: Annotated[float, Field(gt=0.8, le=2.0, description="in modules")] = 1.25
-    rack_tip_radius: Annotated[float, Field(gt=0, le=0.5, description="in modules")] = 0.38
-    backlash_um: Annotated[float, Field(ge=0, le=5000, description="transverse backlash along the line of action")] = 80
-    position_mm: Annotated[float, Field(description="mid face along the shafts (y)")] = 0.0
+    face_width_mm: Annotated[Number, Field(gt=0, le=2000, description="common face width b")]
+    pinion_profile_shift: Annotated[Number, Field(ge=-1, le=1.5, description="x1")] = 0.0
+    wheel_profile_shift: Annotated[Number, Field(ge=-1, le=1.5, description="x2")] = 0.0
+    pinion_bore_mm: Annotated[Number, Field(gt=0, description="diameter where the gear body is bonded to the shaft")]
+    wheel_bore_mm: Annotated[Number, Field(gt=0, description="diameter where the gear body is bonded to the shaft")]
+    rack_addendum: Annotated[Number, Field(gt=0.5, le=1.6, description="in modules")] = 1.0
+    rack_dedendum: Annotated[Number, Field(gt=0.8, le=2.0, description="in modules")] = 1.25
+    rack_tip_radius: Annotated[Number, Field(gt=0, le=0.5, description="in modules")] = 0.38
+    backlash_um: Annotated[Number, Field(ge=0, le=5000, description="transverse backlash along the line of action")] = (
+        80
+    )
+    position_mm: Annotated[Number, Field(description="mid face along the shafts (y)")] = 0.0
     direction_deg: Annotated[
-        float, Field(ge=-180, le=180, description="direction from pinion axis to wheel axis: 0 is +x, 90 is up")
+        Number, Field(ge=-180, le=180, description="direction from pinion axis to wheel axis: 0 is +x, 90 is up")
     ] = 0.0
-    cycle_at_start: Annotated[float, Field(ge=0, lt=1, description="mesh cycle c at t = 0, modulo 1")] = 0.0
-    mesh_damping_time_us: Annotated[float, Field(ge=0, le=1000, description="tau_m: damping = tau_m * stiffness")] = 1.8
+    cycle_at_start: Annotated[Number, Field(ge=0, lt=1, description="mesh cycle c at t = 0, modulo 1")] = 0.0
+    mesh_damping_time_us: Annotated[Number, Field(ge=0, le=1000, description="tau_m: damping = tau_m * stiffness")] = (
+        1.8
+    )
     mesh: MeshModel = PlaneMesh()
 
 
 class SectionTable(Table):
     """A stretch of a shaft with constant diameters."""
 
-    start_mm: Annotated[float, Field(description="y of its -y end")]
-    end_mm: Annotated[float, Field(description="y of its +y end")]
-    diameter_mm: Annotated[float, Field(gt=0, description="outer diameter")]
-    bore_mm: Annotated[float, Field(ge=0, description="inner diameter")] = 0.0
+    start_mm: Annotated[Number, Field(description="y of its -y end")]
+    end_mm: Annotated[Number, Field(description="y of its +y end")]
+    diameter_mm: Annotated[Number, Field(gt=0, description="outer diameter")]
+    bore_mm: Annotated[Number, Field(ge=0, description="inner diameter")] = 0.0
 
     @model_validator(mode="after")
     def _ordered(self) -> SectionTable:
@@ -95,7 +105,7 @@ class ShaftTable(Table):
     """One shaft; shaft 1 is the input."""
 
     sections: Annotated[tuple[SectionTable, ...], Field(min_length=1, description="from -y to +y, without gaps")]
-    bearing_positions_mm: Annotated[tuple[float, float], Field(description="y of its two bearings, -y first")]
+    bearing_positions_mm: Annotated[tuple[Number, Number], Field(description="y of its two bearings, -y first")]
 
     @model_validator(mode="after")
     def _joined(self) -> ShaftTable:
@@ -117,8 +127,8 @@ class ShaftModel(Table):
     model: Annotated[
         Literal["torsion", "timoshenko"], Field(description="torsion: rigid but in twist; timoshenko: beam elements")
     ] = "timoshenko"
-    element_length_mm: Annotated[float, Field(gt=0, description="longest beam element")] = 40.0
-    damping_time_us: Annotated[float, Field(ge=0, le=1000, description="material damping = this time * stiffness")] = (
+    element_length_mm: Annotated[Number, Field(gt=0, description="longest beam element")] = 40.0
+    damping_time_us: Annotated[Number, Field(ge=0, le=1000, description="material damping = this time * stiffness")] = (
         0.5
     )
 
@@ -127,43 +137,43 @@ class BearingTable(Table):
     """Linear bearings between shaft and casing, the same for all."""
 
     model: Literal["linear"] = "linear"
-    radial_stiffness_N_per_um: Annotated[float, Field(ge=0.01, le=1e6, description="in x and z")] = 100.0
-    axial_stiffness_N_per_um: Annotated[float, Field(ge=0.01, le=1e6, description="along the shaft")] = 50.0
-    tilt_stiffness_N_m_per_rad: Annotated[float, Field(ge=0, le=1e9, description="about x and z")] = 1.0e4
-    damping_time_us: Annotated[float, Field(ge=0, le=1e4, description="damping = this time * stiffness")] = 5.0
+    radial_stiffness_N_per_um: Annotated[Number, Field(ge=0.01, le=1e6, description="in x and z")] = 100.0
+    axial_stiffness_N_per_um: Annotated[Number, Field(ge=0.01, le=1e6, description="along the shaft")] = 50.0
+    tilt_stiffness_N_m_per_rad: Annotated[Number, Field(ge=0, le=1e9, description="about x and z")] = 1.0e4
+    damping_time_us: Annotated[Number, Field(ge=0, le=1e4, description="damping = this time * stiffness")] = 5.0
 
 
 class DeviationTable(Table):
     """Seeded cumulative pitch deviations of every tooth within the tolerances of ISO 1328-1."""
 
-    enabled: Annotated[bool, Field(description="false: error-free gears")] = True
-    iso_grade: Annotated[int, Field(ge=1, le=11, description="flank tolerance class of ISO 1328-1:2013")] = 5
-    seed: Annotated[int, Field(ge=0, le=2**31, description="same seed, same deviations")] = 1
+    enabled: Annotated[Flag, Field(description="false: error-free gears")] = True
+    iso_grade: Annotated[Whole, Field(ge=1, le=11, description="flank tolerance class of ISO 1328-1:2013")] = 5
+    seed: Annotated[Whole, Field(ge=0, le=2**31, description="same seed, same deviations")] = 1
 
 
 class FaultTable(Table):
     """One damaged tooth."""
 
     kind: Annotated[Literal["missing-tooth"], Field(description="what is wrong with the tooth")]
-    stage: Annotated[int, Field(ge=1, description="number of the stage")]
+    stage: Annotated[Whole, Field(ge=1, description="number of the stage")]
     gear: Annotated[Literal["pinion", "wheel"], Field(description="gear of that stage")]
-    tooth: Annotated[int, Field(ge=0, description="number of the tooth; 0 is in contact at the pitch point at c = 0")]
+    tooth: Annotated[Whole, Field(ge=0, description="number of the tooth; 0 is in contact at the pitch point at c = 0")]
 
 
 class HousingTable(Table):
     """The parametric housing: a closed box with bearing bosses in its two side walls and six feet."""
 
-    length_mm: Annotated[float, Field(gt=0, description="outer length along x")]
-    width_mm: Annotated[float, Field(gt=0, description="outer width along y; mid face is y = 0")]
-    height_mm: Annotated[float, Field(gt=0, description="outer height along z without feet")]
-    wall_thickness_mm: Annotated[float, Field(gt=0, description="of all walls, floor and cover")]
-    left_end_mm: Annotated[float, Field(description="x of the outer face of the left end wall; shaft 1 is x = 0")]
-    shaft_height_mm: Annotated[float, Field(gt=0, description="shaft 1 above the underside of the floor")]
+    length_mm: Annotated[Number, Field(gt=0, description="outer length along x")]
+    width_mm: Annotated[Number, Field(gt=0, description="outer width along y; mid face is y = 0")]
+    height_mm: Annotated[Number, Field(gt=0, description="outer height along z without feet")]
+    wall_thickness_mm: Annotated[Number, Field(gt=0, description="of all walls, floor and cover")]
+    left_end_mm: Annotated[Number, Field(description="x of the outer face of the left end wall; shaft 1 is x = 0")]
+    shaft_height_mm: Annotated[Number, Field(gt=0, description="shaft 1 above the underside of the floor")]
     bore_diameters_mm: Annotated[tuple[Positive, ...], Field(description="one per shaft, for both of its bearings")]
     boss_diameters_mm: Annotated[tuple[Positive, ...], Field(description="one per shaft")]
-    boss_length_mm: Annotated[float, Field(gt=0, description="along y, from the outer wall face inwards")]
-    foot_length_mm: Annotated[float, Field(gt=0, description="side of the square foot pads")] = 60.0
-    foot_height_mm: Annotated[float, Field(gt=0, description="foot pads below the floor")] = 15.0
+    boss_length_mm: Annotated[Number, Field(gt=0, description="along y, from the outer wall face inwards")]
+    foot_length_mm: Annotated[Number, Field(gt=0, description="side of the square foot pads")] = 60.0
+    foot_height_mm: Annotated[Number, Field(gt=0, description="foot pads below the floor")] = 15.0
 
 
 class NoCasingTable(Table):
@@ -177,29 +187,31 @@ class FlexibleBase(Table):
 
     housing: HousingTable
     material: MaterialTable
-    damping_ratio: Annotated[float, Field(ge=0, lt=1, description="modal damping")] = 0.01
+    damping_ratio: Annotated[Number, Field(ge=0, lt=1, description="modal damping")] = 0.01
 
 
 class RigidCasingTable(FlexibleBase):
     """A rigid body on six mount springs, one per foot: 6 coordinates, no finite elements."""
 
     model: Literal["rigid"] = "rigid"
-    mount_stiffness_N_per_um: Annotated[float, Field(gt=0, le=1e7, description="of each foot, in x, y and z")] = 200.0
+    mount_stiffness_N_per_um: Annotated[Number, Field(gt=0, le=1e7, description="of each foot, in x, y and z")] = 200.0
 
 
 class StaticCasingTable(FlexibleBase):
     """Finite elements condensed statically (Guyan) to the bearing points."""
 
     model: Literal["static"] = "static"
-    element_size_mm: Annotated[float, Field(gt=0, description="of the tetrahedra")] = 22.0
+    element_size_mm: Annotated[Number, Field(gt=0, description="of the tetrahedra")] = 22.0
 
 
 class CraigBamptonCasingTable(FlexibleBase):
     """Finite elements reduced to the bearing points and the fixed-interface modes."""
 
     model: Literal["craig-bampton"] = "craig-bampton"
-    element_size_mm: Annotated[float, Field(gt=0, description="of the tetrahedra")] = 22.0
-    band_Hz: Annotated[float, Field(gt=0, le=20000, description="wanted band; modes are kept to 1.5 times it")] = 5000.0
+    element_size_mm: Annotated[Number, Field(gt=0, description="of the tetrahedra")] = 22.0
+    band_Hz: Annotated[Number, Field(gt=0, le=20000, description="wanted band; modes are kept to 1.5 times it")] = (
+        5000.0
+    )
 
 
 CasingModel = Annotated[
@@ -211,17 +223,19 @@ class SensorTable(Table):
     """A tri-axial accelerometer on the casing."""
 
     name: Annotated[str, Field(pattern=r"^sensor_[1-9][0-9]*$", description="sensor_1, sensor_2, ...")]
-    position_mm: Annotated[tuple[float, float, float], Field(description="x, y, z; moved to the nearest surface point")]
+    position_mm: Annotated[
+        tuple[Number, Number, Number], Field(description="x, y, z; moved to the nearest surface point")
+    ]
 
 
 class DriveTable(Table):
     """Speed-driven motors at both ends of shaft 1, each through a coupling that only holds the rotation."""
 
-    times_s: Annotated[tuple[float, ...], Field(min_length=2, description="strictly rising, starting at 0")]
-    speeds_rpm: Annotated[tuple[float, ...], Field(min_length=2, description="motor speed at these times")]
+    times_s: Annotated[tuple[Number, ...], Field(min_length=2, description="strictly rising, starting at 0")]
+    speeds_rpm: Annotated[tuple[Number, ...], Field(min_length=2, description="motor speed at these times")]
     motors: Annotated[Literal[1, 2], Field(description="2: one at each end; 1: at the -y end")] = 2
-    coupling_stiffness_N_m_per_rad: Annotated[float, Field(gt=0, description="of each coupling")] = 2000.0
-    coupling_damping_N_m_s_per_rad: Annotated[float, Field(ge=0, description="of each coupling")] = 0.5
+    coupling_stiffness_N_m_per_rad: Annotated[Number, Field(gt=0, description="of each coupling")] = 2000.0
+    coupling_damping_N_m_s_per_rad: Annotated[Number, Field(ge=0, description="of each coupling")] = 0.5
 
     @model_validator(mode="after")
     def _table(self) -> DriveTable:
@@ -238,11 +252,11 @@ class DriveTable(Table):
 class LoadBase(Table):
     """What every load has: a weight on two drums."""
 
-    container_kg: Annotated[float, Field(ge=0, description="hanging mass")]
-    drum_radius_mm: Annotated[float, Field(gt=0, description="to the middle of the rope")]
-    drum_mass_kg: Annotated[float, Field(gt=0, description="of each drum, overhung at the ends of the last shaft")]
-    drum_inertia_kg_m2: Annotated[float, Field(gt=0, description="of each drum about the shaft")]
-    reeving_ratio: Annotated[float, Field(gt=0, description="rope speed at the drum over container speed")] = 2.0
+    container_kg: Annotated[Number, Field(ge=0, description="hanging mass")]
+    drum_radius_mm: Annotated[Number, Field(gt=0, description="to the middle of the rope")]
+    drum_mass_kg: Annotated[Number, Field(gt=0, description="of each drum, overhung at the ends of the last shaft")]
+    drum_inertia_kg_m2: Annotated[Number, Field(gt=0, description="of each drum about the shaft")]
+    reeving_ratio: Annotated[Number, Field(gt=0, description="rope speed at the drum over container speed")] = 2.0
 
 
 class StaticTorqueTable(LoadBase):
@@ -255,12 +269,12 @@ class RopeTable(LoadBase):
     """Container on elastic rope: stiffness of the current length, tension only."""
 
     model: Literal["rope"] = "rope"
-    rope_diameter_mm: Annotated[float, Field(gt=0, description="nominal diameter")] = 10.0
-    rope_modulus_GPa: Annotated[float, Field(gt=0, description="on the metallic area")] = 100.0
-    rope_fill_factor: Annotated[float, Field(gt=0, le=1, description="metallic area over the circle")] = 0.455
-    rope_falls: Annotated[int, Field(ge=1, description="falls that carry the container")] = 8
-    rope_length_m: Annotated[float, Field(gt=0, description="free length at t = 0")] = 5.0
-    rope_damping_ratio: Annotated[float, Field(ge=0, lt=1, description="of the bounce at the initial length")] = 0.02
+    rope_diameter_mm: Annotated[Number, Field(gt=0, description="nominal diameter")] = 10.0
+    rope_modulus_GPa: Annotated[Number, Field(gt=0, description="on the metallic area")] = 100.0
+    rope_fill_factor: Annotated[Number, Field(gt=0, le=1, description="metallic area over the circle")] = 0.455
+    rope_falls: Annotated[Whole, Field(ge=1, description="falls that carry the container")] = 8
+    rope_length_m: Annotated[Number, Field(gt=0, description="free length at t = 0")] = 5.0
+    rope_damping_ratio: Annotated[Number, Field(ge=0, lt=1, description="of the bounce at the initial length")] = 0.02
 
 
 LoadModel = Annotated[StaticTorqueTable | RopeTable, Field(discriminator="model")]
@@ -269,9 +283,9 @@ LoadModel = Annotated[StaticTorqueTable | RopeTable, Field(discriminator="model"
 class SimulationTable(Table):
     """Time integration and output."""
 
-    end_s: Annotated[float, Field(gt=0, le=3600, description="simulated time")]
-    output_rate_Hz: Annotated[float, Field(gt=0, le=200000, description="after the anti-alias filter")] = 10000.0
-    step_us: Annotated[float, Field(gt=0, le=1000, description="rounded down to a whole part of the output step")] = (
+    end_s: Annotated[Number, Field(gt=0, le=3600, description="simulated time")]
+    output_rate_Hz: Annotated[Number, Field(gt=0, le=200000, description="after the anti-alias filter")] = 10000.0
+    step_us: Annotated[Number, Field(gt=0, le=1000, description="rounded down to a whole part of the output step")] = (
         10.0
     )
     integrator: Annotated[
@@ -284,7 +298,7 @@ class DiagnosisTable(Table):
 
     sensor: Annotated[str, Field(description="its signal is diagnosed")] = "sensor_3"
     axis: Annotated[Literal["x", "y", "z", "resultant"], Field(description="of the sensor")] = "z"
-    stage: Annotated[int, Field(ge=1, description="stage whose mesh frequency carries the sidebands")] = 1
+    stage: Annotated[Whole, Field(ge=1, description="stage whose mesh frequency carries the sidebands")] = 1
     gear: Annotated[Literal["pinion", "wheel"], Field(description="gear whose rotation is sought")] = "wheel"
     windows_s: dict[str, Window] = Field(default_factory=dict, description="constant-speed windows by name")
     envelope_band_Hz: Annotated[
@@ -294,7 +308,7 @@ class DiagnosisTable(Table):
             "run is strongest"
         ),
     ] = "mesh"
-    noise_m_s2: Annotated[float, Field(ge=0, description="rms of white sensor noise added before diagnosis")] = 0.01
+    noise_m_s2: Annotated[Number, Field(ge=0, description="rms of white sensor noise added before diagnosis")] = 0.01
 
 
 class Scene(Table):
@@ -355,6 +369,16 @@ class Scene(Table):
             yield f"diagnosis.stage = {self.diagnosis.stage}: there are {len(self.stages)} stages"
         if self.sensors and self.diagnosis.sensor not in {sensor.name for sensor in self.sensors}:
             yield f"diagnosis.sensor = {self.diagnosis.sensor!r}: not among the sensors of the scene"
+        teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in self.faults]
+        for stage_number, gear, tooth in sorted({hit for hit in teeth_hit if teeth_hit.count(hit) > 1}):
+            yield f"faults: tooth {tooth} of the stage {stage_number} {gear} is given more than once"
+        if isinstance(self.diagnosis.envelope_band_Hz, tuple):
+            low, high = self.diagnosis.envelope_band_Hz
+            if not low < high < self.simulation.output_rate_Hz / 2:
+                yield (
+                    f"diagnosis.envelope_band_Hz = [{low:g}, {high:g}]: must rise and end below half of "
+                    f"simulation.output_rate_Hz, {self.simulation.output_rate_Hz / 2:g} Hz"
+                )
         for name, (start, end) in self.diagnosis.windows_s.items():
             if not 0 <= start < end:
                 yield f"diagnosis.windows_s.{name} = [{start}, {end}]: must start at or after 0 and end later"

@@ -70,10 +70,17 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any]) -> Prob
     path = user_path(location, model, tree, missing=kind == "missing")
     key, where = (path[-1] if path else ""), ".".join(path)
     unit = _unit(key)
-    shown = None if kind == "missing" else _shown(item["input"])
     value = item["input"]
+    shown = None if kind == "missing" else _shown(value)
     if kind == "extra_forbidden":
         return Problem(where, *_unknown_key(path, model, tree), shown)
+    if kind == "missing" and isinstance(location[-1], int):  # a list of fixed length that is too short
+        return Problem(
+            where.rpartition(".")[0],
+            "has too few items",
+            "Give every number, as docs/scene-keys.md says.",
+            format_value(value),
+        )
     if kind == "missing":
         return Problem(where, "is missing", f"Give {_example(path, model, tree)}.")
     if kind in _LIMITS:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+
 from pipelines.collisions import find_collisions
 from pipelines.errors import Problem, SceneError
 from pipelines.layout import Layout, lay_out
-from pipelines.scene import FlexibleBase, Scene
+from pipelines.scene import FlexibleBase, HousingTable, Scene
+
+FARTHEST_SENSOR_MM = 50.0  # a sensor farther from the housing is a mistake in the scene
 
 
 def checked_layout(scene: Scene, source: str) -> Layout:
@@ -20,6 +25,7 @@ def checked_layout(scene: Scene, source: str) -> Layout:
     if isinstance(scene.casing, FlexibleBase):
         from pipelines.housing import housing
 
+        problems += _far_sensors(scene, scene.casing.housing)
         try:
             housing(scene, scene.casing.housing, layout, source)
         except SceneError as error:
@@ -27,3 +33,19 @@ def checked_layout(scene: Scene, source: str) -> Layout:
     if problems:
         raise SceneError(source, problems)
     return layout
+
+
+def _far_sensors(scene: Scene, box: HousingTable) -> Iterator[Problem]:
+    """Sensors outside the box around the housing and its feet by more than the limit."""
+    low = (box.left_end_mm, -box.width_mm / 2, -box.shaft_height_mm - box.foot_height_mm)
+    high = (box.left_end_mm + box.length_mm, box.width_mm / 2, box.height_mm - box.shaft_height_mm)
+    for number, sensor in enumerate(scene.sensors, 1):
+        outside = (max(a - x, x - b, 0.0) for a, x, b in zip(low, sensor.position_mm, high, strict=True))
+        distance = math.hypot(*outside)
+        if distance > FARTHEST_SENSOR_MM:
+            yield Problem(
+                f"sensors.{number}.position_mm",
+                f"{sensor.name} is {distance:.0f} mm outside the housing (limit {FARTHEST_SENSOR_MM:.0f} mm)",
+                f"The housing spans x {low[0]:g} to {high[0]:g}, y {low[1]:g} to {high[1]:g}, z {low[2]:g} to "
+                f"{high[2]:g} mm.",
+            )

@@ -163,11 +163,12 @@ def seeds_grid(diagnoses: Sequence[Diagnosis], load: str, window: str) -> Grid:
 
 
 def markdown(diagnoses: Sequence[Diagnosis]) -> str:
-    """The verdict and the envelope tables of all cases as Markdown."""
+    """Verdict, lines that stand, and every line of every load and window with all deviations side by side."""
     parts = [f"**{headline(diagnoses)}**", criterion(diagnoses[0]), _titled(summary_grid(diagnoses))]
-    for diagnosis in diagnoses:
-        parts += [*sentences(diagnosis), directions(diagnosis)]
-        parts += [_titled(lines_grid(diagnosis, window)) for window in diagnosis.settings.windows]
+    parts.append(directions(diagnoses[0]))
+    for load in dict.fromkeys(d.load for d in diagnoses):
+        for window in dict.fromkeys(w for d in diagnoses if d.load == load for w in d.settings.windows):
+            parts.append(_titled(seeds_grid(diagnoses, load, window)))
     return "\n\n".join(filter(None, parts)) + "\n"
 
 

@@ -223,3 +223,13 @@ def test_saved_lines_come_back(clear, tmp_path):
     content = json.loads(summary.read_text(encoding="utf-8"))
     assert content["cases"][0]["segments"]["lifting"]["samples"] == 16_500
     assert content["lines"][0]["label"] == "f_r"
+
+
+def test_the_stage_names_error_free_gears_and_seeds_apart():
+    from pipelines.building.diagnosing import CaseSpec, DiagnosingSpec, diagnoses
+
+    spec = DiagnosingSpec(cases=(CaseSpec(settings=settings(), full=True),) * 2)
+    runs = [response(state, deviations=on) for on in ("off", "on") for state in ("missing-tooth", "healthy")]
+    error_free, seeded = diagnoses(spec, tuple(runs))
+    assert error_free.deviations == "off"
+    assert seeded.deviations.startswith("seed ")

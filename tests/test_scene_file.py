@@ -9,6 +9,7 @@ from pipelines.new_scene import new_scene
 from pipelines.scene_file import control_differences, control_of, load_scene, shipped_names
 from pipelines.scene_merge import settings_tree
 from pipelines.toml_text import format_document, statements
+from pipelines.validity import checked_layout
 
 SHIPPED = shipped_names()
 
@@ -229,3 +230,35 @@ def test_what_is_written_as_toml_reads_back_equal():
         "items": [{"k": 1}, {"k": [{"q": 2}]}],
     }  # fmt: skip
     assert tomllib.loads(format_document(tree)) == tree
+
+
+@pytest.mark.parametrize(
+    ("setting", "path", "words"),
+    [
+        ("shafts.1.bearing_positions_mm=[-65]", "shafts.1.bearing_positions_mm", "too few items"),
+        ("diagnosis.windows_s={ x = [0.5] }", "diagnosis.windows_s.x", "too few items"),
+        ('stages.1.pinion_teeth="20"', "stages.1.pinion_teeth", "whole number"),
+        ("stages.1.module_mm=true", "stages.1.module_mm", "must be a number"),
+        ('drive.speeds_rpm=[0, "900", 900]', "drive.speeds_rpm.2", "must be a number"),
+        ("deviations.enabled=1", "deviations.enabled", "true or false"),
+    ],
+)
+def test_nothing_is_guessed_from_a_value_of_another_kind(setting, path, words):
+    assert words in problems("minimal", setting)[path]
+
+
+@pytest.mark.parametrize("band", ["[400, 100]", "[100, 9000]"])
+def test_an_envelope_band_rises_and_fits_the_output_rate(band):
+    found = "".join(problems("minimal", f"diagnosis.envelope_band_Hz={band}").values())
+    assert "must rise and end below half" in found
+
+
+def test_a_tooth_is_missing_once():
+    fault = '{ kind = "missing-tooth", stage = 1, gear = "wheel", tooth = 2 }'
+    assert "given more than once" in "".join(problems("minimal", f"faults=[{fault}, {fault}]").values())
+
+
+def test_a_sensor_far_from_the_housing_is_refused():
+    scene = load_scene("minimal", ["sensors.1.position_mm=[7000, -80, 35]"]).scene
+    with pytest.raises(SceneError, match="6810 mm outside the housing"):
+        checked_layout(scene, "minimal")

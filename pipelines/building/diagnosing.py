@@ -16,12 +16,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class CaseSpec:
-    """One comparison: what is looked for, how the deviations are named, and the noise of the sensor (m/s2 rms)."""
+    """One comparison: what is looked for."""
 
     settings: DiagnosisSettings
-    deviations: str  # "off" | "on"
-    seed: int
-    noise: float
     full: bool  # its lines are shown in full; else it enters summaries
 
 
@@ -33,13 +30,14 @@ class DiagnosingSpec:
 
 
 def build(spec: DiagnosingSpec, *responses: xarray.Dataset) -> dict[str, Any]:
-    """diagnosis.nc, .csv, .json as bytes under "files", the verdict with its tables as text under "words".
+    """diagnosis.nc, .csv, .json, .md as bytes under "files", the verdict with its tables as text under "words".
 
     A window in which no diagnosis is possible must not cost the signals: its reason is returned under "failure".
     """
     from pipelines.analysis import DiagnosisError
     from pipelines.export import save_diagnoses
     from pipelines.spectrum import SpectrumError
+    from pipelines.verdict import markdown
 
     try:
         found = diagnoses(spec, responses)
@@ -47,6 +45,7 @@ def build(spec: DiagnosingSpec, *responses: xarray.Dataset) -> dict[str, Any]:
         return {"files": {}, "words": "", "failure": str(error)}
     with tempfile.TemporaryDirectory() as folder:
         files = {path.name: path.read_bytes() for path in save_diagnoses(Path(folder), found)}
+    files["diagnosis.md"] = markdown(found).encode()
     full = [d for d, case in zip(found, spec.cases, strict=True) if case.full]
     return {"files": files, "words": words(found, full), "failure": ""}
 
@@ -57,8 +56,7 @@ def diagnoses(spec: DiagnosingSpec, responses: tuple[xarray.Dataset, ...]) -> li
 
     out = []
     for number, case in enumerate(spec.cases):
-        labels = {"sensor_noise": case.noise, "deviations": case.deviations, "seed": case.seed}
-        faulty, healthy = (run.assign_attrs(labels) for run in responses[2 * number : 2 * number + 2])
+        faulty, healthy = responses[2 * number : 2 * number + 2]
         out.append(diagnose(faulty, healthy, case.settings))
     return out
 

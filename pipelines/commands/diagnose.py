@@ -31,14 +31,7 @@ def main(options: argparse.Namespace) -> int:
     runs = []
     for name in (results.RESPONSE, results.CONTROL):
         with xarray.open_dataset(folder / name, engine="h5netcdf") as data:
-            runs.append(data.load())
-    case = CaseSpec(
-        settings=settings,
-        deviations="on" if scene.deviations.enabled else "off",
-        seed=scene.deviations.seed,
-        noise=scene.diagnosis.noise_m_s2,
-        full=True,
-    )
-    found = diagnoses(DiagnosingSpec(cases=(case,)), tuple(runs))
+            runs.append(data.load().assign_attrs(sensor_noise_m_s2=scene.diagnosis.noise_m_s2))
+    found = diagnoses(DiagnosingSpec(cases=(CaseSpec(settings=settings, full=True),)), tuple(runs))
     sys.stdout.write(words(found, found))
     return 0
