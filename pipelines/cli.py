@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import logging
+import math
 import os
 import sys
 import traceback
@@ -38,6 +39,7 @@ COMMANDS = (
     ("explain", "say what a run would build, reuse, and why", "gearcase explain minimal --set load.container_kg=80"),
     ("gears", "build the mesh laws and print the stiffness of each pair", "gearcase gears rig-healthy"),
     ("casing", "build the casing and print its check-up", "gearcase casing rig-healthy"),
+    ("modes", "linearise the loaded machine and print its frequencies", "gearcase modes rig-healthy --up-to 5000"),
     ("simulate", "run the machine and write response.nc, no control, no report", "gearcase simulate minimal"),
     ("diagnose", "print the lines of a fault in a finished run", "gearcase diagnose rig-missing-tooth"),
     ("run", "everything: simulation, healthy control, diagnosis, report", "gearcase run rig-missing-tooth"),
@@ -116,6 +118,12 @@ def _run(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def _modes(sub: argparse.ArgumentParser) -> None:
+    _work(sub)
+    sub.add_argument("--up-to", metavar="HZ", type=_positive, default=10e3, help="highest frequency (default 10000)")
+    sub.add_argument("--cycle", metavar="C", type=_number, help="mesh cycle of stage 1 (default: that of the start)")
+
+
 def _simulate(sub: argparse.ArgumentParser) -> None:
     _work(sub)
     _out(sub)
@@ -162,6 +170,22 @@ def _count(text: str) -> int:
     return int(text)
 
 
+def _number(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def _positive(text: str) -> float:
+    if _number(text) <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not above 0")
+    return _number(text)
+
+
 def _days(text: str) -> float:
     try:
         days = float(text)
@@ -178,6 +202,7 @@ _ARGUMENTS = {
     "explain": _scene,
     "gears": _work,
     "casing": _work,
+    "modes": _modes,
     "simulate": _simulate,
     "diagnose": _diagnose,
     "run": _run,

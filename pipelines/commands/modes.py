@@ -1,0 +1,83 @@
+"""`gearcase modes`: frequencies, damping and energy shares of small motion about the loaded machine."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mbd.linearised import LinearModes
+    from pipelines.grid import Grid
+    from pipelines.scene import Scene
+
+KINDS = {"shaft": "shafts", "bearing": "bearings", "casing": "casing", "rope": "rope", "drive": "drive"}
+
+
+def main(options: argparse.Namespace) -> int:
+    """Build laws and casing, linearise the machine at rest under its load, print its modes."""
+    from mbd.linearised import linear_modes, turned
+    from mbd.system import DEFAULT_BAND, assemble
+    from pipelines.build import run_graph
+    from pipelines.cache import Cache
+    from pipelines.layout import lay_out
+    from pipelines.machine import machine
+    from pipelines.parts import mesh_inputs
+    from pipelines.response import wanted_channels
+    from pipelines.scene_file import load_scene
+    from pipelines.study import plan_study
+    from pipelines.terminal import shown_progress
+
+    loaded = load_scene(options.scene, options.settings)
+    scene = loaded.scene
+    graph = plan_study(loaded, with_control=False, both_loads=False).graph
+    laws = [f"law_{number}" for number in range(1, len(scene.stages) + 1)]
+    wanted = [*laws, "casing"]
+    with shown_progress(len(graph.needed(wanted).stages), quiet=options.quiet) as observer:
+        outcome = run_graph(graph, Cache(), wanted, observer=observer, processes=options.processes)
+    layout = lay_out(scene)
+    train = machine(scene, layout, mesh_inputs(scene, layout, [outcome.value(name) for name in laws]))
+    first = train.meshes[0]
+    angle = 0.0 if options.cycle is None else (options.cycle - first.cycle_at_start) / first.cycles_per_radian
+    train = turned(train, angle)
+    band = max(DEFAULT_BAND, 2 * options.up_to)
+    system = assemble(train, outcome.value("casing"), wanted_channels(scene, train), band)
+    modes = linear_modes(system, up_to=options.up_to)
+    cycle = train.meshes[0].cycle_at_start
+    title = f"{loaded.name}: small motion about the loaded rest, mesh cycle {cycle:.4g} of stage 1"
+    sys.stdout.write(mode_table(title, modes).to_text() + "\n")
+    sys.stdout.write("".join(f"{line}\n" for line in notes(scene, modes, options.up_to)))
+    return 0
+
+
+def mode_table(title: str, modes: LinearModes) -> Grid:
+    """One row per mode; shares of its strain and kinetic energy in per cent."""
+    from pipelines.report_contents import grid
+
+    columns = {kind: words for kind, words in KINDS.items() if kind in modes.part_kinds}
+    columns |= {name: name.replace("_", " ") for name in modes.mesh_names}
+    shares = {f"{words} %": 100 * modes.share(part) for part, words in columns.items()}
+    rows = [
+        {"mode": i + 1, "Hz": f"{modes.frequencies[i]:.5g}", "damping %": 100 * float(modes.damping_ratios[i])}
+        | {words: f"{values[i]:.1f}" for words, values in shares.items()}
+        | {"dominant": modes.dominant[i]}
+        for i in range(len(modes.frequencies))
+    ]
+    return grid(title, rows)
+
+
+def notes(scene: Scene, modes: LinearModes, up_to: float) -> list[str]:
+    """What the table was made with, and what bounds it."""
+    from pipelines.scene import CraigBamptonCasingTable
+
+    found = [
+        f"{name.replace('_', ' ')}: {force:.4g} N, tangent stiffness {stiffness / 1e6:.4g} N/um"
+        for name, force, stiffness in zip(modes.mesh_names, modes.mesh_forces, modes.mesh_stiffness, strict=True)
+    ]
+    if modes.overdamped:
+        found.append(f"{modes.overdamped} overdamped motions do not oscillate and are not listed.")
+    if isinstance(scene.casing, CraigBamptonCasingTable) and up_to > scene.casing.band_Hz:
+        found.append(f"The casing is resolved to {scene.casing.band_Hz:g} Hz; its modes above are indicative only.")
+    if not len(modes.frequencies):
+        found.append(f"No mode up to {up_to:g} Hz; raise --up-to.")
+    return found
