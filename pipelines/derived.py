@@ -13,6 +13,9 @@ from pipelines.scene import RopeTable, Scene
 # ISO 6336-1:2019: the stiffness formula is meant for at least this line load; below, it is reduced
 LOW_LINE_LOAD = 100e3  # N/m
 
+# fewer leave no bins between the orders for a local floor (pipelines.spectrum)
+FEWEST_REVOLUTIONS = 6
+
 
 @dataclass(frozen=True, kw_only=True)
 class StageFacts:
@@ -156,6 +159,16 @@ def _warnings(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterato
             f"diagnosis looks for the stage {looked_at[0]} {looked_at[1]}, no fault is there; set diagnosis.stage and "
             "diagnosis.gear to the faulty gear"
         )
+    if scene.faults:
+        facts = stages[looked_at[0] - 1]
+        turn = facts.pinion_frequency if looked_at[1] == "pinion" else facts.wheel_frequency
+        for name, (start, end) in scene.diagnosis.windows_s.items():
+            if (end - start) * turn < FEWEST_REVOLUTIONS:
+                yield (
+                    f"diagnosis.windows_s.{name} holds {(end - start) * turn:.1f} revolutions of the stage {looked_at[0]} "
+                    f"{looked_at[1]}, the diagnosis needs {FEWEST_REVOLUTIONS}; give it "
+                    f"{FEWEST_REVOLUTIONS / turn:.2f} s or more"
+                )
     if scene.faults and not (scene.control and scene.diagnosis.windows_s):
         missing = "control" if not scene.control else "diagnosis.windows_s"
         yield f"{missing} is not given: the run makes signals, but no diagnosis"

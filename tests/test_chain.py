@@ -100,3 +100,18 @@ def test_the_diagnosis_looks_at_the_wheel_of_stage_1():
     assert settings.revolution_frequency == pytest.approx(300 / 55, rel=1e-12)
     assert settings.shaft == "shaft_2"
     assert settings.rope_mode["lifting"] == pytest.approx(12.3, abs=0.1)
+
+
+def test_a_window_too_short_for_the_diagnosis_is_told_beforehand():
+    from pipelines.derived import derive
+    from pipelines.layout import lay_out
+
+    fault = 'faults=[{kind="missing-tooth", stage=1, gear="wheel", tooth=0}]'
+    short = load_scene("minimal", (fault,)).scene
+    told = [
+        warning for warning in derive(short, lay_out(short)).warnings if "revolutions of the stage 1 wheel" in warning
+    ]
+    assert len(told) == 1
+    assert "4.9" in told[0]
+    long = load_scene("rig-missing-tooth").scene
+    assert not [text for text in derive(long, lay_out(long)).warnings if "revolutions" in text]
