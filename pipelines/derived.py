@@ -164,8 +164,9 @@ def _warnings(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterato
         turn = facts.pinion_frequency if looked_at[1] == "pinion" else facts.wheel_frequency
         for name, (start, end) in scene.diagnosis.windows_s.items():
             if (end - start) * turn < FEWEST_REVOLUTIONS:
+                turns = (end - start) * turn
                 yield (
-                    f"diagnosis.windows_s.{name} holds {(end - start) * turn:.1f} revolutions of the stage {looked_at[0]} "
+                    f"diagnosis.windows_s.{name} holds {turns:.1f} revolutions of the stage {looked_at[0]} "
                     f"{looked_at[1]}, the diagnosis needs {FEWEST_REVOLUTIONS}; give it "
                     f"{FEWEST_REVOLUTIONS / turn:.2f} s or more"
                 )
