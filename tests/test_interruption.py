@@ -65,7 +65,7 @@ def test_the_next_run_goes_on_and_gives_the_same_bits(undisturbed, tmp_path, nam
         _, err = process.communicate(timeout=60)
         if name == "SIGINT" and moment > 0.5:  # earlier the interpreter itself may be starting
             assert "Traceback" not in err
-            assert process.returncode in (0, 130)
+            assert process.returncode in (0, 130, -signal.SIGINT)  # the last: while the interpreter starts or ends
         assert all(found == wanted for found in signals(tmp_path).values()), "half a result looks whole"
     process = start(tmp_path)
     _, err = process.communicate(timeout=120)
