@@ -21,8 +21,10 @@ from pipelines.layout import Layout, lay_out, material
 from pipelines.machine import machine
 from pipelines.parts import mesh_inputs
 from pipelines.response import wanted_channels
-from pipelines.scene import IsoMesh, NoCasingTable, RigidCasingTable, Scene
+from pipelines.scene import Scene
 from pipelines.scene_file import load_scene
+from pipelines.tables.casing import NoCasingTable, RigidCasingTable
+from pipelines.tables.gears import IsoMesh
 
 SCENE = "rig-healthy"
 RAMP = {"drive.times_s": [0.0, 0.05, 5.0], "drive.speeds_rpm": [0.0, 900.0, 900.0]}  # so that a short run moves

@@ -13,17 +13,12 @@ from dataclasses import replace
 
 from pipelines.derived import bearing_points, derive
 from pipelines.layout import Layout
-from pipelines.scene import (
-    CraigBamptonCasingTable,
-    DiagnosisTable,
-    HousingTable,
-    IsoMesh,
-    MaterialTable,
-    NoCasingTable,
-    RigidCasingTable,
-    Scene,
-)
+from pipelines.scene import Scene
 from pipelines.stages import Stage
+from pipelines.tables.analysis import DiagnosisTable
+from pipelines.tables.base import MaterialTable
+from pipelines.tables.casing import CraigBamptonCasingTable, HousingTable, NoCasingTable, RigidCasingTable
+from pipelines.tables.gears import IsoMesh
 from pipelines.validity import checked_layout
 
 _NUMERIC = ("numpy", "scipy", "numba")

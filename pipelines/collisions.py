@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 from pipelines.errors import Problem
 from pipelines.layout import Layout
-from pipelines.scene import FlexibleBase, HousingTable, Scene
+from pipelines.scene import Scene
+from pipelines.tables.casing import FlexibleBase, HousingTable
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from mbd.machine import STANDARD_GRAVITY
 from pipelines.layout import Layout
-from pipelines.scene import RopeTable, Scene
+from pipelines.scene import Scene
+from pipelines.tables.motion import RopeTable
 
 # ISO 6336-1:2019: the stiffness formula is meant for at least this line load; below, it is reduced
 LOW_LINE_LOAD = 100e3  # N/m

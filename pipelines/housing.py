@@ -5,7 +5,8 @@ from __future__ import annotations
 from fem.casing.housing import Bore, Feet, Housing, HousingError, Sensor
 from pipelines.errors import Problem, SceneError
 from pipelines.layout import Layout
-from pipelines.scene import HousingTable, Scene
+from pipelines.scene import Scene
+from pipelines.tables.casing import HousingTable
 
 END_DISTANCE = 0.05  # from the end of the box to the outer feet, in lengths of the box
 

@@ -11,7 +11,9 @@ from dataclasses import dataclass
 from fem.gears.geometry import Gear, GearPair, GeometryError, Rack
 from fem.materials import Material
 from pipelines.errors import Problem, SceneError
-from pipelines.scene import MaterialTable, Scene, StageTable
+from pipelines.scene import Scene
+from pipelines.tables.base import MaterialTable
+from pipelines.tables.gears import StageTable
 
 
 def material(name: str, table: MaterialTable) -> Material:

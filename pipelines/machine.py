@@ -18,7 +18,8 @@ from mbd.machine import Machine
 from mbd.shafts import Disk, Section, ShaftSpec
 from pipelines.derived import output_torque
 from pipelines.layout import Layout
-from pipelines.scene import RopeTable, Scene
+from pipelines.scene import Scene
+from pipelines.tables.motion import RopeTable
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

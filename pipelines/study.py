@@ -16,9 +16,10 @@ from pipelines.derived import derive, rope_frequency
 from pipelines.diagnosis import DiagnosisSettings
 from pipelines.layout import Layout, lay_out
 from pipelines.payload import digest
-from pipelines.scene import LoadBase, RopeTable, Scene, StaticTorqueTable
+from pipelines.scene import Scene
 from pipelines.scene_file import LoadedScene, control_of
 from pipelines.stages import Graph, Stage
+from pipelines.tables.motion import LoadBase, RopeTable, StaticTorqueTable
 
 HEALTHY = "healthy "  # before the names of a control's own stages
 

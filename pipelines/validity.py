@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from pipelines.collisions import find_collisions
 from pipelines.errors import Problem, SceneError
 from pipelines.layout import Layout, lay_out
-from pipelines.scene import FlexibleBase, HousingTable, Scene
+from pipelines.scene import Scene
+from pipelines.tables.casing import FlexibleBase, HousingTable
 
 FARTHEST_SENSOR_MM = 50.0  # a sensor farther from the housing is a mistake in the scene
 

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.modules import modules
 from mbd.integrators.methods import METHODS
-from pipelines import scene
+from pipelines.tables import casing, gears, motion, shafts
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 
@@ -18,11 +18,11 @@ def choices(table, field="model"):
 
 
 RUNGS = [
-    *(choices(t)[0] for t in (scene.IsoMesh, scene.PlaneMesh, scene.BearingTable)),
-    *(choices(t)[0] for t in (scene.NoCasingTable, scene.RigidCasingTable, scene.StaticCasingTable)),
-    *(choices(t)[0] for t in (scene.CraigBamptonCasingTable, scene.StaticTorqueTable, scene.RopeTable)),
-    *choices(scene.ShaftModel),
-    *choices(scene.SimulationTable, "integrator"),
+    *(choices(t)[0] for t in (gears.IsoMesh, gears.PlaneMesh, shafts.BearingTable)),
+    *(choices(t)[0] for t in (casing.NoCasingTable, casing.RigidCasingTable, casing.StaticCasingTable)),
+    *(choices(t)[0] for t in (casing.CraigBamptonCasingTable, motion.StaticTorqueTable, motion.RopeTable)),
+    *choices(shafts.ShaftModel),
+    *choices(motion.SimulationTable, "integrator"),
 ]
 
 
@@ -33,7 +33,7 @@ def test_every_rung_has_its_row_in_the_guide(rung):
 
 
 def test_every_integrator_of_the_scene_exists():
-    assert set(choices(scene.SimulationTable, "integrator")) <= METHODS.keys()
+    assert set(choices(motion.SimulationTable, "integrator")) <= METHODS.keys()
 
 
 def test_the_module_map_names_nothing_that_is_gone():

@@ -68,7 +68,7 @@ def mode_table(title: str, modes: LinearModes) -> Grid:
 
 def notes(scene: Scene, modes: LinearModes, up_to: float) -> list[str]:
     """What the table was made with, and what bounds it."""
-    from pipelines.scene import CraigBamptonCasingTable
+    from pipelines.tables.casing import CraigBamptonCasingTable
 
     found = [
         f"{name.replace('_', ' ')}: {force:.4g} N, tangent stiffness {stiffness / 1e6:.4g} N/um"
