@@ -40,6 +40,11 @@ COMMANDS = (
     ("gears", "build the mesh laws and print the stiffness of each pair", "gearcase gears rig-healthy"),
     ("casing", "build the casing and print its check-up", "gearcase casing rig-healthy"),
     ("modes", "linearise the loaded machine and print its frequencies", "gearcase modes rig-healthy --up-to 5000"),
+    (
+        "converge",
+        "refine one thing and say how far the answer is off",
+        "gearcase converge minimal --over step",
+    ),
     ("simulate", "run the machine and write response.nc, no control, no report", "gearcase simulate minimal"),
     ("diagnose", "print the lines of a fault in a finished run", "gearcase diagnose rig-missing-tooth"),
     ("run", "everything: simulation, healthy control, diagnosis, report", "gearcase run rig-missing-tooth"),
@@ -124,6 +129,15 @@ def _modes(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--cycle", metavar="C", type=_number, help="mesh cycle of stage 1 (default: that of the start)")
 
 
+def _converge(sub: argparse.ArgumentParser) -> None:
+    _work(sub)
+    axes = ("gear-mesh", "slices", "casing-mesh", "modes", "shaft-elements", "step")  # as in pipelines.trade.axes
+    sub.add_argument("--over", choices=axes, required=True, help="what is refined")
+    sub.add_argument("--levels", type=_count, metavar="N", default=3, help="levels, one finer than in use (default 3)")
+    sub.add_argument("--error", type=_share, metavar="E", default=0.01, help="wanted error, as in 1%% (default)")
+    sub.add_argument("--out", metavar="FILE", help="plot to write (default: convergence-<scene>-<what>.png here)")
+
+
 def _simulate(sub: argparse.ArgumentParser) -> None:
     _work(sub)
     _out(sub)
@@ -186,6 +200,10 @@ def _positive(text: str) -> float:
     return _number(text)
 
 
+def _share(text: str) -> float:
+    return _positive(text.removesuffix("%")) / 100 if text.endswith("%") else _positive(text)
+
+
 def _days(text: str) -> float:
     try:
         days = float(text)
@@ -203,6 +221,7 @@ _ARGUMENTS = {
     "gears": _work,
     "casing": _work,
     "modes": _modes,
+    "converge": _converge,
     "simulate": _simulate,
     "diagnose": _diagnose,
     "run": _run,
