@@ -29,8 +29,9 @@ class Books:
         massive = [part for part in system.parts if part.mass.any()]
         inertia = [part.mass @ system.rolling[part.index] @ integrator.displacement[part.index] for part in massive]
         torque = np.zeros(integrator.displacement.shape[1])
+        ratios = system.machine.ratios()
         for c in system.machine.couplings:
-            row = system.layout.angle_row(c.shaft, c.y)
+            row = ratios[c.shaft] * system.layout.angle_row(c.shaft, c.y)
             torque -= c.stiffness * row @ integrator.displacement + c.damping * row @ integrator.velocity
         self._watch = np.array([*inertia, torque, system.constant_force @ integrator.displacement])
         self._watched, self._angle = np.zeros(len(self._watch)), 0.0

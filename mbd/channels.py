@@ -134,8 +134,8 @@ def _offered(lay: Layout, rows: np.ndarray, reference: dict[str, tuple[float, fl
     for c in machine.couplings:
         angle, speed, torque = motor_channels(c.name)
         row = lay.angle_row(c.shaft, c.y)
-        offered[angle] = Reading("rad", rigid=(1.0, 0.0, 0.0))
-        offered[speed] = Reading("rad/s", rigid=(0.0, 1.0, 0.0))
+        offered[angle] = Reading("rad", rigid=(ratios[c.shaft], 0.0, 0.0))
+        offered[speed] = Reading("rad/s", rigid=(0.0, ratios[c.shaft], 0.0))
         offered[torque] = Reading("N m", displacement=-c.stiffness * row, velocity=-c.damping * row)
     for s in machine.shafts:
         gears = [m.y for m in machine.meshes if s.name in (m.driving, m.driven)]
@@ -179,14 +179,13 @@ def _rope(rows: np.ndarray, first: int, drums: int, reference: tuple[float, floa
 
 
 def _bearing(lay: Layout, bearing: BearingSpec, axis: str) -> Reading:
-    stiffness = bearing.stiffness[BEARING_AXES.index(f"u{axis}")]
-    row = np.zeros(lay.size)
-    if stiffness:
-        row = bearing_row(lay, bearing, f"u{axis}")
-    return Reading("N", displacement=stiffness * row, velocity=bearing.damping_time * stiffness * row)
+    at = BEARING_AXES.index(f"u{axis}")
+    motion = np.array([bearing_row(lay, bearing, a) for a in BEARING_AXES])
+    stiffness, damping = bearing.stiffness_matrix[at], bearing.damping_matrix[at]
+    return Reading("N", displacement=stiffness @ motion, velocity=damping @ motion)
 
 
 def bearing_row(lay: Layout, bearing: BearingSpec, axis: str) -> np.ndarray:
-    """Displacement of the shaft relative to the casing in a bearing, axis ux uy uz rx rz."""
+    """Displacement of the shaft relative to the support in a bearing, axis ux uy uz rx rz."""
     shaft = lay.axis_row(bearing.shaft, bearing.y, ("ux", "uy", "uz", "rx", "ry", "rz").index(axis))
-    return shaft - lay.casing_row(f"{bearing.name}:{axis}")
+    return shaft if bearing.support == "ground" else shaft - lay.casing_row(f"{bearing.name}:{axis}")

@@ -108,7 +108,7 @@ def _check_bearing_places(machine: Machine, casing: ReducedBody) -> None:
     if not len(casing.coordinate_names):
         return
     for bearing in machine.bearings:
-        if bearing.name not in casing.point_names:
+        if bearing.support == "ground" or bearing.name not in casing.point_names:
             continue  # casing_row names what is missing
         shaft = machine.shaft(bearing.shaft)
         point = casing.point_positions[casing.point_names.index(bearing.name)]

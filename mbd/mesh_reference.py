@@ -68,20 +68,32 @@ def mean_stiffness(law: MeshLaw, force: float) -> tuple[float, float]:
 
 
 def nominal_forces(machine: Machine) -> dict[str, float]:
-    """Mesh force F = T1/r_b1 (N) by mesh name under the hanging load; 0 for a mesh outside the path of the load."""
-    ratios, load = machine.ratios(), machine.load
+    """Mesh force F = T1/r_b1 (N) by mesh name under the hanging load, without losses; 0 outside the path of the load.
+
+    Rigid balance of power per motor speed at every shaft. Where paths run side by side (a closed loop, motors on several
+    shafts) it leaves the split open; the split with the least sum of squares is taken.
+    """
+    ratios, meshes = machine.ratios(), machine.meshes
+    at = {shaft.name: i for i, shaft in enumerate(machine.shafts)}
+    flows = [(m.driving, m.driven) for m in meshes] + [j.shafts for j in machine.shaft_couplings]
+    balance = np.zeros((len(at), len(flows) + len(machine.couplings)))
+    for k, (giver, taker) in enumerate(flows):
+        balance[at[giver], k], balance[at[taker], k] = -1.0, 1.0
+    for k, motor in enumerate(machine.couplings, len(flows)):
+        balance[at[motor.shaft], k] = 1.0
+    drawn = np.zeros(len(at))
+    drawn[at[machine.load.shaft]] = ratios[machine.load.shaft] * load_torque(machine)
+    power = np.linalg.lstsq(balance, drawn, rcond=None)[0]
+    power[abs(power) < 1e-12 * abs(power).max(initial=0.0)] = 0.0
+    return {m.name: float(p / ratios[m.driving] / m.base_radius_driving) for m, p in zip(meshes, power, strict=False)}
+
+
+def load_torque(machine: Machine) -> float:
+    """Torque (N m, lowering positive) of the hanging load on its shaft."""
+    load = machine.load
     if isinstance(load, StaticTorque):
-        torque = load.torque * len(load.drums)
-    else:
-        torque = load.container_mass * machine.gravity * load.travel_per_radian
-    towards_motor = {m.driven: m for m in machine.meshes}
-    forces = {m.name: 0.0 for m in machine.meshes}
-    shaft = load.shaft
-    while shaft in towards_motor:
-        mesh = towards_motor[shaft]
-        shaft = mesh.driving
-        forces[mesh.name] = torque * ratios[load.shaft] / ratios[shaft] / mesh.base_radius_driving
-    return forces
+        return load.torque * len(load.drums)
+    return load.container_mass * machine.gravity * load.travel_per_radian
 
 
 def reference_load(mesh: MeshSpec, nominal: float) -> float:

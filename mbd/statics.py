@@ -29,7 +29,7 @@ class State:
     velocity: np.ndarray
     forces: np.ndarray
     motor_angle: float
-    motor_torque: float  # N m, all motors, lifting positive
+    motor_torque: float  # N m, all motors referred to the first one's speed, lifting positive
     mesh_force: np.ndarray  # (mesh,) N, drive flank
 
 
@@ -50,7 +50,8 @@ def equilibrium(system: System) -> State:
     else:
         forces, log = _loaded(system, free, flexibility)
     q = response @ (system.constant_force + system.rows.T @ forces)
-    torque = sum(-c.stiffness * float(system.layout.angle_row(c.shaft, c.y) @ q) for c in system.machine.couplings)
+    ratios, lay = system.machine.ratios(), system.layout
+    torque = sum(-c.stiffness * ratios[c.shaft] * float(lay.angle_row(c.shaft, c.y) @ q) for c in system.machine.couplings)
     return State(
         displacement=q,
         velocity=np.zeros_like(q),

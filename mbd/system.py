@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.casing.body import ReducedBody
-from mbd.bearings import BEARING_AXES
+from mbd.bearings import BEARING_AXES, springs
 from mbd.channels import ChannelRows, bearing_row, channel_names, channel_rows
 from mbd.forces import ForceTable, force_table
 from mbd.gear_mesh import mesh_rows
@@ -35,7 +35,7 @@ class Part:
     """
 
     name: str
-    kind: str  # "shaft" | "bearing" | "casing" | "drive" | "load"
+    kind: str  # "shaft" | "bearing" | "coupling" | "casing" | "drive" | "load"
     index: np.ndarray
     mass: np.ndarray
     damping: np.ndarray
@@ -92,7 +92,7 @@ def assemble(
     MachineError : contradictory parts, unknown channels, a motion without stiffness, an indefinite mass
     """
     lay = layout(machine, casing)
-    parts = (*_shaft_parts(lay), *_bearing_parts(lay), *_casing_part(lay), *_drive_part(lay), *_load_part(lay))
+    parts = (*_shaft_parts(lay), *_bearing_parts(lay), *_coupling_parts(lay), *_casing_part(lay), *_drive_part(lay), *_load_part(lay))
     mass, damping, stiffness = (np.zeros((lay.size, lay.size)) for _ in range(3))
     for part in parts:
         at = np.ix_(part.index, part.index)
@@ -184,10 +184,31 @@ def _massive(
 def _bearing_parts(lay: Layout) -> list[Part]:
     parts = []
     for bearing in lay.machine.bearings:
-        held = [(axis, k) for axis, k in zip(BEARING_AXES, bearing.stiffness, strict=True) if k > 0]
-        rows = np.array([bearing_row(lay, bearing, axis) for axis, _ in held])
+        if bearing.model == "hertz":
+            continue  # a nonlinear element, see `mbd.elements`
+        axes = np.array([bearing_row(lay, bearing, axis) for axis in BEARING_AXES])
+        if bearing.damping is None:
+            turn, k = springs(bearing.stiffness_matrix)
+            c = bearing.damping_time * k
+        else:  # springs and dampers have axes of their own
+            (turn, k), (dampers, c) = springs(bearing.stiffness_matrix), springs(bearing.damping_matrix)
+            turn, k, c = (
+                np.vstack([turn, dampers]),
+                np.concatenate([k, np.zeros(len(c))]),
+                np.concatenate([np.zeros(len(k)), c]),
+            )
+        parts.append(_row_part(bearing.name, "bearing", turn @ axes, k, c))
+    return parts
+
+
+def _coupling_parts(lay: Layout) -> list[Part]:
+    parts = []
+    for joint in lay.machine.shaft_couplings:
+        (one, other), (y_one, y_other) = joint.shafts, joint.y
+        held = [(axis, k) for axis, k in enumerate(joint.stiffness) if k > 0]
+        rows = np.array([lay.axis_row(one, y_one, axis) - lay.axis_row(other, y_other, axis) for axis, _ in held])
         k = np.array([k for _, k in held])
-        parts.append(_row_part(bearing.name, "bearing", rows, k, bearing.damping_time * k))
+        parts.append(_row_part(joint.name, "coupling", rows, k, joint.damping_time * k))
     return parts
 
 
