@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from mbd.checks import MachineError
 
 RATIO_TOLERANCE = 1e-9  # relative: teeth are whole numbers, so that ratios agree to round-off or not at all
@@ -59,3 +61,21 @@ def _closed(link: Link, ratios: dict[str, float]) -> None:
             f"{link.name}: closes a loop from {link.first} to {link.second} with the ratio {own:.9g}, but the rest of "
             f"the loop has {around:.9g}: the train would lock. Choose teeth so that both paths agree, or open the loop."
         )
+
+
+def power_flow(shafts: int, flows: Sequence[tuple[int, int]], motors: Sequence[int], loaded: int) -> np.ndarray:
+    """Share (flow + motor,) of the power drawn at the shaft ``loaded`` that each flow (giver, taker) and motor carries.
+
+    The balance of every shaft; where paths run side by side it leaves the split open, and the split with the least sum
+    of squares is taken.
+    """
+    balance = np.zeros((shafts, len(flows) + len(motors)))
+    for k, (giver, taker) in enumerate(flows):
+        balance[giver, k], balance[taker, k] = -1.0, 1.0
+    for k, shaft in enumerate(motors, len(flows)):
+        balance[shaft, k] = 1.0
+    drawn = np.zeros(shafts)
+    drawn[loaded] = 1.0
+    share = np.linalg.lstsq(balance, drawn, rcond=None)[0]
+    whole = np.round(share)
+    return np.where(abs(share - whole) < 1e-12, whole, share)

@@ -37,7 +37,8 @@ def gears(scene: Scene, layout: Layout) -> list[Cylinder]:
     found = []
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True)):
         middle, half = stage.position_mm / 1000, stage.face_width_mm / 2000
-        for shaft, gear, name in ((number, pair.pinion, "pinion"), (number + 1, pair.wheel, "wheel")):
+        places = layout.pair_shafts[number]
+        for shaft, gear, name in ((places[0], pair.pinion, "pinion"), (places[1], pair.wheel, "wheel")):
             label = f"tip circle of the stage {number + 1} {name}"
             found.append(Cylinder(label, f"stages.{number + 1}", shaft, gear.tip_radius, middle - half, middle + half))
     return found
@@ -90,19 +91,24 @@ def _clashes(first: list[Cylinder], second: list[Cylinder], layout: Layout) -> I
 
 
 def _mates(scene: Scene, layout: Layout) -> Iterator[Problem]:
-    """Gears that overlap in y and are not a pair, on neighbouring shafts or on the same one."""
+    """Gears that overlap in y and do not mesh, on other shafts or on the same one; a gear may be in two stages."""
     bodies = gears(scene, layout)
     for i, one in enumerate(bodies):
         for j, two in enumerate(bodies[i + 1 :], i + 1):
             if i // 2 == j // 2:
                 continue
-            if one.shaft == two.shaft and one.overlaps(two):
+            if one.shaft == two.shaft and one.overlaps(two) and not _same_gear(one, two):
                 yield Problem(
                     two.path,
                     f"{two.name} and {one.name} share shaft {one.shaft + 1} and overlap along it",
                     "Change position_mm of one of the stages",
                 )
             yield from _clashes([one], [two], layout)
+
+
+def _same_gear(one: Cylinder, two: Cylinder) -> bool:
+    """Whether two stages share one gear: the same place, width and tip circle."""
+    return (one.radius, one.start, one.end) == (two.radius, two.start, two.end)
 
 
 def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterator[Problem]:
@@ -130,7 +136,12 @@ def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterat
                     "Make the housing larger or move the gear",
                 )
     for number, shaft in enumerate(scene.shafts, 1):
-        for bearing, y in zip((2 * number - 1, 2 * number), shaft.bearing_positions_mm, strict=True):
+        carried = [
+            y
+            for place, y in enumerate(shaft.bearing_positions_mm)
+            if not (shaft.bearing_supports and shaft.bearing_supports[place] == "ground")
+        ]
+        for bearing, y in zip((2 * number - 1, 2 * number), carried, strict=True):
             low, high = housing.width_mm / 2 - housing.boss_length_mm, housing.width_mm / 2
             if not low <= abs(y) <= high or (y < 0) != (bearing % 2 == 1):
                 sign = "-" if bearing % 2 else "+"

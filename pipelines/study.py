@@ -159,5 +159,5 @@ def _rope_length(scene: Scene, layout: Layout, time: float) -> float | None:
         return None
     times, speeds = np.array(scene.drive.times_s), np.array(scene.drive.speeds_rpm) * 2 * np.pi / 60
     fine = np.linspace(0.0, time, 2001)
-    angle = float(np.trapezoid(np.interp(fine, times, speeds), fine)) * layout.shaft_ratios[-1]
+    angle = float(np.trapezoid(np.interp(fine, times, speeds), fine)) * layout.shaft_ratios[layout.loaded]
     return scene.load.rope_length_m - angle * scene.load.drum_radius_mm / 1000 / scene.load.reeving_ratio
