@@ -28,7 +28,7 @@ class LinearWork:
     """Accumulates blocks of a run of at least ``n_steps`` steps; ``steps`` is that number rounded up to the stride."""
 
     def __init__(self, system: System, integrator: Integrator, step: float, n_steps: int) -> None:
-        self._system, self._step, self._kinks = system, step, integrator.linear_forces
+        self._system, self._step, self._kinks = system, step, False
         self.stride = max(1, -(-n_steps // MAX_SAMPLES))
         self.steps = -(-n_steps // self.stride) * self.stride
         self.to_q, self.to_v = integrator.displacement, integrator.velocity

@@ -110,8 +110,9 @@ def _advance(
     """Take n steps and hand them on; the acceleration of a step is the mean over it, so that no impulse is lost."""
     profile = system.machine.profile
     times = step * np.arange(done, done + n + 1)
-    accelerations = np.diff(profile.speed(times)) / step
-    block = integrator.advance(profile.angle(times[1:]), accelerations)
+    speeds = profile.speed(times)
+    accelerations = np.diff(speeds) / step
+    block = integrator.advance(profile.angle(times[1:]), speeds[1:], accelerations)
     if not np.isfinite(block.states).all():
         bad = int(np.argmax(~np.isfinite(block.states).all(axis=1)))
         raise StepError(f"t = {times[bad + 1]:.6g} s: the state is not finite (h = {step:.3g} s). Use a smaller step.")

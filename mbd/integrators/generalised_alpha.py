@@ -31,7 +31,7 @@ DEFAULT_RADIUS = 0.9
 class GeneralisedAlpha:
     """Integrator (see `mbd.integrators.base`); the state is (q, v)."""
 
-    linear_forces = False
+    flow = None
 
     def __init__(self, system: System, step: float, radius: float = DEFAULT_RADIUS) -> None:
         if not 0.0 <= radius <= 1.0:
@@ -63,7 +63,7 @@ class GeneralisedAlpha:
         still = np.zeros((len(self._rows), len(self._forces)))
         v = system.rows @ self._v
         used = solve_rows(
-            system.table, self._angle, self._rows.copy(), v.copy(), still, still[: len(v)].copy(), self._forces,
+            system.table, self._angle, 0.0, self._rows.copy(), v.copy(), still, still[: len(v)].copy(), self._forces,
             self._rows, v, self._log, TOLERANCE,
         )  # fmt: skip
         if used < 0:
@@ -72,15 +72,15 @@ class GeneralisedAlpha:
         self._acceleration = self.inverse_mass @ (self._push - system.damping @ self._v - system.stiffness @ self._q)
         return self._block([self._instant()])
 
-    def advance(self, angles: np.ndarray, accelerations: np.ndarray) -> Block:
+    def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
         """Take len(angles) steps."""
         instants = []
-        for angle, acceleration in zip(angles, accelerations, strict=True):
-            self._one_step(float(angle), float(acceleration))
+        for angle, speed, acceleration in zip(angles, speeds, accelerations, strict=True):
+            self._one_step(float(angle), float(speed), float(acceleration))
             instants.append(self._instant())
         return self._block(instants)
 
-    def _one_step(self, angle: float, acceleration: float) -> None:
+    def _one_step(self, angle: float, speed: float, acceleration: float) -> None:
         system, h, af = self._system, self._step, self._af
         prescribed = system.constant_force - acceleration * (system.mass @ system.rolling)
         self._acceleration = self._acceleration - (acceleration - self._motor) * system.rolling
@@ -95,7 +95,7 @@ class GeneralisedAlpha:
         w_p = system.rows @ (v_p + self._gamma * h * a_p)
         rows, rates, log = u_p.copy(), w_p.copy(), self._empty_log.copy()
         used = solve_rows(
-            system.table, angle, u_p, w_p, self._g_u, self._g_v, self._forces, rows, rates, log, TOLERANCE
+            system.table, angle, speed, u_p, w_p, self._g_u, self._g_v, self._forces, rows, rates, log, TOLERANCE
         )
         step = self.counters["steps"]
         if used < 0:
@@ -115,7 +115,8 @@ class GeneralisedAlpha:
         return np.concatenate([self._q, self._v]), self._forces.copy(), self._rows.copy(), self._log.copy()
 
     def _block(self, instants: list[tuple[np.ndarray, ...]]) -> Block:
-        return Block(*(np.array(column) for column in zip(*instants, strict=True)))
+        columns = [np.array(column) for column in zip(*instants, strict=True)]
+        return Block(*columns, holds=np.zeros((len(instants), 0, len(self._forces))))
 
 
 def spectral_radius(step_over_period: float, radius: float = DEFAULT_RADIUS) -> float:
