@@ -18,7 +18,7 @@ from typing import Literal
 import numpy as np
 
 from mbd.checks import MachineError, finite, not_negative
-from mbd.hertz import RollingElements
+from mbd.hertz import RollingElements, tangent_at_load
 
 BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")
 RIGID_STIFFNESS = 1e12  # N/m
@@ -100,6 +100,19 @@ def rigid_bearing(name: str, shaft: str, y: float, support: Literal["casing", "g
     return BearingSpec(
         name=name, shaft=shaft, y=y, stiffness_x=k, stiffness_z=k, stiffness_axial=k, damping_time=0.0,
         support=support, model="rigid",
+    )  # fmt: skip
+
+
+def hertz_bearing(
+    name: str, shaft: str, y: float, elements: RollingElements, damping_time: float,
+    support: Literal["casing", "ground"] = "casing",
+) -> BearingSpec:  # fmt: skip
+    """A bearing with rolling elements; its linear reference is the tangent at a small share of what it can carry."""
+    radial, axial, tilt = tangent_at_load(elements)
+    return BearingSpec(
+        name=name, shaft=shaft, y=y, stiffness_x=radial, stiffness_z=radial, stiffness_axial=axial,
+        stiffness_tilt_x=tilt, stiffness_tilt_z=tilt, damping_time=damping_time, support=support, model="hertz",
+        rolling=elements,
     )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbd.element_work import ElementWork
+from mbd.further_work import FurtherWork
 from mbd.integrators.base import Block, Integrator
 from mbd.linear_work import LinearWork
 from mbd.system import System
@@ -25,6 +26,7 @@ class Books:
     def __init__(self, system: System, integrator: Integrator, step: float, n_steps: int) -> None:
         self._system, self._step = system, step
         self._linear, self._elements = LinearWork(system, integrator, step, n_steps), ElementWork(system)
+        self._further = FurtherWork(system, integrator, step)
         self.steps = self._linear.steps
         massive = [part for part in system.parts if part.mass.any()]
         inertia = [part.mass @ system.rolling[part.index] @ integrator.displacement[part.index] for part in massive]
@@ -43,6 +45,7 @@ class Books:
         self._linear.take(block, first, accelerations)
         self._elements.take(block)
         angles = self._system.machine.profile.angle(self._step * np.arange(first, first + len(block.states)))
+        self._further.take(block, angles)
         watched = block.states @ self._watch.T
         if first == 0:
             self._watched, self._angle = watched[0], angles[0]
@@ -65,13 +68,13 @@ class Books:
         """Part names and the entries of BOOK_COLUMNS (part, entry), J; ``scale`` is what the residual is held against:
         the dissipated energy of the part (its peak stored energy if undamped), all work of the sources for the total.
         """
-        rows = self._linear.books(self._ramp_work) | self._elements.books()
+        rows = self._linear.books(self._ramp_work) | self._elements.books() | self._further.books()
         parts = np.array(list(rows.values()))
         stored = float(parts[:, 0].sum()) + self._rigid_energy()
         dissipated, parametric = float(parts[:, 1].sum()), float(parts[:, 3].sum())
         received = self._motor_work + self._constant_work
         residual = received + parametric - stored - dissipated
-        scale = self._throughput + self._elements.throughput
+        scale = self._throughput + self._elements.throughput + self._further.throughput
         rows["total"] = [stored, dissipated, received, parametric, residual, scale]
         return tuple(rows), np.array(list(rows.values()))
 

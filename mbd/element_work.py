@@ -32,8 +32,8 @@ class ElementWork:
         """Add the instants of a block; the three before it are kept."""
         known = len(self._log)
         if known == 0:
-            self._first = block.log[0, :, _ENERGY].copy()
-        log, rows = np.concatenate([self._log, block.log]), np.vstack([self._rows, block.rows])
+            self._first = block.log[0, : len(self._first), _ENERGY].copy()
+        log, rows = np.concatenate([self._log, block.log[:, : len(self._first)]]), np.vstack([self._rows, block.rows])
         loaded = log[max(known - 1, 0) :, :, _FORCE] > 0.0
         self._lost += (loaded[:-1] & ~loaded[1:]).sum(axis=0)
         self._touched += (~loaded[:-1] & loaded[1:]).sum(axis=0)
@@ -45,7 +45,7 @@ class ElementWork:
         tilt = np.zeros_like(along)
         tilt[:, :n] = rows[:, 1 : 2 * n : 2]
         for values, sums in ((total, self._received), (total - force, self._loss)):
-            sums += _work(values, along, known) + _work(values * arm, tilt, known)
+            sums += path_work(values, along, known) + path_work(values * arm, tilt, known)
         parametric = log[known:, :, _PARAMETRIC]
         self._parametric += parametric.sum(axis=0)
         self._parametric += _push_work(log[:, :, _PUSH], along) + _push_work(log[:, :, _TURN], tilt)
@@ -56,7 +56,7 @@ class ElementWork:
         """Stored, dissipated, received, parametric, residual, scale of every mesh and of the rope, J."""
         names = [(mesh.name, slice(2 * i, 2 * i + 2)) for i, mesh in enumerate(self._system.machine.meshes)]
         n = len(self._system.table.tau)
-        if len(self._loss) > n:
+        if len(self._loss) > n:  # vertical ropes
             names.append(("rope", slice(n, len(self._loss))))
         rows = {}
         for name, at in names:
@@ -81,7 +81,7 @@ class ElementWork:
         return result
 
 
-def _work(force: np.ndarray, motion: np.ndarray, known: int) -> np.ndarray:
+def path_work(force: np.ndarray, motion: np.ndarray, known: int) -> np.ndarray:
     """Integral of force d(motion) after the first ``known`` instants; its cubic part lags by one step."""
     new = slice(max(known - 1, 0), None)
     total = (0.5 * (force[new][1:] + force[new][:-1]) * np.diff(motion[new], axis=0)).sum(axis=0)

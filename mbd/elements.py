@@ -140,3 +140,21 @@ def extra_work(extra, before, after, log_before, log_after, n_log):
         k = n_log + e
         log_after[k, 7] = 0.5 * (log_before[k, 4] + log_after[k, 4]) * (after - before)
         log_after[k, 9] = 0.0
+
+
+@njit(nogil=True, error_model="numpy")
+def extra_follow(extra, speed, u, v, first, force, log, n_log):
+    """Lost power and rolling force of losses, brake and ground anew, where the solution ``force`` is known."""
+    for e in range(len(extra.kind)):
+        kind = extra.kind[e]
+        if kind == EFFICIENCY or kind == SLIDING or kind == DRAG or kind == GROUND:
+            push, power = 0.0, 0.0
+            for i in range(_rows(kind)):
+                at = extra.at[e] + i
+                r = first + at
+                total = extra.stiffness[at] * u[r] + extra.damping[at] * v[r] - force[r]
+                push += extra.roll[at] * total
+                power += total * (v[r] + extra.roll[at] * speed)
+            log[n_log + e, 8] = push
+            if kind != GROUND:
+                log[n_log + e, 3] = power

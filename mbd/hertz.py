@@ -41,6 +41,7 @@ LAMINAE = 5
 LINE_CONSTANT = 35948.0 * 1000.0 ** (10 / 9 + 8 / 9)  # c_L in N, m
 BALL_EXPONENT, ROLLER_EXPONENT = 1.5, 10 / 9
 STEEL = (206e9, 0.3)
+REFERENCE_SHARE = 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,6 +158,41 @@ def element_values(elements: RollingElements, rate: float, damping_time: float) 
         centre = (e.inner_conformity + e.outer_conformity - 1) * e.diameter
         return np.array([*common, centre, centre * math.cos(a) - half, centre * math.sin(a) + e.preload])
     return np.array([*common, e.length, math.cos(a), math.sin(a), half * math.cos(a) - e.preload * math.sin(a)])
+
+
+def reference_load(elements: RollingElements) -> float:
+    """Radial load (N), ``REFERENCE_SHARE`` of the usual static capacity: 12 MPa Z D^2 of balls, 44 MPa Z D l of rollers."""
+    across = elements.diameter if elements.kind == "ball" else elements.length
+    capacity = (12e6 if elements.kind == "ball" else 44e6) * elements.count * elements.diameter * across
+    return REFERENCE_SHARE * capacity * math.cos(elements.contact_angle)
+
+
+def response(
+    elements: RollingElements, u: np.ndarray, cage: float = 0.0
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Force (5,) against the displacement u = (ux, uy, uz, rx, rz), its tangent (5, 5) and the potential, at rest."""
+    values = np.zeros(10)
+    own = element_values(elements, -1.0, 0.0)
+    values[: len(own)] = own
+    force, stiff, loss = np.zeros(5), np.zeros((5, 5)), np.zeros((5, 5))
+    rule = ball_forces if elements.kind == "ball" else roller_forces
+    energy = rule(values, cage, np.array(u, dtype=float), np.zeros(5), force, stiff, loss)[0]
+    return force, stiff, float(energy)
+
+
+def tangent_at_load(elements: RollingElements) -> tuple[float, float, float]:
+    """Radial, axial and tilt stiffness under `reference_load`, axially held: a measure for the linear reference."""
+    load = reference_load(elements)
+
+    def short(depth: float) -> float:
+        return float(response(elements, np.array([depth, 0.0, 0.0, 0.0, 0.0]))[0][0]) - load
+
+    high = 1e-6
+    while short(high) < 0.0:
+        high *= 2.0
+    depth = float(optimize.brentq(short, -high, high)) if short(-high) < 0.0 else 0.0
+    stiff = response(elements, np.array([depth, 0.0, 0.0, 0.0, 0.0]))[1]
+    return float(stiff[0, 0] + stiff[2, 2]) / 2, float(stiff[1, 1]), float(stiff[3, 3] + stiff[4, 4]) / 2
 
 
 @njit(nogil=True, error_model="numpy", fastmath={"contract"})

@@ -26,7 +26,8 @@ from scipy import linalg
 
 from fem.records import Record, array, integer, names
 from mbd.checks import MachineError, finite, positive
-from mbd.forces import LOG_COLUMNS, partner, row_forces
+from mbd.elements import WIDTH
+from mbd.forces import LOG_COLUMNS, element_count, reference_stiffness, row_forces, slope_matrix
 from mbd.load import Rope
 from mbd.machine import Machine
 from mbd.reduction import SMALLEST_FREQUENCY
@@ -121,11 +122,11 @@ def tangent(system: System, state: State) -> Tangent:
     """
     table, m = system.table, len(system.rows)
     n_flank = len(table.tau)
-    log = np.zeros((n_flank + len(table.rope_ea), len(LOG_COLUMNS)))
+    log = np.zeros((element_count(table), len(LOG_COLUMNS)))
     u, force = system.all_rows @ state.displacement, np.zeros(m)
-    slope_u, slope_v = np.zeros((m, 2)), np.zeros((m, 2))
+    slope_u, slope_v = np.zeros((m, WIDTH)), np.zeros((m, WIDTH))
     held = np.full(n_flank, -1.0)
-    row_forces(table, state.motor_angle, u, np.zeros(m), held, force, slope_u, slope_v, log)
+    row_forces(table, state.motor_angle, state.motor_speed, u, np.zeros(m), held, force, slope_u, slope_v, log)
     forces = log[: n_flank // 2 * 2, 0].reshape(-1, 2)
     for i, mesh in enumerate(system.machine.meshes):
         if forces[i].max() <= LEAST_LOAD * table.scale[4 * i]:
@@ -133,27 +134,16 @@ def tangent(system: System, state: State) -> Tangent:
                 f"mesh {mesh.name}: carries no force at the equilibrium; a flank that just touches has no tangent "
                 "stiffness. Give the machine a load."
             )
-    by_u, by_v = _square(slope_u, n_flank), _square(slope_v, n_flank)
-    reference = np.concatenate([table.stiffness.ravel(), table.rope_stiffness])
+    by_u, by_v = slope_matrix(slope_u, table), slope_matrix(slope_v, table)
     return Tangent(
         stiffness=system.stiffness - system.rows.T @ by_u @ system.rows,
         damping=system.damping - system.rows.T @ by_v @ system.rows,
-        row_stiffness=np.diag(reference) - by_u,
+        row_stiffness=np.diag(reference_stiffness(table)) - by_u,
         force_slope=by_u,
         force_slope_rate=by_v,
         mesh_forces=forces[:, 0] - forces[:, 1],
         mesh_stiffness=log[:n_flank, 4].reshape(-1, 2).sum(axis=1),
     )
-
-
-def _square(slope: np.ndarray, n_flank: int) -> np.ndarray:
-    """Matrix (m, m) of the slopes (m, 2) with respect to the two rows of each row's element."""
-    matrix = np.zeros((len(slope), len(slope)))
-    for r, (one, other) in enumerate(slope):
-        first, second = partner(r, n_flank)
-        matrix[r, first] += one
-        matrix[r, second] += other  # 0 where the element has one row
-    return matrix
 
 
 def linear_modes(system: System, state: State | None = None, up_to: float = DEFAULT_UP_TO) -> LinearModes:

@@ -8,7 +8,6 @@ shafts turn at the ratio of their shaft.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 from mbd.bearings import BearingSpec
 from mbd.checks import MachineError, finite, known, unique
@@ -16,6 +15,7 @@ from mbd.couplings import ShaftCoupling, check_coaxial
 from mbd.drive import CouplingSpec, SpeedProfile
 from mbd.gear_mesh import MeshSpec, mesh_rows
 from mbd.load import Load
+from mbd.losses import Brake, Losses, NoLosses
 from mbd.shafts import ShaftSpec
 from mbd.train import Link, shaft_ratios
 
@@ -27,7 +27,7 @@ class Machine:
     """Shafts in bearings, coupled by meshes, driven by motors, loaded at the drums.
 
     ``gravity`` (m/s2, along -z) acts on shafts, disks and container; the casing's own weight only shifts its rest
-    position and is left out. ``losses`` has the one rung "none".
+    position and is left out. ``gyroscopic`` adds the gyroscopic moments of shafts and disks.
     """
 
     shafts: tuple[ShaftSpec, ...]
@@ -38,7 +38,9 @@ class Machine:
     load: Load
     shaft_couplings: tuple[ShaftCoupling, ...] = ()
     gravity: float = STANDARD_GRAVITY
-    losses: Literal["none"] = "none"
+    losses: Losses = NoLosses()
+    brake: Brake | None = None
+    gyroscopic: bool = False
 
     def __post_init__(self) -> None:
         shafts = [s.name for s in self.shafts]
@@ -49,8 +51,6 @@ class Machine:
         finite("gravity", self.gravity)
         if not self.couplings:
             raise MachineError("machine: no motor coupling; at least one must hold the input shaft.")
-        if self.losses != "none":
-            raise MachineError(f"losses: {self.losses!r} is unknown; known: none.")
         for bearing in self.bearings:
             known(f"bearing {bearing.name} shaft", bearing.shaft, shafts)
             self.shaft(bearing.shaft).check_station(f"bearing {bearing.name}", bearing.y)
@@ -62,6 +62,9 @@ class Machine:
                 known(f"coupling {joint.name} shaft", name, shafts)
                 self.shaft(name).check_station(f"coupling {joint.name}", y)
             check_coaxial(joint, *(self.shaft(name) for name in joint.shafts))
+        if self.brake is not None:
+            known("brake shaft", self.brake.shaft, shafts)
+            self.shaft(self.brake.shaft).check_station("brake", self.brake.y)
         known("load shaft", self.load.shaft, shafts)
         for y in self.load.drums:
             self.shaft(self.load.shaft).check_station("drum", y)
@@ -76,12 +79,17 @@ class Machine:
         """The shaft called ``name``."""
         return next(s for s in self.shafts if s.name == name)
 
+    def mesh(self, name: str) -> MeshSpec:
+        """The mesh called ``name``."""
+        return next(m for m in self.meshes if m.name == name)
+
     def stations(self, name: str) -> tuple[float, ...]:
         """Positions y on the shaft ``name`` that need a node: bearings, meshes, couplings, drums."""
         result = [b.y for b in self.bearings if b.shaft == name]
         result += [m.y for m in self.meshes if name in (m.driving, m.driven)]
         result += [c.y for c in self.couplings if c.shaft == name]
         result += [y for j in self.shaft_couplings for shaft, y in zip(j.shafts, j.y, strict=True) if shaft == name]
+        result += [self.brake.y] if self.brake is not None and self.brake.shaft == name else []
         result += list(self.load.drums) if self.load.shaft == name else []
         return tuple(result)
 

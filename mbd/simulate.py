@@ -88,7 +88,7 @@ def _simulate(system: System, settings: Settings, progress: Progress | None, sta
     integrator = METHODS[settings.integrator](system, step)
     recorder = Recorder(system, integrator, every, settings.n_samples)
     books = Books(system, integrator, step, recorder.steps_needed)
-    state = equilibrium(system) if start is None else start
+    state = equilibrium(system, float(system.machine.profile.speed(np.zeros(1))[0])) if start is None else start
     block = integrator.start(state)
     _feed(block, np.zeros(1), 0, system, step, recorder, books)
     size = max(every, BLOCK_STATES // block.states.shape[1])

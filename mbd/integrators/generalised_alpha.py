@@ -19,7 +19,7 @@ import numpy as np
 from scipy import linalg
 
 from mbd.checks import StepError
-from mbd.forces import LOG_COLUMNS
+from mbd.forces import LOG_COLUMNS, element_count
 from mbd.integrators.base import TOLERANCE, Block
 from mbd.rows_solver import parametric, solve_rows
 from mbd.statics import State
@@ -51,7 +51,7 @@ class GeneralisedAlpha:
         self._g_u = self._beta * step**2 * system.all_rows @ answer
         self._g_v = self._gamma * step * system.rows @ answer
         self._answer = answer
-        elements = len(system.table.tau) + len(system.table.rope_ea)
+        elements = element_count(system.table)
         self._empty_log = np.zeros((elements, len(LOG_COLUMNS)))
 
     def start(self, state: State) -> Block:
@@ -63,7 +63,7 @@ class GeneralisedAlpha:
         still = np.zeros((len(self._rows), len(self._forces)))
         v = system.rows @ self._v
         used = solve_rows(
-            system.table, self._angle, 0.0, self._rows.copy(), v.copy(), still, still[: len(v)].copy(), self._forces,
+            system.table, self._angle, state.motor_speed, self._rows.copy(), v.copy(), still, still[: len(v)].copy(), self._forces,
             self._rows, v, self._log, TOLERANCE,
         )  # fmt: skip
         if used < 0:

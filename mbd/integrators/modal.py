@@ -20,7 +20,7 @@ import numpy as np
 from scipy import linalg
 
 from mbd.checks import StepError
-from mbd.forces import LOG_COLUMNS
+from mbd.forces import LOG_COLUMNS, element_count
 from mbd.integrators.base import TOLERANCE, Block, Flow
 from mbd.integrators.modal_loop import Constants, Memory, advance_modes
 from mbd.rows_solver import solve_rows
@@ -70,14 +70,14 @@ class ModalIntegrator:
         """Set the state at t = 0."""
         table, constants = self._system.table, self._constants
         eta = _stack(self._from_displacement @ state.displacement + self._from_velocity @ state.velocity)
-        log = np.zeros((1, len(table.tau) + len(table.rope_ea), len(LOG_COLUMNS)))
+        log = np.zeros((1, element_count(table), len(LOG_COLUMNS)))
         m, past = len(state.forces), constants.weights.shape[1]
         u = constants.rows @ eta
         v = self._system.rows @ (self.velocity @ eta)
         still = np.zeros((len(u), m))
         forces = state.forces.copy()
         used = solve_rows(
-            table, state.motor_angle, 0.0, u, v, still, still[:m].copy(), forces, u.copy(), v.copy(), log[0], TOLERANCE
+            table, state.motor_angle, state.motor_speed, u, v, still, still[:m].copy(), forces, u.copy(), v.copy(), log[0], TOLERANCE
         )
         if used < 0:
             raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")
@@ -102,7 +102,7 @@ class ModalIntegrator:
             np.empty((n, len(self._memory.state))),
             np.empty((n, m)),
             np.empty((n, len(constants.rows))),
-            np.zeros((n, len(table.tau) + len(table.rope_ea), len(LOG_COLUMNS))),
+            np.zeros((n, element_count(table), len(LOG_COLUMNS))),
             np.empty((n, past, m)),
         )
         iterations, failed = advance_modes(
