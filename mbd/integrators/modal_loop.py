@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from mbd.forces import parametric_work
-from mbd.rows_solver import iterate, source_digest
+from mbd.rows_solver import NEAR, iterate, source_digest
 
 
 class Constants(NamedTuple):
@@ -111,7 +111,7 @@ def _compiled(digest: int) -> Callable:
                     guess[r] = 3.0 * (past_forces[0, r] - past_forces[1, r]) + past_forces[2, r]
             used = iterate(
                 table, angles[n], speeds[n], u_p, v_p, g_u[usual], g_v[usual], guess, row_values[n], v, log[n],
-                tolerance,
+                tolerance, NEAR,
             )  # fmt: skip
             if used < 0:
                 return iterations, n
