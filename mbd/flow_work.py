@@ -51,7 +51,7 @@ class FlowWork:
         flat = pieces.reshape(n, -1)
         used = np.flatnonzero(flat.any(axis=0))
         flat = np.ascontiguousarray(flat[:, used])
-        self._products[used] += flat[1:].T @ block.states[:-1] + np.outer(flat[0], self._last)
+        self._products[used] += flat.T @ block.starts
         self._gram[np.ix_(used, used)] += flat.T @ flat
         self._last, self._speed = block.states[-1].copy(), float(speeds[-1])
 
