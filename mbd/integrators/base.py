@@ -33,6 +33,7 @@ class Block(NamedTuple):
     """Successive instants; the first axis is time."""
 
     states: np.ndarray  # (instant, x)
+    starts: np.ndarray  # (instant, x) at the start of the step that ends here; the state itself at t = 0
     forces: np.ndarray  # (instant, m) residual forces lambda
     rows: np.ndarray  # (instant, m + mesh) row displacements, then observed rows
     log: np.ndarray  # (instant, element, column), see `mbd.forces.LOG_COLUMNS`

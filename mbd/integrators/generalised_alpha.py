@@ -70,14 +70,17 @@ class GeneralisedAlpha:
             raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")
         self._push = system.constant_force + system.rows.T @ self._forces
         self._acceleration = self.inverse_mass @ (self._push - system.damping @ self._v - system.stiffness @ self._q)
-        return self._block([self._instant()])
+        instant = self._instant()
+        return self._block([(instant[0], *instant)])
 
     def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
         """Take len(angles) steps."""
         instants = []
         for angle, speed, acceleration in zip(angles, speeds, accelerations, strict=True):
+            start = np.concatenate([self._q, self._v])
             self._one_step(float(angle), float(speed), float(acceleration))
-            instants.append(self._instant())
+            state, *others = self._instant()
+            instants.append((state, start, *others))
         return self._block(instants)
 
     def _one_step(self, angle: float, speed: float, acceleration: float) -> None:

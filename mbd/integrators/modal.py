@@ -91,15 +91,19 @@ class ModalIntegrator:
             rows=u.copy(),
             log=log[0].copy(),
         )
-        return Block(eta[None].copy(), forces[None], u[None], log, np.zeros((1, past, m)))
+        states = eta[None].copy()
+        return Block(states, states, forces[None], u[None], log, np.zeros((1, past, m)))
 
     def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
         """Take len(angles) steps."""
         constants, table = self._constants, self._system.table
         assert self._memory is not None, "call start first"
         n, m, past = len(angles), constants.enter.shape[0], constants.weights.shape[1]
+        instants = np.empty((n + 1, len(self._memory.state)))
+        instants[0] = self._memory.state
         block = Block(
-            np.empty((n, len(self._memory.state))),
+            instants[1:],
+            instants[:-1],
             np.empty((n, m)),
             np.empty((n, len(constants.rows))),
             np.zeros((n, element_count(table), len(LOG_COLUMNS))),

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from mbd.forces import parametric_work
-from mbd.rows_solver import iterate, source_digest
+from mbd.rows_solver import NEAR, iterate, source_digest
 
 
 class Constants(NamedTuple):
@@ -89,14 +89,14 @@ def _compiled(digest: int) -> Callable:
             return -1, 0
         growth, rate, weights, powers, load, ramp, enter, rows, g_u, g_v = constants
         state, past_forces, pushes, smooth, last_angle, last_rows, last_log = memory
-        states, forces, row_values, log, holds = block
+        states, starts, forces, row_values, log, holds = block
         m, n_rows, n_past, size = len(enter), len(rows), len(pushes), len(state)
         u_p, v_p, v, guess = np.empty(n_rows), np.empty(m), np.empty(m), np.empty(m)
         moving = np.empty(size)
         iterations = 0
         for n in range(len(angles)):
             eta = states[n]
-            _free_step(state, growth, load, ramp, accelerations[n], eta)
+            _free_step(starts[n], growth, load, ramp, accelerations[n], eta)
             usual = 1 if smooth[0] >= n_past - 2 else 0
             for s in range(1, n_past if usual == 1 else 2):
                 _add_product(eta, weights[usual, s], pushes[s - 1])
@@ -111,7 +111,7 @@ def _compiled(digest: int) -> Callable:
                     guess[r] = 3.0 * (past_forces[0, r] - past_forces[1, r]) + past_forces[2, r]
             used = iterate(
                 table, angles[n], speeds[n], u_p, v_p, g_u[usual], g_v[usual], guess, row_values[n], v, log[n],
-                tolerance,
+                tolerance, NEAR,
             )  # fmt: skip
             if used < 0:
                 return iterations, n
@@ -141,8 +141,8 @@ def _compiled(digest: int) -> Callable:
             for k in range(log.shape[1]):
                 for j in range(log.shape[2]):
                     last_log[k, j] = log[n, k, j]
-            for j in range(size):
-                state[j] = eta[j]
+        for j in range(size):
+            state[j] = states[len(angles) - 1, j]
         return iterations, -1
 
     return advance

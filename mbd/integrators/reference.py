@@ -52,18 +52,18 @@ class Reference:
         self._x = np.concatenate([to_modal @ state.displacement, to_modal @ state.velocity])
         self._angle = state.motor_angle
         forces, self._rows, self._log = self._forces(self._x, self._angle, state.motor_speed)
-        return Block(self._x[None], forces[None], self._rows[None], self._log[None], np.zeros((1, 0, len(forces))))
+        return Block(self._x[None], self._x[None], forces[None], self._rows[None], self._log[None], np.zeros((1, 0, len(forces))))
 
     def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
         """Take len(angles) steps."""
         instants = []
         for angle, speed, acceleration in zip(angles, speeds, accelerations, strict=True):
-            self._x = self._one_step(float(angle), float(acceleration))
+            start, self._x = self._x, self._one_step(float(angle), float(acceleration))
             forces, rows, log = self._forces(self._x, float(angle), float(speed))
             parametric(self._system.table, self._angle, float(angle), self._rows, rows, self._log, log)
             self._rows, self._log, self._angle = rows, log, float(angle)
             self.counters["steps"] += 1
-            instants.append((self._x, forces, rows, log))
+            instants.append((self._x, start, forces, rows, log))
         columns = [np.array(column) for column in zip(*instants, strict=True)]
         return Block(*columns, holds=np.zeros((len(instants), 0, len(self._v_rows))))
 
