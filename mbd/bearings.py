@@ -91,7 +91,9 @@ class BearingSpec:
     @property
     def damping_matrix(self) -> np.ndarray:
         """C (5, 5)."""
-        return self.damping_time * self.stiffness_matrix if self.damping is None else np.array(self.damping, dtype=float)
+        return (
+            self.damping_time * self.stiffness_matrix if self.damping is None else np.array(self.damping, dtype=float)
+        )
 
 
 def rigid_bearing(name: str, shaft: str, y: float, support: Literal["casing", "ground"] = "casing") -> BearingSpec:

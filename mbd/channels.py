@@ -63,6 +63,7 @@ def channel_names(machine: Machine, sensors: tuple[str, ...] = ()) -> tuple[str,
     names += [*SWAY] if isinstance(machine.load, RopePendulum) else []
     return tuple(names)
 
+
 SWAY = ("container:sway_x", "container:sway_y")  # m
 
 
@@ -190,9 +191,7 @@ def _rope(rows: np.ndarray, stretched: list[int], reference: tuple[float, float]
     return Reading("N", displacement=reference[0] * stretch, velocity=reference[1] * stretch, forces=share)
 
 
-def _bearing(
-    lay: Layout, bearing: BearingSpec, axis: str, rows: np.ndarray, row_names: tuple[str, ...]
-) -> Reading:
+def _bearing(lay: Layout, bearing: BearingSpec, axis: str, rows: np.ndarray, row_names: tuple[str, ...]) -> Reading:
     if bearing.model == "hertz":
         r, k = row_names.index(f"{bearing.name}:u{axis}"), bearing.stiffness[BEARING_AXES.index(f"u{axis}")]
         return _element_force(rows, r, (k, bearing.damping_time * k))

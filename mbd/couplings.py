@@ -1,7 +1,7 @@
 """Couplings between two shafts on one axis: linear springs and dampers between a node of each.
 
-The force on the first shaft is -k (u_1 - u_2) - c (u_1' - u_2') per axis. Torsion must be held; a direction of stiffness
-0 is free, as in a coupling that only takes the rotation.
+The force on the first shaft is -k (u_1 - u_2) - c (u_1' - u_2') per axis. Torsion must be held; a direction of
+stiffness 0 is free, as in a coupling that only takes the rotation.
 """
 
 from __future__ import annotations

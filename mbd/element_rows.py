@@ -26,7 +26,7 @@ from mbd.hertz import element_values, pass_frequencies, reference_load
 from mbd.layout import Layout
 from mbd.load import Rope, RopePendulum
 from mbd.losses import SMOOTHING, Coulomb, Efficiency, sliding_rows
-from mbd.mesh_reference import load_torque, reference_load as mesh_load, sliding_shares
+from mbd.mesh_reference import sliding_shares
 
 SLOWEST = 1.0  # rad/s: smoothing speed of a machine that never turns
 
@@ -205,7 +205,7 @@ def _brake(found: ElementRows, lay: Layout) -> None:
         DRAG,
         "brake",
         lay.angle_row(brake.shaft, brake.y)[None],
-        [brake.torque, roll, smooth * roll, 1e-6 * smooth],
+        [brake.torque, roll, smooth * roll, smooth],
         [brake.torque],
         words=("angle",),
     )

@@ -1,13 +1,13 @@
 """The further nonlinear elements of a machine as flat tables and one compiled entry, beside flanks and ropes.
 
-Kinds: ball and roller bearings (5 rows each), mesh efficiency (1), sliding of one flank (2), drag and brake (1), pendulum
-rope of one drum (3), ground (1), gyroscopic plane (2). A row r has the linear reference (k0, c0) in the system's matrices;
-what is left is lambda = k0 u + c0 u' - F(u, u', angle, speed), as in `mbd.forces`. Its slopes by the rows ``pattern[r]``
-(absolute numbers, -1 unused) are dense, so that the row Newton knows all couplings.
+Kinds: ball and roller bearings (5 rows each), mesh efficiency (1), sliding of one flank (2), drag and brake (1),
+pendulum rope of one drum (3), ground (1), gyroscopic plane (2). A row r has the linear reference (k0, c0) in the
+system's matrices; what is left is lambda = k0 u + c0 u' - F(u, u', angle, speed), as in `mbd.forces`. Its slopes by the
+rows ``pattern[r]`` (absolute numbers, -1 unused) are dense, so that the row Newton knows all couplings.
 
-Log columns of an element: elastic force, 0, potential U, dissipated power (W), dU/d angle at fixed rows, then the parametric
-work of the step (mean of dU/d angle times the turned angle) and, in the column "push_force", the sum of F times the rolling
-rate of its rows per motor angle: the rows of losses, brake and ground move while the machine rolls.
+Log columns of an element: elastic force, 0, potential U, dissipated power (W), dU/d angle at fixed rows, then the
+parametric work of the step (mean of dU/d angle times the turned angle) and, in the column "push_force", the sum of F
+times the rolling rate of its rows per motor angle: the rows of losses, brake and ground move while the machine rolls.
 """
 
 from __future__ import annotations

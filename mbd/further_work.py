@@ -1,15 +1,15 @@
 """Works of the further elements (`mbd.elements`): bearings with rolling elements, losses, brake, pendulum rope, ground.
 
-An element stores U, receives the integral of F . d(motion of its rows, rolling included), loses its logged power and takes
-up the parametric work of the turning cage or of the winding rope. Gyroscopic planes do no work.
+An element stores U, receives the integral of F . d(motion of its rows, rolling included), loses its logged power and
+takes up the parametric work of the turning cage or of the winding rope. Gyroscopic planes do no work.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from mbd.integrators.base import Block, Integrator
 from mbd.element_work import path_work
+from mbd.integrators.base import Block, Integrator
 from mbd.system import System
 
 _ENERGY, _POWER, _PARAMETRIC, _PUSH = 2, 3, 7, 8
@@ -53,7 +53,12 @@ class FurtherWork:
         self._parametric += log[known:, :, 2].sum(axis=0)
         self.throughput += float(abs(log[known:, :, 2]).sum())
         self._peak = np.maximum(self._peak, log[:, :, 0].max(axis=0))
-        self._log, self._rows, self._force, self._angle = log[-3:].copy(), rows[-3:].copy(), force[-3:].copy(), angle[-3:]
+        self._log, self._rows, self._force, self._angle = (
+            log[-3:].copy(),
+            rows[-3:].copy(),
+            force[-3:].copy(),
+            angle[-3:],
+        )
 
     def books(self) -> dict[str, list[float]]:
         """Stored, dissipated, received, parametric, residual, scale of every part, J."""

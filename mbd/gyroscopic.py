@@ -1,6 +1,7 @@
 """Gyroscopic moments of shafts and disks that turn at the speed Omega about +y: forces -Omega G u' with G skew.
 
-The momentum J_p Omega (-rz, 1, rx) of a tilted disk asks for the moments M_x = -J_p Omega rz', M_z = J_p Omega rx': G has
+The momentum J_p Omega (-rz, 1, rx) of a tilted disk asks for the moments M_x = -J_p Omega rz', M_z = J_p Omega rx': G
+has
 -J_p in (rx, rz) and J_p in (rz, rx). A beam element spreads
 2 rho I over its length as its rotary inertia is spread, in the same shape functions (Nelson, 1980). G does no work.
 
@@ -44,7 +45,8 @@ def gyroscopic_matrix(spec: ShaftSpec, nodes: np.ndarray) -> np.ndarray:
 
 
 def planes(reduced: np.ndarray, kept: float = KEPT) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """Rows a, b (plane, mode), strengths g (plane,) of a skew matrix (mode, mode), strongest first, and the share of its
+    """Rows a, b (plane, mode), strengths g (plane,) of a skew matrix (mode, mode), strongest first, and the share of
+    its
     Frobenius norm that the planes left out hold."""
     form, turn = linalg.schur(0.5 * (reduced - reduced.T), output="real")
     size, found, i = float(abs(form).max(initial=0.0)), [], 0

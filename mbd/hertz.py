@@ -6,23 +6,23 @@ z = sin theta) sees the radial and axial shifts of the inner raceway
     rho = ux cos theta + uz sin theta      w = uy + R g      g = rz cos theta - rx sin theta      R = pitch radius.
 
 Ball (Jones, Harris): the groove centres, A = (f_i + f_o - 1) D apart, move to the distance
-sqrt((A cos a - P/2 + rho)^2 + (A sin a + p + w)^2) = A + delta, and Q = K delta^1.5 along their line; P is the diametral
-clearance, p an axial preload shift. K joins both contacts, 1/K = (K_i^(-2/3) + K_o^(-2/3))^(3/2), by Hertz' theory of
-elliptical contacts.
+sqrt((A cos a - P/2 + rho)^2 + (A sin a + p + w)^2) = A + delta, and Q = K delta^1.5 along their line; P is the
+diametral clearance, p an axial preload shift. K joins both contacts, 1/K = (K_i^(-2/3) + K_o^(-2/3))^(3/2), by Hertz'
+theory of elliptical contacts.
 
 Roller: delta = (rho - P/2) cos a + (w + p) sin a - g s at the place s of a lamina along its length l, and
-q = c_L l^(8/9) delta^(10/9) per roller, c_L = 35 948 N/mm^(10/9) mm^(-8/9) for steel (both contacts), in ``LAMINAE`` laminae
-of equal length. Crowned ends are not modelled.
+q = c_L l^(8/9) delta^(10/9) per roller, c_L = 35 948 N/mm^(10/9) mm^(-8/9) for steel (both contacts), in ``LAMINAE``
+laminae of equal length. Crowned ends are not modelled.
 
-The forces follow from the potential sum of 2/5 K delta^2.5 (9/19 for rollers), so that nothing is lost in a bearing that
-does not turn. The cage turns at (1 - gamma)/2 of the shaft, gamma = D cos a/(2 R), without slip: the number of elements
-under load varies with it (varying compliance). With damping each contact carries max(0, Q + tau dQ/d delta delta'),
-delta' by the motion u' alone. No centrifugal or gyroscopic forces of the elements, no lubricant film.
+The forces follow from the potential sum of 2/5 K delta^2.5 (9/19 for rollers), so that nothing is lost in a bearing
+that does not turn. The cage turns at (1 - gamma)/2 of the shaft, gamma = D cos a/(2 R), without slip: the number of
+elements under load varies with it (varying compliance). With damping each contact carries max(0, Q + tau dQ/d delta
+delta'), delta' by the motion u' alone. No centrifugal or gyroscopic forces of the elements, no lubricant film.
 
 References
 ----------
-Harris & Kotzalas (2007), Rolling Bearing Analysis, 5th ed., ch. 6 (Hertz contacts), 7 (loads); ISO/TS 16281:2008, 4.2 and
-4.3 (c_L, laminae); Brewe & Hamrock (1977), J. Lubr. Technol. 99, 485-487.
+Harris & Kotzalas (2007), Rolling Bearing Analysis, 5th ed., ch. 6 (Hertz contacts), 7 (loads); ISO/TS 16281:2008, 4.2
+and 4.3 (c_L, laminae); Brewe & Hamrock (1977), J. Lubr. Technol. 99, 485-487.
 """
 
 from __future__ import annotations
@@ -106,8 +106,8 @@ def ball_contact(*curvatures: float) -> float:
     """K (N/m^1.5) in Q = K delta^1.5 of a steel contact; curvatures (1/m) of both bodies, in the rolling plane first:
     1 in rolling direction and across, 2 in rolling direction and across (hollow negative).
 
-    The ratio kappa of the axes solves F(rho) = ((k^2 + 1) E - 2 F)/((k^2 - 1) E), F and E the complete elliptic integrals
-    of 1 - 1/k^2; delta = delta* (3 Q/(2 sum E'))^(2/3) sum/2, delta* = (2 F/pi) (pi/(2 k^2 E))^(1/3).
+    The ratio kappa of the axes solves F(rho) = ((k^2 + 1) E - 2 F)/((k^2 - 1) E), F and E the complete elliptic
+    integrals of 1 - 1/k^2; delta = delta* (3 Q/(2 sum E'))^(2/3) sum/2, delta* = (2 F/pi) (pi/(2 k^2 E))^(1/3).
     """
     one, across_one, two, across_two = curvatures
     total = sum(curvatures)
@@ -167,9 +167,7 @@ def reference_load(elements: RollingElements) -> float:
     return REFERENCE_SHARE * capacity * math.cos(elements.contact_angle)
 
 
-def response(
-    elements: RollingElements, u: np.ndarray, cage: float = 0.0
-) -> tuple[np.ndarray, np.ndarray, float]:
+def response(elements: RollingElements, u: np.ndarray, cage: float = 0.0) -> tuple[np.ndarray, np.ndarray, float]:
     """Force (5,) against the displacement u = (ux, uy, uz, rx, rz), its tangent (5, 5) and the potential, at rest."""
     values = np.zeros(10)
     own = element_values(elements, -1.0, 0.0)

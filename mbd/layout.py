@@ -1,7 +1,7 @@
 """Coordinates of the assembled machine and the rows that read its parts.
 
-Order: shafts in machine order, then the casing, then the container (its sway, then its lift). q is measured in the frame that rolls with the
-train: rotation of a node = s ratio phi_m + its coordinate.
+Order: shafts in machine order, then the casing, then the container (its sway, then its lift). q is measured in the
+frame that rolls with the train: rotation of a node = s ratio phi_m + its coordinate.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@ L = L_0 - phi R/reeving of the rigidly rolling train, and the force max(0, k s +
 s = phi R/reeving - x > 0; else the rope is slack. c = 2 zeta sqrt(k m/drums).
 
 With a direction d (unit vector across the shaft) the ropes also pull the drum: it moves by u and s = (phi R - d . u)/
-reeving - x, so that F/reeving acts along d. Without one the pull is balanced at the drum. `RopePendulum` lets the container
-swing, a `Ground` may carry it; both are in `mbd.hanging`.
+reeving - x, so that F/reeving acts along d. Without one the pull is balanced at the drum. `RopePendulum` lets the
+container swing, a `Ground` may carry it; both are in `mbd.hanging`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ NO_DRUM = "load: no drum; give at least one y position on the output shaft."
 class StaticTorque:
     """A constant torque (N m, lowering positive) on each drum, at the positions ``drums`` (m) of ``shaft``.
 
-    With a ``direction`` (rad, from +x to +z) the torque is that of a rope, which pulls along it with torque/``drum_radius``.
+    With a ``direction`` (rad, from +x to +z) the torque is that of a rope, which pulls along it with
+    torque/``drum_radius``.
     """
 
     shaft: str

@@ -1,30 +1,33 @@
-"""Losses of meshes and bearings: rungs `none`, `efficiency`, `coulomb`; and the holding brake. All are internal torques.
+"""Losses of meshes and bearings: rungs `none`, `efficiency`, `coulomb`; and the holding brake. All are internal
+torques.
 
-`efficiency`: with the mesh force F a pair of torques tau = F r_b1 x opposes the rotation of both gears, so that what comes
-out is eta times what goes in. From (1 - x i)/(1 + x) = eta with i = r_b1/r_b2,
+`efficiency`: with the mesh force F a pair of torques tau = F r_b1 x opposes the rotation of both gears, so that what
+comes out is eta times what goes in. From (1 - x i)/(1 + x) = eta with i = r_b1/r_b2,
 
     x = (1 - eta)/(eta + i)      the driving gear gives the power
     x = (1 - eta)/(1 + eta i)    the driven gear gives it (the load lowers; or the coast flank in lifting)
 
-and the power tau (phi1' + phi2') is lost. The torques are equal and turn with phi1 and phi2, which have opposite senses in
-space: they need no reaction in the casing.
+and the power tau (phi1' + phi2') is lost. The torques are equal and turn with phi1 and phi2, which have opposite senses
+in space: they need no reaction in the casing.
 
-`coulomb`: a tooth pair at the distance xi from the pitch point slides at (phi1' + phi2') xi along m = s (y x n), and mu F_p
-opposes it on both gears. With m . (u1 - u2) at the pitch point as w and kappa = phi1 + phi2 the generalised forces are
+`coulomb`: a tooth pair at the distance xi from the pitch point slides at (phi1' + phi2') xi along m = s (y x n), and mu
+F_p opposes it on both gears. With m . (u1 - u2) at the pitch point as w and kappa = phi1 + phi2 the generalised forces
+are
 
     -mu F S(c) on w      -mu F Q(c) on kappa      S = sum of shares times sign xi      Q = sum of shares times |xi|
 
-so that the force reverses where a pair passes the pitch point. The shares (of pairs and places along the face) are those of
-error-free gears at the nominal load at rest, tabulated over the mesh cycle; friction does not act along the face.
-A bearing drags with mu_b P d/2: P its load at rest, d the shaft's diameter in it; the casing's reaction to it is left out.
+so that the force reverses where a pair passes the pitch point. The shares (of pairs and places along the face) are
+those of error-free gears at the nominal load at rest, tabulated over the mesh cycle; friction does not act along the
+face. A bearing drags with mu_b P d/2: P its load at rest, d the shaft's diameter in it; the casing's reaction to it is
+left out.
 
-All reverse smoothly with the speed omega of the element, as tanh(omega/omega_0); omega_0 is ``SMOOTHING`` of the highest
-speed in the run. At rest nothing is lost and nothing is held by friction.
+All reverse smoothly with the speed omega of the element, as tanh(omega/omega_0); omega_0 is ``SMOOTHING`` of the
+highest speed in the run. At rest nothing is lost and nothing is held by friction.
 
 References
 ----------
-Niemann & Winter (2003), Maschinenelemente II, 21.10 (mesh losses); Vaishya & Singh (2001), J. Sound Vib. 248(4), 671-694
-(sliding friction that reverses at the pitch point); SKF (2018), Rolling Bearings, p. 132 (M = 0.5 mu P d).
+Niemann & Winter (2003), Maschinenelemente II, 21.10 (mesh losses); Vaishya & Singh (2001), J. Sound Vib. 248(4),
+671-694 (sliding friction that reverses at the pitch point); SKF (2018), Rolling Bearings, p. 132 (M = 0.5 mu P d).
 """
 
 from __future__ import annotations
@@ -155,10 +158,12 @@ def tooth_friction(values, shares, cycle, speed, rate_w, rate_kappa, force, f_d,
 @njit(nogil=True, error_model="numpy")
 def drag(values, speed, rate):
     """Torque of a drag or brake times -1, its slope by the rate, the power lost."""
-    torque, roll, smooth, standstill = values[0], values[1], values[2], values[3]
-    if standstill > 0.0 and abs(speed) > standstill:
-        return 0.0, 0.0, 0.0
+    torque, roll, smooth, closing = values[0], values[1], values[2], values[3]
+    if closing > 0.0:  # a brake
+        rest = 1.0 - (speed / closing) ** 2
+        if rest <= 0.0:
+            return 0.0, 0.0, 0.0
+        torque *= rest * rest
     total = rate + roll * speed
     s = math.tanh(total / smooth)
     return torque * s, torque * (1.0 - s * s) / smooth, torque * s * total
-

@@ -72,8 +72,8 @@ def residual_size(force, target, scale):
 def iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance, near):
     """Iterate on ``force`` (in: guess, out: solution); returns the iterations used, or -1 without convergence.
 
-    ``angle`` and ``speed`` of the motor (rad, rad/s); residuals in units of the scale of the forces: below ``tolerance``
-    the guess is taken, from below ``near`` one more step is.
+    ``angle`` and ``speed`` of the motor (rad, rad/s); residuals in units of the scale of the forces: below
+    ``tolerance`` the guess is taken, from below ``near`` one more step is.
     """
     n_flank = len(table.tau)
     guess, held = force.copy(), np.full(n_flank, -1.0)
@@ -126,7 +126,9 @@ def newton(table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tole
             move_rows(u_p, g_u, force, u)
             move_rows(v_p, g_v, force, v)
             follow_tangent(table, angle, trial, u, v, force, log)
-            extra_follow(table.extra, speed, u, v, m - len(table.extra.pattern), force, log, len(log) - len(table.extra.kind))
+            extra_follow(
+                table.extra, speed, u, v, m - len(table.extra.pattern), force, log, len(log) - len(table.extra.kind)
+            )
             return iteration + 1
     return -1
 

@@ -212,7 +212,9 @@ def rotary_inertia(spec: ShaftSpec, nodes: np.ndarray) -> list[tuple[int, np.nda
     for e in range(len(nodes) - 1):
         section, length = section_at(spec, nodes, e), float(nodes[e + 1] - nodes[e])
         second_moment = math.pi * (section.outer_diameter**4 - section.inner_diameter**4) / 64
-        found.append((6 * e, _bending(length, _shear_share(spec, section, length), 0.0, 0.0, spec.density * second_moment)[0]))
+        found.append(
+            (6 * e, _bending(length, _shear_share(spec, section, length), 0.0, 0.0, spec.density * second_moment)[0])
+        )
     return found
 
 

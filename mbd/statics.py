@@ -2,8 +2,8 @@
 
 0 = f + B^T lambda(B q) - K q has the rows u = B K^-1 f + (B K^-1 B^T) lambda(u): the Newton iteration of the time step
 with static flexibilities. With no load at all the gears could rest anywhere in the backlash; the drive flanks are then
-set to just touch, K q = f + B^T mu with delta = delta_0(c, psi). A swinging container is held at its angle by a force square
-to its ropes.
+set to just touch, K q = f + B^T mu with delta = delta_0(c, psi). A swinging container is held at its angle by a force
+square to its ropes.
 """
 
 from __future__ import annotations
@@ -58,7 +58,9 @@ def equilibrium(system: System, speed: float = 0.0) -> State:
         forces, log = _loaded(system, free, flexibility, speed)
     q = response @ (constant + system.rows.T @ forces)
     ratios, lay = system.machine.ratios(), system.layout
-    torque = sum(-c.stiffness * ratios[c.shaft] * float(lay.angle_row(c.shaft, c.y) @ q) for c in system.machine.couplings)
+    torque = sum(
+        -c.stiffness * ratios[c.shaft] * float(lay.angle_row(c.shaft, c.y) @ q) for c in system.machine.couplings
+    )
     return State(
         displacement=q,
         velocity=np.zeros_like(q),
@@ -85,9 +87,7 @@ def holding_force(system: System) -> np.ndarray:
     return force
 
 
-def _loaded(
-    system: System, free: np.ndarray, flexibility: np.ndarray, speed: float
-) -> tuple[np.ndarray, np.ndarray]:
+def _loaded(system: System, free: np.ndarray, flexibility: np.ndarray, speed: float) -> tuple[np.ndarray, np.ndarray]:
     m, n_elements = len(system.rows), element_count(system.table)
     force, log = np.zeros(m), np.zeros((n_elements, len(LOG_COLUMNS)))
     u, v, still = np.zeros(len(free)), np.zeros(len(free)), np.zeros(len(free))
@@ -123,13 +123,11 @@ def _pressed(system: System, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.array(rows, dtype=int), np.array(found)
 
 
-def _touching(
-    system: System, free: np.ndarray, flexibility: np.ndarray, speed: float
-) -> tuple[np.ndarray, np.ndarray]:
+def _touching(system: System, free: np.ndarray, flexibility: np.ndarray, speed: float) -> tuple[np.ndarray, np.ndarray]:
     """Forces that the linear reference needs to hold every drive flank at delta_0: with them the real force is zero.
 
-    Without contact lambda_psi = k_psi psi cancels the tilt reference and lambda_delta holds the approach; all other rows
-    carry their own forces (Newton).
+    Without contact lambda_psi = k_psi psi cancels the tilt reference and lambda_delta holds the approach; all other
+    rows carry their own forces (Newton).
     """
     machine, table, m = system.machine, system.table, len(system.rows)
     drive = np.arange(len(machine.meshes)) * 4

@@ -16,11 +16,11 @@ import numpy as np
 from fem.casing.body import ReducedBody
 from mbd.bearings import BEARING_AXES, springs
 from mbd.channels import ChannelRows, bearing_row, channel_names, channel_rows
+from mbd.element_rows import ElementRows, bearing_drag, element_rows, gyroscopic_planes
 from mbd.forces import ForceTable, force_table
 from mbd.gear_mesh import mesh_rows
-from mbd.layout import Layout, layout
-from mbd.element_rows import ElementRows, bearing_drag, element_rows, gyroscopic_planes
 from mbd.gyroscopic import gyroscopic_matrix, planes
+from mbd.layout import Layout, layout
 from mbd.load import Rope, StaticTorque, pull_axis, rope_reference, vertical_rope
 from mbd.losses import Coulomb
 from mbd.machine import Machine

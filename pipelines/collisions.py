@@ -91,13 +91,14 @@ def _clashes(first: list[Cylinder], second: list[Cylinder], layout: Layout) -> I
 
 
 def _mates(scene: Scene, layout: Layout) -> Iterator[Problem]:
-    """Gears that overlap in y and do not mesh, on other shafts or on the same one; a gear may be in two stages."""
+    """Gears that overlap in y and do not mesh, on other shafts or on the same one; a gear may be in several stages."""
     bodies = gears(scene, layout)
+    meshing = {frozenset((_body(one), _body(two))) for one, two in zip(bodies[::2], bodies[1::2], strict=True)}
     for i, one in enumerate(bodies):
-        for j, two in enumerate(bodies[i + 1 :], i + 1):
-            if i // 2 == j // 2:
+        for two in bodies[i + 1 :]:
+            if _body(one) == _body(two) or frozenset((_body(one), _body(two))) in meshing:
                 continue
-            if one.shaft == two.shaft and one.overlaps(two) and not _same_gear(one, two):
+            if one.shaft == two.shaft and one.overlaps(two):
                 yield Problem(
                     two.path,
                     f"{two.name} and {one.name} share shaft {one.shaft + 1} and overlap along it",
@@ -106,9 +107,9 @@ def _mates(scene: Scene, layout: Layout) -> Iterator[Problem]:
             yield from _clashes([one], [two], layout)
 
 
-def _same_gear(one: Cylinder, two: Cylinder) -> bool:
-    """Whether two stages share one gear: the same place, width and tip circle."""
-    return (one.radius, one.start, one.end) == (two.radius, two.start, two.end)
+def _body(gear: Cylinder) -> tuple[int, float, float, float]:
+    """What makes a gear the same one in two stages: shaft, tip circle and place."""
+    return gear.shaft, round(gear.radius, 9), round(gear.start, 9), round(gear.end, 9)
 
 
 def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterator[Problem]:

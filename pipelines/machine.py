@@ -5,24 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import Gear
-from mbd.bearings import BearingSpec, hertz_bearing, rigid_bearing
 from mbd.couplings import ShaftCoupling
 from mbd.drive import CouplingSpec, SpeedProfile
 from mbd.gear_mesh import MeshSpec
-from mbd.load import Load, Rope, StaticTorque
+from mbd.losses import Brake, Coulomb, Efficiency, Losses, NoLosses
 from mbd.machine import Machine
 from mbd.shafts import Disk, Section, ShaftSpec
-from pipelines.derived import bearing_names, output_torque
+from pipelines.bearings import bearing_specs
+from pipelines.hoist import drums, load_spec, shaft_ends
 from pipelines.layout import Layout
 from pipelines.scene import Scene
-from pipelines.tables.bearings import HertzBearings, LinearBearings, RigidBearings
-from pipelines.tables.motion import RopeTable
+from pipelines.tables.losses import CoulombLosses, EfficiencyLosses
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -60,8 +58,10 @@ def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
     found = []
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True)):
         y = stage.position_mm / 1000
-        for name, gear, place in zip(("pinion", "wheel"), (pair.pinion, pair.wheel), layout.pair_shafts[number], strict=True):
-            if place == shaft:
+        for name, gear, place in zip(
+            ("pinion", "wheel"), (pair.pinion, pair.wheel), layout.pair_shafts[number], strict=True
+        ):
+            if place == shaft and y not in {disk.y for disk in found}:  # one gear may be in two stages
                 found.append(gear_disk(f"{name}_{number + 1}", y, gear, density))
     for number, table in enumerate(scene.disks, 1):
         if table.shaft == shaft + 1:
@@ -89,18 +89,6 @@ def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
                 )
             )
     return found
-
-
-def drums(scene: Scene, layout: Layout) -> tuple[float, ...]:
-    """y of the drums (m)."""
-    given = tuple(y / 1000 for y in scene.load.drum_positions_mm)
-    return given or _ends(scene, layout.loaded)
-
-
-def _ends(scene: Scene, shaft: int) -> tuple[float, float]:
-    """y of the two ends of a shaft (m)."""
-    sections = scene.shafts[shaft].sections
-    return sections[0].start_mm / 1000, sections[-1].end_mm / 1000
 
 
 def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
@@ -133,43 +121,6 @@ def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
             )
         )
     return tuple(specs)
-
-
-def bearing_specs(scene: Scene) -> tuple[BearingSpec, ...]:
-    """All bearings in shaft order, from -y."""
-    specs = []
-    for name, number, place in bearing_names(scene):
-        shaft = scene.shafts[number]
-        table = shaft.bearings[place] if shaft.bearings else scene.bearings
-        at = f"shaft_{number + 1}", shaft.bearing_positions_mm[place] / 1000
-        support: Literal["casing", "ground"] = "ground" if name.startswith("ground") else "casing"
-        specs.append(_bearing(table, name, *at, support))
-    return tuple(specs)
-
-
-def _bearing(
-    table: RigidBearings | LinearBearings | HertzBearings, name: str, shaft: str, y: float,
-    support: Literal["casing", "ground"],
-) -> BearingSpec:  # fmt: skip
-    if isinstance(table, RigidBearings):
-        return rigid_bearing(name, shaft, y, support)
-    if isinstance(table, HertzBearings):
-        return hertz_bearing(name, shaft, y, rolling_elements(table), table.damping_time_us / 1_000_000, support)
-    radial, vertical = table.radial_stiffness_N_per_um, table.vertical_stiffness_N_per_um
-    cross = table.cross_stiffness_N_per_um * 1e6
-    return BearingSpec(
-        name=name,
-        shaft=shaft,
-        y=y,
-        stiffness_x=radial * 1e6,
-        stiffness_z=(radial if vertical is None else vertical) * 1e6,
-        stiffness_axial=table.axial_stiffness_N_per_um * 1e6,
-        stiffness_tilt_x=table.tilt_stiffness_N_m_per_rad,
-        stiffness_tilt_z=table.tilt_stiffness_N_m_per_rad,
-        cross=(("ux", "uz", cross),) if cross else (),
-        damping_time=table.damping_time_us / 1_000_000,
-        support=support,
-    )
 
 
 def coupling_specs(scene: Scene) -> tuple[ShaftCoupling, ...]:
@@ -215,29 +166,21 @@ def mesh_specs(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> tup
     )
 
 
-def load_spec(scene: Scene, layout: Layout) -> Load:
-    """The load on the drums."""
-    table, shaft, places = scene.load, f"shaft_{layout.loaded + 1}", drums(scene, layout)
-    if isinstance(table, RopeTable) and table.container_kg > 0:
-        area = table.rope_fill_factor * math.pi / 4 * (table.rope_diameter_mm / 1000) ** 2
-        return Rope(
-            shaft=shaft,
-            drums=places,
-            container_mass=table.container_kg,
-            drum_radius=table.drum_radius_mm / 1000,
-            falls=table.rope_falls,
-            axial_stiffness=table.rope_modulus_GPa * 1e9 * area,
-            length=table.rope_length_m,
-            reeving=table.reeving_ratio,
-            damping_ratio=table.rope_damping_ratio,
-        )
-    return StaticTorque(shaft=shaft, drums=places, torque=output_torque(scene) / len(places))
+def losses_spec(scene: Scene) -> Losses:
+    """Losses of meshes and bearings."""
+    table = scene.losses
+    if isinstance(table, EfficiencyLosses):
+        return Efficiency(mesh_efficiency=table.mesh_efficiency)
+    if isinstance(table, CoulombLosses):
+        return Coulomb(tooth_friction=table.tooth_friction, bearing_friction=table.bearing_friction)
+    return NoLosses()
 
 
 def machine(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> Machine:
     """Everything the multibody run needs but the casing. `MachineError` names what does not fit."""
-    rates = np.array(scene.drive.speeds_rpm) / 60 * 2 * math.pi
-    ends = _ends(scene, layout.driven)[: scene.drive.motors]
+    drive, driven = scene.drive, f"shaft_{layout.driven + 1}"
+    rates = np.array(drive.speeds_rpm) / 60 * 2 * math.pi
+    ends = shaft_ends(scene, layout.driven)[: drive.motors]
     return Machine(
         shafts=shaft_specs(scene, layout),
         bearings=bearing_specs(scene),
@@ -245,14 +188,17 @@ def machine(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> Machin
         couplings=tuple(
             CouplingSpec(
                 name=f"motor_{number}",
-                shaft=f"shaft_{layout.driven + 1}",
+                shaft=driven,
                 y=y,
-                stiffness=scene.drive.coupling_stiffness_N_m_per_rad,
-                damping=scene.drive.coupling_damping_N_m_s_per_rad,
+                stiffness=drive.coupling_stiffness_N_m_per_rad,
+                damping=drive.coupling_damping_N_m_s_per_rad,
             )
             for number, y in enumerate(ends, 1)
         ),
-        profile=SpeedProfile(times=np.array(scene.drive.times_s), speeds=rates),
+        profile=SpeedProfile(times=np.array(drive.times_s), speeds=rates),
         load=load_spec(scene, layout),
         shaft_couplings=coupling_specs(scene),
+        losses=losses_spec(scene),
+        brake=Brake(shaft=driven, y=ends[0], torque=drive.brake_torque_N_m) if drive.brake_torque_N_m else None,
+        gyroscopic=scene.shaft_model.gyroscopic,
     )

@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from pipelines.tables.analysis import DiagnosisTable
 from pipelines.tables.base import MaterialTable, Table
+from pipelines.tables.bearings import BearingModel, LinearBearings
 from pipelines.tables.casing import (
     CasingModel,
     FlexibleBase,
@@ -20,7 +21,6 @@ from pipelines.tables.casing import (
 from pipelines.tables.gears import DeviationTable, FaultTable, StageTable
 from pipelines.tables.losses import LossModel, NoLosses
 from pipelines.tables.motion import DriveTable, LoadModel, SimulationTable
-from pipelines.tables.bearings import BearingModel, LinearBearings
 from pipelines.tables.shafts import CouplingTable, DiskTable, ShaftModel, ShaftTable
 from pipelines.train import stage_shafts
 

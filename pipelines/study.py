@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipelines.bearings import bearing_frequencies
 from pipelines.chain import scene_stages
 from pipelines.derived import derive, rope_frequency
 from pipelines.diagnosis import DiagnosisSettings
@@ -145,10 +146,11 @@ def diagnosis_settings(scene: Scene, layout: Layout | None = None) -> DiagnosisS
         mesh_frequency=stage.mesh_frequency,
         windows=dict(table.windows_s),
         rope_mode={name: value for name, value in modes.items() if value is not None},
+        bearings=bearing_frequencies(scene, layout),
         sensor=table.sensor,
         axis=table.axis,
         band=table.envelope_band_Hz,
-        shaft=f"shaft_{table.stage + 1 if on_wheel else table.stage}",
+        shaft=f"shaft_{layout.pair_shafts[table.stage - 1][on_wheel] + 1}",
         fault=words or "no fault",
     )
 

@@ -77,7 +77,9 @@ def place_shafts(
     lost = [str(shaft + 1) for shaft in range(count) if shaft not in found]
     if lost:
         problems.append(
-            Problem("shafts", f"no stage or coupling connects shaft {', '.join(lost)} to shaft 1", "Connect or remove it")
+            Problem(
+                "shafts", f"no stage or coupling connects shaft {', '.join(lost)} to shaft 1", "Connect or remove it"
+            )
         )
     return [found.get(shaft, Place(0.0, 0.0, 1, 1.0)) for shaft in range(count)], problems
 

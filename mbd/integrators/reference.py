@@ -52,7 +52,9 @@ class Reference:
         self._x = np.concatenate([to_modal @ state.displacement, to_modal @ state.velocity])
         self._angle = state.motor_angle
         forces, self._rows, self._log = self._forces(self._x, self._angle, state.motor_speed)
-        return Block(self._x[None], self._x[None], forces[None], self._rows[None], self._log[None], np.zeros((1, 0, len(forces))))
+        return Block(
+            self._x[None], self._x[None], forces[None], self._rows[None], self._log[None], np.zeros((1, 0, len(forces)))
+        )
 
     def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
         """Take len(angles) steps."""

@@ -41,16 +41,19 @@ class HertzBearings(Table):
     element_diameter_mm: Annotated[Number | None, Field(gt=0, description="of a ball or roller")] = None
     pitch_diameter_mm: Annotated[Number | None, Field(gt=0, description="of the circle of the element centres")] = None
     contact_angle_deg: Annotated[
-        Number | None, Field(ge=-60, le=60, description="of the unloaded bearing; positive: carries the shaft towards +y")
+        Number | None,
+        Field(ge=-60, le=60, description="of the unloaded bearing; positive: carries the shaft towards +y"),
     ] = None
     roller_length_mm: Annotated[Number | None, Field(gt=0, description="effective contact length of a roller")] = None
-    inner_conformity: Annotated[Number | None, Field(gt=0.5, le=0.6, description="groove radius over ball diameter")] = (
-        None
+    inner_conformity: Annotated[
+        Number | None, Field(gt=0.5, le=0.6, description="groove radius over ball diameter")
+    ] = None
+    outer_conformity: Annotated[
+        Number | None, Field(gt=0.5, le=0.6, description="groove radius over ball diameter")
+    ] = None
+    radial_clearance_um: Annotated[Number, Field(ge=-100, le=1000, description="diametral; negative: interference")] = (
+        0.0
     )
-    outer_conformity: Annotated[Number | None, Field(gt=0.5, le=0.6, description="groove radius over ball diameter")] = (
-        None
-    )
-    radial_clearance_um: Annotated[Number, Field(ge=-100, le=1000, description="diametral; negative: interference")] = 0.0
     axial_preload_um: Annotated[
         Number, Field(ge=-1000, le=1000, description="axial shift of the inner against the outer ring at assembly")
     ] = 0.0

@@ -19,7 +19,8 @@ class DriveTable(Table):
     coupling_damping_N_m_s_per_rad: Annotated[Number, Field(ge=0, description="of each coupling")] = 0.5
     shaft: Annotated[Whole | None, Field(ge=1, description="number of the driven shaft; left out: 1")] = None
     brake_torque_N_m: Annotated[
-        Number, Field(ge=0, description="holding brake on that shaft, at the first motor: closed while the motors stand")
+        Number,
+        Field(ge=0, description="holding brake on that shaft, at the first motor: closed while the motors stand"),
     ] = 0.0
 
     @model_validator(mode="after")
@@ -42,7 +43,9 @@ class LoadBase(Table):
     drum_mass_kg: Annotated[Number, Field(gt=0, description="of each drum, overhung at the ends of the last shaft")]
     drum_inertia_kg_m2: Annotated[Number, Field(gt=0, description="of each drum about the shaft")]
     reeving_ratio: Annotated[Number, Field(gt=0, description="rope speed at the drum over container speed")] = 2.0
-    shaft: Annotated[Whole | None, Field(ge=1, description="number of the shaft of the drums; left out: the last")] = None
+    shaft: Annotated[Whole | None, Field(ge=1, description="number of the shaft of the drums; left out: the last")] = (
+        None
+    )
     drum_positions_mm: Annotated[
         tuple[Number, ...], Field(description="y of the drums; left out: both ends of their shaft")
     ] = ()
@@ -88,9 +91,9 @@ class RopePendulumTable(RopeTable):
     """The same, and the container swings below a trolley at rest."""
 
     model: Literal["rope-pendulum"] = "rope-pendulum"  # type: ignore[assignment]
-    sway_x_deg: Annotated[Number, Field(gt=-60, lt=60, description="angle of the ropes at t = 0, released from rest")] = (
-        0.0
-    )
+    sway_x_deg: Annotated[
+        Number, Field(gt=-60, lt=60, description="angle of the ropes at t = 0, released from rest")
+    ] = 0.0
     sway_y_deg: Annotated[Number, Field(gt=-60, lt=60, description="the same across, along the shafts")] = 0.0
 
 

@@ -48,9 +48,7 @@ class ShaftTable(Table):
         places, (start, end) = self.bearing_positions_mm, (self.sections[0].start_mm, self.sections[-1].end_mm)
         rising = all(a < b for a, b in zip(places, places[1:], strict=False))
         if not (rising and start <= places[0] and places[-1] <= end):
-            raise ValueError(
-                f"bearing_positions_mm = {list(places)} must rise and lie between {start} and {end} mm"
-            )
+            raise ValueError(f"bearing_positions_mm = {list(places)} must rise and lie between {start} and {end} mm")
         for key in ("bearing_supports", "bearings"):
             given = getattr(self, key)
             if given and len(given) != len(places):
@@ -68,9 +66,9 @@ class ShaftModel(Table):
     damping_time_us: Annotated[Number, Field(ge=0, le=1000, description="material damping = this time * stiffness")] = (
         0.5
     )
-    gyroscopic: Annotated[Flag, Field(description="true: gyroscopic moments of shafts and disks at the current speed")] = (
-        False
-    )
+    gyroscopic: Annotated[
+        Flag, Field(description="true: gyroscopic moments of shafts and disks at the current speed")
+    ] = False
 
 
 class DiskTable(Table):
