@@ -114,7 +114,7 @@ def reduced_body(modes: CasingModes, *, sensors: Sequence[Sensor] = (), damping_
     for sensor in sensors:
         corners, weights, place = nearest_surface_point(modes.surface_nodes, modes.facets, np.array(sensor.position))
         shape = np.einsum("a,adk->dk", weights, modes.surface_basis[corners].astype(float))
-        rows += list(shape)
+        rows += list(np.array(sensor.axes) @ shape)
         row_names += [f"{sensor.name}:{axis}" for axis in ("ux", "uy", "uz")]
         places[sensor.name] = place
     return ReducedBody(

@@ -13,6 +13,7 @@ from pipelines.stages import Built
 if TYPE_CHECKING:
     from fem.casing.body import ReducedBody
     from fem.casing.checkup import CheckUp
+    from fem.casing.mesh import CasingMesh
     from fem.casing.modes import CasingModes
 
 
@@ -29,6 +30,16 @@ class RigidSpec:
 
     housing: Housing
     material: Material
+    mount_stiffness: float
+    damping_ratio: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidMeshSpec:
+    """Rung `rigid` of a housing whose mass and key points come from its mesh."""
+
+    density: float
+    sensors: tuple[Sensor, ...]
     mount_stiffness: float
     damping_ratio: float
 
@@ -54,6 +65,21 @@ def build_rigid(spec: RigidSpec) -> Built:
 
     rung = RigidCasing(mount_stiffness=spec.mount_stiffness, damping_ratio=spec.damping_ratio)
     return _built(rung.reduce(spec.housing, spec.material))
+
+
+def build_rigid_mesh(spec: RigidMeshSpec, mesh: CasingMesh) -> Built:
+    """Six coordinates."""
+    from fem.casing.rigid import rigid_from_mesh
+
+    return _built(
+        rigid_from_mesh(
+            mesh,
+            density=spec.density,
+            mount_stiffness=spec.mount_stiffness,
+            damping_ratio=spec.damping_ratio,
+            sensors=spec.sensors,
+        )
+    )
 
 
 def build_elastic(spec: ElasticSpec, modes: tuple[CasingModes, CheckUp]) -> Built:
