@@ -18,7 +18,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from scipy.linalg.blas import dgemm
 
-_TOLERANCE = 1e-5  # residual of a Ritz pair over its theta; the eigenvalue is then good to about its square
+_TOLERANCE = 1e-6  # residual of a Ritz pair over its theta; the eigenvalue is then good to about its square
 _CHUNK = 8  # blocks that share one array
 _RANK = 1e-12  # directions of a new block below this part of its largest (in mass norm squared) are dropped
 
@@ -173,7 +173,7 @@ class _Basis:
     def _added(self, W: np.ndarray, coefficients: np.ndarray, factor: float) -> np.ndarray:
         """W + factor Q @ coefficients; with contiguous columns the BLAS needs half the time for thin blocks."""
         start = 0
-        for part in self._filled():
+        for part in self._filled() if W.size else ():
             some = np.asfortranarray(coefficients[start : start + part.shape[1]])
             W = dgemm(factor, part, some, beta=1.0, c=W, overwrite_c=1)
             start += part.shape[1]
