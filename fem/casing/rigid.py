@@ -24,9 +24,8 @@ def housing_mass(housing: Housing, density: float) -> tuple[float, np.ndarray, n
 
     Box minus cavity plus boss cylinders inside the box minus bores plus feet.
     """
-    low, high = housing.box
-    wall = housing.wall_thickness
-    parts = [_block(low, high, 1.0), _block(low + wall, high - wall, -1.0)]
+    wall = housing.wall("side")
+    parts = [_block(*housing.box, 1.0), _block(*housing.cavity, -1.0)]
     parts += [_block(*corners, 1.0) for corners in housing.foot_boxes().values()]
     for bore in housing.bores:
         start, end = housing.bore_span(bore)
