@@ -48,7 +48,8 @@ class Cholesky:
             lower, failed = dpotrf(A, lower=1, overwrite_a=1, clean=1)
             first = plan.starts[number]
             if failed:
-                raise NotDefiniteError(f"the pivot of unknown {int(plan.order[first + failed - 1])} is negative or zero")
+                unknown = int(plan.order[first + failed - 1])
+                raise NotDefiniteError(f"the pivot of unknown {unknown} is negative or zero")
             pivots[first : first + len(A)] = np.diag(lower) ** 2
             if len(B):
                 B = dtrsm(1.0, lower, B, side=1, lower=1, trans_a=1, overwrite_b=1)

@@ -18,7 +18,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from scipy.linalg.blas import dgemm
 
-_TOLERANCE = 1e-6  # residual of a Ritz pair over its theta; the eigenvalue is then good to about its square
+_TOLERANCE = 1e-7  # residual of a Ritz pair over its theta; the eigenvalue is then good to about its square
 _CHUNK = 8  # blocks that share one array
 _RANK = 1e-12  # directions of a new block below this part of its largest (in mass norm squared) are dropped
 
