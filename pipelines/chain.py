@@ -11,16 +11,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from fem.casing.body import MODES_OVER_BAND
+from mbd.bearings import BEARING_AXES
 from pipelines.derived import bearing_points, derive
 from pipelines.layout import Layout
+from pipelines.machine import bearing_specs
 from pipelines.scene import Scene
 from pipelines.stages import Stage
 from pipelines.tables.analysis import DiagnosisTable
 from pipelines.tables.base import MaterialTable
-from pipelines.tables.casing import CraigBamptonCasingTable, HousingTable, NoCasingTable, RigidCasingTable
+from pipelines.tables.casing import CraigBamptonCasingTable, ElasticBase, HousingTable, NoCasingTable, RigidCasingTable
 from pipelines.tables.gears import IsoMesh
 from pipelines.validity import checked_layout
 
+FEET = 6
 _NUMERIC = ("numpy", "scipy", "numba")
 _ZERO = (0.0, 0.0, 0.0)
 _SOME_CASING = RigidCasingTable(  # stands for any casing where only its presence counts
@@ -128,19 +132,50 @@ def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
             name="casing modes",
             kind="casing-modes",
             build=casing_modes.build,
-            spec=casing_modes.CasingModesSpec(material=iron, model=table.model, band=band),
+            spec=casing_modes.CasingModesSpec(
+                material=iron,
+                model=table.model,
+                band=band,
+                ground=table.ground,
+                coupling=table.coupling,
+                interfaces=loaded_axes(scene),
+            ),
             takes=("casing mesh",),
-            libraries=("numpy", "scipy", "scikit-fem", "scikit-sparse", "pymetis"),
+            libraries=("numpy", "scipy", "pymetis"),
             seconds=30.0,
+            enough="band" if band else "",
         ),
         Stage(
             name="casing",
             kind="casing",
             build=body.build_elastic,
-            spec=body.ElasticSpec(sensors=box.sensors, damping_ratio=table.damping_ratio),
+            spec=body.ElasticSpec(
+                sensors=box.sensors,
+                damping=table.damping_ratio,
+                mounts=_mounts(table),
+                limit=MODES_OVER_BAND * band if band else None,
+                frequency_error=getattr(table, "frequency_error", None),
+            ),
             takes=("casing modes",),
         ),
     ]
+
+
+def loaded_axes(scene: Scene) -> dict[str, tuple[str, ...]]:
+    """Axes along which every bearing loads the casing; an axis without stiffness needs no interface."""
+    return {
+        spec.name: tuple(axis for axis, k in zip(BEARING_AXES, spec.stiffness, strict=True) if k > 0.0)
+        for spec in bearing_specs(scene)
+    }
+
+
+def _mounts(table: ElasticBase) -> dict[str, tuple[float, float, float]] | None:
+    """Stiffness of every foot in N/m, None on fixed ground."""
+    if table.ground == "fixed":
+        return None
+    given = table.mounts_N_per_um
+    rows = given if isinstance(given[0], tuple) else (given,) * FEET
+    return {f"ground_{n}": (row[0] * 1e6, row[1] * 1e6, row[2] * 1e6) for n, row in enumerate(rows, 1)}
 
 
 def motion_scene(scene: Scene) -> Scene:

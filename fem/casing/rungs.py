@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from fem.casing.body import ReducedBody
+from fem.casing.body import MODES_OVER_BAND, ReducedBody
 from fem.casing.checkup import CheckUp, check_up
 from fem.casing.damping import DampingRatio
 from fem.casing.grounded import Coupling, Ground, GroundedCasing, ground_casing
@@ -26,8 +26,6 @@ from fem.casing.reduction import count_fixed_modes, reduce_body
 from fem.casing.rigid import rigid_body
 from fem.linear_solver import Solver
 from fem.materials import Material
-
-MODES_OVER_BAND = 1.5  # fixed-interface modes are kept to this multiple of the band
 
 
 @dataclass(frozen=True, kw_only=True)

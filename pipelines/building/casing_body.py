@@ -13,6 +13,7 @@ from pipelines.stages import Built
 if TYPE_CHECKING:
     from fem.casing.body import ReducedBody
     from fem.casing.checkup import CheckUp
+    from fem.casing.damping import DampingRatio
     from fem.casing.modes import CasingModes
 
 
@@ -30,15 +31,21 @@ class RigidSpec:
     housing: Housing
     material: Material
     mount_stiffness: float
-    damping_ratio: float
+    damping_ratio: DampingRatio
 
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticSpec:
-    """Rungs `static` and `craig-bampton`: what is added to the modes."""
+    """Rungs `static` and `craig-bampton`: what is added to the modes, and how many of them are kept.
+
+    `mounts` in N/m, None on fixed ground; `limit` (Hz) of the kept modes, None for static.
+    """
 
     sensors: tuple[Sensor, ...]
-    damping_ratio: float
+    damping: DampingRatio
+    mounts: Mapping[str, tuple[float, float, float]] | None
+    limit: float | None
+    frequency_error: float | None
 
 
 def build_ground(spec: GroundSpec) -> Built:
@@ -60,7 +67,16 @@ def build_elastic(spec: ElasticSpec, modes: tuple[CasingModes, CheckUp]) -> Buil
     """Bearing coordinates and modes."""
     from fem.casing.modes import reduced_body
 
-    return _built(reduced_body(modes[0], sensors=spec.sensors, damping_ratio=spec.damping_ratio))
+    return _built(
+        reduced_body(
+            modes[0],
+            sensors=spec.sensors,
+            damping=spec.damping,
+            mounts=spec.mounts,
+            limit=spec.limit,
+            frequency_error=spec.frequency_error,
+        )
+    )
 
 
 def _built(body: ReducedBody) -> Built:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from pipelines.tables.base import MaterialTable, Number, Positive, Table
+from pipelines.tables.base import MaterialTable, NotNegative, Number, Positive, Table
 
 
 class HousingTable(Table):
@@ -25,6 +25,10 @@ class HousingTable(Table):
     foot_height_mm: Annotated[Number, Field(gt=0, description="foot pads below the floor")] = 15.0
 
 
+Damping = Annotated[Number, Field(ge=0, lt=1)]
+Spring = Annotated[Number, Field(gt=0, le=1e7)]
+
+
 class NoCasingTable(Table):
     """Bearings to ground. Casing sensors are refused; channels are bearing forces and shaft motion."""
 
@@ -36,7 +40,18 @@ class FlexibleBase(Table):
 
     housing: HousingTable
     material: MaterialTable
-    damping_ratio: Annotated[Number, Field(ge=0, lt=1, description="modal damping")] = 0.01
+    damping_ratio: Annotated[
+        Damping | tuple[tuple[NotNegative, Damping], ...],
+        Field(description="modal damping: one number, or rows [Hz, ratio] with rising frequencies, linear in between"),
+    ] = 0.01
+
+    @model_validator(mode="after")
+    def _rising(self) -> FlexibleBase:
+        if isinstance(self.damping_ratio, tuple):
+            places = [row[0] for row in self.damping_ratio]
+            if not places or any(a >= b for a, b in zip(places, places[1:], strict=False)):
+                raise ValueError(f"damping_ratio: the frequencies {places} Hz of its rows must rise")
+        return self
 
 
 class RigidCasingTable(FlexibleBase):
@@ -46,14 +61,31 @@ class RigidCasingTable(FlexibleBase):
     mount_stiffness_N_per_um: Annotated[Number, Field(gt=0, le=1e7, description="of each foot, in x, y and z")] = 200.0
 
 
-class StaticCasingTable(FlexibleBase):
+class ElasticBase(FlexibleBase):
+    """What the rungs with finite elements have."""
+
+    ground: Annotated[
+        Literal["fixed", "springs"],
+        Field(description="fixed: the undersides of the feet are held; springs: each foot stands on a mount"),
+    ] = "fixed"
+    mounts_N_per_um: Annotated[
+        tuple[Spring, Spring, Spring] | tuple[tuple[Spring, Spring, Spring], ...],
+        Field(description="ground = springs: stiffness in x, y, z of every mount, or a row per foot in their order"),
+    ] = (200.0, 200.0, 200.0)
+    coupling: Annotated[
+        Literal["mean", "rigid"],
+        Field(description="of bearing and mount points to their faces: mean motion (RBE3) or rigid (RBE2)"),
+    ] = "mean"
+
+
+class StaticCasingTable(ElasticBase):
     """Finite elements condensed statically (Guyan) to the bearing points."""
 
     model: Literal["static"] = "static"
     element_size_mm: Annotated[Number, Field(gt=0, description="of the tetrahedra")] = 22.0
 
 
-class CraigBamptonCasingTable(FlexibleBase):
+class CraigBamptonCasingTable(ElasticBase):
     """Finite elements reduced to the bearing points and the fixed-interface modes."""
 
     model: Literal["craig-bampton"] = "craig-bampton"
@@ -61,6 +93,10 @@ class CraigBamptonCasingTable(FlexibleBase):
     band_Hz: Annotated[Number, Field(gt=0, le=20000, description="wanted band; modes are kept to 1.5 times it")] = (
         5000.0
     )
+    frequency_error: Annotated[
+        Number | None,
+        Field(gt=0, lt=0.1, description="as few modes as change no frequency of the band by more; left out: all"),
+    ] = None
 
 
 CasingModel = Annotated[
