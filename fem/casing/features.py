@@ -37,8 +37,8 @@ class Feet:
 class Flange:
     """A rim around the outside of the walls at the split plane; the cover is bonded to the lower part over it.
 
-    Above the split plane the body belongs to the cover, below it to the lower part. Both are modelled as one body: a
-    bolted joint under preload does not open, so its contact is bonded. Around the bearing bosses the rim is interrupted.
+    Cover and lower part are modelled as one body: a bolted joint under preload does not open, so its contact is bonded.
+    Around the bearing bosses the rim is interrupted.
     """
 
     split: float  # z of the split plane

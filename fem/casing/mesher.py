@@ -7,18 +7,22 @@ fixed seed: the same input gives the same mesh. Mid-side nodes lie on the curved
 from __future__ import annotations
 
 import logging
+import re
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fem.casing.housing import Housing
+from fem.casing.imported import ImportedHousing, finish
 from fem.casing.mesh import CasingMesh, MeshError
 from fem.casing.quality import GOOD_QUALITY, checked_quality, straightened
 from fem.casing.sizes import MM, Refinement, Sizes, set_sizes
 from fem.casing.solid import build_solid, find_patches
+from fem.casing.step_file import read_step, refinements
 from fem.ledger import count
 
 _log = logging.getLogger(__name__)
@@ -52,7 +56,7 @@ def mesh_housing(
     with session() as gmsh:
         build_solid(gmsh, housing)
         patches = find_patches(gmsh, housing)
-        refinements = [
+        finer = [
             Refinement(
                 surfaces=patches[bore.name],
                 size=sizes.at_bore(bore.diameter),
@@ -65,10 +69,27 @@ def mesh_housing(
         if sizes.foot is not None or feet.pad_diameter:
             local = sizes.at_foot(feet.bolt_diameter or feet.pad_diameter)
             far = feet.height + 2 * (sizes.element - local)
-            refinements.append(Refinement(ground, local, near=feet.pad_height, far=far))
-        nodes, elements, facets, owner = tetrahedra(gmsh, sizes.element, refinements, patches, curved=curved)
+            finer.append(Refinement(ground, local, near=feet.pad_height, far=far))
+        nodes, elements, facets, owner = tetrahedra(gmsh, sizes.element, finer, patches, curved=curved)
     points = housing.ground_points() | {bore.name: housing.bore_centre(bore) for bore in housing.bores}
     return finished_mesh(nodes, elements, facets, owner, {name: points[name] for name in patches}, sizes, curved)
+
+
+def mesh_step(housing: ImportedHousing, sizes: Sizes) -> CasingMesh:
+    """Mesh the solid of a STEP file with ten-node tetrahedra, finer at the bearing seats.
+
+    Raises
+    ------
+    MeshError : what `step_file` and `imported` refuse, or an element below a quality limit (with its place)
+    """
+    with session() as gmsh:
+        read_step(gmsh, housing)
+        finer = refinements(gmsh, housing, sizes)
+        nodes, elements, _, _ = tetrahedra(gmsh, sizes.element, finer, {}, curved=True)
+    mesh = finish(housing, housing.placed(nodes, 1.0), elements, {}, element_size=sizes.element)
+    count("casing_meshes")
+    _log.info("casing mesh: %d nodes, %d tetrahedra", len(mesh.nodes), len(mesh.elements))
+    return mesh
 
 
 def finished_mesh(
@@ -96,6 +117,17 @@ def finished_mesh(
     count("casing_meshes")
     _log.info("casing mesh: %d nodes, %d tetrahedra", len(mesh.nodes), len(mesh.elements))
     return mesh
+
+
+def write_step(housing: Housing, path: Path) -> None:
+    """Write the solid of a parametric housing as STEP (AP214, mm); the same housing gives the same bytes."""
+    with session() as gmsh:
+        build_solid(gmsh, housing)
+        gmsh.write(str(path))
+    text = path.read_text(encoding="latin-1")
+    header = f"FILE_NAME('{path.name}','2000-01-01T00:00:00',(''),(''),'','gearcase','');"
+    text = re.sub(r"FILE_NAME\(.*?\);", lambda _: header, text, count=1, flags=re.DOTALL)
+    path.write_text(text, encoding="latin-1", newline="\n")
 
 
 @contextmanager
@@ -144,7 +176,7 @@ def tetrahedra(
     if _worst_quality(gmsh) < GOOD_QUALITY:
         gmsh.model.mesh.optimize("Netgen")
     gmsh.model.mesh.setOrder(2)
-    kinds, tags, connectivity = gmsh.model.mesh.getElements(3)
+    kinds, _, connectivity = gmsh.model.mesh.getElements(3)
     if list(kinds) != [11]:
         raise MeshError(f"gmsh made elements of type {list(kinds)}, expected ten-node tetrahedra (11)")
     node_tags, coordinates, _ = gmsh.model.mesh.getNodes()

@@ -24,7 +24,7 @@ from fem.casing.truncation import ModeSet, fewest_modes, kept
 from fem.elasticity import mass_properties, rigid_body_modes
 from fem.records import Record, array, integer, names, scalar, text
 
-Mounts = Mapping[str, tuple[float, float, float]]  # foot -> stiffness in x, y, z (N/m)
+Mounts = Sequence[Sequence[float]]  # stiffness in x, y, z (N/m): one row for all feet, or one per foot in their order
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -72,21 +72,25 @@ class CasingModes(Record):
 
         Raises
         ------
-        ValueError : mounts of a fixed casing, none of one on springs, a foot without mount, a stiffness not positive
+        ValueError : mounts of a fixed casing, none of one on springs, not one row or one per foot, none positive
         """
         if (mounts is not None) != (self.ground == "springs"):
             need = "needs mounts" if mounts is None else "takes no mounts"
             raise ValueError(f"casing with ground {self.ground!r} {need}; set casing.ground to fit")
         out = np.zeros(len(self.interface_names))
+        if mounts is None:
+            return out
+        feet = [name for name in self.point_names if name.startswith("ground_")]
+        rows = np.asarray(mounts, float)
+        if rows.shape not in ((1, 3), (len(feet), 3)):
+            raise ValueError(f"mounts have shape {rows.shape}; give one row of x, y, z or one for each of {len(feet)} feet")
+        if not (np.isfinite(rows).all() and (rows > 0.0).all()):
+            raise ValueError(f"mount stiffness is {rows.min():g} N/m; every mount needs a positive one in x, y and z")
+        rows = np.broadcast_to(rows, (len(feet), 3))
         for place, name in enumerate(self.interface_names):
             point, axis = name.split(":")
-            if not point.startswith("ground_"):
-                continue
-            if point not in (mounts or {}):
-                raise ValueError(f"no mount is given for {point}; known: {', '.join(mounts or ())}")
-            out[place] = (mounts or {})[point][GROUND_AXES.index(axis)]
-            if not (math.isfinite(out[place]) and out[place] > 0.0):
-                raise ValueError(f"mount of {point}: stiffness {out[place]!r} N/m along {axis} must be positive")
+            if point in feet:
+                out[place] = rows[feet.index(point), GROUND_AXES.index(axis)]
         return out
 
 

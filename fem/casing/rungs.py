@@ -17,6 +17,7 @@ from typing import Literal
 from fem.casing.body import MODES_OVER_BAND, ReducedBody
 from fem.casing.checkup import CheckUp, check_up
 from fem.casing.damping import DampingRatio
+from fem.casing.geometry import mesh_geometry
 from fem.casing.grounded import Coupling, Ground, GroundedCasing, ground_casing
 from fem.casing.housing import Housing, Sensor
 from fem.casing.lanczos import EigenError
@@ -24,6 +25,7 @@ from fem.casing.mesh import CasingMesh
 from fem.casing.modes import CasingModes, Mounts, casing_modes, grounded_body, reduced_body
 from fem.casing.reduction import count_fixed_modes, reduce_body
 from fem.casing.rigid import rigid_body
+from fem.casing.sizes import Sizes
 from fem.linear_solver import Solver
 from fem.materials import Material
 
@@ -162,6 +164,4 @@ CasingRung = NoCasing | RigidCasing | StaticCasing | CraigBamptonCasing
 
 
 def _mesh(housing: Housing, element_size: float) -> CasingMesh:
-    from fem.casing.mesher import mesh_housing
-
-    return mesh_housing(housing, element_size=element_size)
+    return mesh_geometry(housing, Sizes(element=element_size))

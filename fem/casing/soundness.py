@@ -8,6 +8,8 @@ from itertools import combinations, pairwise
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from fem.casing.housing import Box, Housing
 
 THINNEST_LIGAMENT = 0.3  # least material between two holes or bosses, or around a bore, in wall thicknesses
@@ -187,7 +189,7 @@ def _rib_problems(housing: Housing) -> Iterator[str]:
                 continue
             gap = _distance(start, end, bore.x, bore.z) - bore.diameter / 2
             if gap < ligament:
-                yield f"{name} comes within {_mm(gap)} of the bore of {bore.name} (limit {_mm(ligament)}); thin the ribs"
+                yield f"{name} is {_mm(gap)} from the bore of {bore.name} (limit {_mm(ligament)}); thin the ribs"
     for (name, one), (other, two) in combinations(boxes.items(), 2):
         if (gap := _gap(one, two)) < ligament:
             what = f"overlap by {_mm(-gap)}" if gap < 0.0 else f"are only {_mm(gap)} apart"
@@ -211,7 +213,7 @@ def _name_problems(housing: Housing) -> Iterator[str]:
             yield f"the name {name!r} is given {names.count(name)} times"
 
 
-def _distance(low, high, x: float, z: float) -> float:
+def _distance(low: np.ndarray, high: np.ndarray, x: float, z: float) -> float:
     """From a point (x, z) to the rectangle of a box seen along y."""
     return math.hypot(max(low[0] - x, x - high[0], 0.0), max(low[2] - z, z - high[2], 0.0))
 
