@@ -194,6 +194,8 @@ def _mounts(table: ElasticBase) -> tuple[tuple[float, float, float], ...] | None
     if table.ground == "fixed":
         return None
     return tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um)
+
+
 def _sizes(table: FlexibleBase, box: Geometry, iron: Material, source: str) -> Sizes:
     """Element sizes of a casing; at most a share of the bending wavelength of its thinnest wall where that is asked."""
     size = table.element_size_mm / 1000

@@ -83,7 +83,7 @@ class CasingModes(Record):
         feet = [name for name in self.point_names if name.startswith("ground_")]
         rows = np.asarray(mounts, float)
         if rows.shape not in ((1, 3), (len(feet), 3)):
-            raise ValueError(f"mounts have shape {rows.shape}; give one row of x, y, z or one for each of {len(feet)} feet")
+            raise ValueError(f"mounts {rows.shape}: give one row of x, y, z (N/m), or one for each of {len(feet)} feet")
         if not (np.isfinite(rows).all() and (rows > 0.0).all()):
             raise ValueError(f"mount stiffness is {rows.min():g} N/m; every mount needs a positive one in x, y and z")
         rows = np.broadcast_to(rows, (len(feet), 3))

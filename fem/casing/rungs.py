@@ -49,7 +49,7 @@ class RigidCasing:
 
     model: Literal["rigid"] = "rigid"
     mount_stiffness: float = 2e8  # N/m of each foot, in x, y and z
-    damping_ratio: float = 0.01
+    damping_ratio: DampingRatio = 0.01
 
     def reduce(self, housing: Housing, material: Material) -> ReducedBody:
         """Six coordinates; mass and inertia from the volumes of the housing."""

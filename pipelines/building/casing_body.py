@@ -49,7 +49,8 @@ class RigidMeshSpec:
 class ElasticSpec:
     """Rungs `static` and `craig-bampton`: what is added to the modes, and how many of them are kept.
 
-    `mounts` in N/m, a row for all feet or one per foot, None on fixed ground; `limit` (Hz) of the kept modes, None for static.
+    `mounts` in N/m, a row for all feet or one per foot, None on fixed ground; `limit` (Hz) of the kept modes, None for
+    the rung static.
     """
 
     sensors: tuple[Sensor, ...]
