@@ -11,18 +11,28 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from fem.casing.body import MODES_OVER_BAND
 from fem.casing.geometry import Geometry
 from fem.casing.housing import Housing
 from fem.casing.sizes import Sizes, bending_wavelength
 from fem.materials import Material
+from mbd.bearings import BEARING_AXES
 from pipelines.derived import bearing_points, derive
 from pipelines.errors import Problem, SceneError
 from pipelines.layout import Layout
+from pipelines.machine import bearing_specs
 from pipelines.scene import Scene
 from pipelines.stages import Stage
 from pipelines.tables.analysis import DiagnosisTable
 from pipelines.tables.base import MaterialTable
-from pipelines.tables.casing import CraigBamptonCasingTable, FlexibleBase, NoCasingTable, RigidCasingTable, SensorTable
+from pipelines.tables.casing import (
+    CraigBamptonCasingTable,
+    ElasticBase,
+    FlexibleBase,
+    NoCasingTable,
+    RigidCasingTable,
+    SensorTable,
+)
 from pipelines.tables.gears import IsoMesh
 from pipelines.tables.housing import HousingTable
 from pipelines.validity import checked_layout
@@ -142,19 +152,48 @@ def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
             name="casing modes",
             kind="casing-modes",
             build=casing_modes.build,
-            spec=casing_modes.CasingModesSpec(material=iron, model=table.model, band=band),
+            spec=casing_modes.CasingModesSpec(
+                material=iron,
+                model=table.model,
+                band=band,
+                ground=table.ground,
+                coupling=table.coupling,
+                interfaces=loaded_axes(scene),
+            ),
             takes=("casing mesh",),
-            libraries=("numpy", "scipy", "scikit-fem", "scikit-sparse", "pymetis"),
+            libraries=("numpy", "scipy", "pymetis"),
             seconds=30.0,
+            enough="band" if band else "",
         ),
         Stage(
             name="casing",
             kind="casing",
             build=body.build_elastic,
-            spec=body.ElasticSpec(sensors=box.sensors, damping_ratio=table.damping_ratio),
+            spec=body.ElasticSpec(
+                sensors=box.sensors,
+                damping=table.damping_ratio,
+                mounts=_mounts(table),
+                limit=MODES_OVER_BAND * band if band else None,
+                frequency_error=getattr(table, "frequency_error", None),
+            ),
             takes=("casing modes",),
         ),
     ]
+
+
+def loaded_axes(scene: Scene) -> dict[str, tuple[str, ...]]:
+    """Axes along which every bearing loads the casing; an axis without stiffness needs no interface."""
+    return {
+        spec.name: tuple(axis for axis, k in zip(BEARING_AXES, spec.stiffness, strict=True) if k > 0.0)
+        for spec in bearing_specs(scene)
+    }
+
+
+def _mounts(table: ElasticBase) -> tuple[tuple[float, float, float], ...] | None:
+    """Stiffness of the feet in N/m, None on fixed ground."""
+    if table.ground == "fixed":
+        return None
+    return tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um)
 
 
 def _sizes(table: FlexibleBase, box: Geometry, iron: Material, source: str) -> Sizes:
