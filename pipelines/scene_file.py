@@ -87,6 +87,21 @@ def load_scene(source: str | Path, settings: Settings = ()) -> LoadedScene:
     return LoadedScene(found.name, found, change, tree, scene)
 
 
+def changed(loaded: LoadedScene, settings: Settings) -> LoadedScene:
+    """The same scene with further settings on top.
+
+    Raises
+    ------
+    SceneError : with all problems of the settings
+    """
+    from pipelines.scene import Scene
+
+    change, problems = settings_tree(settings)
+    scene, tree = validate(merge(Merged(dict(loaded.tree)), change), Scene, loaded.source.shown, problems)
+    both = merge(Merged(dict(loaded.settings)), change).tree
+    return LoadedScene(loaded.name, loaded.source, both, tree, scene)
+
+
 def control_of(loaded: LoadedScene) -> LoadedScene | None:
     """The healthy twin that the scene names, with the same settings, or None if it names none.
 
