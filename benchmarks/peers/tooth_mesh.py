@@ -137,6 +137,8 @@ def sector(profile: Profile, sizes: Sizes, contact_arc: np.ndarray | None = None
             for t in touch
         ]
     )
+    # straight in arc and face coordinate within an element: a quadratic edge then lies on the flank, kinks included
+    rows[:, 1::2] = (rows[:, :-1:2] + rows[:, 2::2]) / 2.0
     flank_radius, flank_angle = profile.at(rows)
     thickness = 2.0 * float((flank_radius * flank_angle)[fillet.size :].mean())
     across = 1.0 - with_middles(graded(2.0, 2.0 * sizes.contact / thickness, sizes.across))[::-1]
