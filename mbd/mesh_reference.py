@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 
-from fem.contact.evaluate import evaluate, law_tables, shares
+from fem.contact.evaluate import checked_teeth, evaluate, law_tables, shares
 from fem.contact.law import MeshLaw
 from mbd.checks import EquilibriumError
 from mbd.gear_mesh import MeshSpec
@@ -61,7 +61,7 @@ def touching_approach(law: MeshLaw, cycle: float, pinion: np.ndarray, wheel: np.
 
 def mean_stiffness(law: MeshLaw, force: float) -> tuple[float, float]:
     """Mean over one cycle of dF/d delta (N/m) and dM/d psi (N m/rad) at ``force`` without deviations or tilt."""
-    pinion, wheel = np.zeros(law.pinion_teeth), np.zeros(law.wheel_teeth)
+    pinion, wheel = checked_teeth(law, None, None)
     tables = law_tables(law)
     total = np.zeros(2)
     for cycle in (np.arange(POSITIONS) + 0.5) / POSITIONS:
@@ -107,16 +107,8 @@ def sliding_shares(law: MeshLaw, force: float) -> np.ndarray:
 
     Each slice is read for itself at the approach of the whole face, which neglects coupling along the face.
     """
-    pinion, wheel = np.zeros(law.pinion_teeth), np.zeros(law.wheel_teeth)
-    lone = [
-        replace(
-            law,
-            face_coordinate=law.face_coordinate[s : s + 1],
-            slice_width=law.slice_width[s : s + 1],
-            cycle_shift=law.cycle_shift[s : s + 1],
-        )
-        for s in range(len(law.slice_width))
-    ]
+    pinion, wheel = checked_teeth(law, None, None)
+    lone = [_one_slice(law, s) for s in range(len(law.slice_width))]
     tables = np.zeros((2, SHARE_POSITIONS))
     for i in range(SHARE_POSITIONS):
         cycle = i / SHARE_POSITIONS
@@ -129,3 +121,13 @@ def sliding_shares(law: MeshLaw, force: float) -> np.ndarray:
             total += float(load.sum())
         tables[:, i] /= total
     return tables
+
+
+def _one_slice(law: MeshLaw, s: int) -> MeshLaw:
+    """The law of slice ``s`` alone."""
+    changes = {
+        field.name: np.take(getattr(law, field.name), [s], axis=field.metadata["dims"].index("slice"))
+        for field in fields(law)
+        if "slice" in field.metadata.get("dims", ())
+    }
+    return replace(law, **changes)

@@ -27,8 +27,8 @@ class GearPair:
     ----------
     pinion, wheel : Gear with equal module, helix angle and rack pressure angle; opposite hands when helical
     centre_distance : m, or None for the distance without backlash that follows from the profile shifts
-    backlash_allowance : m along the transverse line of action, added to the backlash that the centre distance gives;
-        it stands for the tooth thickness allowances, which the elastic tooth does not show
+    backlash_allowance : m along the transverse line of action, added to the backlash that the centre distance and the
+        tooth thickness allowances of the gears give; play that the elastic teeth do not show
     pinion_material, wheel_material : Material
 
     Raises
@@ -214,18 +214,18 @@ class GearPair:
     def _lengths(self) -> tuple[float, float]:
         tangent = math.tan(self.working_pressure_angle)
         p, w = self.pinion, self.wheel
-        recess = math.sqrt(p.tip_radius**2 - p.base_radius**2) - p.base_radius * tangent
-        approach = math.sqrt(w.tip_radius**2 - w.base_radius**2) - w.base_radius * tangent
+        recess = math.sqrt(p.tip_form_radius**2 - p.base_radius**2) - p.base_radius * tangent
+        approach = math.sqrt(w.tip_form_radius**2 - w.base_radius**2) - w.base_radius * tangent
         return approach, recess
 
     @property
     def approach_length(self) -> float:
-        """Path of contact from the wheel's tip circle to the pitch point (m)."""
+        """Path of contact from the wheel's tip form circle to the pitch point (m)."""
         return self._lengths()[0]
 
     @property
     def recess_length(self) -> float:
-        """Path of contact from the pitch point to the pinion's tip circle (m)."""
+        """Path of contact from the pitch point to the pinion's tip form circle (m)."""
         return self._lengths()[1]
 
     @property

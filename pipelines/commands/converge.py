@@ -10,14 +10,14 @@ from pathlib import Path
 def main(options: argparse.Namespace) -> int:
     """Refine along one axis; print order, limit, error band and a verdict; write the plot."""
     from pipelines.cache import Cache
-    from pipelines.scene_file import load_scene
     from pipelines.terminal import shown_progress
+    from pipelines.trade.presets import load_asked
     from pipelines.trade.refinement import refine
     from pipelines.trade.refinement_page import convergence_figure, convergence_table, verdict
 
-    loaded = load_scene(options.scene, options.settings)
+    loaded = load_asked(options)
     with shown_progress(0, quiet=options.quiet) as observer:
-        found = refine(loaded, options.over, options.levels, Cache(), observer=observer)
+        found = refine(loaded, options.over, options.levels, Cache(), observer=observer, processes=options.processes)
     sys.stdout.write(convergence_table(loaded.name, found).to_text() + "\n")
     sys.stdout.write(verdict(found, options.error) + "\n")
     path = Path(options.out or f"convergence-{loaded.name}-{options.over}.png")

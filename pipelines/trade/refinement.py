@@ -35,7 +35,13 @@ def fineness_levels(ratio: float, count: int) -> tuple[float, ...]:
 
 
 def refine(
-    loaded: LoadedScene, axis: str, count: int, cache: Cache, *, observer: Observer | None = None
+    loaded: LoadedScene,
+    axis: str,
+    count: int,
+    cache: Cache,
+    *,
+    observer: Observer | None = None,
+    processes: int | None = None,
 ) -> RefinementStudy:
     """Build every level and study every value of the axis' probe.
 
@@ -47,7 +53,8 @@ def refine(
     """
     chosen = AXES[axis]
     fineness = fineness_levels(chosen.ratio, count)
-    levels = [_level(loaded, axis, f, cache, observer) for f in fineness]
+    scenes = {_level_name(f): changed(loaded, chosen.settings(loaded.scene, f)) for f in fineness}
+    levels = list(measure(scenes, [chosen.probe], cache, observer=observer, processes=processes).values())
     names = [v.name for v in levels[0].values]
     columns: dict[str, Sequence[float]] = {
         name: [next(v.value for v in level.values if v.name == name) for level in levels] for name in names
@@ -62,6 +69,5 @@ def refine(
     )
 
 
-def _level(loaded: LoadedScene, axis: str, fineness: float, cache: Cache, observer: Observer | None) -> Measured:
-    settings = AXES[axis].settings(loaded.scene, fineness)
-    return measure(changed(loaded, settings), [AXES[axis].probe], cache, observer=observer)
+def _level_name(fineness: float) -> str:
+    return "in use" if fineness == 1.0 else f"x{fineness:.3g}"
