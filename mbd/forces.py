@@ -258,7 +258,7 @@ def row_forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log):
 
 @njit(nogil=True, error_model="numpy")
 def follow_tangent(table, angle, before, u, v, force, log):
-    """Move the log from the rows ``before`` at which it was evaluated to u, v nearby, where ``force`` is the solution."""
+    """Move the log from the rows ``before`` where it was evaluated to u, v nearby, where ``force`` is the solution."""
     n_flank = len(table.tau)
     for k in range(n_flank):
         if log[k, 0] > 0.0:

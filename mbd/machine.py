@@ -49,7 +49,7 @@ class Machine:
         unique("shafts", shafts)
         unique("bearings", [b.name for b in self.bearings])
         unique("meshes", [m.name for m in self.meshes])
-        unique("couplings", [c.name for c in (*self.couplings, *self.shaft_couplings)])
+        unique("couplings", [c.name for c in self.couplings] + [j.name for j in self.shaft_couplings])
         finite("gravity", self.gravity)
         if not self.couplings:
             raise MachineError("machine: no motor coupling; at least one must hold the input shaft.")

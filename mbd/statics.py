@@ -188,7 +188,7 @@ def _touching(
             break
     else:
         raise EquilibriumError(
-            f"equilibrium at t = 0 without load on a mesh: still moves by {moved:.3g} of the force scale after {ROUNDS} "
+            f"equilibrium at t = 0 with a mesh at rest: still moves by {moved:.3g} of the force scale after {ROUNDS} "
             "rounds. Give the machine a load, or bearings without clearance."
         )
     for i in resting:

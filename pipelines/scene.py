@@ -78,15 +78,17 @@ class Scene(Table):
             yield f"sensors: {name} is given {names.count(name)} times"
 
     def _shaft_numbers(self):
-        named = [(f"stages.{n}", pair) for n, pair in enumerate(stage_shafts(self.stages), 1)]
+        named: list[tuple[str, tuple[int, ...]]] = [
+            (f"stages.{n}", pair) for n, pair in enumerate(stage_shafts(self.stages), 1)
+        ]
         named += [(f"couplings.{n}.shafts", tuple(s - 1 for s in c.shafts)) for n, c in enumerate(self.couplings, 1)]
         named += [(f"disks.{n}.shaft", (disk.shaft - 1,)) for n, disk in enumerate(self.disks, 1)]
         named += [("drive.shaft", ((self.drive.shaft or 1) - 1,))]
         named += [("load.shaft", ((self.load.shaft or len(self.shafts)) - 1,))]
         for path, shafts in named:
-            for shaft in shafts:
-                if not 0 <= shaft < len(self.shafts):
-                    yield f"{path}: there is no shaft {shaft + 1}; {len(self.shafts)} are given"
+            for place in shafts:
+                if not 0 <= place < len(self.shafts):
+                    yield f"{path}: there is no shaft {place + 1}; {len(self.shafts)} are given"
             if len(shafts) == 2 and shafts[0] == shafts[1]:
                 yield f"{path}: both ends are on shaft {shafts[0] + 1}"
         if isinstance(self.casing, FlexibleBase):
@@ -94,7 +96,7 @@ class Scene(Table):
                 carried = len(shaft.bearing_positions_mm) - shaft.bearing_supports.count("ground")
                 if carried != 2:
                     yield (
-                        f"shafts.{number}: the housing carries {carried} of its bearings, it has bores for two; support "
+                        f"shafts.{number}: the housing carries {carried} of its bearings and has bores for two; carry "
                         "the others by the ground (bearing_supports)"
                     )
 

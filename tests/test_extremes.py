@@ -73,11 +73,7 @@ def test_bearing_stiffness(stiffness):
         for b in machine.bearings
     )
     machine = dataclasses.replace(machine, bearings=bearings)
-    try:
-        runs(machine)
-    except REFUSALS as refusal:
-        assert stiffness < 1e6  # shafts that sink by centimetres have no teeth in mesh
-        assert len(str(refusal)) > 40
+    runs(machine)
 
 
 @pytest.mark.parametrize("backlash", [0.0, 1e-3])

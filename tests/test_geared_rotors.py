@@ -58,7 +58,9 @@ def journal(name, shaft, y, horizontal, vertical, damping=3e3):
     """Stiff along the shaft, so that axial motion stays above the published modes."""
     return BearingSpec(
         name=name, shaft=shaft, y=y, stiffness_x=horizontal, stiffness_z=vertical, stiffness_axial=1e10,
-        damping=tuple(tuple(damping * (i == j and a in ("ux", "uz")) for j in range(5)) for i, a in enumerate(BEARING_AXES)),
+        damping=tuple(
+            tuple(damping * (i == j and a in ("ux", "uz")) for j in range(5)) for i, a in enumerate(BEARING_AXES)
+        ),
     )  # fmt: skip
 
 

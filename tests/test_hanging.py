@@ -40,7 +40,7 @@ def test_a_container_swings_as_a_pendulum(length, hertz):
 
 @pytest.mark.parametrize("degrees", [1.0, 30.0])
 def test_a_swing_from_rest_has_the_period_of_its_angle(degrees):
-    """T = 4 sqrt(L/g) K(sin(theta/2)), released from rest at theta; the tension at the lowest point is 3 - 2 cos theta."""
+    """T = 4 sqrt(L/g) K(sin(theta/2)), released from rest; the tension at the lowest point is 3 - 2 cos theta."""
     from scipy.special import ellipk
 
     angle, length = math.radians(degrees), 2.0
@@ -57,7 +57,7 @@ def test_a_swing_from_rest_has_the_period_of_its_angle(degrees):
 
 
 def test_hoisting_raises_the_sway_angle_as_the_adiabatic_invariant_says():
-    """Slow winding: E/omega stays, so the angle grows as L^(-3/4); checked against the pendulum of varying length too."""
+    """Slow winding: E/omega stays, so the angle grows as L^(-3/4); checked against the varying pendulum."""
     length, speed = 3.0, 0.08  # m/s of the container
     system = assemble(swinging(length, (0.02, 0.0), speed=speed), no_casing(), ("container:sway_x",))
     run = simulate(system, Settings(end=12.0, output_rate=200.0, step=5e-4))
@@ -124,7 +124,7 @@ def test_slack_when_and_only_when_the_history_of_the_force_reaches_zero():
 @pytest.mark.parametrize("load", ["rope", "torque"])
 @pytest.mark.parametrize("direction", [0.0, math.pi / 2, 2.0])
 def test_the_ropes_pull_the_drum_shaft(load, direction):
-    """The bearings of the drum shaft carry the rope force R = T/r besides, along the ropes, and the torque is the same."""
+    """The bearings of the drum shaft carry the rope force T/r besides, along the ropes; the torque is the same."""
     machine = train(1, load=load, gravity=9.80665)
     changes = {"direction": direction} | ({"drum_radius": 0.1} if load == "torque" else {})
     pulled = dataclasses.replace(machine, load=dataclasses.replace(machine.load, **changes))

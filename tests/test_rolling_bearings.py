@@ -51,7 +51,7 @@ def test_a_ball_bearing_is_as_stiff_as_the_handbook_says():
 
 
 def test_a_line_contact_gives_way_as_palmgren_measured():
-    """delta = 3.84e-5 Q^0.9/l^0.8 mm per contact (Palmgren 1959); ISO/TS 16281 takes both together 4 % softer or less."""
+    """delta = 3.84e-5 Q^0.9/l^0.8 mm per contact (Palmgren 1959); ISO/TS 16281 is within 5 %."""
     load, length = 1000.0, 11.0
     deflection = (load / (roller().stiffness / 1000 ** (10 / 9))) ** 0.9
     assert deflection == pytest.approx(2 * 3.84e-5 * load**0.9 / length**0.8, rel=0.05)
@@ -99,7 +99,7 @@ def test_clearance_leaves_a_free_path_and_the_contact_angle_carries_one_way():
 
 
 def test_pass_frequencies_are_those_of_the_bearing_data_center():
-    """6205-2RS JEM: 3.5848, 5.4152, 0.39828 of the shaft, element defect 4.7135 = 2 BSF (Case Western Reserve University)."""
+    """6205-2RS JEM: 3.5848, 5.4152, 0.39828 of the shaft, defect 4.7135 = 2 BSF (Case Western Reserve University)."""
     found = pass_frequencies(by_designation("6205"))
     assert found.outer == pytest.approx(3.5848, rel=1e-4)
     assert found.inner == pytest.approx(5.4152, rel=1e-4)

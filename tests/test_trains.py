@@ -1,4 +1,4 @@
-"""Trains of any shape: branches, closed loops, couplings, motors on two shafts, cross terms, bearings to ground; scenes."""
+"""Trains of any shape: branches, closed loops, couplings, motors on two shafts, cross terms; scenes."""
 
 import dataclasses
 import math
@@ -136,7 +136,7 @@ def test_a_coupling_between_shafts_winds_up_by_its_torque():
 
 
 def test_cross_terms_turn_the_axes_of_a_bearing():
-    """A bearing that is stiff along 30 degrees: K = R diag(k) R^T; its springs rebuild K, a rigid shaft has sqrt(k/m)."""
+    """A bearing that is stiff along 30 degrees: K = R diag(k) R^T; its springs rebuild K."""
     angle, k = math.radians(30), (4e7, 1e7)
     c, s = math.cos(angle), math.sin(angle)
     xx, zz, xz = k[0] * c * c + k[1] * s * s, k[0] * s * s + k[1] * c * c, (k[0] - k[1]) * c * s
