@@ -107,7 +107,7 @@ def _loop(step: _Step, place: Place, known: Place, shaft: int) -> list[Problem]:
         problems.append(
             Problem(
                 step.path,
-                f"closes a loop that does not meet: the axis of shaft {shaft + 1} is {off * 1000:.3f} mm from the place "
+                f"closes a loop that does not meet: the axis of shaft {shaft + 1} is {off * 1000:.3f} mm off the place "
                 f"that the rest of the loop gives it (x {known.x * 1000:.3f}, z {known.z * 1000:.3f} mm)",
                 "Change direction_deg or profile shifts",
             )
