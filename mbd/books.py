@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbd.element_work import ElementWork
-from mbd.integrators.base import Block, Integrator
+from mbd.integrators.base import ACCELERATION, ANGLE, Block, Integrator
 from mbd.linear_work import LinearWork
 from mbd.system import System
 
@@ -37,11 +37,10 @@ class Books:
         self._ramp_work = dict.fromkeys([part.name for part in massive], 0.0)
         self._constant_work, self._throughput = 0.0, 0.0
 
-    def take(self, block: Block, first: int, accelerations: np.ndarray) -> None:
-        """Add instants ``first``, ``first`` + 1, ... (steps since the start); accelerations held before each."""
-        profile, times = self._system.machine.profile, self._step * np.arange(first, first + len(block.states))
-        angles = profile.angle(times)
-        self._linear.take(block, first, accelerations, profile.speed(times))
+    def take(self, block: Block, first: int) -> None:
+        """Add a block; ``first`` is its first instant, counted in steps since the start."""
+        angles, accelerations = block.clock[:, ANGLE], block.clock[:, ACCELERATION]
+        self._linear.take(block, first)
         self._elements.take(block)
         watched = block.states @ self._watch.T
         if first == 0:
