@@ -19,7 +19,7 @@ from mbd.forces import parametric_work
 from mbd.rows_solver import NEAR, iterate, source_digest
 
 QUARTERS = 4
-ROUGH, SMOOTH = 0.05, 0.01
+ROUGH, SMOOTH = 0.025, 0.005
 
 
 class Constants(NamedTuple):
