@@ -88,8 +88,8 @@ def _simulate(system: System, settings: Settings, progress: Progress | None, sta
     integrator = METHODS[settings.integrator](system, step)
     recorder = Recorder(system, integrator, every, settings.n_samples)
     books = Books(system, integrator, step, recorder.steps_needed)
-    state = equilibrium(system) if start is None else start
-    _feed(integrator.start(state, float(system.machine.profile.speed(np.zeros(1))[0])), 0, recorder, books)
+    state = equilibrium(system, float(system.machine.profile.speed(np.zeros(1))[0])) if start is None else start
+    _feed(integrator.start(state), 0, recorder, books)
     size = max(every, BLOCK_STATES // integrator.displacement.shape[1])
     done = 0
     while done < books.steps:

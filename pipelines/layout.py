@@ -14,6 +14,7 @@ from pipelines.errors import Problem, SceneError
 from pipelines.scene import Scene
 from pipelines.tables.base import MaterialTable
 from pipelines.tables.gears import StageTable
+from pipelines.train import place_shafts, stage_shafts
 
 
 def material(name: str, table: MaterialTable) -> Material:
@@ -59,20 +60,23 @@ def gear_pair(stage: StageTable, steel: Material) -> GearPair:
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """Where the gears and shafts of a scene are: pairs by stage, axes (x, z) by shaft, in m."""
+    """Where the gears and shafts of a scene are: pairs by stage; axes (x, z) in m, senses and speeds by shaft.
+
+    Shafts are numbered from 0. Ratios of speeds are over that of shaft ``driven``, which the motors turn.
+    """
 
     pairs: tuple[GearPair, ...]
     axes: tuple[tuple[float, float], ...]
+    senses: tuple[int, ...]  # lifting rotation about +y or -y; that of the first shaft is +1
+    shaft_ratios: tuple[float, ...]  # speed of each shaft over that of the motors
+    pair_shafts: tuple[tuple[int, int], ...]  # shafts of pinion and wheel, by stage
+    driven: int
+    loaded: int  # the shaft that carries the drums
 
     @property
     def ratio(self) -> float:
         """Total ratio: turns of the input for one turn of the output."""
-        return math.prod(pair.ratio for pair in self.pairs)
-
-    @property
-    def shaft_ratios(self) -> tuple[float, ...]:
-        """Speed of each shaft over the speed of the input."""
-        return tuple(1 / math.prod(p.ratio for p in self.pairs[:i]) for i in range(len(self.pairs) + 1))
+        return 1 / self.shaft_ratios[self.loaded]
 
 
 def lay_out(scene: Scene, source: str = "scene") -> Layout:
@@ -80,7 +84,7 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
 
     Raises
     ------
-    SceneError : gears that do not work, all stages listed
+    SceneError : gears that do not work, a train that does not hang together, all of it listed
     """
     steel = material("gear steel", scene.gear_material)
     pairs, problems = [], []
@@ -91,8 +95,16 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
             problems.append(Problem(f"stages.{number}", str(error)))
     if problems:
         raise SceneError(source, problems)
-    axes = [(0.0, 0.0)]
-    for stage, pair in zip(scene.stages, pairs, strict=True):
-        angle, (x, z) = math.radians(stage.direction_deg), axes[-1]
-        axes.append((x + pair.axis_distance * math.cos(angle), z + pair.axis_distance * math.sin(angle)))
-    return Layout(pairs=tuple(pairs), axes=tuple(axes))
+    places, problems = place_shafts(len(scene.shafts), scene.stages, pairs, scene.couplings)
+    if problems:
+        raise SceneError(source, problems)
+    driven = (scene.drive.shaft or 1) - 1
+    return Layout(
+        pairs=tuple(pairs),
+        axes=tuple((place.x, place.z) for place in places),
+        senses=tuple(place.sense for place in places),
+        shaft_ratios=tuple(place.speed / places[driven].speed for place in places),
+        pair_shafts=tuple(stage_shafts(scene.stages)),
+        driven=driven,
+        loaded=(scene.load.shaft or len(scene.shafts)) - 1,
+    )
