@@ -13,7 +13,7 @@ import numpy as np
 
 from mbd.element_work import ElementWork
 from mbd.further_work import FurtherWork
-from mbd.integrators.base import Block, Integrator
+from mbd.integrators.base import ACCELERATION, ANGLE, Block, Integrator
 from mbd.linear_work import LinearWork
 from mbd.system import System
 
@@ -34,19 +34,18 @@ class Books:
             torque -= c.stiffness * row @ integrator.displacement + c.damping * row @ integrator.velocity
         self._linear = LinearWork(system, integrator, step, n_steps, torque)
         self._elements, self.steps = ElementWork(system), self._linear.steps
-        self._further = FurtherWork(system, integrator, step)
+        self._further = FurtherWork(system, integrator)
         self._watch = np.array([*inertia, torque, system.constant_force @ integrator.displacement])
         self._watched, self._angle = np.zeros(len(self._watch)), 0.0
         self._ramp_work = dict.fromkeys([part.name for part in massive], 0.0)
         self._constant_work, self._throughput = 0.0, 0.0
 
-    def take(self, block: Block, first: int, accelerations: np.ndarray) -> None:
-        """Add instants ``first``, ``first`` + 1, ... (steps since the start); accelerations held before each."""
-        profile, times = self._system.machine.profile, self._step * np.arange(first, first + len(block.states))
-        angles = profile.angle(times)
-        self._linear.take(block, first, accelerations, profile.speed(times))
+    def take(self, block: Block, first: int) -> None:
+        """Add a block; ``first`` is its first instant, counted in steps since the start."""
+        angles, accelerations = block.clock[:, ANGLE], block.clock[:, ACCELERATION]
+        self._linear.take(block, first)
         self._elements.take(block)
-        self._further.take(block, angles)
+        self._further.take(block)
         watched = block.states @ self._watch.T
         if first == 0:
             self._watched, self._angle = watched[0], angles[0]

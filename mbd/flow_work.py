@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from mbd.integrators.base import Block, Flow
+from mbd.integrators.base import ACCELERATION, LENGTH, SPEED, Block, Flow
 from mbd.integrators.exponential import phi_functions
 
 NODES = 64  # of the Gauss quadrature of chi, exact to rounding for |z| < 40
@@ -26,34 +26,49 @@ UNDAMPED = 1e-13  # |values_a + values_b| below this share of |values|: the pair
 
 
 class FlowWork:
-    """Accumulates the blocks of a run of an integrator with a `Flow`, of steps of length ``step``."""
+    """Accumulates the blocks of a run of an integrator with a `Flow`."""
 
-    def __init__(self, flow: Flow, step: float) -> None:
-        self._flow, self._step = flow, step
+    def __init__(self, flow: Flow) -> None:
+        self._flow = flow
         self._n_signals = flow.rows.shape[1] + 3  # lambda, acceleration, 1, speed
-        self._products, self._gram = np.zeros((0, 0)), np.zeros((0, 0))
-        self._first, self._last, self._speed = np.zeros(0), np.zeros(0), 0.0
+        self._sums: dict[float, tuple[np.ndarray, np.ndarray]] = {}  # by length of step: c eta_start, c c^T
+        self._first, self._last = np.zeros(0), np.zeros(0)
 
-    def take(self, block: Block, accelerations: np.ndarray, speeds: np.ndarray) -> None:
+    def take(self, block: Block) -> None:
         """Add the steps that end at the instants of ``block``; the first block is the start alone."""
-        if self._last.size == 0:
-            self._first = self._last = block.states[0].copy()
-            self._speed = float(speeds[0])
-            width = block.holds.shape[1] * self._n_signals
-            self._products, self._gram = np.zeros((width, self._last.size)), np.zeros((width, width))
+        self._last = block.states[-1].copy()
+        if self._first.size == 0:
+            self._first = block.states[0].copy()
             return
-        n, past, m = block.holds.shape
+        lengths = block.clock[:, LENGTH]
+        for length in np.unique(lengths):
+            some = lengths == length
+            whole = bool(some.all())
+            pieces = (
+                self._pieces(block.holds, block.clock) if whole else self._pieces(block.holds[some], block.clock[some])
+            )
+            self._add(float(length), pieces, block.starts if whole else block.starts[some])
+
+    def _pieces(self, holds: np.ndarray, clock: np.ndarray) -> np.ndarray:
+        """c (step, k, signal)."""
+        n, past, m = holds.shape
         pieces = np.zeros((n, past, self._n_signals))
-        pieces[:, :, :m] = block.holds
-        pieces[:, 0, m], pieces[:, 0, m + 1] = accelerations, 1.0
-        pieces[1:, 0, m + 2], pieces[0, 0, m + 2] = speeds[:-1], self._speed
-        pieces[:, 1, m + 2] = self._step * accelerations
-        flat = pieces.reshape(n, -1)
+        pieces[:, :, :m] = holds
+        turned = clock[:, LENGTH] * clock[:, ACCELERATION]
+        pieces[:, 0, m], pieces[:, 0, m + 1] = clock[:, ACCELERATION], 1.0
+        pieces[:, 0, m + 2], pieces[:, 1, m + 2] = clock[:, SPEED] - turned, turned
+        return pieces
+
+    def _add(self, length: float, pieces: np.ndarray, starts: np.ndarray) -> None:
+        flat = pieces.reshape(len(pieces), -1)
+        size = flat.shape[1]
+        if length not in self._sums:
+            self._sums[length] = np.zeros((size, starts.shape[1])), np.zeros((size, size))
+        products, gram = self._sums[length]
         used = np.flatnonzero(flat.any(axis=0))
         flat = np.ascontiguousarray(flat[:, used])
-        self._products[used] += flat.T @ block.starts
-        self._gram[np.ix_(used, used)] += flat.T @ flat
-        self._last, self._speed = block.states[-1].copy(), float(speeds[-1])
+        products[used] += flat.T @ starts
+        gram[np.ix_(used, used)] += flat.T @ flat
 
     def integrals(self) -> tuple[np.ndarray, np.ndarray]:
         """int s x^T dt (signal, state) and int x x^T dt (state, state), x = (Re eta, Im eta)."""
@@ -62,16 +77,17 @@ class FlowWork:
 
     def _pushed(self) -> np.ndarray:
         """int s eta dt (signal, mode)."""
-        flow, h, modes = self._flow, self._step, len(self._flow.values)
-        past = len(self._gram) // self._n_signals
-        products = (self._products[:, :modes] + 1j * self._products[:, modes:]).reshape(past, self._n_signals, modes)
-        gram = self._gram.reshape(past, self._n_signals, past, self._n_signals)
-        inputs = self._inputs()
-        psi, chi = _moments(flow.values * h, past)
-        total = h * np.einsum("kj,kij->ij", psi, products)
-        for k in range(past):
-            for j in range(past):
-                total += h * h * chi[k, j] * (gram[k, :, j] @ inputs.T)
+        values, signals, modes = self._flow.values, self._n_signals, len(self._flow.values)
+        inputs, total = self._inputs(), np.zeros((signals, modes), dtype=complex)
+        for h, (products, gram) in self._sums.items():
+            past = len(gram) // signals
+            started = (products[:, :modes] + 1j * products[:, modes:]).reshape(past, signals, modes)
+            psi, chi = _moments(values * h, past)
+            total += h * np.einsum("kj,kij->ij", psi, started)
+            blocks = gram.reshape(past, signals, past, signals)
+            for k in range(past):
+                for j in range(past):
+                    total += h * h * chi[k, j] * (blocks[k, :, j] @ inputs.T)
         return total
 
     def _inputs(self) -> np.ndarray:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbd.element_work import path_work
-from mbd.integrators.base import Block, Integrator
+from mbd.element_work import even_steps, path_work
+from mbd.integrators.base import ANGLE, LENGTH, Block, Integrator
 from mbd.system import System
 
 _ENERGY, _POWER, _PARAMETRIC, _PUSH = 2, 3, 7, 8
@@ -18,21 +18,21 @@ _ENERGY, _POWER, _PARAMETRIC, _PUSH = 2, 3, 7, 8
 class FurtherWork:
     """Accumulates the logs of a run's blocks; ``throughput`` is the integral of |parametric power|."""
 
-    def __init__(self, system: System, integrator: Integrator, step: float) -> None:
-        extra, self._step, self._names = system.table.extra, step, system.element_names
+    def __init__(self, system: System, integrator: Integrator) -> None:
+        extra, self._names = system.table.extra, system.element_names
         n, rows = len(extra.kind), len(extra.pattern)
         self._first_row, self._first = len(system.rows) - rows, len(system.table.tau) + len(system.table.rope_ea)
         self._velocity = system.rows[self._first_row :] @ integrator.velocity
         self._stiffness, self._damping = extra.stiffness, extra.damping
         self._owner = np.repeat(np.arange(n), np.diff(np.append(extra.at, rows))) if n else np.zeros(0, dtype=int)
         self._log, self._rows, self._force = np.zeros((0, n, 4)), np.zeros((0, rows)), np.zeros((0, rows))
-        self._angle = np.zeros(0)
+        self._clock = np.zeros((0, 4))
         self._start, self._peak, self._loss, self._parametric, self._rolled = (np.zeros(n) for _ in range(5))
         self._received = np.zeros(rows)
         self.throughput = 0.0
 
-    def take(self, block: Block, angles: np.ndarray) -> None:
-        """Add the instants of a block at the motor angles (instant,); the three before it are kept."""
+    def take(self, block: Block) -> None:
+        """Add the instants of a block; the three before it are kept."""
         if not self._names:
             return
         known = len(self._log)
@@ -44,21 +44,16 @@ class FurtherWork:
             self._start = fresh[0, :, 0].copy()
         log = np.concatenate([self._log, fresh])
         rows, force = np.vstack([self._rows, rows]), np.vstack([self._force, force])
-        angle = np.concatenate([self._angle, angles])
+        clock = np.vstack([self._clock, block.clock])
         new = slice(max(known - 1, 0), None)
-        self._received += path_work(force, rows, known)
+        self._received += path_work(force, rows, known, even_steps(clock[:, LENGTH]))
         power, push = log[new, :, 1], log[new, :, 3]
-        self._loss += 0.5 * self._step * (power[1:] + power[:-1]).sum(axis=0)
-        self._rolled += (0.5 * (push[1:] + push[:-1]) * np.diff(angle[new])[:, None]).sum(axis=0)
+        self._loss += 0.5 * clock[new, LENGTH][1:] @ (power[1:] + power[:-1])
+        self._rolled += (0.5 * (push[1:] + push[:-1]) * np.diff(clock[new, ANGLE])[:, None]).sum(axis=0)
         self._parametric += log[known:, :, 2].sum(axis=0)
         self.throughput += float(abs(log[known:, :, 2]).sum())
         self._peak = np.maximum(self._peak, log[:, :, 0].max(axis=0))
-        self._log, self._rows, self._force, self._angle = (
-            log[-3:].copy(),
-            rows[-3:].copy(),
-            force[-3:].copy(),
-            angle[-3:],
-        )
+        self._log, self._rows, self._force, self._clock = (x[-3:].copy() for x in (log, rows, force, clock))
 
     def books(self) -> dict[str, list[float]]:
         """Stored, dissipated, received, parametric, residual, scale of every part, J."""

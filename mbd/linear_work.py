@@ -12,7 +12,7 @@ import numpy as np
 
 from mbd.flow_work import FlowWork
 from mbd.forces import reference_damping, reference_stiffness
-from mbd.integrators.base import Block, Integrator
+from mbd.integrators.base import LENGTH, SPEED, Block, Integrator
 from mbd.sampled_work import SampledWork
 from mbd.system import Part, System
 
@@ -29,26 +29,26 @@ class LinearWork:
         self._turn = -integrator.inverse_mass @ (system.mass @ system.rolling)
         self._ports, stiffness, damping = _ports(system)
         self._to_force = stiffness[:, None] * (self._ports @ self.to_q) + damping[:, None] * (self._ports @ self.to_v)
-        self._flow = None if integrator.flow is None else FlowWork(integrator.flow, step)
+        self._flow = None if integrator.flow is None else FlowWork(integrator.flow)
         self._sampled = None
         self.steps = n_steps
         if self._flow is None:
             self._sampled = SampledWork(step, n_steps, self._to_force, len(system.rows))
             self.steps = self._sampled.steps
         self.origin, self.latest = np.zeros(self.to_q.shape[1]), np.zeros(self.to_q.shape[1])
-        self._motor_work, self._speed = 0.0, 0.0
+        self._motor_work, self._power = 0.0, 0.0
         self._peak = {part.name: 0.0 for part in system.parts if not part.damping.any()}
 
-    def take(self, block: Block, first: int, accelerations: np.ndarray, speeds: np.ndarray) -> None:
-        """Add instants ``first``, ``first`` + 1, ... (steps since the start): motor acceleration held before each,
-        motor speed at each."""
+    def take(self, block: Block, first: int) -> None:
+        """Add a block; ``first`` is its first instant, counted in steps since the start."""
         if self._flow is not None:
-            self._flow.take(block, accelerations, speeds)
+            self._flow.take(block)
         if self._sampled is not None:
-            self._sampled.take(block, first, accelerations)
-            power = np.concatenate([[self.latest @ self._torque * self._speed], block.states @ self._torque * speeds])
-            self._motor_work += float(self._step * 0.5 * (power[1:] + power[:-1])[first == 0 :].sum())
-            self._speed = float(speeds[-1])
+            self._sampled.take(block, first)
+            power = (block.states @ self._torque) * block.clock[:, SPEED]
+            power_before = np.concatenate([[self._power], power[:-1]])
+            self._motor_work += 0.5 * float(block.clock[:, LENGTH] @ (power + power_before))
+            self._power = float(power[-1])
         if first == 0:
             self.origin = block.states[0].copy()
         self.latest = block.states[-1].copy()

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import signal
 
-from mbd.integrators.base import Block, Integrator
+from mbd.integrators.base import ACCELERATION, Block, Integrator
 from mbd.system import System
 
 PASS_SHARE = 0.4
@@ -64,10 +64,12 @@ class Recorder:
         self.values = np.zeros((len(rows.names), n_samples))
         self.steps_needed = (n_samples - 1) * steps_per_sample + len(self._taps) // 2
 
-    def take(self, block: Block, accelerations: np.ndarray) -> None:
-        """Add the instants of a block; ``accelerations`` (instant,) of the motor there."""
-        fresh = self._states @ block.states.T + self._forces @ block.forces.T
-        fresh += self._constant[:, None] + np.outer(self._ramp, accelerations)
+    def take(self, block: Block) -> None:
+        """Add the whole steps of a block."""
+        cut = len(block.whole) < len(block.states)
+        states, forces, clock = (x[block.whole] if cut else x for x in (block.states, block.forces, block.clock))
+        fresh = self._states @ states.T + self._forces @ forces.T
+        fresh += self._constant[:, None] + np.outer(self._ramp, clock[:, ACCELERATION])
         if self._pending.shape[1] == 0 and self._next == 0:
             fresh = np.hstack([np.repeat(fresh[:, :1], len(self._taps) // 2, axis=1), fresh])
         pending = np.hstack([self._pending, fresh])

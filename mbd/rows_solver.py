@@ -69,11 +69,12 @@ def residual_size(force, target, scale):
 
 
 @njit(nogil=True, error_model="numpy")
-def iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance, near):
+def iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance, near, limit, quality):
     """Iterate on ``force`` (in: guess, out: solution); returns the iterations used, or -1 without convergence.
 
-    ``angle`` and ``speed`` of the motor (rad, rad/s); residuals in units of the scale of the forces: below
-    ``tolerance`` the guess is taken, from below ``near`` one more step is.
+    ``angle`` and ``speed`` of the motor (rad, rad/s); residuals in units of the scale of the forces: below ``tolerance``
+    the guess is taken, from below ``near`` one more step is, above ``limit`` nothing is. ``quality`` (1,) takes the
+    residual of the guess.
     """
     n_flank = len(table.tau)
     guess, held = force.copy(), np.full(n_flank, -1.0)
@@ -85,15 +86,17 @@ def iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance
             first = len(force)  # the rows that are observed only
             for k in range(n_flank):
                 held[k] = flank(table, k, angle, u[first + k // 2], u[2 * k], u[2 * k + 1])[3]
-        used = newton(table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance, near)
+        used = newton(table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance, near, limit, quality)
         if used >= 0:
             return total + used
+        if quality[0] > limit:
+            return -1
         total += MAX_ITERATIONS
     return -1
 
 
 @njit(nogil=True, error_model="numpy")
-def newton(table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance, near):
+def newton(table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance, near, limit, quality):
     """`iterate` with the damping stiffnesses ``held`` (flank,), see `mbd.forces.row_forces`."""
     m = len(force)
     n_flank = len(table.tau)
@@ -113,6 +116,10 @@ def newton(table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tole
                 break
             part *= 0.5
         copy_to(force, trial)
+        if iteration == 0:
+            quality[0] = size
+            if not size <= limit:
+                return -1
         if size <= tolerance:
             return iteration
         for r in range(m):
@@ -188,7 +195,7 @@ def _compiled(digest: int) -> tuple[Callable, Callable]:
     def solve(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
         if digest < 0:  # part of the key under which the compiled code is stored
             return -1
-        return iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance, 0.0)
+        return iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance, 0.0, np.inf, np.empty(1))
 
     @njit(cache=True, nogil=True, error_model="numpy")
     def work(table, before, after, u_before, u_after, log_before, log_after):

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import blas
 
-from mbd.integrators.base import Block
+from mbd.integrators.base import ACCELERATION, Block
 
 MAX_SAMPLES = 100_000  # of int x x^T; longer runs are sampled every few steps
 
@@ -29,8 +29,8 @@ class SampledWork:
         self._jump_states, self._jump_forces, self._held = np.zeros(size), np.zeros(ports), 0.0
         self._origin, self._origin_force = np.zeros(size), np.zeros(n_rows)
 
-    def take(self, block: Block, first: int, accelerations: np.ndarray) -> None:
-        """Add instants ``first``, ``first`` + 1, ... (steps since the start); accelerations held before each."""
+    def take(self, block: Block, first: int) -> None:
+        """Add a block of whole steps; ``first`` is its first instant, counted in steps since the start."""
         if first == 0:
             self._origin, self._origin_force = block.states[0].copy(), block.forces[0].copy()
         states = block.states - self._origin
@@ -40,7 +40,7 @@ class SampledWork:
         forces[:, : self._m] -= block.forces - self._origin_force
         self._cross += (weight[:, None] * forces).T @ states
         self._pushed += weight @ forces
-        self._jumps(at, states, forces, accelerations)
+        self._jumps(at, states, forces, block.clock[:, ACCELERATION])
         use = at % self.stride == 0
         root = np.sqrt(weight[use] * self.stride)
         chosen = states[use] * root[:, None]

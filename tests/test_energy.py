@@ -9,6 +9,7 @@ from mbd_rigs import no_casing, rigid_casing, train
 
 from mbd.drive import SpeedProfile
 from mbd.flow_work import FlowWork
+from mbd.integrators.base import ACCELERATION, LENGTH, SPEED
 from mbd.integrators.exponential import exponential, phi_functions
 from mbd.simulate import Settings, simulate
 from mbd.statics import equilibrium
@@ -97,12 +98,14 @@ def test_integrals_of_the_flow_are_those_of_its_states_within_the_steps():
     rates = np.diff(speeds) / step
     block = integrator.advance(angles[1:], speeds[1:], rates)
     flow = integrator.flow
-    work = FlowWork(flow, step)
-    work.take(start, np.zeros(1), speeds[:1])
-    work.take(block, rates, speeds[1:])
+    work = FlowWork(flow)
+    work.take(start)
+    work.take(block)
+    step, rates, ends = block.clock[:, [LENGTH]], block.clock[:, ACCELERATION], block.clock[:, [SPEED]]
+    assert len(np.unique(step)) > 2  # cut at the impacts
     assert ((block.log[1:, 0, 0] > 0) != (block.log[:-1, 0, 0] > 0)).any()
     modes = len(flow.values)
-    eta = np.vstack([start.states, block.states])[:-1]
+    eta = block.starts
     eta = eta[:, :modes] + 1j * eta[:, modes:]
     pushes = np.einsum("nki,ji->nkj", block.holds, flow.rows)
     pushes[:, 0] += flow.load + np.outer(rates, flow.ramp)
@@ -115,8 +118,8 @@ def test_integrals_of_the_flow_are_those_of_its_states_within_the_steps():
             inside = inside + step * theta ** (k + 1) * math.factorial(k) * phi[k + 1] * pushes[:, k]
         x = np.hstack([inside.real, inside.imag])
         held = sum(theta**k * block.holds[:, k] for k in range(3))
-        signals = np.column_stack([held, rates, np.ones(n), speeds[:-1] + theta * step * rates])
-        signal_states, states_states = signal_states + weight * signals.T @ x, states_states + weight * x.T @ x
+        signals = np.hstack([held, rates[:, None], np.ones_like(step), ends - (1 - theta) * step * rates[:, None]])
+        signal_states, states_states = signal_states + (weight * signals).T @ x, states_states + (weight * x).T @ x
     pushed, second = work.integrals()
     size = np.sqrt(np.diag(states_states))
     assert abs((second - states_states) / np.outer(size, size)).max() < 1e-9

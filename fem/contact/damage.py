@@ -63,7 +63,7 @@ def damaged_law(law: MeshLaw, pair: GearPair, gear: str, damage: Sequence[Damage
 def law_points(law: MeshLaw, pair: GearPair) -> PathPoints:
     """The contact points of the pair at the positions of the law."""
     xi = law.position_start + law.position_step * np.arange(law.compliance.size)
-    return path_points(pair, xi, pair.pinion.normal_module)
+    return path_points(pair, xi, pair.pinion.normal_module, (np.inf, np.inf))
 
 
 def chip_gap(law: MeshLaw, pair: GearPair, gear: str, chip: ChippedTooth) -> np.ndarray:
@@ -71,7 +71,7 @@ def chip_gap(law: MeshLaw, pair: GearPair, gear: str, chip: ChippedTooth) -> np.
     own = getattr(pair, gear)
     xi = law.position_start + law.position_step * np.arange(law.compliance.size)
     largest = 0.5 * pair.pinion.normal_module
-    sound = path_points(pair, xi, largest).gap
+    sound = path_points(pair, xi, largest, (np.inf, np.inf)).gap
     depths = chip.depth_at(law.face_coordinate, pair.face_width)
     added = np.zeros((depths.size, xi.size))
     for depth in np.unique(depths[depths > 0.0]):

@@ -32,7 +32,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.contact.kernel import evaluate, evaluate_many, evaluate_shares
+from fem.contact.kernel import evaluate, evaluate_many, evaluate_shares, evaluate_two
 from fem.contact.law import MeshLaw
 from fem.contact.packing import LARGEST_NEAR, MAX_PAIRS, pack
 from fem.contact.teeth import LawError, checked_terms
@@ -44,6 +44,7 @@ __all__ = [
     "evaluate",
     "evaluate_law",
     "evaluate_shares",
+    "evaluate_two",
     "law_tables",
     "share_reach",
     "shares",

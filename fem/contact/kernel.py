@@ -60,6 +60,15 @@ def pairs_near(tables, own_cycle, pinion, wheel, near):
     return n
 
 
+@njit(**_options, forceinline=True)
+def settle(slope, work, bits):
+    """Newton sweeps of a block until they settle; returns the number of rare slices."""
+    for _ in range(lanes.SWEEPS):
+        if lanes.sweep(slope, work, bits) <= lanes.CLOSE * lanes.CLOSE:
+            break
+    return lanes.switch_off(slope, work)
+
+
 @njit(**_options)
 def evaluate_flank(tables, cycle, delta, psi, pinion, wheel, pair_force):
     """Sum over the blocks; adds each pair's force to pair_force[p - floor(c') + size // 2] where that exists."""
@@ -71,13 +80,10 @@ def evaluate_flank(tables, cycle, delta, psi, pinion, wheel, pair_force):
     n_near = pairs_near(tables, own_cycle, pinion, wheel, near)
     slope = tables[SLOPE]
     for block in range(int(tables[BLOCKS])):
-        if not lanes.gather(tables, block, own_cycle, delta, psi, near, n_near, work):
+        if not lanes.gather(tables, block, own_cycle, (delta, psi, delta, psi), near, n_near, work):
             continue
         lanes.guess(slope, work, bits)
-        for _ in range(lanes.SWEEPS):
-            if lanes.sweep(slope, work, bits) <= lanes.CLOSE * lanes.CLOSE:
-                break
-        rare = lanes.switch_off(slope, work)
+        rare = settle(slope, work, bits)
         f, m, u, a, b, c, r = lanes.block_sums(tables, block, work)
         force, moment, energy, rate = force + f, moment + m, energy + u, rate + r
         k, mixed, tilt = k + a, mixed + b, tilt + c
@@ -88,6 +94,46 @@ def evaluate_flank(tables, cycle, delta, psi, pinion, wheel, pair_force):
             force, moment, energy, rate = force + f, moment + m, energy + u, rate + r
             k, mixed, tilt = k + a, mixed + b, tilt + c
     return force, moment, energy, k, mixed, tilt, tables[SIGN] * rate
+
+
+@njit(**_options)
+def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
+    """Responses at (delta, psi) and at (delta_0, psi_0), both at the same cycle, without dU/dc.
+
+    The tables are read once and the second Newton iteration starts from the line loads of the first.
+
+    Returns
+    -------
+    F, M, U, dF/d delta, dF/d psi, dM/d psi of the first state, then the same of the second
+    """
+    states = (delta, psi, delta_0, psi_0)
+    own_cycle = tables[SIGN] * cycle + tables[OFFSET]
+    work = np.empty((lanes.TOTAL + LARGEST_NEAR // 2, LANES))
+    bits = work.view(np.int64)
+    near = work[lanes.TOTAL :].reshape((LARGEST_NEAR, 8))
+    n_near = pairs_near(tables, own_cycle, pinion, wheel, near)
+    slope = tables[SLOPE]
+    f0 = m0 = u0 = a0 = b0 = c0 = f1 = m1 = u1 = a1 = b1 = c1 = 0.0
+    none = np.empty(0)
+    for block in range(int(tables[BLOCKS])):
+        if not lanes.gather(tables, block, own_cycle, states, near, n_near, work):
+            continue
+        lanes.take_state(tables, block, states, -1, 0, work)
+        lanes.guess(slope, work, bits)
+        rare = settle(slope, work, bits)
+        f, m, u, a, b, c, _ = lanes.block_sums(tables, block, work)
+        f0, m0, u0, a0, b0, c0 = f0 + f, m0 + m, u0 + u, a0 + a, b0 + b, c0 + c
+        if rare > 0.0:
+            f, m, u, a, b, c, _ = rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, none)
+            f0, m0, u0, a0, b0, c0 = f0 + f, m0 + m, u0 + u, a0 + a, b0 + b, c0 + c
+        lanes.take_state(tables, block, states, 0, 1, work)
+        rare = settle(slope, work, bits)
+        f, m, u, a, b, c, _ = lanes.block_sums(tables, block, work)
+        f1, m1, u1, a1, b1, c1 = f1 + f, m1 + m, u1 + u, a1 + a, b1 + b, c1 + c
+        if rare > 0.0:
+            f, m, u, a, b, c, _ = rare_sums(tables, block, own_cycle, delta_0, psi_0, near, n_near, work, none)
+            f1, m1, u1, a1, b1, c1 = f1 + f, m1 + m, u1 + u, a1 + a, b1 + b, c1 + c
+    return f0, m0, u0, a0, b0, c0, f1, m1, u1, a1, b1, c1
 
 
 @njit(**_options)

@@ -4,8 +4,8 @@ The mathematics stands in `fem.contact.evaluate`. Every quantity of the first an
 row of LANES numbers in `work`, so that the compiler turns the loops over the lanes into vector instructions. A pair
 that does not carry has ON = 0 and f = 0 there and its equation is f = 0, so all lanes run the same instructions. A
 slice that is not of the usual kind gets RARE = 1 and is left to `fem.contact.slices`: three or more pairs that
-approach, neighbours that pull (negative coupling), a pair switched off by the first guess though it carries, a line load beyond
-the range of the Hertz term, sweeps that do not settle.
+approach, neighbours that pull (negative coupling), a pair switched off by the first guess though it carries, a line
+load beyond the range of the Hertz term, sweeps that do not settle.
 
 After a change here or in `fem.contact.slices`, for callers elsewhere, empty the `__pycache__` folders: numba's cache on
 disk notices a change of the file that holds a function, but not of the files of the functions it calls.
@@ -79,15 +79,18 @@ _sums = {**_options, "fastmath": {"contract", "reassoc", "nsz"}}  # the order of
 
 
 @njit(**_options)
-def gather(tables, block, own_cycle, delta, psi, near, n_near, work):
-    """Fill the rows of the block from the pairs `near` (n_near, 8), in rising order of p; False if nothing touches."""
+def gather(tables, block, own_cycle, states, near, n_near, work):
+    """Fill the rows of the block with those of the pairs `near` (n_near, 8) that approach in one of two states.
+
+    states (delta, psi, delta_0, psi_0); X belongs to the larger approach; p rises. False if nothing approaches.
+    """
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
     reach, pulls = int(tables[REACH]), tables[PULLS] != 0.0
     touched = False
     for s in range(LANES):
         here = own_cycle + tables[base + SHIFT * LANES + s]
         part, width = tables[base + PART * LANES + s], tables[base + WIDTH * LANES + s]
-        approach = delta + psi * tables[base + Y * LANES + s] - tables[base + LEAD * LANES + s]
+        approach = largest_approach(states, tables[base + Y * LANES + s]) - tables[base + LEAD * LANES + s]
         found, rare, ahead, ahead_inside, ahead_number = 0, 0.0, 0, 0.0, 0.0
         work[COUPLING, s] = work[COUPLING_SLOPE, s] = 0.0
         for m in range(n_near if width > 0.0 else 0):
@@ -181,6 +184,26 @@ def damaged(tables, slice_number, at, s, x, k, u, near, m, work):
                 work[at + GAP_SLOPE, s] += (tables[j + 1] - tables[j]) * per_step
                 work[at + X, s] = x
     return x
+
+
+@njit(**_options)
+def largest_approach(states, y):
+    """The larger approach of the two states at face coordinate y."""
+    return max(states[0] + states[1] * y, states[2] + states[3] * y)
+
+
+@njit(**_options)
+def take_state(tables, block, states, before, after, work):
+    """Move X from the approach `before` (0 or 1: a state; -1: the larger one) to that of the state `after`."""
+    base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
+    for s in range(LANES):
+        y = tables[base + Y * LANES + s]
+        new = states[2 * after] + states[2 * after + 1] * y
+        old = largest_approach(states, y) if before < 0 else states[0] + states[1] * y
+        work[X, s] += new - old
+        work[SECOND + X, s] += new - old
+        work[LOAD, s] = work[LOAD, s] if work[LOAD, s] > 0.0 else 1.0
+        work[SECOND + LOAD, s] = work[SECOND + LOAD, s] if work[SECOND + LOAD, s] > 0.0 else 1.0
 
 
 @njit(**_options)
@@ -278,8 +301,8 @@ def switch_off(slope, work):
         bad = max(work[RARE, s], bad)
         work[RARE, s] = bad
         work[LOAD, s], work[SECOND + LOAD, s] = f0 if bad == 0.0 else 0.0, f1 if bad == 0.0 else 0.0
-        work[LOG, s] = work[LOG, s] if bad == 0.0 else 0.0
-        work[SECOND + LOG, s] = work[SECOND + LOG, s] if bad == 0.0 else 0.0
+        work[LOG, s], work[SECOND + LOG, s] = work[LOG, s] * (1.0 - bad), work[SECOND + LOG, s] * (1.0 - bad)
+        work[ON, s], work[SECOND + ON, s] = on0 * (1.0 - bad), on1 * (1.0 - bad)
         rare += bad
     return rare
 

@@ -31,7 +31,7 @@ from fem.records import Record, array, integer, scalar, text
 
 def _sound(*dims: str, units: str, infinite: bool = False) -> Any:
     """Array field that is 0, or without variants, unless given."""
-    return dataclasses.field(default=None, metadata=array(*dims, units=units, infinite=infinite).metadata)  # type: ignore[call-overload]
+    return dataclasses.field(default=None, metadata=array(*dims, units=units, infinite=infinite).metadata)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -2,8 +2,8 @@
 
 The mathematics stands in `fem.contact.evaluate`. Each pair of the slice is one column of `work`, its quantities are the
 rows of `fem.contact.lanes`; the coupling compliances c_pq of the pairs p < q and their slopes stand in the square
-blocks from row COUPLINGS and SLOPES on. Newton on the loaded set; pairs leave at f <= 0 and return at positive approach;
-coordinate descent, which always converges for a convex function, where that does not settle.
+blocks from row COUPLINGS and SLOPES on. Newton on the loaded set; pairs leave at f <= 0 and return at positive
+approach; coordinate descent, which always converges for a convex function, where that does not settle.
 """
 
 from __future__ import annotations

@@ -8,7 +8,9 @@ polar angles (about their own centres, at radius R)
     theta1(R) = -alpha_wt + L1 / r_b1 - inv alpha_1(R),     theta2(R) = pi - alpha_wt + L2 / r_b2 - inv alpha_2(R)
 
 which holds for every xi, also where the involutes have ended. Beyond the ends the tip corner of one gear meets the
-flank of the other; the gap is r_b2 times the rotation of the wheel, against the load, until they touch.
+flank of the other; the gap is r_b2 times the rotation of the wheel, against the load, until they touch. Where undercut
+has taken the foot of a flank away before the mate's tip gets there, the path ends at the form circle; the edge between
+fillet and involute meets the flank of the mate in the same way, up to its tip, and the tip edge takes over from it.
 """
 
 from __future__ import annotations
@@ -55,8 +57,8 @@ def path_points(
     gap = np.zeros_like(xi)
     r1, r2 = np.hypot(pair.pinion.base_radius, l1), np.hypot(pair.wheel.base_radius, l2)
     before, after = xi < pair.xi_start, xi > pair.xi_end
-    gap[after], r2[after] = _pinion_edge(pair, xi[after], pair.pinion.tip_form_radius)
-    gap[before], r1[before] = _wheel_edge(pair, xi[before], pair.wheel.tip_form_radius)
+    gap[after], r1[after], r2[after] = _after(pair, xi[after])
+    gap[before], r1[before], r2[before] = _before(pair, xi[before])
     first, last = contact_window(pair, largest_gap)
     gap[(xi < first) | (xi > last)] = np.inf
     return PathPoints(xi=xi, gap=gap, pinion_radius=r1, wheel_radius=r2, relative_radius=l1 * l2 / (l1 + l2))
@@ -72,11 +74,10 @@ def contact_window(pair: GearPair, largest_gap: float = LARGEST_GAP) -> tuple[fl
     require(largest_gap > 0.0, f"{pair.label}: largest_gap is {largest_gap!r} m; give a value > 0")
 
     def excess(xi: float) -> float:
-        edge, own, mate = (
-            (_pinion_edge, pair.pinion, pair.wheel) if xi > 0.0 else (_wheel_edge, pair.wheel, pair.pinion)
-        )
-        gap, radius = edge(pair, np.array([xi]), own.tip_form_radius)
-        return float(gap[0]) - largest_gap if radius[0] < mate.tip_form_radius else 1.0  # past the tip: nothing to touch
+        gap, r1, r2 = (_after if xi > 0.0 else _before)(pair, np.array([xi]))
+        p, w = pair.pinion, pair.wheel
+        touching = r1[0] <= p.tip_form_radius * (1 + 1e-12) and r2[0] <= w.tip_form_radius * (1 + 1e-12)
+        return float(gap[0]) - largest_gap if touching else 1.0  # past the tip: nothing to touch
 
     ends = []
     for end, sign in ((pair.xi_start, -1.0), (pair.xi_end, 1.0)):
@@ -92,6 +93,32 @@ def contact_window(pair: GearPair, largest_gap: float = LARGEST_GAP) -> tuple[fl
     return ends[0], ends[1]
 
 
+def _after(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Gap and radii on pinion and wheel (m) beyond xi_end: tip edge of the pinion, before it the wheel's undercut edge."""
+    tip = pair.pinion.tip_form_radius
+    gap, r2 = _pinion_edge(pair, xi, tip)
+    r1 = np.full(xi.shape, tip)
+    if pair.shortened_by_undercut[1]:
+        form = math.hypot(pair.wheel.base_radius, pair.form_rolls[1])
+        foot_gap, foot_r1 = _wheel_edge(pair, xi, form)
+        foot = foot_r1 < tip
+        gap, r1, r2 = np.where(foot, foot_gap, gap), np.where(foot, foot_r1, r1), np.where(foot, form, r2)
+    return gap, r1, r2
+
+
+def _before(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The same before xi_start: tip edge of the wheel, after it the pinion's undercut edge."""
+    tip = pair.wheel.tip_form_radius
+    gap, r1 = _wheel_edge(pair, xi, tip)
+    r2 = np.full(xi.shape, tip)
+    if pair.shortened_by_undercut[0]:
+        form = math.hypot(pair.pinion.base_radius, pair.form_rolls[0])
+        foot_gap, foot_r2 = _pinion_edge(pair, xi, form)
+        foot = foot_r2 < tip
+        gap, r1, r2 = np.where(foot, foot_gap, gap), np.where(foot, form, r1), np.where(foot, foot_r2, r2)
+    return gap, r1, r2
+
+
 def tip_position(pair: GearPair, gear: str, radius: float) -> float:
     """Position xi where the point at `radius` of the "pinion" or "wheel" flank is in contact."""
     own, sign = (pair.pinion, 1.0) if gear == "pinion" else (pair.wheel, -1.0)
@@ -105,13 +132,20 @@ def _shortened(pair: GearPair, xi: np.ndarray, largest_gap: float, tips: tuple[f
     A flank shortened to inside its base circle, or to before the path begins, touches nothing.
     """
     radii = tuple(min(r, g.tip_form_radius) for r, g in zip(tips, (pair.pinion, pair.wheel), strict=True))
-    start, end = tip_position(pair, "wheel", radii[1]), tip_position(pair, "pinion", radii[0])
+    start = max(tip_position(pair, "wheel", radii[1]), pair.xi_start)
+    end = min(tip_position(pair, "pinion", radii[0]), pair.xi_end)
     l1, l2 = _roll_lengths(pair, np.clip(xi, pair.xi_start, pair.xi_end))
     r1, r2 = np.hypot(pair.pinion.base_radius, l1), np.hypot(pair.wheel.base_radius, l2)
     gap = np.zeros_like(xi)
     before, after = xi < start, xi > end
-    gap[after], r2[after] = _pinion_edge(pair, xi[after], radii[0])
-    gap[before], r1[before] = _wheel_edge(pair, xi[before], radii[1])
+    if end < pair.xi_end or not pair.shortened_by_undercut[1]:
+        gap[after], r2[after] = _pinion_edge(pair, xi[after], radii[0])
+    else:
+        gap[after], r1[after], r2[after] = _after(pair, xi[after])
+    if start > pair.xi_start or not pair.shortened_by_undercut[0]:
+        gap[before], r1[before] = _wheel_edge(pair, xi[before], radii[1])
+    else:
+        gap[before], r1[before], r2[before] = _before(pair, xi[before])
     gap[(before | after) & ((gap > largest_gap) | ~np.isfinite(gap))] = np.inf
     gap[after & (r2 > pair.wheel.tip_form_radius) | before & (r1 > pair.pinion.tip_form_radius)] = np.inf
     if start >= end or radii[0] <= pair.pinion.base_radius or radii[1] <= pair.wheel.base_radius:
@@ -139,7 +173,8 @@ def _pinion_edge(pair: GearPair, xi: np.ndarray, tip: float) -> tuple[np.ndarray
     y = tip * np.sin(corner_angle)
     radius = np.hypot(x, y)
     flank_angle = math.pi - alpha + l2 / w.base_radius - _inv_at(radius, w.base_radius)
-    return w.base_radius * (np.arctan2(y, x) - flank_angle), radius
+    turn = np.arctan2(y, x) - flank_angle
+    return w.base_radius * (turn - 2.0 * math.pi * np.round(turn / (2.0 * math.pi))), radius
 
 
 def _wheel_edge(pair: GearPair, xi: np.ndarray, tip: float) -> tuple[np.ndarray, np.ndarray]:

@@ -7,8 +7,7 @@ g(t_n + theta h) = sum_k c_k theta^k. With phi_k(z) = int_0^1 e^((1 - s) z) s^(k
 
 an implicit exponential Adams method of third order in the nonlinear forces. After the start and after a contact that
 opened or closed, the past value says nothing about the step, and the hold is the straight line between both ends.
-With undamped modes and a contact that opens, the step must stay below half the period of a mode that lives on the
-contact alone.
+Steps that the forces do not fit are cut into quarters, up to three times (see `mbd.integrators.modal_loop`).
 
 References
 ----------
@@ -26,21 +25,19 @@ from mbd.system import System
 
 SERIES_BELOW = 1.0
 SERIES_TERMS = 24
-LINEAR, QUADRATIC = 2, 3  # instants that a hold goes through
+LINEAR = (1.0, 0.0)  # theta of the instants that a hold goes through
+QUADRATIC = (1.0, 0.0, -1.0)
+AFTER_SHORT, AFTER_LONG = (1.0, 0.0, -0.25), (1.0, 0.0, -4.0)  # the step before was a quarter, four times as long
+LEVELS = 4  # step lengths h, h/4, h/16, h/64
 
 
-def hold(eigenvalues: np.ndarray, step: float, instants: int = QUADRATIC) -> Hold:
-    """Weights of the hold through the new instant and the ``instants`` - 1 before it."""
-    z = eigenvalues * step
-    phi = phi_functions(z, instants)
-    to_power = hold_powers(instants)
-    moments = np.array([math.factorial(k) * phi[k + 1] for k in range(instants)])
-    return Hold(growth=phi[0], weights=step * to_power.T @ moments, constant=step * phi[1], powers=to_power)
-
-
-def hold_powers(instants: int) -> np.ndarray:
-    """Coefficients c_k (k, s) of the polynomial in theta through g_(n+1-s) at theta = 1 - s."""
-    return np.linalg.inv(np.vander(1.0 - np.arange(instants), increasing=True))
+def hold(eigenvalues: np.ndarray, step: float, instants: tuple[float, ...] = QUADRATIC) -> Hold:
+    """Weights of the polynomial through the forces at ``instants`` (theta), the new one first."""
+    z, n = eigenvalues * step, len(instants)
+    phi = phi_functions(z, n)
+    powers = np.linalg.inv(np.vander(np.array(instants), increasing=True))
+    moments = np.array([math.factorial(k) * phi[k + 1] for k in range(n)])
+    return Hold(growth=phi[0], weights=step * powers.T @ moments, constant=step * phi[1], powers=powers)
 
 
 def phi_functions(z: np.ndarray, highest: int) -> np.ndarray:
@@ -59,5 +56,9 @@ def phi_functions(z: np.ndarray, highest: int) -> np.ndarray:
 
 
 def exponential(system: System, step: float) -> ModalIntegrator:
-    """Integrator with a quadratic hold of the nonlinear forces."""
-    return ModalIntegrator(system, step, lambda values, h: (hold(values, h, LINEAR), hold(values, h)), exact=True)
+    """Integrator with a quadratic hold of the nonlinear forces and local refinement of the step."""
+
+    def holds(values: np.ndarray, h: float) -> list[Hold]:
+        return [hold(values, h, instants) for instants in (LINEAR, QUADRATIC, AFTER_SHORT, AFTER_LONG)]
+
+    return ModalIntegrator(system, step, holds, levels=LEVELS, exact=True)

@@ -20,7 +20,7 @@ from scipy import linalg
 
 from mbd.checks import StepError
 from mbd.forces import LOG_COLUMNS, element_count
-from mbd.integrators.base import TOLERANCE, Block
+from mbd.integrators.base import TOLERANCE, Block, uniform_clock
 from mbd.rows_solver import parametric, solve_rows
 from mbd.statics import State
 from mbd.system import System
@@ -43,7 +43,7 @@ class GeneralisedAlpha:
         self._beta = 0.25 * (1 + self._af - self._am) ** 2
         self.displacement, self.velocity = np.eye(n, 2 * n), np.eye(n, 2 * n, n)
         self.inverse_mass = np.linalg.inv(system.mass)
-        self.counters = {"steps": 0, "iterations": 0}
+        self.counters = {"steps": 0, "cuts": 0, "iterations": 0}
         matrix = (1 - self._am) * system.mass
         matrix += (1 - self._af) * step * (self._gamma * system.damping + self._beta * step * system.stiffness)
         self._factor = linalg.cho_factor(matrix)
@@ -71,7 +71,7 @@ class GeneralisedAlpha:
         self._push = system.constant_force + system.rows.T @ self._forces
         self._acceleration = self.inverse_mass @ (self._push - system.damping @ self._v - system.stiffness @ self._q)
         instant = self._instant()
-        return self._block([(instant[0], *instant)])
+        return self._block([(instant[0], *instant)], np.array([[0.0, self._angle, state.motor_speed, 0.0]]))
 
     def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
         """Take len(angles) steps."""
@@ -81,7 +81,7 @@ class GeneralisedAlpha:
             self._one_step(float(angle), float(speed), float(acceleration))
             state, *others = self._instant()
             instants.append((state, start, *others))
-        return self._block(instants)
+        return self._block(instants, uniform_clock(self._step, angles, speeds, accelerations))
 
     def _one_step(self, angle: float, speed: float, acceleration: float) -> None:
         system, h, af = self._system, self._step, self._af
@@ -117,9 +117,10 @@ class GeneralisedAlpha:
     def _instant(self) -> tuple[np.ndarray, ...]:
         return np.concatenate([self._q, self._v]), self._forces.copy(), self._rows.copy(), self._log.copy()
 
-    def _block(self, instants: list[tuple[np.ndarray, ...]]) -> Block:
+    def _block(self, instants: list[tuple[np.ndarray, ...]], clock: np.ndarray) -> Block:
         columns = [np.array(column) for column in zip(*instants, strict=True)]
-        return Block(*columns, holds=np.zeros((len(instants), 0, len(self._forces))))
+        none = np.zeros((len(instants), 0, len(self._forces)))
+        return Block(*columns, clock=clock, whole=np.arange(len(instants)), holds=none)
 
 
 def spectral_radius(step_over_period: float, radius: float = DEFAULT_RADIUS) -> float:

@@ -6,6 +6,8 @@ kept. A method supplies its `Hold`,
 
     eta_new = E eta + sum_s w_s g_(n+1-s) + w (constant load and ramp inertia).
 
+Where the forces do not fit a step, it is cut (`mbd.integrators.modal_loop`).
+
 The rows depend on the new forces by constant matrices, u = u_p + G_u lambda; a Newton iteration over the rows alone
 finds lambda. Since a modal velocity is lambda_j times its displacement, one matrix gives the rows and their rates.
 Cost per step: O(modes x rows).
@@ -21,8 +23,8 @@ from scipy import linalg
 
 from mbd.checks import StepError
 from mbd.forces import LOG_COLUMNS, element_count
-from mbd.integrators.base import TOLERANCE, Block, Flow
-from mbd.integrators.modal_loop import Constants, Memory, advance_modes
+from mbd.integrators.base import TOLERANCE, Block, Flow, join
+from mbd.integrators.modal_loop import QUARTERS, Constants, Memory, advance_modes
 from mbd.rows_solver import solve_rows
 from mbd.statics import State
 from mbd.system import System
@@ -40,13 +42,16 @@ class Hold(NamedTuple):
     powers: np.ndarray  # (k, s): the held force is sum_k theta^k sum_s powers[k, s] g_(n+1-s)
 
 
-Holds = Callable[[np.ndarray, float], tuple[Hold, Hold]]  # after a kink, else
+Holds = Callable[[np.ndarray, float], list[Hold]]  # of eigenvalues and step, see `mbd.integrators.modal_loop.Constants`
 
 
 class ModalIntegrator:
-    """Integrator (see `mbd.integrators.base`) over complex modes; ``exact`` if the held forces are integrated exactly."""
+    """Integrator (see `mbd.integrators.base`) over complex modes.
 
-    def __init__(self, system: System, step: float, holds: Holds, exact: bool) -> None:
+    ``levels`` lengths of step, each a quarter of the one before; ``exact`` if the held forces are integrated exactly.
+    """
+
+    def __init__(self, system: System, step: float, holds: Holds, levels: int, exact: bool) -> None:
         basis, omega = system.basis, system.frequencies
         values, vectors, inverse = complex_modes(omega, basis.T @ system.damping @ basis)
         n = len(omega)
@@ -54,16 +59,17 @@ class ModalIntegrator:
         moved = vectors[:n] / omega[:, None] * rotation
         self.displacement, self.velocity = basis @ _real_rows(moved), basis @ _real_rows(vectors[n:] * rotation)
         self.inverse_mass = basis @ basis.T
-        self.counters = {"steps": 0, "iterations": 0}
+        self.counters = {"steps": 0, "cuts": 0, "iterations": 0}
         self._system, self._step, self._time = system, step, 0.0
         to_modal = basis.T @ system.mass
         self._from_displacement = inverse[:, :n] @ (omega[:, None] * to_modal)
         self._from_velocity = inverse[:, n:] @ to_modal
         enter = inverse[:, n:] @ basis.T  # forces on coordinates -> modes
         rows, constant = enter @ system.rows.T, enter @ system.constant_force
-        ramp = -enter @ (system.mass @ system.rolling)
-        self.flow = Flow(values, rows, constant, ramp) if exact else None
-        self._constants = _constants(holds(values, step), values, rows, constant, ramp, system.all_rows @ basis @ moved)
+        flow = Flow(values, rows, constant, -enter @ (system.mass @ system.rolling))
+        self.flow = flow if exact else None
+        lengths = step / float(QUARTERS) ** np.arange(levels)
+        self._constants = _constants(holds, lengths, flow, system.all_rows @ basis @ moved)
         self._memory: Memory | None = None
 
     def start(self, state: State) -> Block:
@@ -71,25 +77,15 @@ class ModalIntegrator:
         table, constants = self._system.table, self._constants
         eta = _stack(self._from_displacement @ state.displacement + self._from_velocity @ state.velocity)
         log = np.zeros((1, element_count(table), len(LOG_COLUMNS)))
-        m, past = len(state.forces), constants.weights.shape[1]
+        m, past = len(state.forces), constants.powers.shape[1]
         u = constants.rows @ eta
         v = self._system.rows @ (self.velocity @ eta)
         still = np.zeros((len(u), m))
         forces = state.forces.copy()
         used = solve_rows(
-            table,
-            state.motor_angle,
-            state.motor_speed,
-            u,
-            v,
-            still,
-            still[:m].copy(),
-            forces,
-            u.copy(),
-            v.copy(),
-            log[0],
+            table, state.motor_angle, state.motor_speed, u, v, still, still[:m].copy(), forces, u.copy(), v.copy(), log[0],
             TOLERANCE,
-        )
+        )  # fmt: skip
         if used < 0:
             raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")
         self._time = 0.0
@@ -97,65 +93,81 @@ class ModalIntegrator:
             state=eta,
             forces=np.tile(state.forces, (3, 1)),
             pushes=np.tile(state.forces @ constants.enter, (past, 1)),
-            smooth=np.zeros(1, dtype=np.int64),
-            angle=np.array([state.motor_angle]),
+            past=np.full(2, self._step),
+            counts=np.zeros(3, dtype=np.int64),
+            motor=np.array([state.motor_angle, state.motor_speed]),
             rows=u.copy(),
             log=log[0].copy(),
         )
-        states = eta[None].copy()
-        return Block(states, states, forces[None], u[None], log, np.zeros((1, past, m)))
+        states, clock = eta[None].copy(), np.array([[0.0, state.motor_angle, state.motor_speed, 0.0]])
+        holds = np.zeros((1, past, m))
+        return Block(states, states, forces[None], u[None], log, clock, np.zeros(1, dtype=np.int64), holds)
 
     def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
         """Take len(angles) steps."""
-        constants, table = self._constants, self._system.table
-        assert self._memory is not None, "call start first"
-        n, m, past = len(angles), constants.enter.shape[0], constants.weights.shape[1]
-        instants = np.empty((n + 1, len(self._memory.state)))
-        instants[0] = self._memory.state
+        parts, done = [], 0
+        while done < len(angles):
+            part, done = self._fill(done, angles, speeds, accelerations)
+            parts.append(part)
+        return join(parts)
+
+    def _fill(
+        self, done: int, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray
+    ) -> tuple[Block, int]:  # fmt: skip
+        """One block from step ``done`` on, as far as its arrays reach, and the steps done then."""
+        constants, table, memory = self._constants, self._system.table, self._memory
+        assert memory is not None, "call start first"
+        units = QUARTERS ** (len(constants.length) - 1)
+        n, m, past = len(angles) - done + units, constants.enter.shape[0], constants.powers.shape[1]
+        instants = np.empty((n + 1, len(memory.state)))
+        instants[0] = memory.state
         block = Block(
-            instants[1:],
-            instants[:-1],
-            np.empty((n, m)),
-            np.empty((n, len(constants.rows))),
-            np.zeros((n, element_count(table), len(LOG_COLUMNS))),
-            np.empty((n, past, m)),
+            states=instants[1:],
+            starts=instants[:-1],
+            forces=np.empty((n, m)),
+            rows=np.empty((n, len(constants.rows))),
+            log=np.zeros((n, element_count(table), len(LOG_COLUMNS))),
+            clock=np.empty((n, 4)),
+            whole=np.zeros(len(angles), dtype=np.int64),
+            holds=np.empty((n, past, m)),
         )
-        iterations, failed = advance_modes(
-            table, angles, speeds, accelerations, constants, self._memory, block, TOLERANCE
+        now, used, iterations, failed = advance_modes(
+            table, done, angles, speeds, accelerations, constants, memory, block, TOLERANCE
         )
-        if failed >= 0:
+        if failed:
+            at = self.counters["steps"] + now - done
             raise StepError(
-                f"time step {self.counters['steps'] + failed} (t = {self._time + (failed + 1) * self._step:.6g} s, "
-                f"h = {self._step:.3g} s): the contact forces did not converge. Use a smaller step."
+                f"time step {at} (t = {(at + 1) * self._step:.6g} s, h = {constants.length[-1]:.3g} s): the contact "
+                "forces did not converge. Use a smaller step."
             )
-        self.counters["steps"] += n
+        self.counters["steps"] += now - done
+        self.counters["cuts"] += used - (now - done)
         self.counters["iterations"] += iterations
-        self._time += n * self._step
-        return block
+        whole = block.whole[done:now]
+        return Block(*(x[:used] for x in block))._replace(whole=whole), now
 
 
-def _constants(
-    holds: tuple[Hold, Hold], values: np.ndarray, enter: np.ndarray, load: np.ndarray, ramp: np.ndarray,
-    rows: np.ndarray,
-) -> Constants:  # fmt: skip
-    """``enter`` (mode, m) and ``rows`` (m + mesh, mode) complex."""
-    past = max(len(hold.weights) for hold in holds)
-    m = enter.shape[1]
-    weights = np.zeros((2, past, len(values)), dtype=complex)
-    powers = np.zeros((2, past, past))
-    for k, hold in enumerate(holds):
-        weights[k, : len(hold.weights)] = hold.weights
-        powers[k, : len(hold.weights), : len(hold.weights)] = hold.powers
-    new = enter[None] * weights[:, 0, :, None]  # modal displacement per new force
-    last = holds[-1]
+def _constants(holds: Holds, lengths: np.ndarray, flow: Flow, rows: np.ndarray) -> Constants:
+    """``rows`` (m + mesh, mode) complex."""
+    m, values = flow.rows.shape[1], flow.values
+    table = [holds(values, float(h)) for h in lengths]  # level, hold
+    past, size = max(len(hold.weights) for hold in table[0]), (len(lengths), len(table[0]))
+    weights, powers = np.zeros((*size, past, len(values)), dtype=complex), np.zeros((size[1], past, past))
+    for level, level_holds in enumerate(table):
+        for k, hold in enumerate(level_holds):
+            weights[level, k, : len(hold.weights)] = hold.weights
+            powers[k, : len(hold.weights), : len(hold.weights)] = hold.powers
+    new = weights[:, :, 0, :, None] * flow.rows  # modal displacement per new force
+    constant = np.array([level_holds[0].constant for level_holds in table])
     return Constants(
-        growth=_stack(last.growth),
+        length=lengths,
+        growth=_stack(np.array([level_holds[0].growth for level_holds in table])),
         rate=_stack(values),
         weights=_stack(weights),
         powers=powers,
-        load=_stack(last.constant * load),
-        ramp=_stack(last.constant * ramp),
-        enter=_stack(enter.T),
+        load=_stack(constant * flow.load),
+        ramp=_stack(constant * flow.ramp),
+        enter=_stack(flow.rows.T),
         rows=_real_rows(rows),
         g_u=np.ascontiguousarray((rows @ new).real),
         g_v=np.ascontiguousarray(((rows[:m] * values) @ new).real),

@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 
 from mbd.checks import StepError
 from mbd.forces import LOG_COLUMNS, element_count
-from mbd.integrators.base import TOLERANCE, Block
+from mbd.integrators.base import TOLERANCE, Block, uniform_clock
 from mbd.rows_solver import parametric, solve_rows
 from mbd.statics import State
 from mbd.system import System
@@ -36,7 +36,7 @@ class Reference:
         zero = np.zeros_like(basis)
         self.displacement, self.velocity = np.hstack([basis, zero]), np.hstack([zero, basis])
         self.inverse_mass = basis @ basis.T
-        self.counters = {"steps": 0, "iterations": 0}
+        self.counters = {"steps": 0, "cuts": 0, "iterations": 0}
         self._omega2, self._damping = system.frequencies**2, basis.T @ system.damping @ basis
         self._u_rows, self._v_rows = system.all_rows @ basis, system.rows @ basis
         self._constant, self._ramp = basis.T @ system.constant_force, -basis.T @ (system.mass @ system.rolling)
@@ -52,9 +52,11 @@ class Reference:
         self._x = np.concatenate([to_modal @ state.displacement, to_modal @ state.velocity])
         self._angle = state.motor_angle
         forces, self._rows, self._log = self._forces(self._x, self._angle, state.motor_speed)
+        clock = np.array([[0.0, self._angle, state.motor_speed, 0.0]])
         return Block(
-            self._x[None], self._x[None], forces[None], self._rows[None], self._log[None], np.zeros((1, 0, len(forces)))
-        )
+            self._x[None], self._x[None], forces[None], self._rows[None], self._log[None], clock, np.zeros(1, dtype=int),
+            np.zeros((1, 0, len(forces))),
+        )  # fmt: skip
 
     def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
         """Take len(angles) steps."""
@@ -67,7 +69,9 @@ class Reference:
             self.counters["steps"] += 1
             instants.append((self._x, start, forces, rows, log))
         columns = [np.array(column) for column in zip(*instants, strict=True)]
-        return Block(*columns, holds=np.zeros((len(instants), 0, len(self._v_rows))))
+        clock = uniform_clock(self._step, angles, speeds, accelerations)
+        none = np.zeros((len(instants), 0, len(self._v_rows)))
+        return Block(*columns, clock=clock, whole=np.arange(len(instants)), holds=none)
 
     def _one_step(self, angle: float, acceleration: float) -> np.ndarray:
         h, n = self._step, len(self._omega2)

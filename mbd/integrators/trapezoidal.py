@@ -25,4 +25,4 @@ def hold(eigenvalues: np.ndarray, step: float) -> Hold:
 
 def trapezoidal(system: System, step: float) -> ModalIntegrator:
     """Integrator with the average of the forces at both ends."""
-    return ModalIntegrator(system, step, lambda values, h: (hold(values, h),) * 2, exact=False)
+    return ModalIntegrator(system, step, lambda values, h: [hold(values, h)] * 4, levels=1, exact=False)
