@@ -312,6 +312,8 @@ def _report(error: Exception, *, verbose: bool) -> int:
     """Print the message of an error; 2 if it is about the input, else 1."""
     ours = type(error).__module__.partition(".")[0] in ("fem", "mbd", "pipelines")
     text = str(error) if ours else f"{type(error).__name__}: {error}"
+    if isinstance(error, OSError):
+        ours, text = True, f"{error}. Look for space and the right to write there, then repeat the command."
     notes = "".join(f"\n  ({note})" for note in getattr(error, "__notes__", ()))
     hint = "" if ours or verbose else "\n  This should not happen. The same command with -v shows where it comes from."
     sys.stderr.write(f"gearcase: {text}{notes}{hint}\n")
