@@ -40,6 +40,12 @@ COMMANDS = (
     ("gears", "build the mesh laws and print the stiffness of each pair", "gearcase gears rig-healthy"),
     ("casing", "build the casing and print its check-up", "gearcase casing rig-healthy"),
     ("modes", "linearise the loaded machine and print its frequencies", "gearcase modes rig-healthy --up-to 5000"),
+    (
+        "converge",
+        "refine one thing and say how far the answer is off",
+        "gearcase converge minimal --over step",
+    ),
+    ("tradeoff", "measure what every rung and setting costs and gains", "gearcase tradeoff minimal --error 2%"),
     ("simulate", "run the machine and write response.nc, no control, no report", "gearcase simulate minimal"),
     ("diagnose", "print the lines of a fault in a finished run", "gearcase diagnose rig-missing-tooth"),
     ("run", "everything: simulation, healthy control, diagnosis, report", "gearcase run rig-missing-tooth"),
@@ -87,6 +93,11 @@ def _scene(sub: argparse.ArgumentParser) -> None:
         default=[],
         help="change one value, as in --set stages.1.face_width_mm=32; repeatable; items count from 1",
     )
+    sub.add_argument(
+        "--preset",
+        choices=("draft", "standard", "reference"),  # as in pipelines.trade.presets
+        help="how finely it is computed; --set counts more (default: as the scene says)",
+    )
 
 
 def _work(sub: argparse.ArgumentParser) -> None:
@@ -122,6 +133,22 @@ def _modes(sub: argparse.ArgumentParser) -> None:
     _work(sub)
     sub.add_argument("--up-to", metavar="HZ", type=_positive, default=10e3, help="highest frequency (default 10000)")
     sub.add_argument("--cycle", metavar="C", type=_number, help="mesh cycle of stage 1 (default: that of the start)")
+
+
+def _converge(sub: argparse.ArgumentParser) -> None:
+    _work(sub)
+    axes = ("gear-mesh", "slices", "casing-mesh", "modes", "shaft-elements", "step")  # as in pipelines.trade.axes
+    sub.add_argument("--over", choices=axes, required=True, help="what is refined")
+    sub.add_argument("--levels", type=_count, metavar="N", default=3, help="levels, one finer than in use (default 3)")
+    sub.add_argument("--error", type=_share, metavar="E", default=0.01, help="wanted error, as in 1%% (default)")
+    sub.add_argument("--out", metavar="FILE", help="plot to write (default: convergence-<scene>-<what>.png here)")
+
+
+def _tradeoff(sub: argparse.ArgumentParser) -> None:
+    _work(sub)
+    sub.add_argument("--error", type=_share, metavar="E", default=0.02, help="name the cheapest within it (2%%)")
+    sub.add_argument("--time", type=_seconds, metavar="T", default=10.0, help="name the most accurate within it (10s)")
+    sub.add_argument("--out", metavar="FILE", help="plot to write (default: tradeoff-<scene>.png here)")
 
 
 def _simulate(sub: argparse.ArgumentParser) -> None:
@@ -186,6 +213,14 @@ def _positive(text: str) -> float:
     return _number(text)
 
 
+def _share(text: str) -> float:
+    return _positive(text.removesuffix("%")) / 100 if text.endswith("%") else _positive(text)
+
+
+def _seconds(text: str) -> float:
+    return _positive(text.removesuffix("s"))
+
+
 def _days(text: str) -> float:
     try:
         days = float(text)
@@ -203,6 +238,8 @@ _ARGUMENTS = {
     "gears": _work,
     "casing": _work,
     "modes": _modes,
+    "converge": _converge,
+    "tradeoff": _tradeoff,
     "simulate": _simulate,
     "diagnose": _diagnose,
     "run": _run,
@@ -255,6 +292,8 @@ def _report(error: Exception, *, verbose: bool) -> int:
     """Print the message of an error; 2 if it is about the input, else 1."""
     ours = type(error).__module__.partition(".")[0] in ("fem", "mbd", "pipelines")
     text = str(error) if ours else f"{type(error).__name__}: {error}"
+    if isinstance(error, OSError):
+        ours, text = True, f"{error}. Look for space and the right to write there, then repeat the command."
     notes = "".join(f"\n  ({note})" for note in getattr(error, "__notes__", ()))
     hint = "" if ours or verbose else "\n  This should not happen. The same command with -v shows where it comes from."
     sys.stderr.write(f"gearcase: {text}{notes}{hint}\n")

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import json
 import platform
-import shutil
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fem.hdf5 import hdf5_file
 from pipelines import results
 from pipelines.build import Outcome, Result, run_graph
 from pipelines.cache import Cache
 from pipelines.code_version import library_versions
-from pipelines.scene_file import LoadedScene, control_differences, load_scene
+from pipelines.scene_file import LoadedScene, control_differences
 from pipelines.stages import Graph, Stage, StageRecord
 from pipelines.study import Study, diagnosis_settings, plan_study
 from pipelines.terminal import shown_progress
+from pipelines.trade.presets import load_preset
 
 if TYPE_CHECKING:
     import xarray
@@ -53,6 +54,7 @@ def run(
     scene: str | Path,
     set: Mapping[str, Any] | Iterable[str] = (),
     *,
+    preset: str | None = None,
     out: str | Path | None = None,
     control: bool = True,
     both_loads: bool = True,
@@ -65,6 +67,7 @@ def run(
     ----------
     scene : name of a shipped scene, or a path ending in .toml
     set : changed values, ``{"load.container_kg": 800}`` or ``["load.container_kg=800"]``
+    preset : "draft", "standard" or "reference": how finely it is computed; `set` counts more
     out : result folder instead of ./runs/<scene>/<timestamp>
     control : run the healthy control, too, and diagnose against it
     both_loads : with a rope, run the equivalent constant torque as well
@@ -83,7 +86,7 @@ def run(
     import xarray
 
     options = Options(out=out, with_control=control, both_loads=both_loads, seeds=seeds, processes=processes)
-    finished = run_scene(load_scene(scene, set), options)
+    finished = run_scene(load_preset(str(scene), set, preset), options)
     with xarray.open_dataset(finished.folder / results.RESPONSE, engine="h5netcdf") as data:
         return data.load().assign_attrs(folder=str(finished.folder))
 
@@ -233,14 +236,9 @@ def _write(
 
 def _write_response(path: Path, result: Result, facts: Mapping[str, Any]) -> None:
     """A copy of the stored dataset with the facts of this run as attributes."""
-    import h5py
-
     stored = next(iter(result.entry.folder.glob("*.nc")), None) if result.entry else None
-    if stored is not None:
-        shutil.copyfile(stored, path)
-    else:
-        result.load().to_netcdf(path, engine="h5netcdf")
-    with h5py.File(path, "a") as file:
+    content = stored.read_bytes() if stored else bytes(result.load().to_netcdf(engine="h5netcdf"))
+    with hdf5_file(path, content) as file:
         file.attrs["provenance"] = json.dumps({name: facts[name] for name in ("scene", "versions", "rungs", "keys")})
         file.attrs["stages"] = json.dumps(facts["stages"])
         file.attrs["build_ledger"] = json.dumps(facts["ledger"])

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from pipelines.errors import InputError, Problem, SceneError
 from pipelines.scene_merge import Merged, differences, merge, settings_tree, without
+from pipelines.shipped_files import anchored
 from pipelines.toml_text import format_document
 
 if TYPE_CHECKING:
@@ -87,6 +88,21 @@ def load_scene(source: str | Path, settings: Settings = ()) -> LoadedScene:
     return LoadedScene(found.name, found, change, tree, scene)
 
 
+def changed(loaded: LoadedScene, settings: Settings) -> LoadedScene:
+    """The same scene with further settings on top.
+
+    Raises
+    ------
+    SceneError : with all problems of the settings
+    """
+    from pipelines.scene import Scene
+
+    change, problems = settings_tree(settings)
+    scene, tree = validate(merge(Merged(dict(loaded.tree)), change), Scene, loaded.source.shown, problems)
+    both = merge(Merged(dict(loaded.settings)), change).tree
+    return LoadedScene(loaded.name, loaded.source, both, tree, scene)
+
+
 def control_of(loaded: LoadedScene) -> LoadedScene | None:
     """The healthy twin that the scene names, with the same settings, or None if it names none.
 
@@ -145,7 +161,7 @@ def validate(
 
 def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
     """The source with its ``extends`` merged underneath."""
-    tree = parse(source)
+    tree = anchored(parse(source), source.folder)
     base = tree.pop("extends", None)
     if base is None:
         return Merged(tree)

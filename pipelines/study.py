@@ -67,11 +67,13 @@ def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bo
     stages: list[Stage] = []
     cases: list[Case] = []
     for label, scene in _variants(loaded.scene, both_loads and control is not None, seeds if control else 0):
-        faulty = _added(stages, scene_stages(scene, source), label)
+        faulty = list(add_stages(stages, scene_stages(scene, source), label).values())[-1]
         healthy = None
         if control is not None:
             twin = _like(control.scene, scene)
-            healthy = _added(stages, scene_stages(twin, control.source.shown), f"{label}{HEALTHY}")
+            healthy = list(add_stages(stages, scene_stages(twin, control.source.shown), f"{label}{HEALTHY}").values())[
+                -1
+            ]
         cases.append(Case(label=label.strip(), scene=scene, faulty=faulty, healthy=healthy))
     return Study(graph=Graph(stages), cases=tuple(cases), control=control)
 
@@ -107,8 +109,8 @@ def _like(control: Scene, scene: Scene) -> Scene:
     return control.model_copy(update={"deviations": scene.deviations})
 
 
-def _added(stages: list[Stage], new: list[Stage], prefix: str) -> str:
-    """Append the stages that are not there yet, renamed; the name of the one that stands for the last of `new`."""
+def add_stages(stages: list[Stage], new: list[Stage], prefix: str) -> dict[str, str]:
+    """Append the stages that are not there yet, renamed; the name under which each of `new` now stands."""
     known = {_identity(stage): stage.name for stage in stages}
     renamed: dict[str, str] = {}
     for stage in new:
@@ -117,7 +119,7 @@ def _added(stages: list[Stage], new: list[Stage], prefix: str) -> str:
         renamed[stage.name] = same or f"{prefix}{stage.name}"
         if same is None:
             stages.append(replace(moved, name=renamed[stage.name]))
-    return renamed[new[-1].name]
+    return renamed
 
 
 def _identity(stage: Stage) -> tuple:

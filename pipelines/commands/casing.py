@@ -10,11 +10,11 @@ def main(options: argparse.Namespace) -> int:
     """Build the casing; print the check-up (elastic rungs) or the coordinates (the others)."""
     from pipelines.build import run_graph
     from pipelines.cache import Cache
-    from pipelines.scene_file import load_scene
     from pipelines.study import plan_study
     from pipelines.terminal import shown_progress
+    from pipelines.trade.presets import load_asked
 
-    loaded = load_scene(options.scene, options.settings)
+    loaded = load_asked(options)
     graph = plan_study(loaded, with_control=False, both_loads=False).graph
     with shown_progress(len(graph.needed(["casing"]).stages), quiet=options.quiet) as observer:
         outcome = run_graph(graph, Cache(), ["casing"], observer=observer, processes=options.processes)

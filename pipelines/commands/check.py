@@ -16,10 +16,11 @@ if TYPE_CHECKING:
 def main(options: argparse.Namespace) -> int:
     """Print ratios, frequencies, torques and warnings; SceneError lists everything that does not fit."""
     from pipelines.derived import derive
-    from pipelines.scene_file import control_differences, control_of, load_scene
+    from pipelines.scene_file import control_differences, control_of
+    from pipelines.trade.presets import load_asked
     from pipelines.validity import checked_layout
 
-    loaded = load_scene(options.scene, options.settings)
+    loaded = load_asked(options)
     facts = derive(loaded.scene, checked_layout(loaded.scene, loaded.source.shown))
     control = control_of(loaded)
     if control is not None:

@@ -11,11 +11,11 @@ _WORDS = {"reuse": "reused", "build": "built", "follow": "perhaps"}
 def main(options: argparse.Namespace) -> int:
     """Print one line per stage; nothing is built."""
     from pipelines.cache import Cache
-    from pipelines.scene_file import load_scene
     from pipelines.stages import explain
     from pipelines.study import plan_study
+    from pipelines.trade.presets import load_asked
 
-    found = explain(plan_study(load_scene(options.scene, options.settings)).graph, Cache())
+    found = explain(plan_study(load_asked(options)).graph, Cache())
     width = max(len(status.name) for status in found)
     for status in found:
         line = f"{_WORDS[status.action]:8} {status.name:{width}}  {status.reason}".rstrip()

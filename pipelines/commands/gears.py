@@ -16,11 +16,11 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.derived import derive
     from pipelines.layout import lay_out
     from pipelines.report_contents import grid
-    from pipelines.scene_file import load_scene
     from pipelines.study import plan_study
     from pipelines.terminal import shown_progress
+    from pipelines.trade.presets import load_asked
 
-    loaded = load_scene(options.scene, options.settings)
+    loaded = load_asked(options)
     graph = plan_study(loaded, with_control=False, both_loads=False).graph
     wanted = [f"law_{number}" for number in range(1, len(loaded.scene.stages) + 1)]
     with shown_progress(len(wanted), quiet=options.quiet) as observer:

@@ -17,11 +17,11 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.errors import InputError
     from pipelines.layout import lay_out
     from pipelines.pictures import LeftOut, Picture
-    from pipelines.scene_file import load_scene
     from pipelines.study import plan_study
     from pipelines.terminal import shown_progress
+    from pipelines.trade.presets import load_asked
 
-    loaded = load_scene(options.scene, options.settings)
+    loaded = load_asked(options)
     scene, stage = loaded.scene, options.stage
     if stage > len(scene.stages):
         raise InputError(f"--stage {stage}: the scene has {len(scene.stages)} stages. Count from 1.")

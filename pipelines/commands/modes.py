@@ -24,11 +24,11 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.machine import machine
     from pipelines.parts import mesh_inputs
     from pipelines.response import wanted_channels
-    from pipelines.scene_file import load_scene
     from pipelines.study import plan_study
     from pipelines.terminal import shown_progress
+    from pipelines.trade.presets import load_asked
 
-    loaded = load_scene(options.scene, options.settings)
+    loaded = load_asked(options)
     scene = loaded.scene
     graph = plan_study(loaded, with_control=False, both_loads=False).graph
     laws = [f"law_{number}" for number in range(1, len(scene.stages) + 1)]

@@ -9,10 +9,10 @@ import sys
 def main(options: argparse.Namespace) -> int:
     """Run the scene; print the verdict and where the report is."""
     from pipelines.runs import Options, run_scene
-    from pipelines.scene_file import load_scene
+    from pipelines.trade.presets import load_asked
 
     finished = run_scene(
-        load_scene(options.scene, options.settings),
+        load_asked(options),
         Options(
             out=options.out,
             with_control=not options.no_control,

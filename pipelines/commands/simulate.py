@@ -10,10 +10,10 @@ def main(options: argparse.Namespace) -> int:
     """Run the machine and write response.nc; no control, diagnosis or report."""
     from pipelines.results import RESPONSE
     from pipelines.runs import Options, run_scene
-    from pipelines.scene_file import load_scene
+    from pipelines.trade.presets import load_asked
 
     finished = run_scene(
-        load_scene(options.scene, options.settings),
+        load_asked(options),
         Options(
             out=options.out, with_control=False, with_report=False, processes=options.processes, quiet=options.quiet
         ),

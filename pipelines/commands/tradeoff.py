@@ -1,0 +1,27 @@
+"""`gearcase tradeoff`: the price of every rung and main setting, on this machine and this scene."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+
+def main(options: argparse.Namespace) -> int:
+    """Measure every choice against the reference; print the table and the answers, write the plot."""
+    from pipelines.cache import Cache
+    from pipelines.terminal import shown_progress
+    from pipelines.trade.presets import load_asked
+    from pipelines.trade.tradeoff import trade
+    from pipelines.trade.tradeoff_page import answers, trade_figure, trade_table
+
+    loaded = load_asked(options)
+    with shown_progress(0, quiet=options.quiet) as observer:
+        found = trade(loaded, Cache(), observer=observer, processes=options.processes)
+    sys.stdout.write(trade_table(found).to_text() + "\n")
+    sys.stdout.write("".join(f"{line}\n" for line in answers(found, options.error, options.time)))
+    path = Path(options.out or f"tradeoff-{loaded.name}.png")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    trade_figure(found).savefig(path, dpi=130)
+    sys.stdout.write(f"plot: {path}\n")
+    return 0

@@ -1,0 +1,88 @@
+"""What a refinement study may run over: the settings of each axis at a given fineness, and what it is judged by.
+
+Fineness 1 is the setting of the scene; 2 halves its elements, steps or the like. The size of a level is 1/fineness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from pipelines.scene import Scene
+
+Settings = dict[str, object]
+
+
+class AxisError(ValueError):
+    """The scene has nothing to refine along an axis."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Axis:
+    """`settings(scene, fineness)` are the values to set."""
+
+    words: str
+    probe: str
+    formal_order: float | None  # of smooth solutions, limits the order assumed in error bands
+    ratio: float  # fineness between neighbouring levels
+    settings: Callable[[Scene, float], Settings]
+
+
+def _gear_mesh(scene: Scene, fineness: float) -> Settings:
+    found = {
+        f"stages.{number}.mesh.refinement": stage.mesh.refinement * fineness
+        for number, stage in enumerate(scene.stages, 1)
+        if hasattr(stage.mesh, "refinement")
+    }
+    return found or _nothing("gear-mesh", "stages.*.mesh.model", [stage.mesh.model for stage in scene.stages], "plane")
+
+
+def _slices(scene: Scene, fineness: float) -> Settings:
+    return {
+        f"stages.{number}.mesh.slices": max(1, round(stage.mesh.slices * fineness))
+        for number, stage in enumerate(scene.stages, 1)
+    }
+
+
+def _casing_mesh(scene: Scene, fineness: float) -> Settings:
+    size = getattr(scene.casing, "element_size_mm", None)
+    if size is None:
+        return _nothing("casing-mesh", "casing.model", scene.casing.model, "craig-bampton")
+    return {"casing.element_size_mm": size / fineness}
+
+
+def _modes(scene: Scene, fineness: float) -> Settings:
+    band = getattr(scene.casing, "band_Hz", None)
+    if band is None:
+        return _nothing("modes", "casing.model", scene.casing.model, "craig-bampton")
+    return {"casing.band_Hz": band * fineness}
+
+
+def _shaft_elements(scene: Scene, fineness: float) -> Settings:
+    if scene.shaft_model.model != "timoshenko":
+        return _nothing("shaft-elements", "shaft_model.model", scene.shaft_model.model, "timoshenko")
+    return {"shaft_model.element_length_mm": scene.shaft_model.element_length_mm / fineness}
+
+
+def _step(scene: Scene, fineness: float) -> Settings:
+    return {"simulation.step_us": scene.simulation.step_us / fineness}
+
+
+def _nothing(axis: str, key: str, value: object, wanted: str) -> Settings:
+    raise AxisError(f"--over {axis}: {key} = {value!r} has nothing to refine there. Set {key} to {wanted!r}.")
+
+
+AXES = {
+    "gear-mesh": Axis(
+        words="finite elements of the gears", probe="gears", formal_order=4.0, ratio=2**0.5, settings=_gear_mesh
+    ),
+    "slices": Axis(words="slices along the face", probe="gears", formal_order=2.0, ratio=2.0, settings=_slices),
+    "casing-mesh": Axis(
+        words="tetrahedra of the casing", probe="casing", formal_order=4.0, ratio=1.3, settings=_casing_mesh
+    ),
+    "modes": Axis(words="band of the casing modes", probe="machine", formal_order=None, ratio=1.5, settings=_modes),
+    "shaft-elements": Axis(
+        words="beam elements of the shafts", probe="machine", formal_order=4.0, ratio=2.0, settings=_shaft_elements
+    ),
+    "step": Axis(words="time step", probe="signals", formal_order=2.0, ratio=2.0, settings=_step),
+}

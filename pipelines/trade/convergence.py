@@ -1,0 +1,124 @@
+"""Convergence of a quantity under refinement: observed order, Richardson value, grid convergence index.
+
+With the values v_1, v_2, v_3 at the sizes h_1 < h_2 < h_3 and r_21 = h_2/h_1, r_32 = h_3/h_2, the observed order p of
+v = v_0 + c h^p solves
+
+    p = |ln|e_32/e_21| + ln((r_21^p - s)/(r_32^p - s))| / ln r_21,    e_ij = v_i - v_j, s = sign(e_32/e_21),
+
+the Richardson value is v_0 = v_1 + (v_1 - v_2)/(r_21^p - 1), and the half width of the error band of a value at the
+size h is the grid convergence index: 1.25 |v_0 - v_1| (h/h_1)^p with the order limited to the formal one, in the units
+of v. Where the values do not fall monotonically on their limit there is no order: the band is then three times the
+largest change between neighbouring levels.
+
+References
+----------
+Roache (1998), Verification and Validation in Computational Science and Engineering, ch. 5; Celik et al. (2008),
+Procedure for estimation and reporting of uncertainty due to discretization in CFD applications, J. Fluids Eng. 130,
+078001.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+SAFETY = 1.25  # of the band where an order was observed on three levels
+CAUTION = 3.0  # of the band where none was
+ROUND_OFF = 1e-12  # relative change below which two levels are the same
+LARGEST_ORDER = 16.0
+
+
+class ConvergenceError(ValueError):
+    """Levels that no order can be drawn from."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Convergence:
+    """A quantity over its sizes, finest first; `order` is None unless the values fall monotonically on a limit."""
+
+    sizes: tuple[float, ...]
+    values: tuple[float, ...]
+    kind: str  # "monotone" | "oscillating" | "diverging" | "unchanged"
+    order: float | None
+    limit: float  # Richardson value where there is an order, else the finest value
+    bands: tuple[float, ...]  # half width of the error band of each value
+
+    @property
+    def errors(self) -> tuple[float, ...]:
+        """Distance of every value from the limit, in parts of the limit (of 1 where that is 0)."""
+        scale = abs(self.limit) or 1.0
+        return tuple(abs(value - self.limit) / scale for value in self.values)
+
+    @property
+    def relative_bands(self) -> tuple[float, ...]:
+        """The bands in parts of the limit (of 1 where that is 0)."""
+        scale = abs(self.limit) or 1.0
+        return tuple(band / scale for band in self.bands)
+
+
+def study(sizes: Sequence[float], values: Sequence[float], formal_order: float | None = None) -> Convergence:
+    """Order, limit and bands from the three finest levels; further levels only get their band.
+
+    Parameters
+    ----------
+    sizes : element size, step, ... of each level, any unit, in any order
+    values : the quantity at each level
+    formal_order : limits the order in the bands, not the observed one
+
+    Raises
+    ------
+    ConvergenceError : fewer than three levels, equal or non-positive sizes, values that are not finite
+    """
+    if len(sizes) != len(values) or len(sizes) < 3:
+        raise ConvergenceError(
+            f"{len(sizes)} sizes and {len(values)} values; give three levels or more, one value each"
+        )
+    if not all(math.isfinite(v) for v in values):
+        raise ConvergenceError(f"values {list(values)} are not all finite; the coarsest level may be too coarse")
+    levels = sorted(zip(sizes, values, strict=True))
+    h, v = tuple(level[0] for level in levels), tuple(level[1] for level in levels)
+    if h[0] <= 0 or any(b <= a for a, b in zip(h, h[1:], strict=False)):
+        raise ConvergenceError(f"sizes {list(h)} must be positive and differ from one another")
+    kind, order = _order(h[:3], v[:3])
+    if kind == "unchanged":
+        return Convergence(sizes=h, values=v, kind=kind, order=None, limit=v[0], bands=tuple(abs(x - v[0]) for x in v))
+    if order is None:
+        step = CAUTION * max(abs(a - b) for a, b in zip(v, v[1:], strict=False))
+        return Convergence(sizes=h, values=v, kind=kind, order=None, limit=v[0], bands=(step,) * len(v))
+    limit = _limit(h, v, order)
+    assumed = order if formal_order is None else min(order, formal_order)
+    finest = SAFETY * abs(_limit(h, v, assumed) - v[0])
+    bands = tuple(finest * (size / h[0]) ** assumed for size in h)
+    return Convergence(sizes=h, values=v, kind=kind, order=order, limit=limit, bands=bands)
+
+
+def _limit(h: Sequence[float], v: Sequence[float], order: float) -> float:
+    return v[0] + (v[0] - v[1]) / math.expm1(order * math.log(h[1] / h[0]))
+
+
+def _order(h: Sequence[float], v: Sequence[float]) -> tuple[str, float | None]:
+    """How the three finest values behave, and their order where they fall on a limit."""
+    fine, coarse = v[1] - v[0], v[2] - v[1]
+    scale = max(abs(x) for x in v)
+    if abs(fine) <= ROUND_OFF * scale:
+        return "unchanged", None
+    if coarse * fine < 0:
+        return "oscillating", None
+    if coarse == 0:
+        return "diverging", None
+    low, high = 1e-6, LARGEST_ORDER
+    if _excess(h, coarse / fine, low) > 0:  # the values move apart, or by less than a logarithm
+        return "diverging", None
+    if _excess(h, coarse / fine, high) < 0:
+        return "monotone", LARGEST_ORDER
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _excess(h, coarse / fine, middle) < 0 else (low, middle)
+    return "monotone", 0.5 * (low + high)
+
+
+def _excess(h: Sequence[float], ratio: float, order: float) -> float:
+    """(h_3^p - h_2^p)/(h_2^p - h_1^p) less the observed ratio of changes; rises with p."""
+    r21, r32 = math.log(h[1] / h[0]), math.log(h[2] / h[1])
+    return math.exp(order * r21) * math.expm1(order * r32) / math.expm1(order * r21) - ratio

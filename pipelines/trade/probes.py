@@ -1,0 +1,166 @@
+"""What people care about, read from finished stages: each probe names the stages it needs and gives named values.
+
+gears     mean secant stiffness and peak-to-peak transmission error of each pair at its load
+casing    natural frequencies of the casing in its ground
+frf       level of the transfer function from the first bearing to the diagnosed sensor, by third octave
+machine   natural frequencies of small motion about the loaded rest
+signals   rms of each sensor in each constant-speed window
+lines     levels of the fault's lines in the envelope of the diagnosed sensor
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipelines.build import Outcome
+from pipelines.derived import derive
+from pipelines.layout import lay_out
+from pipelines.scene import Scene
+from pipelines.tables.casing import NoCasingTable
+
+LEAST_LINE_LOAD = 100e3  # N/m, where the scene loads a pair with nothing
+FREQUENCIES = 10  # lowest ones that are compared
+OCTAVE_POINTS = 8  # frequencies per third octave
+DECIBEL = "dB"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Value:
+    """One number of a scene; levels in dB are compared by difference, everything else by ratio.
+
+    `firm` is False where the number is not worth comparing with: a line that does not rise over its floor.
+    """
+
+    name: str
+    unit: str
+    value: float
+    firm: bool = True
+
+
+@dataclass(frozen=True)
+class Probe:
+    """`stages` names what must be built for a scene, `read` takes the values from it."""
+
+    stages: Callable[[Scene], Sequence[str]]
+    read: Callable[[Scene, Outcome], list[Value]]
+
+
+def _laws(scene: Scene) -> list[str]:
+    return [f"law_{number}" for number in range(1, len(scene.stages) + 1)]
+
+
+def _gears(scene: Scene, outcome: Outcome) -> list[Value]:
+    from fem.contact.curves import stiffness_curve
+
+    layout, values = lay_out(scene), []
+    facts = derive(scene, layout).stages
+    for number, (name, pair, fact) in enumerate(zip(_laws(scene), layout.pairs, facts, strict=True), 1):
+        curve = stiffness_curve(outcome.value(name)[0], fact.mesh_force or LEAST_LINE_LOAD * pair.face_width)
+        ripple = float(np.ptp(curve.transmission_error))
+        values.append(Value(name=f"stage {number} stiffness", unit="N/um", value=float(curve.secant.mean()) / 1e6))
+        values.append(Value(name=f"stage {number} TE peak-to-peak", unit="um", value=ripple * 1e6))
+    return values
+
+
+def _casing(scene: Scene, outcome: Outcome) -> list[Value]:
+    from scipy.linalg import eigh
+
+    body = outcome.value("casing")
+    last = min(FREQUENCIES, len(body.mass)) - 1
+    if last < 0:
+        return []
+    squares = eigh(body.stiffness, body.mass, eigvals_only=True, subset_by_index=(0, last))
+    return [
+        Value(name=f"casing mode {number}", unit="Hz", value=float(np.sqrt(max(square, 0.0))) / (2 * np.pi))
+        for number, square in enumerate(squares, 1)
+    ]
+
+
+def _frf(scene: Scene, outcome: Outcome) -> list[Value]:
+    """Norm of the 3 x 3 accelerance (m/s2 per N) over the third octaves up to 5 kHz."""
+    if isinstance(scene.casing, NoCasingTable) or not scene.sensors:
+        return []
+    body = outcome.value("casing")
+    out = np.array([body.row(f"{scene.diagnosis.sensor}:{axis}") for axis in ("ux", "uy", "uz")])
+    into = np.array([body.row(f"bearing_1:{axis}") for axis in ("ux", "uy", "uz")])
+    values = []
+    for centre in 1000.0 * 2.0 ** (np.arange(-10, 8) / 3):
+        total = 0.0
+        for frequency in centre * 2.0 ** ((np.arange(OCTAVE_POINTS) + 0.5) / OCTAVE_POINTS / 3 - 1 / 6):
+            w = 2 * np.pi * frequency
+            transfer = out @ np.linalg.solve(body.stiffness + 1j * w * body.damping - w * w * body.mass, into.T)
+            total += float(np.linalg.norm(w * w * transfer)) ** 2
+        level = 10 * np.log10(total / OCTAVE_POINTS)
+        values.append(Value(name=f"FRF at {centre:.0f} Hz", unit=DECIBEL, value=float(level)))
+    return values
+
+
+def _machine(scene: Scene, outcome: Outcome) -> list[Value]:
+    from mbd.linearised import linear_modes
+    from mbd.system import assemble
+    from pipelines.machine import machine
+    from pipelines.parts import mesh_inputs
+    from pipelines.response import wanted_channels
+
+    layout = lay_out(scene)
+    train = machine(scene, layout, mesh_inputs(scene, layout, [outcome.value(name) for name in _laws(scene)]))
+    modes = linear_modes(assemble(train, outcome.value("casing"), wanted_channels(scene, train)))
+    return [
+        Value(name=f"machine mode {number}", unit="Hz", value=float(frequency))
+        for number, frequency in enumerate(modes.frequencies[:FREQUENCIES], 1)
+    ]
+
+
+def _signals(scene: Scene, outcome: Outcome) -> list[Value]:
+    """Over the three axes of every sensor (of every journal without a casing)."""
+    from pipelines.analysis import channel, channel_names
+
+    run = outcome.value("response")
+    windows = scene.diagnosis.windows_s or {"whole run": (0.0, scene.simulation.end_s)}
+    values = []
+    for window, (start, end) in windows.items():
+        piece = run.sel(time=slice(start, end))
+        for name in channel_names(run):
+            signal = channel(piece, name).values
+            rms = float(np.sqrt((signal**2).sum(axis=1).mean()))
+            values.append(Value(name=f"{name} rms, {window}", unit="m/s2", value=rms))
+    return values
+
+
+def _lines(scene: Scene, outcome: Outcome) -> list[Value]:
+    from pipelines.analysis import analyse
+    from pipelines.study import diagnosis_settings
+
+    settings = diagnosis_settings(scene)
+    if settings is None or not scene.faults:
+        return []
+    found = analyse(outcome.value("response"), settings, stream=1)
+    orders = np.arange(1, settings.envelope_harmonics + 1)
+    values = []
+    for window, envelope in found.envelopes.items():
+        lines = envelope.lines(orders * settings.revolution_frequency)
+        floors = envelope.floors(orders * settings.revolution_frequency)
+        for order, line, floor in zip(orders, lines, floors, strict=True):
+            over = 20 * np.log10(line / floor)
+            values.append(
+                Value(
+                    name=f"envelope {order} f_r, {window}",
+                    unit=DECIBEL,
+                    value=float(20 * np.log10(line)),
+                    firm=bool(over >= settings.floor_limit),
+                )
+            )
+    return values
+
+
+PROBES = {
+    "gears": Probe(_laws, _gears),
+    "casing": Probe(lambda _: ["casing"], _casing),
+    "frf": Probe(lambda _: ["casing"], _frf),
+    "machine": Probe(lambda scene: [*_laws(scene), "casing"], _machine),
+    "signals": Probe(lambda _: ["response"], _signals),
+    "lines": Probe(lambda _: ["response"], _lines),
+}

@@ -1,0 +1,73 @@
+"""A refinement study of a scene along one axis: three levels or more, judged at the setting in use."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pipelines.build import Observer
+from pipelines.cache import Cache
+from pipelines.scene_file import LoadedScene, changed
+from pipelines.trade.axes import AXES
+from pipelines.trade.convergence import Convergence, study
+from pipelines.trade.variants import Measured, measure
+
+
+@dataclass(frozen=True, kw_only=True)
+class RefinementStudy:
+    """Levels from fine to coarse with their costs, and the convergence of every quantity over them."""
+
+    axis: str
+    fineness: tuple[float, ...]  # of each level, 1 is the setting in use
+    levels: tuple[Measured, ...]
+    quantities: dict[str, Convergence]
+    units: dict[str, str]
+
+    @property
+    def in_use(self) -> int:
+        """Number of the level that the scene itself asks for."""
+        return self.fineness.index(1.0)
+
+
+def fineness_levels(ratio: float, count: int) -> tuple[float, ...]:
+    """`count` levels, finest first; the setting in use stands below one finer level, the rest are coarser."""
+    return tuple(ratio ** (1 - n) for n in range(count))
+
+
+def refine(
+    loaded: LoadedScene,
+    axis: str,
+    count: int,
+    cache: Cache,
+    *,
+    observer: Observer | None = None,
+    processes: int | None = None,
+) -> RefinementStudy:
+    """Build every level and study every value of the axis' probe.
+
+    Raises
+    ------
+    AxisError : the scene has nothing to refine along the axis
+    SceneError, WorkError : a level is outside what a rung allows, or failed
+    ConvergenceError : fewer than three levels
+    """
+    chosen = AXES[axis]
+    fineness = fineness_levels(chosen.ratio, count)
+    scenes = {_level_name(f): changed(loaded, chosen.settings(loaded.scene, f)) for f in fineness}
+    levels = list(measure(scenes, [chosen.probe], cache, observer=observer, processes=processes).values())
+    names = [v.name for v in levels[0].values]
+    columns: dict[str, Sequence[float]] = {
+        name: [next(v.value for v in level.values if v.name == name) for level in levels] for name in names
+    }
+    sizes = [1 / f for f in fineness]
+    return RefinementStudy(
+        axis=axis,
+        fineness=fineness,
+        levels=tuple(levels),
+        quantities={name: study(sizes, column, chosen.formal_order) for name, column in columns.items()},
+        units={v.name: v.unit for v in levels[0].values},
+    )
+
+
+def _level_name(fineness: float) -> str:
+    return "in use" if fineness == 1.0 else f"x{fineness:.3g}"

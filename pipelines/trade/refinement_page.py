@@ -1,0 +1,68 @@
+"""A refinement study as a table, a figure and a verdict in words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pipelines.grid import Grid
+from pipelines.report_contents import grid
+from pipelines.trade.axes import AXES
+from pipelines.trade.refinement import RefinementStudy
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def convergence_table(name: str, found: RefinementStudy) -> Grid:
+    """One row per quantity: its value at every level, order, limit, and the error and band of the setting in use."""
+    rows = []
+    for quantity, convergence in found.quantities.items():
+        row: dict[str, object] = {"quantity": f"{quantity}, {found.units[quantity]}"}
+        for fineness, value in zip(found.fineness, convergence.values, strict=True):
+            row["in use" if fineness == 1.0 else f"x{fineness:.3g}"] = f"{value:.6g}"
+        row["order"] = convergence.kind if convergence.order is None else convergence.order
+        row["limit"] = f"{convergence.limit:.6g}"
+        row["error %"] = 100 * convergence.errors[found.in_use]
+        row["band %"] = 100 * convergence.relative_bands[found.in_use]
+        rows.append(row)
+    costs: dict[str, object] = {"quantity": "seconds to build"}
+    for fineness, level in zip(found.fineness, found.levels, strict=True):
+        costs["in use" if fineness == 1.0 else f"x{fineness:.3g}"] = f"{level.total_seconds:.3g}"
+    return grid(f"{name}: convergence over the {AXES[found.axis].words} (x2: twice as fine)", [*rows, costs])
+
+
+def verdict(found: RefinementStudy, wanted: float) -> str:
+    """Whether the setting in use keeps every quantity within the wanted error (a part of 1)."""
+    bands = {quantity: c.relative_bands[found.in_use] for quantity, c in found.quantities.items()}
+    worst = max(bands, key=lambda quantity: bands[quantity])
+    outside = [quantity for quantity, band in bands.items() if band > wanted]
+    widest = f"the widest error band is {100 * bands[worst]:.2g} % ({worst})"
+    if not outside:
+        return f"The setting in use is fine enough for {100 * wanted:g} %: {widest}."
+    return (
+        f"The setting in use is not shown to be fine enough for {100 * wanted:g} %: {len(outside)} of {len(bands)} "
+        f"quantities have a wider error band, {widest}. Refine the {AXES[found.axis].words}, or accept the band."
+    )
+
+
+def convergence_figure(name: str, found: RefinementStudy) -> Figure:
+    """Error of every quantity over the size of the levels, both logarithmic, with the bands of the setting in use."""
+    from pipelines.plots import dress, new_figure
+
+    figure = new_figure(5.0)
+    axes = figure.subplots()
+    sizes = [1 / fineness for fineness in found.fineness]
+    floor = 1e-10
+    for quantity, convergence in found.quantities.items():
+        order = convergence.kind if convergence.order is None else f"order {convergence.order:.2g}"
+        errors = [100 * max(error, floor) for error in convergence.errors]
+        (line,) = axes.loglog(sizes, errors, marker="o", ms=4, lw=1.2, label=f"{quantity} ({order})")
+        band = 100 * max(convergence.relative_bands[found.in_use], floor)
+        axes.plot([1.0], [band], marker="_", ms=14, mew=2, color=line.get_color())
+    axes.axvline(1.0, color="black", lw=0.8, ls=":", label="setting in use; bars: its error bands")
+    title = f"{name}: convergence over the {AXES[found.axis].words}"
+    dress(axes, title, "size relative to the setting in use", "distance from the limit, %")
+    axes.set_xticks(sizes, labels=[f"{size:.3g}" for size in sizes])
+    axes.set_xticks([], minor=True)
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=9)
+    return figure

@@ -1,0 +1,129 @@
+"""The trade of a scene: what every choice costs, how far it is from the reference, and which ones are worth it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from pipelines.build import Observer
+from pipelines.cache import Cache
+from pipelines.errors import SceneError
+from pipelines.scene_file import LoadedScene, changed
+from pipelines.trade.choices import PRESET, Choice, choices
+from pipelines.trade.probes import DECIBEL, PROBES, Value
+from pipelines.trade.variants import Measured, compile_ahead, measure
+
+JUDGE = "signals"  # the probe whose error ranks the choices
+
+
+@dataclass(frozen=True, kw_only=True)
+class Priced:
+    """A choice with its cost and, by probe, its largest error against the reference: a part of 1, or dB."""
+
+    choice: Choice
+    measured: Measured
+    errors: Mapping[str, float]
+    decibels: Mapping[str, float]
+    dominated: bool
+
+    @property
+    def seconds(self) -> float:
+        """Cold, everything the choice needs."""
+        return self.measured.total_seconds
+
+    @property
+    def error(self) -> float:
+        """Of the sensor rms, by which choices are ranked; NaN where the choice has no such signals."""
+        return self.errors.get(JUDGE, math.nan)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tradeoff:
+    """All choices, the reference first; `refused` names those the scene cannot take, with the reason."""
+
+    name: str
+    priced: tuple[Priced, ...]
+    refused: Mapping[str, str]
+
+    @property
+    def front(self) -> tuple[Priced, ...]:
+        """Choices that nothing beats in both time and error, cheapest first."""
+        return tuple(sorted((p for p in self.priced if not p.dominated), key=lambda p: p.seconds))
+
+    def cheapest(self, error: float) -> Priced | None:
+        """The cheapest choice within an error of sensor rms (a part of 1)."""
+        return min((p for p in self.priced if p.error <= error), key=lambda p: p.seconds, default=None)
+
+    def most_accurate(self, seconds: float) -> Priced | None:
+        """The choice with the least error within a time."""
+        return min((p for p in self.front if p.seconds <= seconds), key=lambda p: p.error, default=None)
+
+
+def trade(
+    loaded: LoadedScene, cache: Cache, *, observer: Observer | None = None, processes: int | None = None
+) -> Tradeoff:
+    """Run every choice of a scene and compare it with the reference.
+
+    Raises
+    ------
+    WorkError : a stage failed
+    """
+    scenes: dict[str, LoadedScene] = {}
+    found: dict[str, Choice] = {}
+    refused: dict[str, str] = {}
+    for choice in choices(loaded.scene):
+        try:
+            variant = changed(loaded, choice.settings)
+        except SceneError as error:
+            refused[choice.name] = " ".join(str(error).split())
+            continue
+        if choice.effect == PRESET or all(variant.scene != other.scene for other in scenes.values()):
+            scenes[choice.name], found[choice.name] = variant, choice
+    compile_ahead(scenes.values(), cache)
+    probes = list(PROBES)
+    measured = measure(scenes, probes, cache, observer=observer, processes=processes)
+    reference = next(iter(measured.values()))
+    prices = {name: _differences(one, reference) for name, one in measured.items()}
+    costs = {name: (one.total_seconds, prices[name][0].get(JUDGE, math.nan)) for name, one in measured.items()}
+    priced = tuple(
+        Priced(
+            choice=found[name],
+            measured=one,
+            errors=prices[name][0],
+            decibels=prices[name][1],
+            dominated=_beaten(costs[name], (cost for other, cost in costs.items() if other != name)),
+        )
+        for name, one in measured.items()
+    )
+    return Tradeoff(name=loaded.name, priced=priced, refused=refused)
+
+
+def _differences(one: Measured, reference: Measured) -> tuple[dict[str, float], dict[str, float]]:
+    """Largest relative difference and largest difference of levels, by probe, over the values both have."""
+    known = {value.name: value for value in one.values}
+    errors: dict[str, float] = {}
+    decibels: dict[str, float] = {}
+    for probe, values in reference.by_probe.items():
+        for value in values:
+            other = known.get(value.name)
+            if other is None or not value.firm:
+                continue
+            table, size = _difference(value, other)
+            place = decibels if table == DECIBEL else errors
+            place[probe] = max(place.get(probe, 0.0), size)
+    return errors, decibels
+
+
+def _difference(reference: Value, other: Value) -> tuple[str, float]:
+    if reference.unit == DECIBEL:
+        return DECIBEL, abs(other.value - reference.value)
+    return "", abs(other.value - reference.value) / (abs(reference.value) or 1.0)
+
+
+def _beaten(cost: tuple[float, float], others: Iterable[tuple[float, float]]) -> bool:
+    """Whether another choice is no worse in time and error and better in one; a choice without an error is beaten."""
+    seconds, error = cost
+    if math.isnan(error):
+        return True
+    return any(s <= seconds and e <= error and (s, e) != (seconds, error) for s, e in others)

@@ -1,0 +1,105 @@
+"""The arithmetic of refinement studies, on series whose order and limit are known."""
+
+from __future__ import annotations
+
+import argparse
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipelines.cache import Cache
+from pipelines.cli import parser
+from pipelines.scene_file import load_scene
+from pipelines.trade.axes import AXES, AxisError
+from pipelines.trade.convergence import CAUTION, ConvergenceError, study
+from pipelines.trade.refinement import refine
+from pipelines.trade.refinement_page import convergence_figure, verdict
+
+
+@given(
+    order=st.floats(0.3, 8.0),
+    limit=st.floats(-100.0, 100.0),
+    factor=st.sampled_from([-1.0, 1.0]),
+    ratios=st.tuples(st.floats(1.2, 3.0), st.floats(1.2, 3.0)),
+)
+def test_a_pure_power_gives_its_order_and_limit(order, limit, factor, ratios):
+    h = (1.0, ratios[0], ratios[0] * ratios[1])
+    found = study(h, [limit + factor * size**order for size in h])
+    assert found.kind == "monotone"
+    assert found.order == pytest.approx(order, rel=1e-6)
+    assert found.limit == pytest.approx(limit, abs=1e-6 * max(1.0, h[2] ** order))
+
+
+def test_the_band_holds_the_error_of_every_level_when_a_second_term_disturbs():
+    h = (0.25, 0.5, 1.0, 2.0)
+    values = [3.0 + 0.1 * size**2 + 0.01 * size**3 for size in h]
+    found = study(h, values)
+    for value, band in zip(found.values, found.bands, strict=True):
+        assert abs(value - 3.0) <= band
+
+
+def test_the_formal_order_widens_the_band_of_a_lucky_order():
+    h = (1.0, 2.0, 4.0)
+    values = [1.0 + size**6 for size in h]
+    assert study(h, values, formal_order=2.0).bands[0] > 10 * study(h, values).bands[0]
+
+
+def test_the_order_does_not_depend_on_the_order_of_the_levels():
+    assert study((4.0, 1.0, 2.0), (17.0, 2.0, 5.0)) == study((1.0, 2.0, 4.0), (2.0, 5.0, 17.0))
+
+
+def test_oscillating_and_diverging_values_get_a_cautious_band_and_no_order():
+    swing = study((1.0, 2.0, 4.0), (1.0, 1.2, 1.1))
+    assert (swing.kind, swing.order) == ("oscillating", None)
+    assert swing.bands[0] == pytest.approx(CAUTION * 0.2)
+    assert study((1.0, 2.0, 4.0), (1.0, 2.0, 2.5)).kind == "diverging"
+
+
+def test_what_does_not_change_is_its_own_limit():
+    still = study((1.0, 2.0, 4.0), (7.0, 7.0, 8.0))
+    assert (still.kind, still.limit, still.bands[0]) == ("unchanged", 7.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "values", "word"),
+    [
+        ((1.0, 2.0), (1.0, 2.0), "three levels"),
+        ((1.0, 2.0, 2.0), (1.0, 2.0, 3.0), "differ"),
+        ((0.0, 1.0, 2.0), (1.0, 2.0, 3.0), "positive"),
+        ((1.0, 2.0, 4.0), (1.0, math.nan, 3.0), "finite"),
+    ],
+)
+def test_levels_that_say_nothing_are_refused(sizes, values, word):
+    with pytest.raises(ConvergenceError, match=word):
+        study(sizes, values)
+
+
+def test_a_time_step_study_of_a_scene_finds_the_order_of_the_integrator(tmp_path, monkeypatch):
+    monkeypatch.setenv("GEARCASE_CACHE", str(tmp_path))
+    loaded = load_scene("minimal", {"simulation.end_s": 0.2, "diagnosis.windows_s": {"whole": [0.05, 0.2]}})
+    found = refine(loaded, "step", 3, Cache())
+    (rms,) = found.quantities.values()
+    assert rms.order == pytest.approx(2.0, abs=0.4)
+    assert rms.relative_bands[found.in_use] > rms.errors[found.in_use]
+    assert "fine enough" in verdict(found, 0.01)
+    assert "not shown" in verdict(found, 1e-9)
+    axes = convergence_figure("minimal", found).axes[0]
+    assert "time step" in axes.get_title(loc="left")
+    assert "%" in axes.get_ylabel()
+
+
+def test_an_axis_that_a_scene_does_not_have_is_refused_with_the_remedy():
+    with pytest.raises(AxisError, match=r"casing\.model = 'rigid'.*craig-bampton"):
+        refine(load_scene("minimal"), "casing-mesh", 3, Cache())
+
+
+def test_the_command_offers_the_axes_that_exist():
+    (action,) = [a for a in _converge_actions() if a.dest == "over"]
+    assert set(action.choices) == set(AXES)
+
+
+def _converge_actions():
+    (commands,) = [a for a in parser()._actions if isinstance(a, argparse._SubParsersAction)]
+    return commands.choices["converge"]._actions

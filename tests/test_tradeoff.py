@@ -1,0 +1,94 @@
+"""The trade of a scene: errors are against the reference, the front is what nothing beats, presets change fineness."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from pipelines.cache import Cache
+from pipelines.errors import SceneError
+from pipelines.scene_file import load_scene
+from pipelines.trade.choices import choices
+from pipelines.trade.presets import PRESETS, load_preset
+from pipelines.trade.tradeoff import trade
+from pipelines.trade.tradeoff_page import answers, trade_figure, trade_table
+
+SHORT = {
+    "simulation.end_s": 0.15,
+    "simulation.step_us": 10.0,
+    "diagnosis.windows_s": {"whole": [0.05, 0.15]},
+    "faults": [],
+}
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    return trade(load_scene("minimal", SHORT), Cache(tmp_path_factory.mktemp("cache")), processes=1)
+
+
+def test_the_reference_has_no_error_and_stands_on_the_front(found):
+    first = found.priced[0]
+    assert (first.choice.name, first.error, first.dominated) == ("preset: reference", 0.0, False)
+    assert all(error == 0.0 for error in (*first.errors.values(), *first.decibels.values()))
+
+
+def test_a_coarser_step_costs_less_and_errs_more(found):
+    steps = {p.choice.label: p for p in found.priced if p.choice.effect == "step"}
+    assert steps["10 us"].error < steps["20 us"].error < steps["40 us"].error
+    assert steps["40 us"].seconds < steps["2.5 us"].seconds
+
+
+def test_nothing_beats_what_is_on_the_front(found):
+    for one in found.front:
+        assert not any(p.seconds < one.seconds and p.error < one.error for p in found.priced)
+    for one in found.priced:
+        if one.dominated and not math.isnan(one.error):
+            assert any(p.seconds <= one.seconds and p.error <= one.error for p in found.front)
+
+
+def test_the_answers_name_the_cheapest_and_the_most_accurate(found):
+    cheap, exact = found.cheapest(0.02), found.most_accurate(1e6)
+    assert cheap.error <= 0.02
+    assert exact.choice.name == "preset: reference"
+    words = answers(found, 0.02, 1e-9)
+    assert cheap.choice.name in words[0]
+    assert "No choice takes" in words[1]
+
+
+def test_the_plot_names_its_axes_every_choice_and_the_front(found):
+    axes = trade_figure(found).axes[0]
+    assert "minimal" in axes.get_title(loc="left")
+    assert axes.get_xlabel().endswith("s")
+    assert "%" in axes.get_ylabel()
+    written = [text.get_text() for text in axes.texts]
+    assert sorted(written) == sorted(p.choice.label for p in found.priced if not math.isnan(p.error))
+    assert any("front" in text.get_text() for text in axes.get_legend().get_texts())
+    assert len(trade_table(found).rows) == len(found.priced)
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_a_preset_changes_only_how_finely_a_scene_is_computed(preset):
+    plain, fine = load_scene("rig-missing-tooth").scene, load_preset("rig-missing-tooth", (), preset).scene
+    for part in ("faults", "drive", "load", "shafts", "bearings", "deviations", "sensors"):
+        assert getattr(plain, part) == getattr(fine, part)
+    assert plain.casing.housing == fine.casing.housing
+
+
+def test_a_setting_counts_more_than_the_preset():
+    asked = load_preset("rig-healthy", ["simulation.step_us=7"], "draft").scene
+    assert asked.simulation.step_us == 7
+    assert asked.casing.element_size_mm > load_scene("rig-healthy").scene.casing.element_size_mm
+
+
+def test_every_choice_of_the_rig_is_a_valid_scene_or_says_why_not():
+    from pipelines.scene_file import changed
+
+    loaded = load_scene("rig-missing-tooth")
+    refused = []
+    for choice in choices(loaded.scene):
+        try:
+            changed(loaded, choice.settings)
+        except SceneError as error:
+            refused.append((choice.name, str(error)))
+    assert refused == []
