@@ -78,7 +78,7 @@ def strain_matrices(
 
 
 def section_blocks(
-    points: np.ndarray, elements: np.ndarray, young: float, poisson: float, twist: float
+    points: np.ndarray, elements: np.ndarray, young: float, poisson: float, twist: float, filling: np.ndarray
 ) -> SectionBlocks:
     """Integrals over the elements of a section.
 
@@ -86,8 +86,10 @@ def section_blocks(
     ----------
     points : float (nodes, 2), m;  elements : int (elements, 9), tensor order
     young, poisson : Pa, 1;  twist : rad/m
+    filling : (elements,) part of the length that is filled with material
     """
     places, gradients, weight = geometry(points, elements)
+    weight = weight * filling[:, None]
     values, _ = shape_functions(gauss_grid()[0])
     count = len(elements)
     strains = strain_matrices(places, gradients, values, twist)

@@ -37,7 +37,7 @@ from fem.contact.plane import Plane
 from fem.contact.ring import flank_compliance
 from fem.contact.solid_ring import SolidFlank, solid_flank
 from fem.gears.geometry import Gear, GearPair
-from fem.gears.path import PathPoints, contact_window, path_points
+from fem.gears.path import PathPoints, path_points
 from fem.gears.sector import sector_mesh
 from fem.ledger import count
 from fem.materials import Material
@@ -82,12 +82,15 @@ def axial_ends(face_width: float, elements: int) -> np.ndarray:
     return face_width / 2 * (place + 0.16 * np.sin(np.pi * place))
 
 
-def _contacts(pair: GearPair, position: np.ndarray, shift: np.ndarray, largest: float) -> tuple[_Contacts, np.ndarray]:
-    first, last = contact_window(pair, largest)
+def _contacts(pair: GearPair, position: np.ndarray, shift: np.ndarray, plane: Plane) -> tuple[_Contacts, np.ndarray]:
+    """The contacts within the reach of the rung `plane`, and the candidate pair numbers."""
+    known = plane.path(pair)
+    finite = np.isfinite(known.gap)
+    first, last = known.xi[finite][[0, -1]]
     numbers = np.arange(math.ceil(shift.min() - last), math.floor(position[-1] + shift.max() - first) + 1)
     xi = position[:, None, None] - numbers[:, None] + shift
     cycle, which, place = np.nonzero((xi >= first) & (xi <= last))
-    path = path_points(pair, xi[cycle, which, place], largest)
+    path = path_points(pair, xi[cycle, which, place], 1.001 * float(known.gap[finite].max()))
     return _Contacts(cycle=cycle, pair=which, slice=place, path=path), numbers
 
 
@@ -164,7 +167,7 @@ def contact_compliance(
     zeta = (np.arange(n_slices) + 0.5) * width - pair.face_width / 2
     shift = zeta * math.tan(pair.base_helix_angle) / pair.base_pitch
     position = np.arange(positions) / positions
-    at, numbers = _contacts(pair, position, shift, plane.largest_gap * module)
+    at, numbers = _contacts(pair, position, shift, plane)
     ends = axial_ends(pair.face_width, axial_elements)
     means = slice_means(ends, np.linspace(-pair.face_width / 2, pair.face_width / 2, n_slices + 1))
     common = (patch * module, section_refinement, ends, len(numbers) - 1)

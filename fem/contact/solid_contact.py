@@ -231,5 +231,9 @@ def _step(
     own = np.diagonal(problem.compliance, axis1=1, axis2=2)
     new = np.where(back, left / (own + problem.slope * np.maximum(problem.offset, 1.0) / problem.width), new)
     largest = np.maximum(new.max(axis=1), 1e-300)
-    done = ~gone.any(axis=1) & ~back.any(axis=1) & (np.abs(move).max(axis=1, where=active, initial=0.0) <= _CLOSE * largest)
+    done = (
+        ~gone.any(axis=1)
+        & ~back.any(axis=1)
+        & (np.abs(move).max(axis=1, where=active, initial=0.0) <= _CLOSE * largest)
+    )
     return new, delta, psi, done

@@ -87,40 +87,51 @@ def sector_prism(
     along = np.eye(len(place))
     if cut.axial is not None and cut.axial < len(place):
         along = legendre(place, cut.axial - 1)
+    blocks = section_blocks(mesh.points, mesh.elements, young, poisson, mesh.twist, mesh.filling)
     side, across = np.full(len(mesh.points), -1), np.zeros((len(mesh.points), functions.shape[1]))
     for number, nodes in enumerate((mesh.cut_low, mesh.cut_high)):
         side[nodes], across[nodes] = number, functions
     return Prism(
         elements=mesh.elements,
         centres=mesh.points[mesh.elements[:, 4]],
-        blocks=section_blocks(mesh.points, mesh.elements, young, poisson, mesh.twist).turned(frames[mesh.elements]),
+        blocks=blocks.turned(frames[mesh.elements]),
         ends=ends,
         roles=roles,
         ties=Ties(side=side, across=across, along=along),
     )
 
 
-def reduce_prism(mesh: SectorMesh, prism: Prism, rows: np.ndarray) -> SectorReduction:
-    """The condensed sector: loads are unit transverse forces on the nodes of the kept rows, row by row."""
+def reduce_prism(mesh: SectorMesh, prism: Prism, rows: np.ndarray) -> tuple[SectorReduction, np.ndarray]:
+    """The condensed sector, and the numbers of its unknowns: loads, then cuts.
+
+    Loads are unit transverse forces on the nodes of the kept rows, row by row; `load_size` times its unknown is the
+    displacement that a load sees.
+    """
     numbers, matrix = prism.condense()
     loads = np.flatnonzero(numbers < prism.size)
     order = np.full(len(mesh.points), -1)
     order[mesh.flank[rows]] = np.arange(len(rows))
     node, place = numbers[loads] // 3 % len(mesh.points), numbers[loads] // (3 * len(mesh.points))
     loads = loads[np.lexsort((place, order[node]))]
-    size = np.repeat(np.linalg.norm(load_directions(mesh)[rows], axis=1), len(loads) // len(rows))
+    size = load_size(mesh, rows, len(loads) // len(rows))
     cut = np.arange(len(loads), len(numbers))
     factor = cho_factor(matrix[np.ix_(loads, loads)], lower=True)
     right = matrix[np.ix_(loads, cut)]
     by_load = cho_solve(factor, np.diag(size))
     schur = matrix[np.ix_(cut, cut)] - right.T @ cho_solve(factor, right)
     direct = size[:, None] * by_load
-    return SectorReduction(
+    sector = SectorReduction(
         teeth=mesh.teeth,
         stiffness=(schur + schur.T) / 2,
         transfer=-(right.T @ by_load),
         direct=(direct + direct.T) / 2,
     )
+    return sector, numbers[np.concatenate([loads, cut])]
+
+
+def load_size(mesh: SectorMesh, rows: np.ndarray, axial_nodes: int) -> np.ndarray:
+    """Length (load,) of the load directions, 1 for straight teeth."""
+    return np.repeat(np.linalg.norm(load_directions(mesh)[rows], axis=1), axial_nodes)
 
 
 def solid_flank(
@@ -141,5 +152,5 @@ def solid_flank(
     ends : axial element ends, m
     rows : int (rows,), indices into `mesh.flank`
     """
-    sector = reduce_prism(mesh, sector_prism(mesh, young, poisson, ends, rows, cut), rows)
+    sector, _ = reduce_prism(mesh, sector_prism(mesh, young, poisson, ends, rows, cut), rows)
     return SolidFlank(rows=rows, ends=ends, matrix=ring_response(sector, reach))
