@@ -11,14 +11,30 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from fem.casing.body import MODES_OVER_BAND
+from fem.casing.geometry import Geometry
+from fem.casing.housing import Housing
+from fem.casing.sizes import Sizes, bending_wavelength
+from fem.materials import Material
+from mbd.bearings import BEARING_AXES
 from pipelines.derived import bearing_points, derive
+from pipelines.errors import Problem, SceneError
 from pipelines.layout import Layout
+from pipelines.machine import bearing_specs
 from pipelines.scene import Scene
 from pipelines.stages import Stage
 from pipelines.tables.analysis import DiagnosisTable
 from pipelines.tables.base import MaterialTable
-from pipelines.tables.casing import CraigBamptonCasingTable, HousingTable, NoCasingTable, RigidCasingTable
+from pipelines.tables.casing import (
+    CraigBamptonCasingTable,
+    ElasticBase,
+    FlexibleBase,
+    NoCasingTable,
+    RigidCasingTable,
+    SensorTable,
+)
 from pipelines.tables.gears import IsoMesh
+from pipelines.tables.housing import HousingTable
 from pipelines.validity import checked_layout
 
 _NUMERIC = ("numpy", "scipy", "numba")
@@ -102,7 +118,7 @@ def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
         points = {f"bearing_{n}": point for n, point in enumerate(bearing_points(scene, layout), 1)}
         return [Stage(name="casing", kind="casing", build=body.build_ground, spec=body.GroundSpec(points=points))]
     box, iron = housing(scene, table.housing, layout, source), material("casing", table.material)
-    if isinstance(table, RigidCasingTable):
+    if isinstance(table, RigidCasingTable) and isinstance(box, Housing) and box.plain:
         rigid = body.RigidSpec(
             housing=box,
             material=iron,
@@ -112,35 +128,88 @@ def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
         return [Stage(name="casing", kind="casing", build=body.build_rigid, spec=rigid)]
     from pipelines.building import casing_mesh, casing_modes
 
+    mesh = Stage(
+        name="casing mesh",
+        kind="casing-mesh",
+        build=casing_mesh.build,
+        spec=casing_mesh.CasingMeshSpec(housing=replace(box, sensors=()), sizes=_sizes(table, box, iron, source)),
+        libraries=("numpy", "gmsh", "meshio"),
+        seconds=8.0,
+    )
+    if isinstance(table, RigidCasingTable):
+        meshed = body.RigidMeshSpec(
+            density=iron.density,
+            sensors=box.sensors,
+            mount_stiffness=table.mount_stiffness_N_per_um * 1e6,
+            damping_ratio=table.damping_ratio,
+        )
+        takes = ("casing mesh",)
+        return [mesh, Stage(name="casing", kind="casing", build=body.build_rigid_mesh, spec=meshed, takes=takes)]
     band = table.band_Hz if isinstance(table, CraigBamptonCasingTable) else 0.0
     return [
-        Stage(
-            name="casing mesh",
-            kind="casing-mesh",
-            build=casing_mesh.build,
-            spec=casing_mesh.CasingMeshSpec(
-                housing=replace(box, sensors=()), element_size=table.element_size_mm / 1000
-            ),
-            libraries=("numpy", "gmsh"),
-            seconds=8.0,
-        ),
+        mesh,
         Stage(
             name="casing modes",
             kind="casing-modes",
             build=casing_modes.build,
-            spec=casing_modes.CasingModesSpec(material=iron, model=table.model, band=band),
+            spec=casing_modes.CasingModesSpec(
+                material=iron,
+                model=table.model,
+                band=band,
+                ground=table.ground,
+                coupling=table.coupling,
+                interfaces=loaded_axes(scene),
+            ),
             takes=("casing mesh",),
-            libraries=("numpy", "scipy", "scikit-fem", "scikit-sparse", "pymetis"),
+            libraries=("numpy", "scipy", "pymetis"),
             seconds=30.0,
+            enough="band" if band else "",
         ),
         Stage(
             name="casing",
             kind="casing",
             build=body.build_elastic,
-            spec=body.ElasticSpec(sensors=box.sensors, damping_ratio=table.damping_ratio),
+            spec=body.ElasticSpec(
+                sensors=box.sensors,
+                damping=table.damping_ratio,
+                mounts=_mounts(table),
+                limit=MODES_OVER_BAND * band if band else None,
+                frequency_error=getattr(table, "frequency_error", None),
+            ),
             takes=("casing modes",),
         ),
     ]
+
+
+def loaded_axes(scene: Scene) -> dict[str, tuple[str, ...]]:
+    """Axes along which every bearing loads the casing; an axis without stiffness needs no interface."""
+    return {
+        spec.name: tuple(axis for axis, k in zip(BEARING_AXES, spec.stiffness, strict=True) if k > 0.0)
+        for spec in bearing_specs(scene)
+    }
+
+
+def _mounts(table: ElasticBase) -> tuple[tuple[float, float, float], ...] | None:
+    """Stiffness of the feet in N/m, None on fixed ground."""
+    if table.ground == "fixed":
+        return None
+    return tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um)
+
+
+def _sizes(table: FlexibleBase, box: Geometry, iron: Material, source: str) -> Sizes:
+    """Element sizes of a casing; at most a share of the bending wavelength of its thinnest wall where that is asked."""
+    size = table.element_size_mm / 1000
+    if isinstance(table, CraigBamptonCasingTable) and table.elements_per_wavelength is not None:
+        if isinstance(box, Housing):
+            wall = box.thinnest_wall
+        elif table.housing.wall_thickness_mm is not None:
+            wall = table.housing.wall_thickness_mm / 1000
+        else:
+            problem = "is needed for casing.elements_per_wavelength of a housing from a file"
+            raise SceneError(source, [Problem("casing.housing.wall_thickness_mm", problem, "Give its thinnest wall.")])
+        size = min(size, bending_wavelength(iron, wall, table.band_Hz) / table.elements_per_wavelength)
+    bore, foot = table.bore_element_size_mm, table.foot_element_size_mm
+    return Sizes(element=size, bore=None if bore is None else bore / 1000, foot=None if foot is None else foot / 1000)
 
 
 def motion_scene(scene: Scene) -> Scene:
@@ -151,7 +220,7 @@ def motion_scene(scene: Scene) -> Scene:
 def _labelled(scene: Scene) -> Scene:
     """The same with title and sensor noise, which only label the response."""
     stages = tuple(stage.model_copy(update={"mesh": IsoMesh()}) for stage in scene.stages)
-    sensors = tuple(sensor.model_copy(update={"position_mm": _ZERO}) for sensor in scene.sensors)
+    sensors = tuple(SensorTable(name=sensor.name, position_mm=_ZERO) for sensor in scene.sensors)
     casing = scene.casing if isinstance(scene.casing, NoCasingTable) else _SOME_CASING
     noise = DiagnosisTable(noise_m_s2=scene.diagnosis.noise_m_s2)
     changes = {"stages": stages, "sensors": sensors, "casing": casing, "control": None, "diagnosis": noise}

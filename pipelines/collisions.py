@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from pipelines.errors import Problem
 from pipelines.layout import Layout
 from pipelines.scene import Scene
-from pipelines.tables.casing import FlexibleBase, HousingTable
+from pipelines.tables.casing import FlexibleBase
+from pipelines.tables.housing import HousingTable
 
 
 @dataclass(frozen=True)
@@ -106,12 +107,13 @@ def _mates(scene: Scene, layout: Layout) -> Iterator[Problem]:
 
 
 def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterator[Problem]:
-    wall = housing.wall_thickness_mm / 1000
-    left = housing.left_end_mm / 1000 + wall
-    right = (housing.left_end_mm + housing.length_mm) / 1000 - wall
-    floor = -housing.shaft_height_mm / 1000 + wall
-    cover = (housing.height_mm - housing.shaft_height_mm) / 1000 - wall
-    side = housing.width_mm / 2000 - wall
+    common = housing.wall_thickness_mm
+    end = (housing.end_wall_thickness_mm or common) / 1000
+    left = housing.left_end_mm / 1000 + end
+    right = (housing.left_end_mm + housing.length_mm) / 1000 - end
+    floor = (-housing.shaft_height_mm + (housing.floor_thickness_mm or common)) / 1000
+    cover = (housing.height_mm - housing.shaft_height_mm - (housing.cover_thickness_mm or common)) / 1000
+    side = housing.width_mm / 2000 - (housing.side_wall_thickness_mm or common) / 1000
     for body in gears(scene, layout):
         x, z = layout.axes[body.shaft]
         rooms = {
@@ -144,7 +146,7 @@ def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterat
 def find_collisions(scene: Scene, layout: Layout) -> list[Problem]:
     """Everything that touches what it must not touch."""
     problems = [*_mates(scene, layout), *_clashes(gears(scene, layout), shafts(scene), layout)]
-    if isinstance(scene.casing, FlexibleBase):
+    if isinstance(scene.casing, FlexibleBase) and isinstance(scene.casing.housing, HousingTable):
         housing = scene.casing.housing
         problems += _clashes(gears(scene, layout), bosses(housing), layout)
         problems += _wall_clashes(scene, layout, housing)

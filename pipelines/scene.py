@@ -18,6 +18,7 @@ from pipelines.tables.casing import (
     SensorTable,
 )
 from pipelines.tables.gears import DeviationTable, FaultTable, StageTable
+from pipelines.tables.housing import HousingTable
 from pipelines.tables.motion import DriveTable, LoadModel, SimulationTable
 from pipelines.tables.shafts import BearingTable, ShaftModel, ShaftTable
 
@@ -53,12 +54,12 @@ class Scene(Table):
     def _counts(self):
         if len(self.shafts) != len(self.stages) + 1:
             yield f"shafts: {len(self.shafts)} given, {len(self.stages)} stages need {len(self.stages) + 1}"
-        if isinstance(self.casing, FlexibleBase):
+        if isinstance(self.casing, FlexibleBase) and isinstance(self.casing.housing, HousingTable):
             for key in ("bore_diameters_mm", "boss_diameters_mm"):
                 count = len(getattr(self.casing.housing, key))
                 if count != len(self.shafts):
                     yield f"casing.housing.{key}: {count} values for {len(self.shafts)} shafts"
-        elif self.sensors:
+        elif self.sensors and not isinstance(self.casing, FlexibleBase):
             yield (
                 f"sensors: {len(self.sensors)} casing sensors with casing.model = 'none'. Give sensors = [] or another "
                 "casing model"

@@ -40,6 +40,9 @@ from fem.gears.sector import sector_mesh
 from fem.ledger import count
 
 
+BRIDGE = 2.05  # pitches: with a tooth missing, the pairs before and after it then take over from each other
+
+
 class PlaneError(ValueError):
     """An option of the rung `plane` is outside its valid range."""
 
@@ -134,9 +137,16 @@ class Plane:
         return laws[0], laws[1]
 
     def path(self, pair: GearPair) -> PathPoints:
-        """The path of contact on the uniform grid that holds every position whose gap is below `largest_gap`."""
+        """The path of contact on the uniform grid that holds every position whose gap is below `largest_gap`.
+
+        Where this spans less than two pitches the limit is raised, to 0.4 m_n at most, so that the neighbours of a
+        missing tooth still meet tip edge to flank.
+        """
         largest = self.largest_gap * pair.pinion.normal_module
         first, last = contact_window(pair, largest)
+        while last - first < BRIDGE and largest < 0.4 * pair.pinion.normal_module:
+            largest *= 1.25
+            first, last = contact_window(pair, largest)
         grid = np.arange(math.floor(first * self.positions), math.ceil(last * self.positions) + 1) / self.positions
         return path_points(pair, grid, largest)
 
@@ -193,10 +203,11 @@ class Plane:
         """Transverse radius of relative curvature (position,), m.
 
         Beyond the path a tip edge touches: there the radius goes over, evenly in its logarithm within the tenth of a
-        pitch that edge contact needs to develop, to that of the rounded edge.
+        pitch that edge contact needs to develop, to that of the rounded edge (the gear's own, or `tip_rounding`).
         """
         beyond = np.maximum(pair.xi_start - path.xi, path.xi - pair.xi_end).clip(0.0)
-        edge = self.tip_rounding * pair.pinion.normal_module
+        usual = self.tip_rounding * pair.pinion.normal_module
+        edge = np.where(path.xi < 0.0, pair.wheel.tip_rounding or usual, pair.pinion.tip_rounding or usual)
         share = np.minimum(beyond / 0.1, 1.0)
         return path.relative_radius ** (1.0 - share) * np.minimum(edge, path.relative_radius) ** share
 
