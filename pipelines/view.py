@@ -33,7 +33,7 @@ def main(job_path: str) -> None:
     for number, image in enumerate(job["images"]):
         if moving is not None:
             mesh, rest, shape = moving
-            mesh.points[:] = rest + shape * np.sin(2 * np.pi * number / len(job["images"]))
+            np.copyto(mesh.points, rest + shape * np.sin(2 * np.pi * number / len(job["images"])))
             mesh.GetPoints().Modified()
             plotter.render()
         plotter.screenshot(image)
