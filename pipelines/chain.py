@@ -1,6 +1,7 @@
 """The stages of a scene: which part of it each one reads, and what it takes.
 
-    law_1 .. law_n                          one per gear pair; equal pairs share one
+    sound_law_i -> law_i                    one per gear pair; equal pairs share one; law_i alone where the flanks are
+                                            neither modified nor damaged (a missing tooth is no damage here)
     casing mesh -> casing modes -> casing   finite elements only for the rungs static and craig-bampton
     simulate -> response                    a missing tooth, deviations, drive and load enter here
 
@@ -19,6 +20,7 @@ from fem.materials import Material
 from mbd.bearings import BEARING_AXES
 from pipelines.derived import bearing_points, derive
 from pipelines.errors import Problem, SceneError
+from pipelines.flanks import common_wear, damaged_teeth
 from pipelines.layout import Layout
 from pipelines.machine import bearing_specs
 from pipelines.scene import Scene
@@ -62,7 +64,7 @@ def scene_stages(scene: Scene, source: str) -> list[Stage]:
     layout = checked_layout(scene, source)
     laws = _law_stages(scene, layout)
     casing = _casing_stages(scene, layout, source)
-    takes = tuple(law.name for law in laws)
+    takes = tuple(law.name for law in laws if law.name.startswith("law_"))
     return [
         *laws,
         *casing,
@@ -87,16 +89,24 @@ def scene_stages(scene: Scene, source: str) -> list[Stage]:
 
 
 def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
-    from pipelines.building import laws
+    from pipelines.building import flanks, laws
 
     stages = []
     facts = derive(scene, layout).stages
     for number, (table, pair, fact) in enumerate(zip(scene.stages, layout.pairs, facts, strict=True), 1):
         mesh = table.mesh
         refinement = 0.0 if isinstance(mesh, IsoMesh) else mesh.refinement
+        added = flanks.FlanksSpec(
+            pair=replace(pair, backlash_allowance=0.0),
+            modifications=layout.modifications[number - 1],
+            pinion_damage=tuple(damaged_teeth(scene, number, "pinion").values()),
+            wheel_damage=tuple(damaged_teeth(scene, number, "wheel").values()),
+            pinion_wear=common_wear(scene, number, "pinion"),
+            wheel_wear=common_wear(scene, number, "wheel"),
+        )
         stages.append(
             Stage(
-                name=f"law_{number}",
+                name=f"law_{number}" if added.empty else f"sound_law_{number}",
                 kind="law",
                 build=laws.build,
                 spec=laws.law_spec(pair, mesh.model, mesh.slices, refinement, fact.line_load),
@@ -105,6 +115,17 @@ def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
                 seconds=0.0 if isinstance(mesh, IsoMesh) else 8.0,
             )
         )
+        if not added.empty:
+            stages.append(
+                Stage(
+                    name=f"law_{number}",
+                    kind="flanks",
+                    build=flanks.build,
+                    spec=added,
+                    takes=(f"sound_law_{number}",),
+                    libraries=("numpy", "scipy"),
+                )
+            )
     return stages
 
 
