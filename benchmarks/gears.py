@@ -12,7 +12,7 @@ from numba import njit
 from benchmarks.clock import timed
 from benchmarks.rig import Laws, keep, plane_law, read, stage_law
 from fem.contact.curves import stiffness_curve
-from fem.contact.evaluate import evaluate, law_tables
+from fem.contact.evaluate import checked_teeth, evaluate, law_tables
 from pipelines.derived import derive
 
 CALLS = 20_000
@@ -60,7 +60,7 @@ def per_call(pair_laws: Laws, force: float) -> dict[str, float]:
     cycle = np.random.default_rng(0).uniform(0.0, 100.0, CALLS)
     curve = stiffness_curve(drive, force)
     delta = np.interp(cycle % 1.0, curve.cycle, curve.transmission_error, period=1.0)
-    none = np.zeros(drive.pinion_teeth), np.zeros(drive.wheel_teeth)
+    none = checked_teeth(drive, None, None)
     tables = law_tables(drive)
     _many(tables, cycle[:2], delta[:2], 0.0, *none)
     seconds = []

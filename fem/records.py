@@ -14,6 +14,8 @@ from typing import Any, Self
 
 import numpy as np
 
+from fem.hdf5 import hdf5_file
+
 
 class RecordError(ValueError):
     """A record field has the wrong shape, a NaN, or a file holds another kind of record."""
@@ -88,7 +90,7 @@ class Record:
         """Write to an HDF5 file that xarray opens. Not atomic: the cache wraps it."""
         import h5py
 
-        with h5py.File(path, "w") as file:
+        with hdf5_file(path) as file:
             file.attrs["record"] = type(self).__name__
             scales: dict[str, Any] = {}
             for field in dataclasses.fields(self):

@@ -29,6 +29,7 @@ from numba import njit
 
 from fem.contact.evaluate import evaluate, law_tables
 from fem.contact.law import MeshLaw
+from fem.contact.teeth import least_clearance
 from mbd.load import Rope
 from mbd.machine import Machine
 
@@ -43,7 +44,7 @@ class ForceTable(NamedTuple):
     """All constants of the nonlinear elements as flat arrays (a tuple that numba reads)."""
 
     laws: Any  # padded tuple: drive and coast tables of each mesh
-    clearances: np.ndarray  # all per-tooth clearances, one after another
+    clearances: np.ndarray  # (tooth, 6) tooth terms of all gears, one after another
     clearance_at: np.ndarray  # (flank, 2) start in `clearances`: pinion, wheel
     teeth: np.ndarray  # (flank, 2)
     backlash: np.ndarray  # (flank,), 0 for the drive flank
@@ -66,11 +67,12 @@ class ForceTable(NamedTuple):
 def force_table(machine: Machine, loads: dict[str, float], stiffness: dict[str, tuple[float, float]]) -> ForceTable:
     """Constants from the machine, the nominal mesh forces (N) and reference stiffnesses (N/m, N m/rad) by mesh name."""
     ratios = machine.ratios()
-    laws, clearances, scale = [], [], []
+    laws, clearances, scale, floor = [], [], [], []
     for mesh in machine.meshes:
         laws += [law_tables(mesh.drive), law_tables(mesh.coast)]
         clearances += [mesh.drive_clearance_pinion, mesh.drive_clearance_wheel]
         clearances += [mesh.coast_clearance_pinion, mesh.coast_clearance_wheel]
+        floor += [least_clearance(law, *terms) for law, terms in zip((mesh.drive, mesh.coast), mesh.terms, strict=True)]
         width = float(mesh.drive.slice_width.sum())
         scale += [loads[mesh.name], loads[mesh.name] * width] * 2
     sizes = np.array([len(c) for c in clearances], dtype=np.int64)
@@ -87,11 +89,11 @@ def force_table(machine: Machine, loads: dict[str, float], stiffness: dict[str, 
         scale += [max(load.container_mass * machine.gravity, 1.0) / len(load.drums)] * len(load.drums)
     return ForceTable(
         laws=tuple(laws),
-        clearances=np.concatenate([*clearances, np.zeros(1)]),
+        clearances=np.concatenate([*clearances, np.zeros((1, 6))]),
         clearance_at=starts.reshape(-1, 2),
         teeth=sizes.reshape(-1, 2),
         backlash=np.array([b for m in machine.meshes for b in (0.0, m.backlash)]),
-        floor=np.array([p.min() + w.min() for p, w in zip(clearances[::2], clearances[1::2], strict=True)]),
+        floor=np.array(floor),
         reach=np.array([abs(law.face_coordinate).max() for m in machine.meshes for law in (m.drive, m.coast)]),
         tau=np.array([m.damping_time for m in machine.meshes for _ in range(2)]),
         stiffness=stiff,
@@ -169,8 +171,8 @@ def rope_stiffness(table, j, angle):
 
 
 @njit(nogil=True, error_model="numpy")
-def row_forces(table, angle, u, v, held, force, slope_u, slope_v, log):
-    """Residual forces at row displacements u and rates v, motor angle ``angle`` (rad); fills force, slopes and log.
+def row_forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log):
+    """Residual forces at row displacements u and rates v, motor angle and speed (rad, rad/s); fills force, slopes, log.
 
     ``slope_u[r]`` and ``slope_v[r]`` hold d force[r] with respect to the first and second row of r's element.
     ``held`` (flank,) is the stiffness that the damping takes, where it is not negative, instead of the current one.
@@ -227,6 +229,29 @@ def row_forces(table, angle, u, v, held, force, slope_u, slope_v, log):
         force[r] = table.rope_stiffness[j] * u[r] + table.rope_damping[j] * v[r] - total
         k = n_flank + j
         log[k, 0], log[k, 1], log[k, 2], log[k, 3] = elastic, 0.0, 0.5 * elastic * max(u[r], 0.0), total
+
+
+@njit(nogil=True, error_model="numpy")
+def follow_tangent(table, angle, before, u, v, force, log):
+    """Move the log from the rows ``before`` at which it was evaluated to u, v nearby, where ``force`` is the solution."""
+    n_flank = len(table.tau)
+    for k in range(n_flank):
+        if log[k, 0] > 0.0:
+            a = 2 * k
+            d, p = u[a] - before[a], u[a + 1] - before[a + 1]
+            df, dm = log[k, 4] * d + log[k, 5] * p, log[k, 5] * d + log[k, 6] * p
+            log[k, 2] += (log[k, 0] + 0.5 * df) * d + (log[k, 1] + 0.5 * dm) * p
+            log[k, 0], log[k, 1] = max(log[k, 0] + df, 0.0), log[k, 1] + dm
+            if log[k, 3] > 0.0:
+                k0 = table.stiffness[k, 0]
+                log[k, 3] = max(k0 * u[a] + table.tau[k] * k0 * v[a] - force[a], 0.0)
+    for j in range(len(table.rope_ea)):
+        r, k = 2 * n_flank + j, n_flank + j
+        stretch = max(u[r], 0.0)
+        log[k, 0] = rope_stiffness(table, j, angle) * stretch
+        log[k, 2] = 0.5 * log[k, 0] * stretch
+        if log[k, 3] > 0.0:
+            log[k, 3] = max(table.rope_stiffness[j] * u[r] + table.rope_damping[j] * v[r] - force[r], 0.0)
 
 
 @njit(nogil=True, error_model="numpy")

@@ -28,7 +28,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.contact.law import MeshLaw
-from mbd.checks import MachineError, finite, frozen_array, not_negative, positive
+from fem.contact.teeth import LawError, checked_terms
+from mbd.checks import MachineError, finite, not_negative, positive
 from mbd.shafts import ShaftSpec
 
 
@@ -37,7 +38,8 @@ class MeshSpec:
     """A gear pair; the driving gear is the pinion of the laws, ``cycle_at_start`` its mesh cycle at t = 0.
 
     Radii in m, angles in rad, ``backlash`` (m) along the transverse line of action, ``damping_time`` tau (s).
-    Clearances (tooth,), m, +inf for a missing tooth; empty arrays mean no deviation.
+    Clearances (tooth,), m, +inf for a missing tooth, or tooth terms (tooth, 6) of `fem.contact.teeth`; empty arrays
+    mean no deviation. They are kept as tooth terms.
     """
 
     name: str
@@ -82,14 +84,21 @@ class MeshSpec:
         self._check_helix()
 
     def _set_clearance(self, name: str, teeth: int) -> None:
-        values = frozen_array(getattr(self, name))
-        if len(values) == 0:
-            values = frozen_array(np.zeros(teeth))
-        if len(values) != teeth or np.isnan(values).any() or (values == -np.inf).any():
-            raise MachineError(
-                f"mesh {self.name} {name}: needs {teeth} numbers (inf for a missing tooth), got {len(values)}."
-            )
-        object.__setattr__(self, name, values)
+        given = getattr(self, name)
+        try:
+            terms = checked_terms(name.rpartition("_")[2], teeth, given if len(given) else None)
+        except LawError as error:
+            raise MachineError(f"mesh {self.name} {name}: {error}.") from error
+        terms.flags.writeable = False
+        object.__setattr__(self, name, terms)
+
+    @property
+    def terms(self) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
+        """Tooth terms of pinion and wheel on the drive flank, then on the coast flank."""
+        return (
+            (self.drive_clearance_pinion, self.drive_clearance_wheel),
+            (self.coast_clearance_pinion, self.coast_clearance_wheel),
+        )
 
     def _check_helix(self) -> None:
         for law in (self.drive, self.coast):

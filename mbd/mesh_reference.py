@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.contact.evaluate import evaluate, law_tables
+from fem.contact.evaluate import checked_teeth, evaluate, law_tables
 from fem.contact.law import MeshLaw
 from mbd.checks import EquilibriumError
 from mbd.gear_mesh import MeshSpec
@@ -57,7 +57,7 @@ def touching_approach(law: MeshLaw, cycle: float, pinion: np.ndarray, wheel: np.
 
 def mean_stiffness(law: MeshLaw, force: float) -> tuple[float, float]:
     """Mean over one cycle of dF/d delta (N/m) and dM/d psi (N m/rad) at ``force`` without deviations or tilt."""
-    pinion, wheel = np.zeros(law.pinion_teeth), np.zeros(law.wheel_teeth)
+    pinion, wheel = checked_teeth(law, None, None)
     tables = law_tables(law)
     total = np.zeros(2)
     for cycle in (np.arange(POSITIONS) + 0.5) / POSITIONS:

@@ -81,7 +81,7 @@ class _Files:
             return {"kind": "record", "type": _type_name(value), "file": path.name}
         if _is_dataset(value):
             path = self.path(".nc")
-            value.to_netcdf(path, engine="h5netcdf")
+            path.write_bytes(value.to_netcdf(engine="h5netcdf"))
             return {"kind": "dataset", "file": path.name}
         if isinstance(value, np.ndarray):
             path = self.path(".npy")

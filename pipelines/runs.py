@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import platform
-import shutil
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fem.hdf5 import hdf5_file
 from pipelines import results
 from pipelines.build import Outcome, Result, run_graph
 from pipelines.cache import Cache
@@ -236,14 +236,9 @@ def _write(
 
 def _write_response(path: Path, result: Result, facts: Mapping[str, Any]) -> None:
     """A copy of the stored dataset with the facts of this run as attributes."""
-    import h5py
-
     stored = next(iter(result.entry.folder.glob("*.nc")), None) if result.entry else None
-    if stored is not None:
-        shutil.copyfile(stored, path)
-    else:
-        result.load().to_netcdf(path, engine="h5netcdf")
-    with h5py.File(path, "a") as file:
+    content = stored.read_bytes() if stored else bytes(result.load().to_netcdf(engine="h5netcdf"))
+    with hdf5_file(path, content) as file:
         file.attrs["provenance"] = json.dumps({name: facts[name] for name in ("scene", "versions", "rungs", "keys")})
         file.attrs["stages"] = json.dumps(facts["stages"])
         file.attrs["build_ledger"] = json.dumps(facts["ledger"])

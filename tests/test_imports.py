@@ -20,7 +20,14 @@ ONLY_IN = {  # package: modules or packages that may import it
     "meshio": {"fem"},
     "matplotlib": {"pipelines"},
 }
-MBD_TAKES = {"fem.contact.law", "fem.contact.evaluate", "fem.contact.kernel", "fem.casing.body", "fem.records"}
+MBD_TAKES = {
+    "fem.contact.law",
+    "fem.contact.evaluate",
+    "fem.contact.kernel",
+    "fem.contact.teeth",
+    "fem.casing.body",
+    "fem.records",
+}
 HEAVY = {"numba", "scipy", "h5py", "xarray", "matplotlib", "gmsh", "pyvista", "skfem", "numpy", "pydantic", "pandas"}
 
 

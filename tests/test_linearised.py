@@ -9,6 +9,7 @@ from mbd_rigs import TRANSVERSE_ANGLE, mesh, no_casing, rigid_casing, train
 from scipy import linalg
 
 from fem.contact.evaluate import evaluate, law_tables
+from fem.contact.teeth import tooth_terms
 from mbd.bearings import BearingSpec
 from mbd.channels import DIRECTIONS, channel_names, journal_acceleration
 from mbd.checks import MachineError
@@ -63,7 +64,7 @@ def test_two_geared_inertias_at_the_tangent_stiffness_of_their_load_and_place(cy
     machine = two_inertias(cycle)
     spec = machine.meshes[0]
     r1, r2 = spec.base_radius_driving, spec.base_radius_driven
-    force, none = TORQUE / r2, (np.zeros(20), np.zeros(55))
+    force, none = TORQUE / r2, (tooth_terms(20), tooth_terms(55))
     place = cycle - force * r1 / COUPLING * spec.cycles_per_radian
     k = evaluate(law_tables(spec.drive), place, approach_at(spec.drive, place, force, *none), 0.0, *none)[3]
     squares = linalg.eigh([[k * r1**2 + COUPLING, -k * r1 * r2], [-k * r1 * r2, k * r2**2]], np.diag(INERTIA))[0]

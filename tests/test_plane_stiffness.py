@@ -8,8 +8,9 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from fem.contact import ring
-from fem.contact.evaluate import evaluate, evaluate_shares, law_tables, share_reach
+from fem.contact.evaluate import checked_teeth, evaluate, evaluate_shares, law_tables, share_reach
 from fem.contact.plane import Plane, PlaneError
+from fem.contact.teeth import tooth_terms
 from fem.gears.geometry import Gear, GearPair
 from fem.gears.sector import sector_mesh
 from fem.plane_elasticity import shape_functions, stiffness
@@ -54,7 +55,7 @@ def approach(law, line_load, xi=0.0):
 
 def loaded(law, cycle, force, psi=0.0):
     """delta (m) at which the law carries `force` (N), by bisection."""
-    tables, none = law_tables(law), (np.zeros(law.pinion_teeth), np.zeros(law.wheel_teeth))
+    tables, none = law_tables(law), checked_teeth(law, None, None)
     low, high = 0.0, 90e-6
     for _ in range(60):
         delta = (low + high) / 2
@@ -282,7 +283,7 @@ def test_stiffness_responds_to_the_helix(spur, helical):
 
 def test_shares_sum_to_the_force_and_the_law_is_periodic(helical):
     law = helical[0]
-    tables, none = law_tables(law), (np.zeros(20), np.zeros(55))
+    tables, none = law_tables(law), (tooth_terms(20), tooth_terms(55))
     for cycle in (0.0, 0.37, 0.81):
         share = np.zeros(2 * share_reach(law) + 1)
         force = evaluate_shares(tables, cycle, 6e-6, 1e-4, *none, share)[0]
@@ -293,7 +294,7 @@ def test_shares_sum_to_the_force_and_the_law_is_periodic(helical):
 
 def test_coast_is_the_mirror_image_of_drive(helical):
     drive, coast = helical
-    none = (np.zeros(20), np.zeros(55))
+    none = (tooth_terms(20), tooth_terms(55))
     for u in (0.1, 0.55):
         ahead = evaluate(law_tables(drive), u, 5e-6, 2e-4, *none)
         mirrored = evaluate(law_tables(coast), pair_of(12.0, 12e-3).thickness_cycle - u, 5e-6, -2e-4, *none)

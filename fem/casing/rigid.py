@@ -14,10 +14,10 @@ import numpy as np
 
 from fem.casing.body import ReducedBody
 from fem.casing.coupling import AXES, nearest_surface_point
+from fem.casing.damping import DampingRatio, modal_damping
 from fem.casing.grounded import BEARING_AXES
 from fem.casing.housing import Housing, Sensor
 from fem.casing.mesh import CasingMesh
-from fem.casing.modes import modal_damping
 from fem.elasticity import mass_properties, rigid_body_modes
 
 
@@ -61,7 +61,7 @@ def rigid_body(
     *,
     density: float,
     mount_stiffness: float,
-    damping_ratio: float = 0.01,
+    damping_ratio: DampingRatio = 0.01,
     sensors: Sequence[Sensor] = (),
 ) -> ReducedBody:
     """A plain parametric housing on springs, without a mesh.
@@ -89,7 +89,7 @@ def rigid_from_mesh(
     *,
     density: float,
     mount_stiffness: float,
-    damping_ratio: float = 0.01,
+    damping_ratio: DampingRatio = 0.01,
     sensors: Sequence[Sensor] = (),
 ) -> ReducedBody:
     """The same for any housing: mass, key points and the places of the sensors come from its mesh.
@@ -113,7 +113,7 @@ def _on_springs(
     grounds: Mapping[str, np.ndarray],
     bearings: Mapping[str, np.ndarray],
     mount_stiffness: float,
-    damping_ratio: float,
+    damping_ratio: DampingRatio,
     sensors: Sequence[Sensor],
 ) -> ReducedBody:
     """Mass, centre of gravity and inertia on one spring per ground point, and the rows of bearings and sensors."""

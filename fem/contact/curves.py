@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.contact.evaluate import LawError, checked_clearances, evaluate_law, share_reach, shares
+from fem.contact.evaluate import LawError, checked_teeth, evaluate_law, share_reach, shares
 from fem.contact.law import MeshLaw
 from fem.records import Record, array, scalar, text
 
@@ -62,7 +62,7 @@ def stiffness_curve(
     if not (np.isfinite(load) and load > 0.0):
         raise LawError(f"stiffness curve of law {law.model!r}: load is {load!r} N; give a finite force > 0")
     c = np.linspace(0.0, 1.0, 200, endpoint=False) if cycle is None else np.atleast_1d(np.asarray(cycle, dtype=float))
-    h = checked_clearances(law, clearance_pinion, clearance_wheel)
+    h = checked_teeth(law, clearance_pinion, clearance_wheel)
     if psi is None:
         delta, tilt = _balanced(law, c, load, *h)
         no_load, _ = _balanced(law, c, 1e-6 * load, *h)
@@ -102,30 +102,45 @@ def no_load_error(
     ------
     LawError : no pair can touch at some cycle
     """
-    h1, h2 = checked_clearances(law, clearance_pinion, clearance_wheel)
+    h1, h2 = checked_teeth(law, clearance_pinion, clearance_wheel)
     cycle = np.atleast_1d(np.asarray(cycle, dtype=float))
-    positions = law.position_start + law.position_step * np.arange(law.gap.size)
     reach = share_reach(law)
     own = law.cycle_sign * cycle + law.cycle_offset
+    part = law.face_coordinate / law.slice_width.sum()
     lowest = np.full(cycle.size, np.inf)
     for p in np.arange(-reach, reach + 1):
         number = (np.floor(own) + p).astype(int)
-        h = h1[(law.cycle_sign * number) % h1.size] + h2[(law.cycle_sign * number + law.wheel_tooth_offset) % h2.size]
+        first = h1[(law.cycle_sign * number) % len(h1)]
+        second = h2[(law.cycle_sign * number + law.wheel_tooth_offset) % len(h2)]
+        h, a1, a2, b1, b2, _ = (first + second).T[:, :, None]
         xi = (own - number)[:, None] + law.cycle_shift[None, :]
-        reachable = np.interp(xi, positions, law.fraction, left=0.0, right=0.0) > 0.0
-        # a cell with an infinite end is no contact; interpolate the finite part only
-        cell = np.clip(((xi - positions[0]) / law.position_step).astype(int), 0, positions.size - 2)
-        weight = np.clip((xi - positions[cell]) / law.position_step, 0.0, 1.0)
-        finite = np.isfinite(law.gap[cell]) & np.isfinite(law.gap[cell + 1])
-        known = np.where(np.isfinite(law.gap), law.gap, 0.0)
-        gap = np.where(reachable & finite, known[cell] + weight * (known[cell + 1] - known[cell]), np.inf)
-        lowest = np.minimum(lowest, (gap - psi * law.face_coordinate).min(axis=1) + h)
+        gap = _gap_at(law, xi, law.gap[None, :], np.zeros((1, law.face_coordinate.size), dtype=int))
+        for terms, variants in ((first, law.pinion_variant_gap), (second, law.wheel_variant_gap)):
+            damaged = np.flatnonzero(terms[:, 5])
+            if damaged.size:
+                tables = variants.reshape(-1, law.gap.size)
+                row = (terms[damaged, 5, None].astype(int) - 1) * law.face_coordinate.size
+                gap[damaged] += _gap_at(law, xi[damaged], tables, row + np.arange(law.face_coordinate.size))
+        gap = gap + law.lead_gap - psi * law.face_coordinate + xi * (a1 + xi * a2) + part * (b1 + part * b2)
+        lowest = np.minimum(lowest, gap.min(axis=1) + h[:, 0])
     if not np.isfinite(lowest).all():
         raise LawError(
             f"mesh law {law.model!r}: no tooth pair can touch at cycle {cycle[~np.isfinite(lowest)][0]:.6g}; too many "
             "teeth are missing side by side, or the law was built with too small a largest gap"
         )
     return lowest
+
+
+def _gap_at(law: MeshLaw, xi: np.ndarray, tables: np.ndarray, row: np.ndarray) -> np.ndarray:
+    """tables[row] at xi, linear in each cell; inf where a cell has an infinite end or nothing can touch."""
+    place = (xi - law.position_start) / law.position_step
+    cell = np.clip(place.astype(int), 0, law.gap.size - 2)
+    weight = np.clip(place - cell, 0.0, 1.0)
+    low, high = tables[row, cell], tables[row, cell + 1]
+    phi = law.fraction[cell] + weight * (law.fraction[cell + 1] - law.fraction[cell])
+    closed = np.isinf(low) | np.isinf(high) | (place < 0.0) | (place > law.gap.size - 1) | (phi <= 0.0)
+    low, high = np.where(closed, 0.0, low), np.where(closed, 0.0, high)
+    return np.where(closed, np.inf, low + weight * (high - low))
 
 
 def _approach_at(

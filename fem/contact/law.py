@@ -1,24 +1,45 @@
-"""MeshLaw: the elastic force of one flank of a gear pair, (c, delta, psi; h) -> U, F, M, shares.
+"""MeshLaw: the elastic force of one flank of a gear pair, (c, delta, psi; teeth) -> U, F, M, shares.
 
 The face is cut into slices. In slice s at face coordinate y_s the tooth pair p has the local position
 xi = c' - p + shift_s on the path of contact, in mesh cycles, with c' = cycle_sign * c + cycle_offset. Its line load
 f (N/m) and approach x (m) obey
 
     x = C(xi) f + A f (B(xi) - ln f) + sum_q c_|p-q|(xi) fraction_q f_q        (x > 0, else f = 0)
-    x = delta + psi y_s - gap(xi) - h_p
+    x = delta + psi y_s - gap(xi) - lead_gap(y_s) - h_p(xi, y_s)
 
 C holds tooth and body compliance, A and B the Hertz line contact, c_n the compliance between pair p and pair p + n
 (tabulated at the xi of the pair that is ahead, i.e. of the smaller p). F = sum fraction f width,
 M = sum fraction f width y. U is the strain energy, so F = dU/d delta, M = dU/d psi.
+
+Coupling of the slices along the face, none by default, takes from x
+
+    sqrt(D(xi)) v_p(y) + E_0 F + E_1 M y,      v_p - a^2 v_p'' = sqrt(D) fraction f_p,   v_p' = 0 at both ends of the face
+
+D is the compliance of tooth bending that spreads along the face over the length a (an elastic foundation whose influence
+decays like exp(-|y - y'|/a) and doubles at a free end: the moment image of Wellauer & Seireg, 1960, J. Eng. Ind. 82),
+E_0 and E_1 the wind-up and the tilt of the bodies, common to all pairs.
+
+Shapes along the flank are gaps, positive where material is missing: gap(xi) holds the profile of both gears and the
+gap of the tip edges, lead_gap(y) their lead; the sum of the two is exact for every modification but a twisted flank.
+h_p is what the two teeth of the pair bring of their own, see `fem.contact.teeth`. A damaged tooth is a variant: a table
+over (slice, position) of the compliance and the gap that it adds to its pair; the parts of pinion and wheel add up.
+Variant 0 is the sound tooth, variant v the table v - 1. A variant leaves the coupling to the neighbours as it is.
 """
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from fem.records import Record, array, integer, scalar, text
+
+
+def _sound(*dims: str, units: str, infinite: bool = False) -> Any:
+    """Array field that is 0, or without variants, unless given."""
+    return dataclasses.field(default=None, metadata=array(*dims, units=units, infinite=infinite).metadata)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -44,3 +65,20 @@ class MeshLaw(Record):
     pinion_teeth: int = integer()
     wheel_teeth: int = integer()
     wheel_tooth_offset: int = integer()  # pair p: pinion tooth cycle_sign*p, wheel tooth cycle_sign*p + this
+    spread_compliance: np.ndarray = _sound("position", units="m2/N")  # D, of tooth bending that spreads along the face
+    spread_length: float = dataclasses.field(default=0.0, metadata=scalar(units="m").metadata)  # a
+    body_compliance: float = dataclasses.field(default=0.0, metadata=scalar(units="m/N").metadata)  # E_0, wind-up
+    tilt_compliance: float = dataclasses.field(default=0.0, metadata=scalar(units="1/(N m)").metadata)  # E_1, tilt
+    lead_gap: np.ndarray = _sound("slice", units="m")
+    pinion_variant_compliance: np.ndarray = _sound("pinion_variant", "slice", "position", units="m2/N")  # >= 0
+    pinion_variant_gap: np.ndarray = _sound("pinion_variant", "slice", "position", units="m", infinite=True)
+    wheel_variant_compliance: np.ndarray = _sound("wheel_variant", "slice", "position", units="m2/N")
+    wheel_variant_gap: np.ndarray = _sound("wheel_variant", "slice", "position", units="m", infinite=True)
+
+    def __post_init__(self) -> None:
+        slices, positions = np.size(self.face_coordinate), np.size(self.compliance)
+        for field in dataclasses.fields(self):
+            if field.default is None and getattr(self, field.name) is None:
+                shape = {"lead_gap": (slices,), "spread_compliance": (positions,)}
+                object.__setattr__(self, field.name, np.zeros(shape.get(field.name, (0, slices, positions))))
+        super().__post_init__()

@@ -13,6 +13,7 @@ from pipelines.stages import Built
 if TYPE_CHECKING:
     from fem.casing.body import ReducedBody
     from fem.casing.checkup import CheckUp
+    from fem.casing.damping import DampingRatio
     from fem.casing.mesh import CasingMesh
     from fem.casing.modes import CasingModes
 
@@ -31,7 +32,7 @@ class RigidSpec:
     housing: Housing
     material: Material
     mount_stiffness: float
-    damping_ratio: float
+    damping_ratio: DampingRatio
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,15 +42,22 @@ class RigidMeshSpec:
     density: float
     sensors: tuple[Sensor, ...]
     mount_stiffness: float
-    damping_ratio: float
+    damping_ratio: DampingRatio
 
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticSpec:
-    """Rungs `static` and `craig-bampton`: what is added to the modes."""
+    """Rungs `static` and `craig-bampton`: what is added to the modes, and how many of them are kept.
+
+    `mounts` in N/m, a row for all feet or one per foot, None on fixed ground; `limit` (Hz) of the kept modes, None for
+    the rung static.
+    """
 
     sensors: tuple[Sensor, ...]
-    damping_ratio: float
+    damping: DampingRatio
+    mounts: tuple[tuple[float, float, float], ...] | None
+    limit: float | None
+    frequency_error: float | None
 
 
 def build_ground(spec: GroundSpec) -> Built:
@@ -86,7 +94,16 @@ def build_elastic(spec: ElasticSpec, modes: tuple[CasingModes, CheckUp]) -> Buil
     """Bearing coordinates and modes."""
     from fem.casing.modes import reduced_body
 
-    return _built(reduced_body(modes[0], sensors=spec.sensors, damping_ratio=spec.damping_ratio))
+    return _built(
+        reduced_body(
+            modes[0],
+            sensors=spec.sensors,
+            damping=spec.damping,
+            mounts=spec.mounts,
+            limit=spec.limit,
+            frequency_error=spec.frequency_error,
+        )
+    )
 
 
 def _built(body: ReducedBody) -> Built:

@@ -1,0 +1,129 @@
+"""What single teeth bring to a mesh law: clearance, slopes and curvatures along profile and face, form of damage.
+
+Tooth terms are an array (z, 6) per gear and flank with the columns h, a1, a2, b1, b2, variant. A pair adds to its gap,
+for both of its teeth,
+
+    h + a1 xi + a2 xi^2 + b1 (y/b) + b2 (y/b)^2
+
+with the position xi on the path of contact in base pitches (0 at the pitch point, rising towards the tip of the
+pinion, the same on both flanks), the face coordinate y from mid face and the face width b: h and b in m, a1 in m per
+base pitch, a2 in m per base pitch squared. b1 is the difference between the ends of the face. A positive gap is missing
+material and touches later; h = inf is a missing tooth. The slopes stand for the slope deviations f_Halpha and f_Hbeta
+of ISO 1328-1:2013, the curvatures for the long-wave part of the form deviations. `variant` is 0 for a sound tooth, else
+the number of a damaged form in the law (`MeshLaw.pinion_variant_gap` and its companions).
+
+Terms are looked up by tooth counters: teeth cost no table over the hunting cycle.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem.contact.law import MeshLaw
+
+COLUMNS = ("clearance", "profile_slope", "profile_curvature", "lead_slope", "lead_curvature", "variant")
+
+
+class LawError(ValueError):
+    """A MeshLaw, its tooth terms or a state cannot be evaluated."""
+
+
+def tooth_terms(
+    teeth: int,
+    *,
+    clearance: np.ndarray | float = 0.0,
+    profile_slope: np.ndarray | float = 0.0,
+    profile_curvature: np.ndarray | float = 0.0,
+    lead_slope: np.ndarray | float = 0.0,
+    lead_curvature: np.ndarray | float = 0.0,
+    variant: np.ndarray | int = 0,
+) -> np.ndarray:
+    """Tooth terms (teeth, 6) of one gear and flank, from numbers or arrays (teeth,).
+
+    Raises
+    ------
+    LawError : wrong length, NaN, infinite terms other than clearance = +inf, a variant that is no whole number >= 0
+    """
+    terms = np.empty((teeth, len(COLUMNS)))
+    given = (clearance, profile_slope, profile_curvature, lead_slope, lead_curvature, variant)
+    for k, (name, value) in enumerate(zip(COLUMNS, given, strict=True)):
+        column = np.asarray(value, dtype=float)
+        if column.shape not in ((), (teeth,)):
+            raise LawError(
+                f"tooth terms: {name} has shape {column.shape}, one value for each of its {teeth} teeth needed"
+            )
+        terms[:, k] = column
+    return checked_terms("gear", teeth, terms)
+
+
+def checked_terms(gear: str, teeth: int, value: np.ndarray | None) -> np.ndarray:
+    """Tooth terms (teeth, 6): zeros for None, clearances alone from an array (teeth,).
+
+    Raises
+    ------
+    LawError : wrong shape, NaN or -inf, infinite terms other than the clearance, variants that are no numbers >= 0
+    """
+    given = np.zeros(teeth) if value is None else np.array(value, dtype=float)
+    terms = np.zeros((teeth, len(COLUMNS)))
+    if given.shape == (teeth,):
+        terms[:, 0] = given
+    elif given.shape == terms.shape:
+        terms[:] = given
+    else:
+        raise LawError(
+            f"clearance of the {gear}: shape {given.shape}, one value for each of its {teeth} teeth needed, or tooth "
+            f"terms ({teeth}, {len(COLUMNS)})"
+        )
+    wrong = np.isnan(terms[:, 0]) | (terms[:, 0] == -np.inf)
+    if wrong.any():
+        raise LawError(f"clearance of the {gear}: NaN or -inf at tooth {int(np.argmax(wrong))}; give m or +inf")
+    for k, name in enumerate(COLUMNS[1:], 1):
+        wrong = ~np.isfinite(terms[:, k])
+        if name == "variant":
+            wrong |= (terms[:, k] < 0) | (terms[:, k] % 1 != 0)
+        if wrong.any():
+            i = int(np.argmax(wrong))
+            raise LawError(f"{name} of the {gear}: {terms[i, k]!r} at tooth {i}; give a finite number")
+    return terms
+
+
+def least_clearance(law: MeshLaw, pinion: np.ndarray, wheel: np.ndarray) -> float:
+    """A gap (m) that no pair of the law falls below: nothing touches at a smaller approach delta + |psi y|."""
+    last = law.position_start + law.position_step * (law.gap.size - 1)
+    far = max(abs(law.position_start), abs(last))
+    part = float(np.abs(law.face_coordinate).max() / law.slice_width.sum())
+    reach = np.array([far, far**2, part, part**2])
+    least = float(np.min(law.gap)) + float(np.min(law.lead_gap))
+    for terms, variants in ((pinion, law.pinion_variant_gap), (wheel, law.wheel_variant_gap)):
+        here = terms[np.isfinite(terms[:, 0])]
+        if here.size == 0:
+            return float("inf")
+        least += float((here[:, 0] - np.abs(here[:, 1:5]) @ reach).min())
+        least += min(0.0, float(variants.min())) if variants.size and here[:, 5].any() else 0.0
+    return least
+
+
+def with_variants(law: MeshLaw, gear: str, compliance: np.ndarray | float, gap: np.ndarray | float) -> MeshLaw:
+    """The law with one more damaged tooth form of "pinion" or "wheel"; its number is how many there are then.
+
+    compliance (m2/N, >= 0) and gap (m, +inf where the tooth is chipped away) are what the form adds to its pair; they
+    broadcast to (slice, position).
+
+    Raises
+    ------
+    LawError : unknown gear, negative compliance
+    """
+    if gear not in ("pinion", "wheel"):
+        raise LawError(f"tooth variant: gear is {gear!r}; choose 'pinion' or 'wheel'")
+    shape = (1, law.face_coordinate.size, law.compliance.size)
+    added = {"compliance": compliance, "gap": gap}
+    if np.min(compliance) < 0.0:
+        raise LawError(
+            f"tooth variant of the {gear}: compliance falls to {np.min(compliance):.4g} m2/N; damage makes a tooth "
+            "softer, give values >= 0"
+        )
+    changes = {}
+    for name, value in added.items():
+        field = f"{gear}_variant_{name}"
+        changes[field] = np.concatenate([getattr(law, field), np.broadcast_to(value, shape)])
+    return law.replaced(**changes)
