@@ -24,7 +24,7 @@ from pipelines.flanks import common_wear, damaged_teeth
 from pipelines.layout import Layout
 from pipelines.machine import bearing_specs
 from pipelines.scene import Scene
-from pipelines.stages import Stage
+from pipelines.stages import Graph, Stage
 from pipelines.tables.analysis import DiagnosisTable
 from pipelines.tables.base import MaterialTable
 from pipelines.tables.casing import (
@@ -193,13 +193,35 @@ def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
             spec=body.ElasticSpec(
                 sensors=box.sensors,
                 damping=table.damping_ratio,
-                mounts=_mounts(table),
+                mounts=casing_mounts(scene),
                 limit=MODES_OVER_BAND * band if band else None,
                 frequency_error=getattr(table, "frequency_error", None),
             ),
             takes=("casing modes",),
         ),
     ]
+
+
+def casing_error_stage(graph: Graph, band: float) -> Stage:
+    """The comparison of a scene's elastic casing with its full model up to a band (Hz)."""
+    from pipelines.building import casing_error
+
+    body = graph.stages["casing"].spec
+    return Stage(
+        name="casing error",
+        kind="casing-error",
+        build=casing_error.build,
+        spec=casing_error.CasingErrorSpec(
+            modes=graph.stages["casing modes"].spec,
+            band=band,
+            sensors=body.sensors,
+            damping=body.damping,
+            mounts=body.mounts,
+        ),
+        takes=("casing mesh", "casing modes", "casing"),
+        libraries=("numpy", "scipy", "pymetis"),
+        seconds=40.0,
+    )
 
 
 def loaded_axes(scene: Scene) -> dict[str, tuple[str, ...]]:
@@ -210,9 +232,10 @@ def loaded_axes(scene: Scene) -> dict[str, tuple[str, ...]]:
     }
 
 
-def _mounts(table: ElasticBase) -> tuple[tuple[float, float, float], ...] | None:
-    """Stiffness of the feet in N/m, None on fixed ground."""
-    if table.ground == "fixed":
+def casing_mounts(scene: Scene) -> tuple[tuple[float, float, float], ...] | None:
+    """Stiffness of the feet of an elastic casing in N/m, None on fixed ground."""
+    table = scene.casing
+    if not isinstance(table, ElasticBase) or table.ground == "fixed":
         return None
     return tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um)
 

@@ -25,7 +25,7 @@ TYPICAL_STIFFNESS = 18e9  # N/m2: c_gamma of steel pairs, for orders of magnitud
 def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
     """Faults that do not fit on their teeth, deviations outside ISO 1328-1."""
     for number, fault in enumerate(scene.faults, 1):
-        one = damage(fault, lifting_sense(fault.stage))
+        one = damage(fault, lifting_sense(scene, fault.stage))
         if one is not None:
             try:
                 one.check(getattr(layout.pairs[fault.stage - 1], fault.gear))

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.linalg as la
-from housings import housing_for_shafts
+from housings import housing_for_shafts, small_housing
 
 from fem.casing.checkup import check_up
 from fem.casing.coupling import CouplingError, surface_weights
@@ -31,18 +31,7 @@ def rig():
 
 @pytest.fixture(scope="module")
 def small():
-    """A one-stage housing: two shafts, four bearings, six feet."""
-    return housing_for_shafts(
-        (0.0, 0.07668),
-        bore_diameters=(0.047, 0.062),
-        boss_diameters=(0.065, 0.080),
-        length=0.26,
-        width=0.16,
-        height=0.16,
-        left=-0.07,
-        axis_height=0.08,
-        foot_length=0.04,
-    )
+    return small_housing()
 
 
 @pytest.fixture(scope="module")

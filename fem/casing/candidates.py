@@ -25,14 +25,10 @@ def cylinders_like(surface: Surface, axis: np.ndarray, through: np.ndarray) -> s
     found = []
     for part in _smooth_pieces(surface, axis):
         corners = surface.corners[part].reshape(-1, 3)
-        u, v = (corners @ direction for direction in across)
-        solution = np.linalg.lstsq(np.column_stack([u, v, np.ones(len(u))]), u**2 + v**2, rcond=None)[0]
-        centre, square = solution[:2] / 2, solution[2] + (solution[:2] ** 2).sum() / 4
-        if len(part) < 6 or square <= 0.0:
+        fitted = fitted_circle(corners @ across.T) if len(part) >= 6 else None
+        if fitted is None:
             continue
-        radius = float(np.sqrt(square))
-        if np.abs(np.hypot(u - centre[0], v - centre[1]) - radius).max() > 0.02 * radius:
-            continue
+        centre, radius = fitted
         place = centre @ across + axis * 0.5 * float((corners @ axis).min() + (corners @ axis).max())
         found.append((float(np.linalg.norm(place - through)), radius, place))
     if not found:
@@ -40,6 +36,18 @@ def cylinders_like(surface: Surface, axis: np.ndarray, through: np.ndarray) -> s
     found.sort(key=lambda one: one[0])
     words = [f"diameter {2000 * radius:.5g} mm at {_mm(place)}" for _, radius, place in found[:_SHOWN]]
     return f"the nearest cylinders along it: {'; '.join(words)}"
+
+
+def fitted_circle(points: np.ndarray) -> tuple[np.ndarray, float] | None:
+    """Centre (2,) and radius of the circle through points (n, 2); None if one lies off it by more than 2 %."""
+    system = np.column_stack([points, np.ones(len(points))])
+    solution = np.linalg.lstsq(system, (points**2).sum(axis=1), rcond=None)[0]
+    centre, square = solution[:2] / 2, solution[2] + (solution[:2] ** 2).sum() / 4
+    if square <= 0.0:
+        return None
+    radius = float(np.sqrt(square))
+    off = np.abs(np.linalg.norm(points - centre, axis=1) - radius).max()
+    return (centre, radius) if off <= 0.02 * radius else None
 
 
 def planes_like(surface: Surface, normal: np.ndarray, through: np.ndarray) -> str:

@@ -18,6 +18,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
+from fem.casing.candidates import fitted_circle
 from fem.casing.housing import GLOBAL_AXES, HousingError, Sensor
 from fem.casing.locate import (
     ByCylinder,
@@ -264,9 +265,14 @@ def _seat_point(surface: Surface, seat: Seat, facets: np.ndarray) -> np.ndarray:
         through, axis = np.array(seat.locator.through), np.array(seat.locator.axis)
         point, allowed = axis_place(surface, facets, through, axis), OFF_AXIS
     else:
-        point, axis = centroid(surface, facets), np.array([0.0, 1.0, 0.0])
-        radius = np.linalg.norm((surface.corners[facets] - point) * [1.0, 0.0, 1.0], axis=2).mean()
-        allowed = 0.3 * float(radius)  # the centroid of half a shell, or of a seat with a groove, lies off the axis
+        corners, axis = surface.corners[facets].reshape(-1, 3), np.array([0.0, 1.0, 0.0])
+        fitted = fitted_circle(corners[:, [0, 2]])
+        middle, allowed = centroid(surface, facets), OFF_AXIS
+        if fitted is not None:
+            middle[[0, 2]] = fitted[0]
+        else:  # a seat with grooves, or more than the seat in one group: its centroid lies off the axis
+            allowed = 0.3 * float(np.linalg.norm((corners - middle)[:, [0, 2]], axis=1).mean())
+        point = axis_place(surface, facets, middle, axis)
     if seat.shaft_point is None:
         return point
     wanted = np.array(seat.shaft_point)

@@ -122,7 +122,7 @@ def locate(surface: Surface, name: str, locator: Locator) -> np.ndarray:
 
 
 def plane_parts(surface: Surface, name: str, locator: ByPlane) -> list[np.ndarray]:
-    """The unconnected parts of a plane, sorted by x, then y, then z of their middles (to 0.1 mm)."""
+    """The unconnected parts of a plane, sorted by x, then y, then z of their centroids (to 1 mm)."""
     normal = _unit(locator.normal)
     vectors = surface.area_vectors
     along = np.abs(vectors @ normal) > _FLAT * np.linalg.norm(vectors, axis=1)
@@ -133,7 +133,7 @@ def plane_parts(surface: Surface, name: str, locator: ByPlane) -> list[np.ndarra
             f"{name}: no flat face in the plane through {_mm(locator.through)} with the normal {locator.normal}; "
             f"{planes_like(surface, normal, np.array(locator.through))}"
         )
-    return sorted(parts, key=lambda part: tuple(np.round(surface.corners[part].mean(axis=(0, 1)), 4)))
+    return sorted(parts, key=lambda part: tuple(np.round(centroid(surface, part), 3)))
 
 
 def axis_place(surface: Surface, facets: np.ndarray, through: np.ndarray, axis: np.ndarray) -> np.ndarray:

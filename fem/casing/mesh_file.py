@@ -63,6 +63,11 @@ def read_mesh_file(path: Path) -> FileMesh:
     if len(solids) != 1:
         words = "both linear and quadratic tetrahedra" if solids else f"no tetrahedra (it has {kinds or 'nothing'})"
         raise MeshError(f"{path.name} has {words}; give one volume mesh of ten-node tetrahedra")
+    sizes = {block.data.shape[1] for block in mesh.cells if block.type == solids[0]}
+    if not sizes <= {4, 10}:
+        raise MeshError(
+            f"{path.name} has tetrahedra of {sorted(sizes)} nodes; 4 or 10 are known. Write continuation lines with +"
+        )
     elements = np.vstack([block.data for block in mesh.cells if block.type == solids[0]]).astype(np.int64)
     nodes = np.asarray(mesh.points, float)
     if nodes.shape[1] != 3:

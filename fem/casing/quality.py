@@ -30,6 +30,7 @@ _log = logging.getLogger(__name__)
 QUALITY_LIMIT = 0.05  # least SICN
 GOOD_QUALITY = 0.1  # below it a mesh is worked on before it is refused
 EDGE_RATIO_LIMIT = 50.0
+_TURNS = 12  # of straightening; the last three make straight edges at once
 _CHUNK = 8192  # elements worked on at once
 
 _REGULAR = np.array([[1.0, 0.5, 0.5], [0.0, np.sqrt(3.0) / 2.0, np.sqrt(3.0) / 6.0], [0.0, 0.0, np.sqrt(2.0 / 3.0)]])
@@ -69,23 +70,25 @@ def measure(nodes: np.ndarray, elements: np.ndarray) -> Quality:
 
 
 def straightened(nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
-    """The nodes with the mid-sides of badly curved elements moved back to the middle of their edges.
+    """The nodes with the mid-sides of badly curved elements moved towards the middle of their edges.
 
     Where elements are large for the radius they follow (a fillet, a small hole), curving one face can fold the element
-    or nearly so. Such elements, and no others, get straight edges; the surface is then met at their corners only, an
-    error of second order in the element size.
+    or nearly so. Such elements, and no others, lose a third of their curvature at a time until they are sound; the
+    surface is then met at their corners only, an error of second order in the element size.
     """
     mended = nodes
-    for _ in range(8):
+    for turn in range(_TURNS):
         found = measure(mended, elements)
         bad = ((found.sicn < GOOD_QUALITY) | (found.jacobian < GOOD_QUALITY)) & curved(mended, elements)
         if not bad.any():
             break
         if mended is nodes:
             mended = nodes.copy()
-        _log.info("casing mesh: %d curved elements get straight edges", int(bad.sum()))
-        ends = mended[elements[bad][:, EDGES]]
-        mended[elements[bad, 4:]] = ends.mean(axis=2)
+        _log.info("casing mesh: %d curved elements are straightened", int(bad.sum()))
+        middles = elements[bad, 4:].ravel()
+        straight = mended[elements[bad][:, EDGES]].mean(axis=2).reshape(-1, 3)
+        share = 1.0 if turn >= _TURNS - 3 else 1.0 / 3.0
+        mended[middles] = share * straight + (1.0 - share) * mended[middles]
     return mended
 
 
