@@ -152,7 +152,9 @@ def render_mesh(
     view: GearPairView, cycles: np.ndarray, frames: MeshFrames, most_load: float, size: tuple[int, int] = (900, 620)
 ) -> list[Picture] | LeftOut:
     """The teeth in mesh at every cycle, seen through, with their contact lines; places "mesh", "x", "y", "z"."""
-    arrays, places = _gear_arrays(view)
+    pitch = view.centre_distance * view.pinion_teeth / (view.pinion_teeth + view.wheel_teeth)
+    half = 0.75 * max(view.face_width, 9 * pitch / view.pinion_teeth)
+    arrays, _ = _gear_arrays(view)
     if view.missing_gear:
         arrays["marked_points"], arrays["marked_quads"] = arrays.pop("gone_points"), arrays.pop("gone_quads")
         arrays["marked_gear"] = np.array(view.missing_gear)
@@ -160,12 +162,11 @@ def render_mesh(
         "line_points": frames.points,
         "line_load": frames.load,
         "most_load": np.array(most_load),
+        "line_radius": np.array(0.02 * half),
         "centre_distance": np.array(view.centre_distance),
         "pinion_turn": 2 * np.pi * cycles / view.pinion_teeth,
         "wheel_turn": -2 * np.pi * cycles / view.wheel_teeth,
     }
-    pitch = view.centre_distance * view.pinion_teeth / (view.pinion_teeth + view.wheel_teeth)
-    half = 0.75 * max(view.face_width, 9 * pitch / view.pinion_teeth)
     places = {"mesh": np.array([pitch, 0.0, 0.0])}
     places |= {axis: places["mesh"] + 0.2 * half * np.eye(3)[i] for i, axis in enumerate("xyz")}
     return _render(

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 import pyvista
 
-COLOURS = {"ground": "#f2c200", "bearing": "#c8281e", "sensor": "#2e9e44"}
-PINION, WHEEL, GONE = "#8fa9bf", "#c9b28a", "#d62718"
+from pipelines.view_colours import GONE, LOAD_COLOURS, PINION, POINTS, WHEEL
+
 FEATURE_ANGLE = 30.0
 
 
@@ -28,7 +28,8 @@ def main(job_path: str) -> None:
         arrays = {name: stored[name] for name in stored.files}
     plotter: Any = pyvista.Plotter(off_screen=True, window_size=job["size"])
     plotter.set_background("white")
-    moving = {"gears": draw_gears, "casing": draw_casing, "mode": draw_mode, "mesh": draw_mesh}[job["kind"]](plotter, arrays)
+    draw = {"gears": draw_gears, "casing": draw_casing, "mode": draw_mode, "mesh": draw_mesh}[job["kind"]]
+    moving = draw(plotter, arrays)
     look_at(plotter, job["direction"], job["up"], job["zoom"], job["focus"])
     plotter.enable_anti_aliasing("ssaa")
     for number, image in enumerate(job["images"]):
@@ -60,7 +61,7 @@ def draw_casing(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
     if edges.n_cells:
         plotter.add_mesh(edges, color="#4a5560", line_width=1.2)
     radius = 0.011 * float(np.linalg.norm(np.ptp(arrays["nodes"], axis=0)))
-    for kind, colour in COLOURS.items():
+    for kind, colour in POINTS.items():
         for centre in arrays[f"{kind}_points"]:
             plotter.add_mesh(pyvista.Sphere(radius=radius, center=centre), color=colour, ambient=0.35)
 
@@ -91,7 +92,7 @@ def draw_mode(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], No
 def draw_mesh(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], None]:
     """Two gears seen through, the damaged tooth in red, and the contact lines coloured by their load (N/m)."""
     actors: dict[str, list[Any]] = {"pinion": [], "wheel": []}
-    for part, colour, opacity in (("pinion", PINION, 0.45), ("wheel", WHEEL, 0.45), ("marked", GONE, 0.75)):
+    for part, colour, opacity in (("pinion", PINION, 0.3), ("wheel", WHEEL, 0.3), ("marked", GONE, 0.35)):
         if f"{part}_points" not in arrays:
             continue
         mesh = surface(arrays[f"{part}_points"], arrays[f"{part}_quads"])
@@ -99,19 +100,18 @@ def draw_mesh(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], No
         gear = str(arrays["marked_gear"]) if part == "marked" else part
         actors[gear].append(plotter.add_mesh(mesh, color=colour, opacity=opacity, specular=0.2))
         actors[gear].append(plotter.add_mesh(edges, color="#404040" if part != "marked" else GONE, line_width=1.2))
-    most = float(arrays["most_load"])
+    most, thickness = float(arrays["most_load"]), float(arrays["line_radius"])
     wheel_axis = float(arrays["centre_distance"])
 
     def move(number: int) -> None:
         for gear, centre in (("pinion", 0.0), ("wheel", wheel_axis)):
             for actor in actors[gear]:
                 actor.user_matrix = turned(float(arrays[f"{gear}_turn"][number]), centre)
-        lines = contact_lines(arrays["line_points"][number], arrays["line_load"][number])
+        lines = contact_lines(arrays["line_points"][number], arrays["line_load"][number], thickness)
         plotter.remove_actor("lines", render=False)
         if lines is not None:
             plotter.add_mesh(
-                lines, name="lines", scalars="load", cmap="plasma", clim=(0.0, most), line_width=9, show_scalar_bar=False,
-                ambient=1.0, diffuse=0.0, reset_camera=False,
+                lines, name="lines", scalars="load", cmap=LOAD_COLOURS, clim=(0.0, most), show_scalar_bar=False, ambient=1.0, diffuse=0.0, reset_camera=False,
             )  # fmt: skip
 
     move(0)
@@ -127,8 +127,8 @@ def turned(angle: float, centre: float) -> np.ndarray:
     return matrix
 
 
-def contact_lines(points: np.ndarray, load: np.ndarray) -> pyvista.PolyData | None:
-    """Segments between neighbouring loaded slices of each pair (pair, slice); None if nothing touches."""
+def contact_lines(points: np.ndarray, load: np.ndarray, radius: float) -> pyvista.PolyData | None:
+    """Tubes between neighbouring loaded slices of each pair (pair, slice); None if nothing touches."""
     both = np.isfinite(load[:, :-1]) & np.isfinite(load[:, 1:])
     pair, piece = np.nonzero(both)
     if pair.size == 0:
@@ -137,7 +137,7 @@ def contact_lines(points: np.ndarray, load: np.ndarray) -> pyvista.PolyData | No
     cells = np.column_stack([np.full(pair.size, 2), np.arange(2 * pair.size).reshape(-1, 2)]).ravel()
     lines = pyvista.PolyData(ends, lines=cells)
     lines["load"] = np.stack([load[pair, piece], load[pair, piece + 1]], axis=1).ravel()
-    return lines
+    return lines.tube(radius=radius, n_sides=10)
 
 
 def surface(points: np.ndarray, faces: np.ndarray) -> pyvista.PolyData:
