@@ -63,8 +63,8 @@ class GeneralisedAlpha:
         still = np.zeros((len(self._rows), len(self._forces)))
         v = system.rows @ self._v
         used = solve_rows(
-            system.table, self._angle, state.motor_speed, self._rows.copy(), v.copy(), still, still[: len(v)].copy(), self._forces,
-            self._rows, v, self._log, TOLERANCE,
+            system.table, self._angle, state.motor_speed, self._rows.copy(), v.copy(), still,
+            still[: len(v)].copy(), self._forces, self._rows, v, self._log, TOLERANCE,
         )  # fmt: skip
         if used < 0:
             raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")

@@ -83,8 +83,8 @@ class ModalIntegrator:
         still = np.zeros((len(u), m))
         forces = state.forces.copy()
         used = solve_rows(
-            table, state.motor_angle, state.motor_speed, u, v, still, still[:m].copy(), forces, u.copy(), v.copy(), log[0],
-            TOLERANCE,
+            table, state.motor_angle, state.motor_speed, u, v, still, still[:m].copy(), forces, u.copy(), v.copy(),
+            log[0], TOLERANCE,
         )  # fmt: skip
         if used < 0:
             raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")

@@ -88,10 +88,10 @@ def _add_product(target, weight, push):
 @njit(nogil=True, error_model="numpy")
 def _kink(before, after, n_contact):
     """True if one of the first elements, flanks and ropes, touched or let go."""
+    changed = False
     for k in range(n_contact):
-        if (before[k, 0] > 0.0) != (after[k, 0] > 0.0):
-            return True
-    return False
+        changed = changed or (before[k, 0] > 0.0) != (after[k, 0] > 0.0)
+    return changed
 
 
 @njit(nogil=True, error_model="numpy")
@@ -161,7 +161,7 @@ def _compiled(digest: int) -> Callable:
         m, n_rows, n_past, finest = len(enter), len(rows), len(pushes), len(length) - 1
         units = QUARTERS**finest
         u_p, v_p, v, guess = np.empty(n_rows), np.empty(m), np.empty(m), np.empty(m)
-        moving, quality = np.empty(len(state)), np.zeros(1)
+        moving, quality, frozen = np.empty(len(state)), np.zeros(1), np.zeros((len(table.tau), 6))
         iterations, n, n_contact = 0, 0, len(table.tau) + len(table.rope_ea)
         for i in range(first, len(angles)):
             if n + units > len(states):
@@ -188,7 +188,7 @@ def _compiled(digest: int) -> Callable:
                 _extrapolate(past_forces, past, counts[0], length[level], guess)
                 used = iterate(
                     table, angle, speed, u_p, v_p, g_u[level, hold], g_v[level, hold], guess, row_values[n], v, log[n],
-                    tolerance, NEAR, ROUGH if level < finest else np.inf, quality,
+                    tolerance, NEAR, ROUGH if level < finest else np.inf, quality, last_rows, frozen,
                 )  # fmt: skip
                 if level < finest and (used < 0 or _kink(last_log, log[n], n_contact)):
                     counts[1] += 1
@@ -196,7 +196,7 @@ def _compiled(digest: int) -> Callable:
                 if used < 0:
                     return i, n, iterations, True
                 iterations += used
-                parametric_work(table, motor[0], angle, last_rows, row_values[n], last_log, log[n])
+                parametric_work(table, motor[0], angle, last_rows, row_values[n], last_log, log[n], frozen)
                 for r in range(m):
                     forces[n, r] = guess[r]
                 clock[n, 0], clock[n, 1], clock[n, 2], clock[n, 3] = length[level], angle, speed, a
