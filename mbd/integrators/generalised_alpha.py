@@ -31,7 +31,7 @@ DEFAULT_RADIUS = 0.9
 class GeneralisedAlpha:
     """Integrator (see `mbd.integrators.base`); the state is (q, v)."""
 
-    flow = None
+    flow, force_change = None, 0.0
 
     def __init__(self, system: System, step: float, radius: float = DEFAULT_RADIUS) -> None:
         if not 0.0 <= radius <= 1.0:

@@ -28,7 +28,7 @@ ATOL = 1e-13  # mass-normalised coordinates
 class Reference:
     """Integrator (see `mbd.integrators.base`) that takes as many inner steps per step as its tolerance needs."""
 
-    flow = None
+    flow, force_change = None, 0.0
 
     def __init__(self, system: System, step: float, method: str = "DOP853") -> None:
         basis, n = system.basis, len(system.frequencies)
