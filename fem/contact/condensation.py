@@ -16,11 +16,15 @@ with N the influence function of 1 - a^2 d^2/dy^2 with free ends. The terms are 
 All terms are positive semidefinite, so the law is convex whatever the record.
 
 Loss against the direct solution on the dense record (z 20/55, m_n 2 mm, 30 to 300 N/mm, level and tilted by 0.3 and
-0.12 mrad; 16 positions of a cycle): beta 12 deg, b 12 mm: mean stiffness 0.1 %, e peak-to-peak -1 to +3 %, tilt
-stiffness +1.2 %, force centroid 0.02 mm, largest approach with a missing tooth +3.5 %; beta 15, b 30: 0.15 %,
-+2 to +4 %, +2.8 %, 0.16 mm, +0.2 %; spur, b 12: below 0.01 % (tilted e peak-to-peak -1.5 % at 30 N/mm), +0.03 %, 0.02 mm, below 0.01 %.
+0.12 mrad; 16 positions of a cycle):
+
+    pair              mean stiffness   e peak-to-peak   tilt stiffness   centroid   largest e, missing tooth
+    beta 12, b 12          0.1 %          -1 to +3 %        +1.2 %       0.02 mm          +3.5 %
+    beta 15, b 30          0.15 %         +2 to +4 %        +2.8 %       0.16 mm          +0.2 %
+    spur, b 12             0.04 %         -1.5 to 0 %       +0.03 %      0.02 mm           0.01 %
+
 Without E_01 the largest error of e at beta 12 is 1.1 instead of 0.35 % and the centroid is off by 0.14 mm; independent
-slices (rung `plane`) are 13 % too stiff in the mean and 39 % too soft in tilt at b 12, 25 % at b 30.
+slices (rung `plane`) are 13 % too stiff in the mean, and 39 % (b 12) and 25 % (b 30) too soft in tilt.
 """
 
 from __future__ import annotations

@@ -17,7 +17,10 @@ and all derivatives are those of the minimum (envelope theorem); the total stiff
 bodies in series.
 
 Hertz contacts bend little, so four or five steps reach round-off. Where that does not settle, or a slice loads three
-pairs, the slices are solved exactly at fixed fields and the fields moved in turn (`solve_in_turn`, ten times dearer).
+pairs, the slices are solved exactly at fixed fields and the fields moved in turn (`solve_in_turn`).
+
+Measured on the stage 1 pair of the shipped rig (15 slices, two pairs): 8.3 us per call, a step about 1.8 us; without
+coupling a call takes 0.85 us.
 """
 
 from __future__ import annotations
@@ -174,6 +177,12 @@ def spring(tables, s):
 @njit(**_options)
 def invert(n, matrix):
     """Inverse of a small symmetric positive definite matrix, in place (Gauss-Jordan without pivoting)."""
+    if n == 2:
+        a, b, c = matrix[0, 0], matrix[0, 1], matrix[1, 1]
+        scale = 1.0 / (a * c - b * b)
+        matrix[0, 0], matrix[1, 1] = c * scale, a * scale
+        matrix[0, 1] = matrix[1, 0] = -b * scale
+        return
     for k in range(n):
         pivot = 1.0 / matrix[k, k]
         matrix[k, k] = 1.0

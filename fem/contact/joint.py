@@ -19,7 +19,7 @@ from fem.contact import lanes
 from fem.contact.packing import BODY, LANES, LENGTH, ROWS_PER_BLOCK, SLICE_ROWS, SLOPE, Y
 
 STEPS = 14
-CLOSE = 2e-6  # largest relative step of a line load that leaves an error of its square
+CLOSE = 1e-5  # largest relative step of a line load that leaves an error of a tenth of its square
 _inline: dict[str, Any] = {
     "cache": True,
     "nogil": True,
