@@ -1,28 +1,34 @@
 """Direct solution of symmetric positive definite systems K x = b with many right sides.
 
-CHOLMOD (supernodal Cholesky, nested dissection) when the optional package scikit-sparse is installed with an optimised
-BLAS, else SuperLU of SciPy without pivoting on a METIS nested dissection ordering. On the reference BLAS, with which
-Debian links CHOLMOD unless OpenBLAS is installed, it is the slower one: at 78,000 unknowns 46 against 20 ms for each
-right side in blocks of 12, and no faster to factorise. Both refuse a matrix that is singular or indefinite. SuperLU
-does not notice either by itself: the signs of its pivots and a residual are examined here.
+The default is our multifrontal Cholesky factorisation (`fem.multifrontal`) on an order by METIS: it needs nothing but
+the BLAS inside SciPy. Where pymetis cannot be imported, SciPy's SuperLU without pivoting takes its place and says so;
+it serves as an independent second solver, too. CHOLMOD runs on request when the optional package scikit-sparse is
+installed; with a good BLAS it is about as fast as ours, on the reference BLAS, with which Debian links it unless
+OpenBLAS is installed, several times slower. All refuse a matrix that is singular or indefinite; SuperLU does not notice
+by itself: the signs of its pivots and a residual are examined here.
 
-References: Chen, Davis, Hager & Rajamanickam (2008), ACM TOMS 35(3), 22; Li (2005), ACM TOMS 31(3), 302-325;
-Karypis & Kumar (1998), SIAM J. Sci. Comput. 20(1), 359-392.
+References: Duff & Reid (1983), ACM TOMS 9(3), 302-325; Li (2005), ACM TOMS 31(3), 302-325; Chen, Davis, Hager &
+Rajamanickam (2008), ACM TOMS 35(3), 22.
 """
 
 from __future__ import annotations
 
 import importlib.util
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import scipy.sparse as sp
 
 from fem.ledger import count
 
-Solver = Literal["auto", "cholmod", "superlu"]
+if TYPE_CHECKING:
+    from fem.elimination import Elimination
+
+Solver = Literal["auto", "multifrontal", "cholmod", "superlu"]
+_LOG = logging.getLogger(__name__)
 _RESIDUAL_LIMIT = 1e-8
 _PIVOT_LIMIT = 1e-13  # smallest pivot over largest diagonal entry: below it the matrix is singular to round-off
 
@@ -38,6 +44,7 @@ class Factor:
     name: str  # which code made it, for the provenance of results
     n: int
     solve: Callable[[np.ndarray], np.ndarray]
+    plan: Elimination | None = None  # order and supernodes of the multifrontal factor, for other matrices like it
 
 
 def cholmod_available() -> bool:
@@ -45,22 +52,9 @@ def cholmod_available() -> bool:
     return importlib.util.find_spec("sksparse") is not None
 
 
-def optimised_blas() -> bool:
-    """Whether a BLAS beside those bundled with NumPy and SciPy is loaded that is not the plain reference one.
-
-    Import scikit-sparse first. The reference BLAS is unknown to threadpoolctl, bundled ones lie in a folder *.libs.
-    """
-    from threadpoolctl import threadpool_info
-
-    return any(pool["user_api"] == "blas" and ".libs" not in pool["filepath"] for pool in threadpool_info())
-
-
-def _cholmod_is_faster() -> bool:
-    if not cholmod_available():
-        return False
-    import sksparse.cholmod  # noqa: F401  (loads its BLAS)
-
-    return optimised_blas()
+def metis_available() -> bool:
+    """Whether pymetis can be imported."""
+    return importlib.util.find_spec("pymetis") is not None
 
 
 def factorize(K: sp.spmatrix, *, solver: Solver = "auto", block: int = 3) -> Factor:
@@ -69,7 +63,7 @@ def factorize(K: sp.spmatrix, *, solver: Solver = "auto", block: int = 3) -> Fac
     Parameters
     ----------
     K : sparse (n, n), symmetric
-    solver : "auto" takes CHOLMOD when it is installed and has an optimised BLAS
+    solver : "auto" is "multifrontal", or "superlu" with a warning in the log where pymetis is missing
     block : unknowns per node; the ordering works on nodes when n is a multiple of it
 
     Raises
@@ -85,8 +79,11 @@ def factorize(K: sp.spmatrix, *, solver: Solver = "auto", block: int = 3) -> Fac
     K = sp.csc_matrix(K)
     if not np.isfinite(K.data).all():
         raise ValueError(f"matrix to factorise has {int((~np.isfinite(K.data)).sum())} entries that are not finite")
-    use_cholmod = solver == "cholmod" or (solver == "auto" and _cholmod_is_faster())
-    factor = _cholmod(K) if use_cholmod else _superlu(K, block)
+    if solver == "auto":
+        solver = "multifrontal" if metis_available() else "superlu"
+        if solver == "superlu":
+            _LOG.warning("pymetis cannot be imported: SciPy's SuperLU solves instead, several times slower")
+    factor = {"multifrontal": _multifrontal, "cholmod": _cholmod, "superlu": _superlu}[solver](K, block)
     _check_residual(K, factor)
     count("factorisations")
     return factor
@@ -99,7 +96,20 @@ def _refuse(reason: str) -> SingularMatrixError:
     )
 
 
-def _cholmod(K: sp.csc_matrix) -> Factor:
+def _multifrontal(K: sp.csc_matrix, block: int) -> Factor:
+    from fem.elimination import plan_elimination
+    from fem.multifrontal import Cholesky, NotDefiniteError
+
+    plan = plan_elimination(K, block)
+    try:
+        cholesky_factor = Cholesky(plan, K)
+    except NotDefiniteError as error:
+        raise _refuse(str(error)) from error
+    _check_pivots(cholesky_factor.pivots, K)
+    return Factor("multifrontal Cholesky with METIS ordering", K.shape[0], cholesky_factor.solve, plan)
+
+
+def _cholmod(K: sp.csc_matrix, block: int) -> Factor:
     from sksparse.cholmod import CholmodNotPositiveDefiniteError, cholesky
 
     try:
@@ -114,17 +124,18 @@ def _cholmod(K: sp.csc_matrix) -> Factor:
 def _superlu(K: sp.csc_matrix, block: int) -> Factor:
     from scipy.sparse.linalg import splu
 
-    order = nested_dissection(K, block)
+    with_metis = metis_available()
+    order = nested_dissection(K, block) if with_metis else np.arange(K.shape[0])
     try:
         lu = splu(
             K[order][:, order].tocsc(),
-            permc_spec="NATURAL",
+            permc_spec="NATURAL" if with_metis else "MMD_AT_PLUS_A",
             diag_pivot_thresh=0.0,
             options={"SymmetricMode": True},
         )
     except RuntimeError as error:
         raise _refuse(f"SuperLU stopped with {error}") from error
-    if not np.array_equal(lu.perm_r, np.arange(K.shape[0])):
+    if not np.array_equal(lu.perm_r, lu.perm_c):
         raise _refuse("SuperLU met a zero pivot")
     _check_pivots(lu.U.diagonal(), K)
 
@@ -134,30 +145,16 @@ def _superlu(K: sp.csc_matrix, block: int) -> Factor:
         x[order] = lu.solve(b[order])
         return x
 
-    return Factor("SuperLU (SciPy) with METIS ordering", K.shape[0], solve)
+    ordering = "METIS" if with_metis else "minimum degree"
+    return Factor(f"SuperLU (SciPy) with {ordering} ordering", K.shape[0], solve)
 
 
 def nested_dissection(K: sp.spmatrix, block: int = 1) -> np.ndarray:
     """Fill-reducing order (n,) of the unknowns by METIS; works on groups of `block` unknowns if n allows it."""
-    import pymetis
+    from fem.elimination import dissect, group_graph
 
-    n = K.shape[0]
-    if n % block:
-        block = 1
-    entries = sp.coo_matrix(K)
-    row, col = entries.row // block, entries.col // block
-    size = n // block
-    adjacency = sp.csr_matrix((np.ones(row.size, np.int8), (row, col)), shape=(size, size))
-    adjacency.setdiag(0)
-    adjacency.eliminate_zeros()
-    if adjacency.nnz == 0:
-        return np.arange(n)
-    if hasattr(pymetis, "CSRAdjacency"):
-        graph = pymetis.CSRAdjacency(adj_starts=adjacency.indptr, adjacent=adjacency.indices)
-        order = np.asarray(pymetis.nested_dissection(graph)[0])
-    else:  # before pymetis 2025.2
-        order = np.asarray(pymetis.nested_dissection(xadj=adjacency.indptr, adjncy=adjacency.indices)[0])
-    return (order[:, None] * block + np.arange(block)).ravel()
+    block = block if K.shape[0] % block == 0 else 1
+    return (dissect(group_graph(K, block))[:, None] * block + np.arange(block)).ravel()
 
 
 def _check_pivots(pivots: np.ndarray, K: sp.csc_matrix) -> None:

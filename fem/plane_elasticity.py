@@ -118,7 +118,12 @@ def elasticity(young: float, poisson: float, strains: int) -> np.ndarray:
 
 
 def stiffness(
-    points: np.ndarray, elements: np.ndarray, young: float, poisson: float, twist: float = 0.0
+    points: np.ndarray,
+    elements: np.ndarray,
+    young: float,
+    poisson: float,
+    twist: float = 0.0,
+    filling: np.ndarray | None = None,
 ) -> sparse.csc_matrix:
     """Stiffness matrix per unit length, N/m2, of shape (components * nodes, components * nodes).
 
@@ -128,8 +133,11 @@ def stiffness(
     elements : int (elements, 9), tensor order (see `shape_functions`)
     young, poisson : Pa, 1
     twist : rad/m, 0 for plane strain (2 components), otherwise 3 components
+    filling : (elements,) part of the length that is filled with material, as by a web; None: all of it
     """
     places, gradients, weight = geometry(points, elements)
+    if filling is not None:
+        weight = weight * filling[:, None]
     values, _ = shape_functions(gauss_grid()[0])
     b = strain_operator(places, gradients, values, twist)
     e, q, strains, columns = b.shape

@@ -15,7 +15,7 @@ from fem.ledger import counting
 from pipelines.cache import Cache, Entry
 from pipelines.errors import WorkError
 from pipelines.payload import PayloadError, digest, load_payload, save_payload
-from pipelines.stages import Built, Graph, Stage, StageRecord
+from pipelines.stages import Built, Graph, Stage, StageRecord, stored
 
 _LOG = logging.getLogger(__name__)
 _LONG_SECONDS = 3.0  # stages expected to take longer may go to a process of their own
@@ -158,12 +158,13 @@ def _take_what_is_cached(
         contents = {name: results[name].record.content for name in stage.takes}
         key = stage.key(contents)
         same = next((r for r in results.values() if r.record.key == key), None)
-        entry = same.entry if same else cache.find(stage.kind, key, thorough=stage.name in wanted)
+        entry = same.entry if same else stored(stage, cache, contents, thorough=stage.name in wanted)
         if same is not None:
             record = _record(stage, key, _facts_of(same.record), reused=True)
             _keep(results, stage, Result(record, entry, same.value), observer)
         elif entry is not None:
-            _keep(results, stage, Result(_record(stage, key, entry.facts, reused=True), entry), observer)
+            record = _record(stage, entry.facts["key"], entry.facts, reused=True)
+            _keep(results, stage, Result(record, entry), observer)
         else:
             ready.append((stage, key))
     return ready

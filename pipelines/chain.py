@@ -1,6 +1,7 @@
 """The stages of a scene: which part of it each one reads, and what it takes.
 
-    law_1 .. law_n                          one per gear pair; equal pairs share one
+    sound_law_i -> law_i                    one per gear pair; equal pairs share one; law_i alone where the flanks are
+                                            neither modified nor damaged (a missing tooth is no damage here)
     casing mesh -> casing modes -> casing   finite elements only for the rungs static and craig-bampton
     simulate -> response                    a missing tooth, deviations, drive and load enter here
 
@@ -11,14 +12,31 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from fem.casing.body import MODES_OVER_BAND
+from fem.casing.geometry import Geometry
+from fem.casing.housing import Housing
+from fem.casing.sizes import Sizes, bending_wavelength
+from fem.materials import Material
+from mbd.bearings import BEARING_AXES
 from pipelines.derived import bearing_points, derive
+from pipelines.errors import Problem, SceneError
+from pipelines.flanks import common_wear, damaged_teeth
 from pipelines.layout import Layout
+from pipelines.machine import bearing_specs
 from pipelines.scene import Scene
-from pipelines.stages import Stage
+from pipelines.stages import Graph, Stage
 from pipelines.tables.analysis import DiagnosisTable
 from pipelines.tables.base import MaterialTable
-from pipelines.tables.casing import CraigBamptonCasingTable, HousingTable, NoCasingTable, RigidCasingTable
+from pipelines.tables.casing import (
+    CraigBamptonCasingTable,
+    ElasticBase,
+    FlexibleBase,
+    NoCasingTable,
+    RigidCasingTable,
+    SensorTable,
+)
 from pipelines.tables.gears import IsoMesh
+from pipelines.tables.housing import HousingTable
 from pipelines.validity import checked_layout
 
 _NUMERIC = ("numpy", "scipy", "numba")
@@ -46,7 +64,7 @@ def scene_stages(scene: Scene, source: str) -> list[Stage]:
     layout = checked_layout(scene, source)
     laws = _law_stages(scene, layout)
     casing = _casing_stages(scene, layout, source)
-    takes = tuple(law.name for law in laws)
+    takes = tuple(law.name for law in laws if law.name.startswith("law_"))
     return [
         *laws,
         *casing,
@@ -71,16 +89,24 @@ def scene_stages(scene: Scene, source: str) -> list[Stage]:
 
 
 def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
-    from pipelines.building import laws
+    from pipelines.building import flanks, laws
 
     stages = []
     facts = derive(scene, layout).stages
     for number, (table, pair, fact) in enumerate(zip(scene.stages, layout.pairs, facts, strict=True), 1):
         mesh = table.mesh
         refinement = 0.0 if isinstance(mesh, IsoMesh) else mesh.refinement
+        added = flanks.FlanksSpec(
+            pair=replace(pair, backlash_allowance=0.0),
+            modifications=layout.modifications[number - 1],
+            pinion_damage=tuple(damaged_teeth(scene, number, "pinion").values()),
+            wheel_damage=tuple(damaged_teeth(scene, number, "wheel").values()),
+            pinion_wear=common_wear(scene, number, "pinion"),
+            wheel_wear=common_wear(scene, number, "wheel"),
+        )
         stages.append(
             Stage(
-                name=f"law_{number}",
+                name=f"law_{number}" if added.empty else f"sound_law_{number}",
                 kind="law",
                 build=laws.build,
                 spec=laws.law_spec(pair, mesh.model, mesh.slices, refinement, fact.line_load),
@@ -89,6 +115,17 @@ def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
                 seconds=0.0 if isinstance(mesh, IsoMesh) else 8.0,
             )
         )
+        if not added.empty:
+            stages.append(
+                Stage(
+                    name=f"law_{number}",
+                    kind="flanks",
+                    build=flanks.build,
+                    spec=added,
+                    takes=(f"sound_law_{number}",),
+                    libraries=("numpy", "scipy"),
+                )
+            )
     return stages
 
 
@@ -102,7 +139,7 @@ def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
         points = {f"bearing_{n}": point for n, point in enumerate(bearing_points(scene, layout), 1)}
         return [Stage(name="casing", kind="casing", build=body.build_ground, spec=body.GroundSpec(points=points))]
     box, iron = housing(scene, table.housing, layout, source), material("casing", table.material)
-    if isinstance(table, RigidCasingTable):
+    if isinstance(table, RigidCasingTable) and isinstance(box, Housing) and box.plain:
         rigid = body.RigidSpec(
             housing=box,
             material=iron,
@@ -112,35 +149,111 @@ def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
         return [Stage(name="casing", kind="casing", build=body.build_rigid, spec=rigid)]
     from pipelines.building import casing_mesh, casing_modes
 
+    mesh = Stage(
+        name="casing mesh",
+        kind="casing-mesh",
+        build=casing_mesh.build,
+        spec=casing_mesh.CasingMeshSpec(housing=replace(box, sensors=()), sizes=_sizes(table, box, iron, source)),
+        libraries=("numpy", "gmsh", "meshio"),
+        seconds=8.0,
+    )
+    if isinstance(table, RigidCasingTable):
+        meshed = body.RigidMeshSpec(
+            density=iron.density,
+            sensors=box.sensors,
+            mount_stiffness=table.mount_stiffness_N_per_um * 1e6,
+            damping_ratio=table.damping_ratio,
+        )
+        takes = ("casing mesh",)
+        return [mesh, Stage(name="casing", kind="casing", build=body.build_rigid_mesh, spec=meshed, takes=takes)]
     band = table.band_Hz if isinstance(table, CraigBamptonCasingTable) else 0.0
     return [
-        Stage(
-            name="casing mesh",
-            kind="casing-mesh",
-            build=casing_mesh.build,
-            spec=casing_mesh.CasingMeshSpec(
-                housing=replace(box, sensors=()), element_size=table.element_size_mm / 1000
-            ),
-            libraries=("numpy", "gmsh"),
-            seconds=8.0,
-        ),
+        mesh,
         Stage(
             name="casing modes",
             kind="casing-modes",
             build=casing_modes.build,
-            spec=casing_modes.CasingModesSpec(material=iron, model=table.model, band=band),
+            spec=casing_modes.CasingModesSpec(
+                material=iron,
+                model=table.model,
+                band=band,
+                ground=table.ground,
+                coupling=table.coupling,
+                interfaces=loaded_axes(scene),
+            ),
             takes=("casing mesh",),
-            libraries=("numpy", "scipy", "scikit-fem", "scikit-sparse", "pymetis"),
+            libraries=("numpy", "scipy", "pymetis"),
             seconds=30.0,
+            enough="band" if band else "",
         ),
         Stage(
             name="casing",
             kind="casing",
             build=body.build_elastic,
-            spec=body.ElasticSpec(sensors=box.sensors, damping_ratio=table.damping_ratio),
+            spec=body.ElasticSpec(
+                sensors=box.sensors,
+                damping=table.damping_ratio,
+                mounts=casing_mounts(scene),
+                limit=MODES_OVER_BAND * band if band else None,
+                frequency_error=getattr(table, "frequency_error", None),
+            ),
             takes=("casing modes",),
         ),
     ]
+
+
+def casing_error_stage(graph: Graph, band: float) -> Stage:
+    """The comparison of a scene's elastic casing with its full model up to a band (Hz)."""
+    from pipelines.building import casing_error
+
+    body = graph.stages["casing"].spec
+    return Stage(
+        name="casing error",
+        kind="casing-error",
+        build=casing_error.build,
+        spec=casing_error.CasingErrorSpec(
+            modes=graph.stages["casing modes"].spec,
+            band=band,
+            sensors=body.sensors,
+            damping=body.damping,
+            mounts=body.mounts,
+        ),
+        takes=("casing mesh", "casing modes", "casing"),
+        libraries=("numpy", "scipy", "pymetis"),
+        seconds=40.0,
+    )
+
+
+def loaded_axes(scene: Scene) -> dict[str, tuple[str, ...]]:
+    """Axes along which every bearing loads the casing; an axis without stiffness needs no interface."""
+    return {
+        spec.name: tuple(axis for axis, k in zip(BEARING_AXES, spec.stiffness, strict=True) if k > 0.0)
+        for spec in bearing_specs(scene)
+    }
+
+
+def casing_mounts(scene: Scene) -> tuple[tuple[float, float, float], ...] | None:
+    """Stiffness of the feet of an elastic casing in N/m, None on fixed ground."""
+    table = scene.casing
+    if not isinstance(table, ElasticBase) or table.ground == "fixed":
+        return None
+    return tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um)
+
+
+def _sizes(table: FlexibleBase, box: Geometry, iron: Material, source: str) -> Sizes:
+    """Element sizes of a casing; at most a share of the bending wavelength of its thinnest wall where that is asked."""
+    size = table.element_size_mm / 1000
+    if isinstance(table, CraigBamptonCasingTable) and table.elements_per_wavelength is not None:
+        if isinstance(box, Housing):
+            wall = box.thinnest_wall
+        elif table.housing.wall_thickness_mm is not None:
+            wall = table.housing.wall_thickness_mm / 1000
+        else:
+            problem = "is needed for casing.elements_per_wavelength of a housing from a file"
+            raise SceneError(source, [Problem("casing.housing.wall_thickness_mm", problem, "Give its thinnest wall.")])
+        size = min(size, bending_wavelength(iron, wall, table.band_Hz) / table.elements_per_wavelength)
+    bore, foot = table.bore_element_size_mm, table.foot_element_size_mm
+    return Sizes(element=size, bore=None if bore is None else bore / 1000, foot=None if foot is None else foot / 1000)
 
 
 def motion_scene(scene: Scene) -> Scene:
@@ -151,7 +264,7 @@ def motion_scene(scene: Scene) -> Scene:
 def _labelled(scene: Scene) -> Scene:
     """The same with title and sensor noise, which only label the response."""
     stages = tuple(stage.model_copy(update={"mesh": IsoMesh()}) for stage in scene.stages)
-    sensors = tuple(sensor.model_copy(update={"position_mm": _ZERO}) for sensor in scene.sensors)
+    sensors = tuple(SensorTable(name=sensor.name, position_mm=_ZERO) for sensor in scene.sensors)
     casing = scene.casing if isinstance(scene.casing, NoCasingTable) else _SOME_CASING
     noise = DiagnosisTable(noise_m_s2=scene.diagnosis.noise_m_s2)
     changes = {"stages": stages, "sensors": sensors, "casing": casing, "control": None, "diagnosis": noise}

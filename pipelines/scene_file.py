@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from pipelines.errors import InputError, Problem, SceneError
 from pipelines.scene_merge import Merged, differences, merge, settings_tree, without
+from pipelines.shipped_files import anchored
 from pipelines.toml_text import format_document
 
 if TYPE_CHECKING:
@@ -160,7 +161,7 @@ def validate(
 
 def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
     """The source with its ``extends`` merged underneath."""
-    tree = parse(source)
+    tree = anchored(parse(source), source.folder)
     base = tree.pop("extends", None)
     if base is None:
         return Merged(tree)

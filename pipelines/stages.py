@@ -36,6 +36,7 @@ class Stage:
     modules: tuple[str, ...] = ()  # further modules whose code counts, beyond what `build` imports
     libraries: tuple[str, ...] = ("numpy",)
     seconds: float = 0.0
+    enough: str = ""  # a number in `spec`: a stored result with a larger one holds all that is asked, and serves
 
     @property
     def code(self) -> str:
@@ -119,6 +120,23 @@ class Graph:
         return Graph(stage for stage in self if stage.name in keep)
 
 
+def stored(stage: Stage, cache: Cache, contents: Mapping[str, str], *, thorough: bool) -> Entry | None:
+    """The entry that serves a stage: its own, or that with the next larger number where more is `enough`."""
+    found = cache.find(stage.kind, stage.key(contents), thorough=thorough)
+    if found is not None or not stage.enough:
+        return found
+    facts = stage.facts(contents)
+    wanted = facts["fields"][stage.enough]
+    serving = []
+    for entry in cache.entries(stage.kind):
+        given = entry.facts.get("fields", {}).get(stage.enough)
+        same = all(entry.facts.get(name) == facts[name] for name in ("takes", "code", "libraries"))
+        others = {**entry.facts.get("fields", {}), stage.enough: wanted}
+        if same and others == facts["fields"] and given is not None and given > wanted:
+            serving.append((given, entry.facts["key"]))
+    return cache.find(stage.kind, min(serving)[1], thorough=thorough) if serving else None
+
+
 def explain(graph: Graph, cache: Cache) -> list[StageStatus]:
     """What a run of the graph would reuse and build, and why; builds nothing."""
     contents: dict[str, str] = {}
@@ -132,10 +150,11 @@ def explain(graph: Graph, cache: Cache) -> list[StageStatus]:
             out.append(StageStatus(stage.name, "build" if own else "follow", reason))
             continue
         key = stage.key(contents)
-        entry = cache.find(stage.kind, key, thorough=False)
+        entry = stored(stage, cache, contents, thorough=False)
         if entry is not None:
             contents[stage.name] = entry.facts["content"]
-            out.append(StageStatus(stage.name, "reuse", ""))
+            more = "" if entry.facts["key"] == key else f"computed for a larger {stage.enough}"
+            out.append(StageStatus(stage.name, "reuse", more))
         elif key in planned:
             out.append(StageStatus(stage.name, "reuse", f"the same as {planned[key]}"))
         else:

@@ -7,9 +7,11 @@ from collections.abc import Iterator
 
 from pipelines.collisions import find_collisions
 from pipelines.errors import Problem, SceneError
+from pipelines.flank_checks import bad_flanks
 from pipelines.layout import Layout, lay_out
 from pipelines.scene import Scene
-from pipelines.tables.casing import FlexibleBase, HousingTable
+from pipelines.tables.casing import FlexibleBase
+from pipelines.tables.housing import HousingTable
 
 FARTHEST_SENSOR_MM = 50.0  # a sensor farther from the housing is a mistake in the scene
 
@@ -22,11 +24,12 @@ def checked_layout(scene: Scene, source: str) -> Layout:
     SceneError : everything that does not fit, at once
     """
     layout = lay_out(scene, source)
-    problems: list[Problem] = list(find_collisions(scene, layout))
+    problems: list[Problem] = [*find_collisions(scene, layout), *bad_flanks(scene, layout)]
     if isinstance(scene.casing, FlexibleBase):
         from pipelines.housing import housing
 
-        problems += _far_sensors(scene, scene.casing.housing)
+        if isinstance(scene.casing.housing, HousingTable):
+            problems += _far_sensors(scene, scene.casing.housing)
         try:
             housing(scene, scene.casing.housing, layout, source)
         except SceneError as error:
@@ -38,7 +41,7 @@ def checked_layout(scene: Scene, source: str) -> Layout:
 
 def _far_sensors(scene: Scene, box: HousingTable) -> Iterator[Problem]:
     """Sensors outside the box around the housing and its feet by more than the limit."""
-    low = (box.left_end_mm, -box.width_mm / 2, -box.shaft_height_mm - box.foot_height_mm)
+    low = (box.left_end_mm, -box.width_mm / 2, -box.shaft_height_mm - box.foot_height_mm - box.pad_height_mm)
     high = (box.left_end_mm + box.length_mm, box.width_mm / 2, box.height_mm - box.shaft_height_mm)
     for number, sensor in enumerate(scene.sensors, 1):
         outside = (max(a - x, x - b, 0.0) for a, x, b in zip(low, sensor.position_mm, high, strict=True))

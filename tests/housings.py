@@ -70,6 +70,21 @@ def housing_for_shafts(
     return replace(bare, sensors=usual_sensors(bare) if sensors is None else tuple(sensors))
 
 
+def small_housing(**changes) -> Housing:
+    """A one-stage housing: two shafts, four bearings, six feet."""
+    usual = {
+        "bore_diameters": (0.047, 0.062),
+        "boss_diameters": (0.065, 0.080),
+        "length": 0.26,
+        "width": 0.16,
+        "height": 0.16,
+        "left": -0.07,
+        "axis_height": 0.08,
+        "foot_length": 0.04,
+    }
+    return housing_for_shafts((0.0, 0.07668), **(usual | changes))
+
+
 def usual_sensors(housing: Housing) -> tuple[Sensor, ...]:
     """Nine sensors: eight on the bosses (sensor_i on the rim of bearing_i, above the bore), one on the cover.
 

@@ -20,7 +20,11 @@ from fem.elasticity import (
 from fem.linear_solver import SingularMatrixError, cholmod_available, factorize, nested_dissection
 
 STEEL = {"elastic_modulus": 2.0e11, "poisson_ratio": 0.3, "density": 7800.0}
-SOLVERS = ["superlu", pytest.param("cholmod", marks=pytest.mark.skipif(not cholmod_available(), reason="optional"))]
+SOLVERS = [
+    "multifrontal",
+    "superlu",
+    pytest.param("cholmod", marks=pytest.mark.skipif(not cholmod_available(), reason="optional")),
+]
 
 
 def bent(nodes, inner=1.0):
@@ -217,7 +221,7 @@ class TestLinearSolver:
         assert np.allclose(factor.solve(B), X, rtol=0, atol=1e-9)
         assert factor.solve(B[:, 0]).shape == (len(free),)
         assert np.array_equal(B, kept)
-        assert {"superlu": "SuperLU", "cholmod": "CHOLMOD"}[solver] in factor.name
+        assert {"multifrontal": "multifrontal", "superlu": "SuperLU", "cholmod": "CHOLMOD"}[solver] in factor.name
 
     def test_a_free_body_is_refused(self, block, solver):
         with pytest.raises(SingularMatrixError, match="not positive definite"):

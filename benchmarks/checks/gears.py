@@ -216,7 +216,7 @@ def _stiffness_checks() -> Iterator[Check]:
         unit="N/(mm µm)",
         reference=(13.832, 18.632, 15.837),
         gate=1e-3,
-        compute=lambda: _stiffness(helical(), web_ratio=0.25, rim_ratio=5.0, line_load=666.85e3),
+        compute=lambda: _stiffness(helical(), blank_factor=blank_factor(0.25, 5.0), line_load=666.85e3),
         test="test_iso_stiffness.py::test_published_helical_pair",
     )
     yield Check(

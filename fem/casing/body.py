@@ -8,6 +8,8 @@ import numpy as np
 
 from fem.records import Record, array, names, text
 
+MODES_OVER_BAND = 1.5  # fixed-interface modes are kept to this multiple of the wanted band
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ReducedBody(Record):

@@ -3,7 +3,8 @@
 Before grounding (free body): symmetry, K R = 0, mass, centre of gravity and inertia from R^T M R against the mesh
 integral, and the six rigid body modes three ways: from geometry (R itself), from the stiffness (the free unknowns
 follow the feet, u_i = -K_ii^-1 K_ig R_g) and from the eigenvalues of the body condensed to its six feet.
-After grounding: the reaction to gravity, definiteness, block forms of the reduced matrices, the static response of the
+After grounding (a casing on mount springs stands on its reference springs here, which are stiffer than any mount): the
+reaction to gravity, definiteness, block forms of the reduced matrices, the static response of the
 interface against the full model, modal effective masses, optionally the frequencies of the full grounded model.
 
 The list follows the practice of NASTRAN-based Craig-Bampton checks (Young, Primer on the Craig-Bampton method, 2000).
@@ -101,23 +102,26 @@ class CheckUp(Record):
         x, y, z = self.centre
         lines.append(f"  mass {self.mass:.6g} kg, centre of gravity ({x:.6g}, {y:.6g}, {z:.6g}) m")
         lines.append("  inertia about it (kg m2): " + "; ".join(" ".join(f"{v:.5g}" for v in r) for r in self.inertia))
-        lines.append("  grounded modes: Hz, effective mass in x y z in percent of the movable mass")
-        share = 100.0 * self.effective_mass[:, :3] / self.movable[:3]
-        for number in range(min(n_modes, len(self.frequencies))):
-            line = f"    {number + 1:3d} {self.frequencies[number]:10.2f}  " + " ".join(
-                f"{v:6.2f}" for v in share[number]
-            )
-            if number < len(self.full_frequencies):
-                line += f"   full model {self.full_frequencies[number]:10.2f} ({self.frequency_error[number]:+.1e})"
-            lines.append(line)
-        total = " ".join(f"{v:6.2f}" for v in share.sum(axis=0))
-        lines.append(f"    all {len(self.frequencies)} modes   {total}")
+        if n_modes:
+            lines += self._mode_lines(n_modes)
         if len(self.full_frequencies):
             lines.append(
                 f"  {len(self.full_frequencies)} frequencies to {self.full_frequencies[-1]:.1f} Hz: "
                 f"largest error {self.frequency_error.max():.2e}, smallest {self.frequency_error.min():.2e}"
             )
         return "\n".join(lines)
+
+    def _mode_lines(self, n_modes: int) -> list[str]:
+        lines = ["  grounded modes: Hz, effective mass in x y z in percent of the movable mass"]
+        share = 100.0 * self.effective_mass[:, :3] / self.movable[:3]
+        for number in range(min(n_modes, len(self.frequencies))):
+            words = " ".join(f"{v:6.2f}" for v in share[number])
+            line = f"    {number + 1:3d} {self.frequencies[number]:10.2f}  {words}"
+            if number < len(self.full_frequencies):
+                line += f"   full model {self.full_frequencies[number]:10.2f} ({self.frequency_error[number]:+.1e})"
+            lines.append(line)
+        total = " ".join(f"{v:6.2f}" for v in share.sum(axis=0))
+        return [*lines, f"    all {len(self.frequencies)} modes   {total}"]
 
 
 def check_up(casing: GroundedCasing, reduction: Reduction, *, full_band: float | None = None) -> CheckUp:
@@ -131,7 +135,8 @@ def check_up(casing: GroundedCasing, reduction: Reduction, *, full_band: float |
     mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)
     R = rigid_body_modes(mesh.nodes, centre)
     MR = casing.M @ R
-    frequencies, phi = _grounded_modes(reduction)
+    held = _held(casing, reduction)
+    frequencies, phi = _grounded_modes(held, reduction.mass)
     full, error = np.zeros(0), np.zeros(0)
     if full_band is not None:
         theta, _ = block_lanczos(
@@ -140,19 +145,22 @@ def check_up(casing: GroundedCasing, reduction: Reduction, *, full_band: float |
         full = 1.0 / (2.0 * math.pi * np.sqrt(theta))
         full = full[: len(frequencies)]
         error = frequencies[: len(full)] / full - 1.0
-    effective = (phi.T @ (reduction.basis.T @ MR[casing.free])) ** 2
+    force = casing.expansion.T @ MR
+    effective = (phi.T @ (reduction.basis.T @ force)) ** 2
+    moving = np.ones(len(R))
+    moving[casing.clamped] = 0.0
     return CheckUp(
         stiffness_asymmetry=_asymmetry(casing.K),
         mass_asymmetry=_asymmetry(casing.M),
         grounding=float(abs(casing.K @ R).max() / (abs(casing.K).max() * abs(R).max())),
         **_rigid_items(casing, R, MR, mass, inertia),
-        **_reduced_items(casing, reduction),
+        **_reduced_items(casing, reduction, held),
         mass=mass,
         centre=centre,
         inertia=inertia,
         frequencies=frequencies,
         effective_mass=effective,
-        movable=np.einsum("im,im->m", R[casing.free], casing.M_free @ R[casing.free]),
+        movable=np.einsum("im,im->m", moving[:, None] * R, casing.M @ (moving[:, None] * R)),
         full_frequencies=full,
         frequency_error=error,
         limit_names=tuple(_LIMITS),
@@ -163,8 +171,16 @@ def _asymmetry(matrix: sp.csr_matrix) -> float:
     return float(abs(matrix - matrix.T).max() / abs(matrix).max())
 
 
-def _grounded_modes(reduction: Reduction) -> tuple[np.ndarray, np.ndarray]:
-    square, phi = la.eigh(reduction.stiffness, reduction.mass)
+def _held(casing: GroundedCasing, reduction: Reduction) -> np.ndarray:
+    """Reduced stiffness on the reference springs."""
+    stiffness = reduction.stiffness.copy()
+    place = np.arange(len(casing.springs))
+    stiffness[place, place] += casing.springs
+    return stiffness
+
+
+def _grounded_modes(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    square, phi = la.eigh(stiffness, mass)
     return np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi), phi
 
 
@@ -175,20 +191,9 @@ def _rigid_items(
     block = R.T @ MR
     gyration = math.sqrt(np.trace(inertia) / (2.0 * mass))
     first_moment = np.array([block[2, 4], block[0, 5], block[1, 3]])
-    # each foot moves as a rigid patch: six columns per foot
-    mesh, solve = casing.mesh, casing.interface.factor.solve
-    feet = mesh.patches("ground_")
-    motion = np.zeros((len(R), 6 * len(feet)))
-    for index, name in enumerate(feet):
-        unknowns = (3 * np.unique(mesh.patch(name))[:, None] + np.arange(3)).ravel()
-        motion[unknowns, 6 * index : 6 * index + 6] = R[unknowns]
-    motion[casing.free] = -solve((casing.K @ motion)[casing.free])
-    together = motion.reshape(len(R), len(feet), 6).sum(axis=1)  # all feet move as one rigid body
+    motion, together, reaction = (_on_clamped_feet if casing.ground == "fixed" else _on_springs)(casing, R, MR)
     condensed = motion.T @ (casing.K @ motion)
     value = np.sort(abs(la.eigh(condensed, motion.T @ motion, eigvals_only=True)))
-    gravity = casing.K[casing.clamped][:, casing.free] @ solve(MR[casing.free, :3])
-    held = MR[casing.clamped, :3]
-    reaction = R[casing.clamped, :3].T @ (gravity - held)  # what the feet exert under a unit acceleration field
     return {
         "rigid_from_stiffness": float(abs(together - R).max() / abs(R).max()),
         "rigid_eigenvalue": float(value[5] / value[6]) if len(value) > 6 else 0.0,
@@ -199,7 +204,38 @@ def _rigid_items(
     }
 
 
-def _reduced_items(casing: GroundedCasing, reduction: Reduction) -> dict[str, float]:
+def _on_clamped_feet(
+    casing: GroundedCasing, R: np.ndarray, MR: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Motions led by the feet (n, 6 feet), with all feet as one body (n, 6), reaction to unit gravity (3, 3).
+
+    Each foot moves as a rigid patch, six columns per foot; the rest follows by the stiffness.
+    """
+    mesh, solve, E = casing.mesh, casing.interface.factor.solve, casing.expansion
+    feet = mesh.patches("ground_")
+    motion = np.zeros((len(R), 6 * len(feet)))
+    for index, name in enumerate(feet):
+        unknowns = (3 * np.unique(mesh.patch(name))[:, None] + np.arange(3)).ravel()
+        motion[unknowns, 6 * index : 6 * index + 6] = R[unknowns]
+    motion -= E @ solve(E.T @ (casing.K @ motion))
+    together = motion.reshape(len(R), len(feet), 6).sum(axis=1)
+    gravity = (casing.K @ (E @ solve(E.T @ MR[:, :3])))[casing.clamped]
+    return motion, together, R[casing.clamped, :3].T @ (gravity - MR[casing.clamped, :3])
+
+
+def _on_springs(casing: GroundedCasing, R: np.ndarray, MR: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The same where the feet stand on springs, led by the ground under the springs, three columns per foot."""
+    solve, E, at_feet = casing.interface.factor.solve, casing.expansion, np.flatnonzero(casing.springs)
+    rows, stiffness = casing.interface.rows[at_feet], casing.springs[at_feet]
+    motion = E @ solve(rows.T.toarray() * stiffness)
+    feet = np.array([casing.mesh.point(name) for name in casing.mesh.patches("ground_")])
+    centre = mass_properties(casing.mesh.nodes, casing.mesh.elements, casing.material.density)[1]
+    ground = rigid_body_modes(feet, centre)
+    forces = stiffness[:, None] * (rows @ solve(E.T @ MR[:, :3]))
+    return motion, motion @ ground, -ground[:, :3].T @ forces
+
+
+def _reduced_items(casing: GroundedCasing, reduction: Reduction, held: np.ndarray) -> dict[str, float]:
     """Definiteness and block forms by projection of the full matrices, static response of the interface."""
     b = reduction.constraint.shape[1]
     interface = casing.interface
@@ -210,12 +246,12 @@ def _reduced_items(casing: GroundedCasing, reduction: Reduction) -> dict[str, fl
     static = 0.0
     if b:
         exact = interface.rows @ interface.factor.solve(interface.rows.T.toarray())
-        found = la.solve(reduction.stiffness, np.eye(len(reduction.stiffness), b))[:b]
+        found = la.solve(held, np.eye(len(held), b))[:b]
         size = np.sqrt(np.outer(np.diag(exact), np.diag(exact)))
         static = float((abs(found - exact) / size).max())
     return {
         "reduced_mass_definite": float((_scaled_eigenvalues(reduction.mass) <= 0.0).sum()),
-        "reduced_stiffness_definite": float((_scaled_eigenvalues(reduction.stiffness) <= 0.0).sum()),
+        "reduced_stiffness_definite": float((_scaled_eigenvalues(held) <= 0.0).sum()),
         "modal_mass_identity": float(abs(identity - np.eye(len(identity))).max(initial=0.0)),
         "modal_coupling": float((abs(coupling) / scale).max(initial=0.0)),
         "static_response": static,

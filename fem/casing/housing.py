@@ -1,21 +1,24 @@
-"""Parametric gearbox housing: a closed box with bearing bosses in its side walls, six feet and sensor places.
+"""Parametric gearbox housing: a closed box with bearing bosses in its side walls, feet and sensor places.
 
 Axes: x across the shafts, y along them (0 at mid width of the box), z up; the origin lies on the axis of shaft 1.
-The box is one body: four walls, floor and cover of one thickness. Each boss is a cylinder along y, flush with the
-outer face of its side wall and standing into the box; the bore goes through it. Each foot is a square pad under the
-floor, flush with a side wall; its underside is a ground face.
+Four walls, floor and cover, each with its thickness. Each boss is a cylinder along y, flush with the outer face of its
+side wall and standing into the box; the bore goes through it. Feet stand under the floor, flush with a side wall or
+beyond it; their undersides, or those of their bolt pads, are the ground faces. Ribs, a flange on the split plane of the
+cover and fillets are added on request (`fem.casing.features`).
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Self
 
 import numpy as np
 
-THINNEST_LIGAMENT = 0.3  # least material between two holes or bosses, or around a bore, in wall thicknesses
+from fem.casing.features import Feet, Fillets, Flange, Ribs, Walls
+
+Box = tuple[np.ndarray, np.ndarray]  # lower and upper corner (3,), m
+GLOBAL_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 class HousingError(ValueError):
@@ -36,20 +39,24 @@ class Bore:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Feet:
-    """Six equal square pads (m) under the floor, three along each side wall; `x` are the middles of the three."""
-
-    x: tuple[float, float, float]
-    length: float = 0.060  # side of the square
-    height: float = 0.015  # below the underside of the floor
-
-
-@dataclass(frozen=True, kw_only=True)
 class Sensor:
-    """A sensor at the point of the surface nearest to `position` (m); its axes are the global ones."""
+    """A tri-axial sensor at the point of the surface nearest to `position` (m).
+
+    `axes` are the directions of its three channels in global coordinates, one per row: orthogonal unit vectors, the
+    global axes by default.
+    """
 
     name: str
     position: tuple[float, float, float]
+    axes: tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]] = GLOBAL_AXES
+
+    def __post_init__(self) -> None:
+        axes = np.array(self.axes, float)
+        if axes.shape != (3, 3) or not np.allclose(axes @ axes.T, np.eye(3), atol=1e-6):
+            raise HousingError(
+                f"{self.name}: its axes {self.axes} are not three orthogonal unit vectors (limit 1e-6); give their "
+                "directions in global coordinates"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,22 +66,50 @@ class Housing:
     length: float  # outside, x
     width: float  # outside, y
     height: float  # outside, z, without the feet
-    wall_thickness: float
+    wall_thickness: float  # of every wall that `walls` does not name
     left: float  # x of the outer face of the wall at -x; negative when shaft 1 lies inside
     axis_height: float  # height of z = 0 above the underside of the floor
     bores: tuple[Bore, ...]
     feet: Feet
     sensors: tuple[Sensor, ...] = ()
+    walls: Walls = Walls()
+    flange: Flange | None = None
+    ribs: Ribs | None = None
+    fillets: Fillets = Fillets()
 
     def __post_init__(self) -> None:
-        if problems := [*_box_problems(self), *_bore_problems(self), *_foot_problems(self), *_name_problems(self)]:
+        from fem.casing.soundness import housing_problems
+
+        if problems := housing_problems(self):
             raise HousingError("housing: " + "; ".join(problems))
 
+    def wall(self, name: str) -> float:
+        """Thickness of the wall "side", "end", "floor" or "cover"."""
+        own = getattr(self.walls, name)
+        return self.wall_thickness if own is None else own
+
     @property
-    def box(self) -> tuple[np.ndarray, np.ndarray]:
+    def thinnest_wall(self) -> float:
+        """The least of the wall thicknesses."""
+        return min(self.wall(name) for name in ("side", "end", "floor", "cover"))
+
+    @property
+    def plain(self) -> bool:
+        """Whether the body is made of boxes and cylinders that do not run into each other (`rigid.housing_mass`)."""
+        return self.flange is None and self.ribs is None and self.fillets == Fillets() and not self.feet.pad_diameter
+
+    @property
+    def box(self) -> Box:
         """Lower and upper corner (3,) of the outer box."""
         low = np.array([self.left, -self.width / 2, -self.axis_height])
         return low, low + np.array([self.length, self.width, self.height])
+
+    @property
+    def cavity(self) -> Box:
+        """Lower and upper corner (3,) of the space inside."""
+        low, high = self.box
+        end, side = self.wall("end"), self.wall("side")
+        return low + [end, side, self.wall("floor")], high - [end, side, self.wall("cover")]
 
     def bore(self, name: str) -> Bore:
         """The bore called `name`; `HousingError` with the known names if absent."""
@@ -93,19 +128,55 @@ class Housing:
         """Middle of a bore (3,): the bearing point."""
         return np.array([bore.x, sum(self.bore_span(bore)) / 2, bore.z])
 
-    def foot_boxes(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Corners of the six pads; ground_1, 3, 5 at -y and ground_2, 4, 6 at +y, both along x."""
-        side, boxes = self.feet.length, {}
-        bottom = -self.axis_height - self.feet.height
+    def foot_boxes(self) -> dict[str, Box]:
+        """Corners of the feet; ground_1, 3, 5, ... at -y and ground_2, 4, 6, ... at +y, both along x."""
+        side, over, boxes = self.feet.length, self.feet.overhang, {}
+        bottom, outer = -self.axis_height - self.feet.height, self.width / 2
         for place, x in enumerate(self.feet.x):
-            for number, y in ((2 * place + 1, -self.width / 2), (2 * place + 2, self.width / 2 - side)):
-                low = np.array([x - side / 2, y, bottom])
-                boxes[f"ground_{number}"] = (low, low + np.array([side, side, self.feet.height]))
+            for number, low_y, high_y in (
+                (2 * place + 1, -outer - over, -outer + side),
+                (2 * place + 2, outer - side, outer + over),
+            ):
+                low = np.array([x - side / 2, low_y, bottom])
+                boxes[f"ground_{number}"] = (low, low + np.array([side, high_y - low_y, self.feet.height]))
         return boxes
 
     def ground_points(self) -> dict[str, np.ndarray]:
-        """Middle of the underside of each foot (3,)."""
-        return {name: np.array([*(0.5 * (low + high))[:2], low[2]]) for name, (low, high) in self.foot_boxes().items()}
+        """Middle of the ground face of each foot (3,): the underside of its pad, or its own."""
+        points = {}
+        for name, (low, high) in self.foot_boxes().items():
+            x, y, _ = 0.5 * (low + high)
+            if self.feet.pad_diameter and self.feet.overhang:
+                y = math.copysign((self.width + self.feet.overhang) / 2, y)
+            points[name] = np.array([x, y, low[2] - self.feet.pad_height])
+        return points
+
+    def rib_boxes(self) -> dict[str, Box]:
+        """Corners of the outstanding parts of all ribs, by what they stand on."""
+        if (ribs := self.ribs) is None:
+            return {}
+        (low, high), half, boxes = self.box, ribs.thickness / 2, {}
+        for bore in self.bores:
+            y = (high[1], high[1] + ribs.height) if bore.side > 0 else (low[1] - ribs.height, low[1])
+            middle = (bore.diameter + bore.boss_diameter) / 4  # radius of the middle of the boss ring
+            for number in range(ribs.per_boss):
+                offset = (number - (ribs.per_boss - 1) / 2) * bore.boss_diameter / ribs.per_boss
+                top = bore.z - math.sqrt(max(middle**2 - offset**2, 0.0))
+                corner = np.array([bore.x + offset - half, y[0], low[2]])
+                boxes[f"rib {number + 1} under {bore.name}"] = (corner, np.array([corner[0] + 2 * half, y[1], top]))
+        for number in range(ribs.end_wall):
+            y_mid = low[1] + self.width * (number + 1) / (ribs.end_wall + 1)
+            for name, start in (("-x", low[0] - ribs.height), ("+x", high[0])):
+                corner = np.array([start, y_mid - half, low[2]])
+                boxes[f"rib {number + 1} of the {name} wall"] = (
+                    corner,
+                    corner + [ribs.height, 2 * half, self.height],
+                )
+        for number in range(ribs.cover):
+            x = low[0] + self.length * (number + 1) / (ribs.cover + 1)
+            corner = np.array([x - half, low[1], high[2]])
+            boxes[f"rib {number + 1} of the cover"] = (corner, corner + [2 * half, self.width, ribs.height])
+        return boxes
 
     def with_sensors(self, *names: str) -> Self:
         """The same housing with only the named sensors, in the order asked."""
@@ -113,94 +184,3 @@ class Housing:
         if missing := [name for name in names if name not in known]:
             raise HousingError(f"housing: no sensor {', '.join(missing)}; known: {', '.join(known) or 'none'}")
         return replace(self, sensors=tuple(known[name] for name in names))
-
-
-def _box_problems(housing: Housing) -> list[str]:
-    problems = []
-    sizes = {name: getattr(housing, name) for name in ("length", "width", "height", "wall_thickness", "axis_height")}
-    for name, value in sizes.items():
-        if not (math.isfinite(value) and value > 0.0):
-            problems.append(f"{name} is {_mm(value)}; it must be positive")
-    if problems:
-        return problems
-    limit = min(housing.length, housing.width, housing.height) / 2
-    if housing.wall_thickness >= limit:
-        problems.append(
-            f"wall thickness {_mm(housing.wall_thickness)} fills the box (limit {_mm(limit)}, half of its smallest "
-            "side); make the walls thinner or the box larger"
-        )
-    return problems
-
-
-def _bore_problems(housing: Housing) -> list[str]:
-    problems = [] if housing.bores else ["no bores; give one for each bearing"]
-    low, high = housing.box
-    wall, ligament = housing.wall_thickness, THINNEST_LIGAMENT * housing.wall_thickness
-    for bore in housing.bores:
-        if bore.side not in (-1, 1):
-            problems.append(f"{bore.name}: side is {bore.side}; give -1 (wall at -y) or +1 (wall at +y)")
-        if not bore.diameter > 0.0:
-            problems.append(f"{bore.name}: bore diameter is {_mm(bore.diameter)}; it must be positive")
-        if (ring := (bore.boss_diameter - bore.diameter) / 2) < ligament:
-            problems.append(
-                f"{bore.name}: boss ring is {_mm(ring)} thick (limit {_mm(ligament)}); enlarge the boss diameter "
-                f"{_mm(bore.boss_diameter)} or shrink the bore {_mm(bore.diameter)}"
-            )
-        if bore.boss_length < wall:
-            problems.append(
-                f"{bore.name}: boss length {_mm(bore.boss_length)} is less than the wall {_mm(wall)} it contains"
-            )
-        if bore.boss_length > (limit := housing.width / 2 - wall / 2):
-            problems.append(
-                f"{bore.name}: boss length {_mm(bore.boss_length)} reaches the opposite boss (limit {_mm(limit)})"
-            )
-        radius = bore.boss_diameter / 2
-        room = min(bore.x - low[0], high[0] - bore.x, bore.z - low[2], high[2] - bore.z) - wall - radius
-        if room < 0.0:
-            problems.append(
-                f"{bore.name}: boss at x = {_mm(bore.x)}, z = {_mm(bore.z)} leaves its side wall by {_mm(-room)}; "
-                "enlarge or move the box"
-            )
-    for i, one in enumerate(housing.bores):
-        for two in housing.bores[i + 1 :]:
-            if one.side != two.side:
-                continue
-            gap = math.hypot(one.x - two.x, one.z - two.z) - (one.boss_diameter + two.boss_diameter) / 2
-            if gap < ligament:
-                what = "overlap by" if gap < 0.0 else "leave a ligament of only"
-                problems.append(
-                    f"bosses of {one.name} and {two.name} {what} {_mm(abs(gap))} (limit: {_mm(ligament)} apart); "
-                    "shrink the bosses or move the shafts apart"
-                )
-    return problems
-
-
-def _foot_problems(housing: Housing) -> list[str]:
-    problems, feet = [], housing.feet
-    for name in ("length", "height"):
-        if not getattr(feet, name) > 0.0:
-            problems.append(f"foot {name} is {_mm(getattr(feet, name))}; it must be positive")
-    if 2 * feet.length >= housing.width:
-        problems.append(
-            f"feet of {_mm(feet.length)} meet in the middle of the box (limit {_mm(housing.width / 2)}); shorten them"
-        )
-    ends = sorted((x - feet.length / 2, x + feet.length / 2) for x in feet.x)
-    for (_, end), (start, _) in pairwise(ends):
-        if start <= end:
-            problems.append(f"two feet overlap by {_mm(end - start)} in x; shorten or move them")
-    low, high = housing.box
-    if ends[0][0] < low[0] - 1e-12 or ends[-1][1] > high[0] + 1e-12:
-        problems.append(
-            f"feet from x = {_mm(ends[0][0])} to {_mm(ends[-1][1])} leave the box "
-            f"({_mm(low[0])} to {_mm(high[0])}); move them inwards"
-        )
-    return problems
-
-
-def _name_problems(housing: Housing) -> list[str]:
-    names = [b.name for b in housing.bores] + [s.name for s in housing.sensors]
-    return [f"the name {n!r} is given {names.count(n)} times" for n in dict.fromkeys(names) if names.count(n) > 1]
-
-
-def _mm(metres: float) -> str:
-    return f"{1000 * metres:.6g} mm"

@@ -16,8 +16,10 @@ from collections.abc import Callable
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
+from scipy.linalg.blas import dgemm
 
 _TOLERANCE = 1e-7  # residual of a Ritz pair over its theta; the eigenvalue is then good to about its square
+_CHUNK = 8  # blocks that share one array
 _RANK = 1e-12  # directions of a new block below this part of its largest (in mass norm squared) are dropped
 
 
@@ -45,7 +47,7 @@ def block_lanczos(
     *,
     smallest: float | None = None,
     count: int | None = None,
-    block: int = 8,
+    block: int = 16,
     largest_basis: int = 3000,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Eigenpairs with theta >= `smallest`, or the `count` largest.
@@ -72,42 +74,36 @@ def block_lanczos(
     for _ in range(2):
         X = X @ m_orthonormal(X, M @ X)[0]
     MX = M @ X
-    basis = np.empty((n, min(n, 24 * block)), order="F")
-    T = np.zeros((basis.shape[1], basis.shape[1]))  # the projected operator, block tridiagonal
-    before, M_before, link = X[:, :0], MX[:, :0], np.zeros((X.shape[1], 0))
-    used, step = 0, 0
-    while used + (width := X.shape[1]) <= min(n, largest_basis):
-        if used + 2 * width > basis.shape[1]:
-            basis, T = _grown(basis, T, used, min(n + width, 3 * basis.shape[1] // 2 + width))
-        here = slice(used, used + width)
-        basis[:, here] = X
-        used, step = used + width, step + 1
-        Q = basis[:, :used]
+    basis = _Basis(n, _CHUNK * block)
+    T = np.zeros((0, 0))  # the projected operator, block tridiagonal
+    before, link = X[:, :0], np.zeros((X.shape[1], 0))
+    step = 0
+    while basis.used + (width := X.shape[1]) <= min(n, largest_basis):
+        basis.append(X)
+        step += 1
         W = operator(MX)
-        MW = M @ W
-        W, MW = W - before @ link.T, MW - M_before @ link.T
-        diagonal = X.T @ MW
-        W, MW = W - X @ diagonal, MW - MX @ diagonal
-        W -= Q @ (Q.T @ MW)  # full reorthogonalisation
-        MW = M @ W
-        T[here, here] = 0.5 * (diagonal + diagonal.T)
-        combine, rest = m_orthonormal(W, MW)
-        exhausted = used >= n or not rest.size or abs(rest).max() < 1e-13 * abs(np.diag(T[:used, :used])).max()
-        if exhausted or step % 3 == 0:
-            value, vector = la.eigh(T[:used, :used])
+        diagonal = MX.T @ W
+        diagonal = 0.5 * (diagonal + diagonal.T)
+        W -= before @ link.T
+        W -= X @ diagonal
+        basis.remove(W, basis.products(M @ W))  # full reorthogonalisation
+        T = _bordered(T, link, diagonal)
+        combine, rest = m_orthonormal(W, M @ W)
+        exhausted = basis.used >= n or not rest.size or abs(rest).max() < 1e-13 * abs(np.diag(T)).max()
+        if exhausted or step % 2 == 0:
+            value, vector = la.eigh(T)
             value, vector = value[::-1], vector[:, ::-1]
-            residual = np.linalg.norm(rest @ vector[used - width :], axis=0)
+            residual = np.linalg.norm(rest @ vector[basis.used - width :], axis=0)
             number = _wanted(value, residual, smallest, count, exhausted)
             if number is not None:
-                return value[:number], Q @ vector[:, :number]
-        before, M_before = X, MX
+                return value[:number], basis.combined(vector[:, :number])
+        before = X
         X = W @ combine
-        again, more = m_orthonormal(X, M @ X)  # the first pass squares the condition of the block
-        X, link = X @ again, more @ rest
         MX = M @ X
-        T[used : used + X.shape[1], here], T[here, used : used + X.shape[1]] = link, link.T
+        again, more = m_orthonormal(X, MX)  # the first pass squares the condition of the block
+        X, MX, link = X @ again, MX @ again, more @ rest
     raise EigenError(
-        f"block Lanczos found no {'band limit' if count is None else f'{count} modes'} within {used} vectors "
+        f"block Lanczos found no {'band limit' if count is None else f'{count} modes'} within {basis.used} vectors "
         f"of a body with {n} unknowns; lower the band or the number of modes"
     )
 
@@ -129,7 +125,56 @@ def _wanted(
     return number if converged and residual[number] <= 1e-3 * value[number] else None
 
 
-def _grown(basis: np.ndarray, T: np.ndarray, used: int, size: int) -> tuple[np.ndarray, np.ndarray]:
-    larger, larger_T = np.empty((basis.shape[0], size), order="F"), np.zeros((size, size))
-    larger[:, :used], larger_T[: len(T), : len(T)] = basis[:, :used], T
-    return larger, larger_T
+def _bordered(T: np.ndarray, link: np.ndarray, diagonal: np.ndarray) -> np.ndarray:
+    """T with one more diagonal block, coupled to the block before it by `link`."""
+    k, w = len(T), len(diagonal)
+    larger = np.zeros((k + w, k + w))
+    larger[:k, :k], larger[k:, k:] = T, diagonal
+    before = k - link.shape[1]
+    larger[k:, before:k], larger[before:k, k:] = link, link.T
+    return larger
+
+
+class _Basis:
+    """Vectors (n,) added in blocks; they lie in chunks, so that growing copies nothing."""
+
+    def __init__(self, n: int, chunk: int) -> None:
+        self._n, self._chunk = n, chunk
+        self._parts: list[np.ndarray] = []  # (n, chunk), the last one filled to `_end`
+        self._end = chunk
+        self.used = 0
+
+    def append(self, X: np.ndarray) -> None:
+        """Add vectors (n, k), k no more than a chunk."""
+        fits = min(X.shape[1], self._chunk - self._end)
+        if fits:
+            self._parts[-1][:, self._end : self._end + fits] = X[:, :fits]
+        if fits < X.shape[1]:
+            self._parts.append(np.empty((self._n, self._chunk), order="F"))
+            self._parts[-1][:, : X.shape[1] - fits] = X[:, fits:]
+        self._end = (self._end + X.shape[1] - 1) % self._chunk + 1
+        self.used += X.shape[1]
+
+    def _filled(self) -> list[np.ndarray]:
+        return [*self._parts[:-1], self._parts[-1][:, : self._end]]
+
+    def products(self, Y: np.ndarray) -> np.ndarray:
+        """Q^T Y (used, k)."""
+        return np.vstack([part.T @ Y for part in self._filled()])
+
+    def remove(self, W: np.ndarray, coefficients: np.ndarray) -> None:
+        """W -= Q @ coefficients in place, W (n, k)."""
+        W[...] = self._added(np.asfortranarray(W), coefficients, -1.0)
+
+    def combined(self, coefficients: np.ndarray) -> np.ndarray:
+        """Q @ coefficients (n, k)."""
+        return self._added(np.zeros((self._n, coefficients.shape[1]), order="F"), coefficients, 1.0)
+
+    def _added(self, W: np.ndarray, coefficients: np.ndarray, factor: float) -> np.ndarray:
+        """W + factor Q @ coefficients; with contiguous columns the BLAS needs half the time for thin blocks."""
+        start = 0
+        for part in self._filled() if W.size else ():
+            some = np.asfortranarray(coefficients[start : start + part.shape[1]])
+            W = dgemm(factor, part, some, beta=1.0, c=W, overwrite_c=1)
+            start += part.shape[1]
+        return W

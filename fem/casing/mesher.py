@@ -1,4 +1,4 @@
-"""Housing -> CasingMesh through gmsh and OpenCASCADE: the one module that imports gmsh.
+"""Geometry -> CasingMesh through gmsh and OpenCASCADE: the one module that imports gmsh.
 
 Geometry is built in millimetres (the tolerances of OpenCASCADE are absolute) and returned in metres. One thread and a
 fixed seed: the same input gives the same mesh. Mid-side nodes lie on the curved surfaces unless `curved=False`.
@@ -7,60 +7,131 @@ fixed seed: the same input gives the same mesh. Mid-side nodes lie on the curved
 from __future__ import annotations
 
 import logging
+import re
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fem.casing.housing import Housing
+from fem.casing.imported import ImportedHousing, finish
 from fem.casing.mesh import CasingMesh, MeshError
+from fem.casing.quality import GOOD_QUALITY, checked_quality, straightened
+from fem.casing.sizes import MM, Refinement, Sizes, set_sizes
+from fem.casing.solid import build_solid, find_patches
+from fem.casing.step_file import read_step, refinements
 from fem.ledger import count
 
 _log = logging.getLogger(__name__)
 _lock = threading.Lock()  # gmsh keeps one global model
 _TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # gmsh stores the mid-sides 23 and 13 the other way round
-QUALITY_LIMIT = 0.05
-_MM = 1000.0
 
 
-def mesh_housing(housing: Housing, *, element_size: float = 0.022, curved: bool = True) -> CasingMesh:
+def mesh_housing(
+    housing: Housing, *, element_size: float = 0.022, sizes: Sizes | None = None, curved: bool = True
+) -> CasingMesh:
     """Mesh a housing with ten-node tetrahedra.
 
     Parameters
     ----------
     housing : Housing
     element_size : m, wanted edge length; bores get at least twelve elements around
+    sizes : instead of `element_size`, with finer bores and feet
     curved : mid-side nodes on the true cylinders (else straight edges)
 
     Raises
     ------
-    MeshError : element size out of range, an element below the quality limit (with its place), a missing surface
+    MeshError : element size out of range, an element below a quality limit (with its place), a missing surface
     """
-    smallest = housing.wall_thickness / 10
-    if not smallest <= element_size <= min(housing.length, housing.width, housing.height):
+    sizes = sizes or Sizes(element=element_size)
+    smallest, largest = housing.thinnest_wall / 10, min(housing.length, housing.width, housing.height)
+    if not smallest <= sizes.element <= largest:
         raise MeshError(
-            f"element size {_MM * element_size:.4g} mm is out of range; give {_MM * smallest:.4g} mm (a tenth of the "
-            f"wall) to {_MM * min(housing.length, housing.width, housing.height):.4g} mm (the smallest side)"
+            f"element size {MM * sizes.element:.4g} mm is out of range; give {MM * smallest:.4g} mm (a tenth of the "
+            f"wall) to {MM * largest:.4g} mm (the smallest side)"
         )
-    with _session() as gmsh:
-        _build(gmsh, housing)
-        patches = _find_patches(gmsh, housing)
-        _set_sizes(gmsh, housing, patches, element_size)
-        gmsh.option.setNumber("Mesh.SecondOrderLinear", 0 if curved else 1)
-        gmsh.model.mesh.generate(3)
-        gmsh.model.mesh.setOrder(2)
-        if curved:
-            gmsh.model.mesh.optimize("HighOrder")  # acts on elements that curving has distorted
-        mesh = _extract(gmsh, housing, patches, element_size, curved)
+    with session() as gmsh:
+        build_solid(gmsh, housing)
+        patches = find_patches(gmsh, housing)
+        finer = [
+            Refinement(
+                surfaces=patches[bore.name],
+                size=sizes.at_bore(bore.diameter),
+                near=(bore.boss_diameter - bore.diameter) / 2,
+                far=bore.boss_diameter,
+            )
+            for bore in housing.bores
+        ]
+        feet, ground = housing.feet, [tag for name in housing.ground_points() for tag in patches[name]]
+        if sizes.foot is not None or feet.pad_diameter:
+            local = sizes.at_foot(feet.bolt_diameter or feet.pad_diameter)
+            far = feet.height + 2 * (sizes.element - local)
+            finer.append(Refinement(ground, local, near=feet.pad_height, far=far))
+        nodes, elements, facets, owner = tetrahedra(gmsh, sizes.element, finer, patches, curved=curved)
+    points = housing.ground_points() | {bore.name: housing.bore_centre(bore) for bore in housing.bores}
+    return finished_mesh(nodes, elements, facets, owner, {name: points[name] for name in patches}, sizes, curved)
+
+
+def mesh_step(housing: ImportedHousing, sizes: Sizes) -> CasingMesh:
+    """Mesh the solid of a STEP file with ten-node tetrahedra, finer at the bearing seats.
+
+    Raises
+    ------
+    MeshError : what `step_file` and `imported` refuse, or an element below a quality limit (with its place)
+    """
+    with session() as gmsh:
+        read_step(gmsh, housing)
+        finer = refinements(gmsh, housing, sizes)
+        nodes, elements, _, _ = tetrahedra(gmsh, sizes.element, finer, {}, curved=True)
+    mesh = finish(housing, housing.placed(nodes, 1.0), elements, {}, element_size=sizes.element)
     count("casing_meshes")
     _log.info("casing mesh: %d nodes, %d tetrahedra", len(mesh.nodes), len(mesh.elements))
     return mesh
 
 
+def finished_mesh(
+    nodes: np.ndarray,
+    elements: np.ndarray,
+    facets: np.ndarray,
+    owner: np.ndarray,
+    points: Mapping[str, np.ndarray],
+    sizes: Sizes,
+    curved: bool,
+) -> CasingMesh:
+    """The record of a mesh that gmsh made, its quality checked."""
+    remedy = f"Use an element size below {MM * sizes.element:.4g} mm"
+    mesh = CasingMesh(
+        nodes=nodes,
+        elements=elements,
+        facets=facets,
+        facet_patch=owner,
+        patch_names=tuple(points),
+        patch_points=np.array(list(points.values())),
+        element_size=sizes.element,
+        quality=checked_quality(nodes, elements, remedy),
+        curved=int(curved),
+    )
+    count("casing_meshes")
+    _log.info("casing mesh: %d nodes, %d tetrahedra", len(mesh.nodes), len(mesh.elements))
+    return mesh
+
+
+def write_step(housing: Housing, path: Path) -> None:
+    """Write the solid of a parametric housing as STEP (AP214, mm); the same housing gives the same bytes."""
+    with session() as gmsh:
+        build_solid(gmsh, housing)
+        gmsh.write(str(path))
+    text = path.read_text(encoding="latin-1")
+    header = f"FILE_NAME('{path.name}','2000-01-01T00:00:00',(''),(''),'','gearcase','');"
+    text = re.sub(r"FILE_NAME\(.*?\);", lambda _: header, text, count=1, flags=re.DOTALL)
+    path.write_text(text, encoding="latin-1", newline="\n")
+
+
 @contextmanager
-def _session() -> Iterator[Any]:
+def session() -> Iterator[Any]:
     """A fresh gmsh, alone in this process, closed whatever happens; works outside the main thread."""
     import gmsh
 
@@ -90,116 +161,45 @@ def _session() -> Iterator[Any]:
             gmsh.finalize()
 
 
-def _build(gmsh: Any, housing: Housing) -> None:
-    """One solid: (box minus cavity) plus bosses and feet, minus bores."""
-    occ, wall = gmsh.model.occ, housing.wall_thickness
-    low, high = housing.box
+def tetrahedra(
+    gmsh: Any, element: float, refinements: list[Refinement], patches: Mapping[str, list[int]], *, curved: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Mesh the current model.
 
-    def block(a: np.ndarray, b: np.ndarray) -> tuple[int, int]:
-        return 3, occ.addBox(*(_MM * a), *(_MM * (b - a)))
-
-    def cylinder(x: float, z: float, start: float, end: float, diameter: float) -> tuple[int, int]:
-        return 3, occ.addCylinder(_MM * x, _MM * start, _MM * z, 0, _MM * (end - start), 0, _MM * diameter / 2)
-
-    shell, _ = occ.cut([block(low, high)], [block(low + wall, high - wall)])
-    bosses = [cylinder(b.x, b.z, *housing.bore_span(b), b.boss_diameter) for b in housing.bores]
-    feet = [block(*corners) for corners in housing.foot_boxes().values()]
-    body, _ = occ.fuse(shell, bosses + feet)
-    bores = []
-    for bore in housing.bores:
-        start, end = housing.bore_span(bore)
-        bores.append(cylinder(bore.x, bore.z, start - wall / 2, end + wall / 2, bore.diameter))
-    occ.cut(body, bores)
-    occ.synchronize()
-    if len(solids := gmsh.model.getEntities(3)) != 1:
-        raise MeshError(f"housing falls into {len(solids)} bodies; check bosses and feet")
-
-
-def _find_patches(gmsh: Any, housing: Housing) -> dict[str, list[int]]:
-    """Surface tags of every bearing seat and foot underside, recognised by kind and bounding box."""
-    wanted: dict[str, tuple[str, np.ndarray, np.ndarray]] = {}
-    for name, (low, high) in housing.foot_boxes().items():
-        wanted[name] = ("Plane", low, np.array([high[0], high[1], low[2]]))
-    for bore in housing.bores:
-        (start, end), radius = housing.bore_span(bore), bore.diameter / 2
-        low = np.array([bore.x - radius, start, bore.z - radius])
-        wanted[bore.name] = ("Cylinder", low, np.array([bore.x + radius, end, bore.z + radius]))
-    found: dict[str, list[int]] = {name: [] for name in wanted}
-    for _, tag in gmsh.model.getEntities(2):
-        bounds = np.array(gmsh.model.getBoundingBox(2, tag)).reshape(2, 3) / _MM
-        for name, (kind, low, high) in wanted.items():
-            inside = (bounds[0] > low - 1e-6).all() and (bounds[1] < high + 1e-6).all()
-            if inside and gmsh.model.getType(2, tag) == kind:
-                found[name].append(tag)
-    if missing := [name for name, tags in found.items() if not tags]:
-        raise MeshError(f"housing: no surface found for {', '.join(missing)}; check that bores and feet are not hidden")
-    return found
-
-
-def _set_sizes(gmsh: Any, housing: Housing, patches: dict[str, list[int]], element_size: float) -> None:
-    """Uniform size, finer at bores where the circle asks for it."""
-    fields = []
-    for bore in housing.bores:
-        local = min(element_size, np.pi * bore.diameter / 12)
-        distance = gmsh.model.mesh.field.add("Distance")
-        gmsh.model.mesh.field.setNumbers(distance, "SurfacesList", patches[bore.name])
-        gmsh.model.mesh.field.setNumber(distance, "Sampling", 20)
-        field = gmsh.model.mesh.field.add("Threshold")
-        for key, value in {
-            "InField": distance,
-            "SizeMin": _MM * local,
-            "SizeMax": _MM * element_size,
-            "DistMin": _MM * (bore.boss_diameter - bore.diameter) / 2,
-            "DistMax": _MM * bore.boss_diameter,
-        }.items():
-            gmsh.model.mesh.field.setNumber(field, key, value)
-        fields.append(field)
-    least = gmsh.model.mesh.field.add("Min")
-    gmsh.model.mesh.field.setNumbers(least, "FieldsList", fields)
-    gmsh.model.mesh.field.setAsBackgroundMesh(least)
-
-
-def _extract(
-    gmsh: Any, housing: Housing, patches: dict[str, list[int]], element_size: float, curved: bool
-) -> CasingMesh:
-    kinds, tags, connectivity = gmsh.model.mesh.getElements(3)
+    Returns
+    -------
+    nodes (n, 3) in m, elements (e, 10), facets (f, 6) of the outer surface, index of the patch of each facet (f,) or -1
+    """
+    set_sizes(gmsh, element, refinements)
+    gmsh.option.setNumber("Mesh.SecondOrderLinear", 0 if curved else 1)
+    gmsh.model.mesh.generate(3)
+    if _worst_quality(gmsh) < GOOD_QUALITY:
+        gmsh.model.mesh.optimize("Netgen")
+    gmsh.model.mesh.setOrder(2)
+    kinds, _, connectivity = gmsh.model.mesh.getElements(3)
     if list(kinds) != [11]:
         raise MeshError(f"gmsh made elements of type {list(kinds)}, expected ten-node tetrahedra (11)")
-    quality = np.asarray(gmsh.model.mesh.getElementQualities(tags[0], "minSICN"))
     node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
     elements = connectivity[0].reshape(-1, 10)[:, _TO_VTK]
     used = np.unique(elements)
     place = np.zeros(int(node_tags.max()) + 1, np.int64)
     place[node_tags] = np.arange(len(node_tags))
-    nodes = coordinates.reshape(-1, 3)[place[used]] / _MM
     number = np.full(len(place), -1, np.int64)
     number[used] = np.arange(len(used))
-    elements = number[elements]
-    if quality.min() < QUALITY_LIMIT:
-        bad = int((quality < QUALITY_LIMIT).sum())
-        x, y, z = nodes[elements[int(quality.argmin()), :4]].mean(axis=0)
-        raise MeshError(
-            f"casing mesh: {bad} of {len(elements)} tetrahedra have quality below {QUALITY_LIMIT:g} (worst "
-            f"{quality.min():.3g} near x=({x:.4g}, {y:.4g}, {z:.4g}) m). "
-            f"Use an element size below {_MM * element_size:.4g} mm"
-        )
+    nodes = straightened(coordinates.reshape(-1, 3)[place[used]] / MM, number[elements])
     owner = {tag: index for index, name in enumerate(patches) for tag in patches[name]}
     facets, facet_patch = [], []
     for _, tag in gmsh.model.getEntities(2):
+        if len(gmsh.model.getAdjacencies(2, tag)[0]) != 1:
+            continue  # between two solids that are bonded
         for kind, _, corners in zip(*gmsh.model.mesh.getElements(2, tag), strict=True):
             if kind != 9:
                 raise MeshError(f"gmsh made surface elements of type {kind}, expected six-node triangles (9)")
             facets.append(number[corners.reshape(-1, 6)])
             facet_patch.append(np.full(len(facets[-1]), owner.get(tag, -1)))
-    points = housing.ground_points() | {bore.name: housing.bore_centre(bore) for bore in housing.bores}
-    return CasingMesh(
-        nodes=nodes,
-        elements=elements,
-        facets=np.vstack(facets),
-        facet_patch=np.concatenate(facet_patch),
-        patch_names=tuple(patches),
-        patch_points=np.array([points[name] for name in patches]),
-        element_size=element_size,
-        quality=float(quality.min()),
-        curved=int(curved),
-    )
+    return nodes, number[elements], np.vstack(facets), np.concatenate(facet_patch)
+
+
+def _worst_quality(gmsh: Any) -> float:
+    _, tags, _ = gmsh.model.mesh.getElements(3)
+    return min(float(np.min(gmsh.model.mesh.getElementQualities(own, "minSICN"))) for own in tags)

@@ -1,11 +1,13 @@
 """CasingModes: the expensive result of a casing reduction, and the cheap step from it to a ReducedBody.
 
-Sensors are recovered from the basis on the surface nodes; damping comes from the modes of the grounded reduced body.
-Changing either costs no factorisation and no eigensolution of the mesh.
+Sensors are recovered from the basis on the nodes, mount springs are added to the coordinates of the feet, damping comes
+from the modes of the grounded reduced body, fewer modes from what is stored (`fem.casing.truncation`). Changing any of
+these costs no factorisation and no eigensolution of the mesh.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -14,24 +16,35 @@ import scipy.linalg as la
 
 from fem.casing.body import ReducedBody
 from fem.casing.coupling import nearest_surface_point
-from fem.casing.grounded import BEARING_AXES, GroundedCasing
+from fem.casing.damping import DampingRatio, modal_damping
+from fem.casing.grounded import BEARING_AXES, GROUND_AXES, GroundedCasing
 from fem.casing.housing import Sensor
 from fem.casing.reduction import Reduction
+from fem.casing.truncation import ModeSet, fewest_modes, kept
 from fem.elasticity import mass_properties, rigid_body_modes
 from fem.records import Record, array, integer, names, scalar, text
+
+Mounts = Sequence[Sequence[float]]  # stiffness in x, y, z (N/m): one row for all feet, or one per foot in their order
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CasingModes(Record):
-    """Reduced matrices of a grounded casing and its basis on the surface."""
+    """Reduced matrices of a casing in its ground and its basis on the mesh.
+
+    On springs the matrices are those of the free body; `reduced_body` adds the mounts.
+    """
 
     model: str = text()  # "static" | "craig-bampton"
     solver: str = text()  # which code factorised the stiffness
+    ground: str = text()  # "fixed" | "springs"
+    coupling: str = text()  # "mean" | "rigid"
     mass: np.ndarray = array("coordinate", "coordinate", units="SI")
     stiffness: np.ndarray = array("coordinate", "coordinate", units="SI")
     coordinate_names: tuple[str, ...] = names("coordinate")  # interface, "mode_1", ..., "inertia_1", ...
+    reference_springs: np.ndarray = array("interface", units="N/m")  # under the feet while factorising
     fixed_frequencies: np.ndarray = array("mode", units="Hz")  # fixed-interface modes, then inertia corrections
     band_limit: float = scalar(units="Hz")  # every fixed-interface mode below it is kept
+    counted: int = integer()  # fixed-interface modes below the limit by the law of inertia; -1: not counted
     unknowns: int = integer()  # of the grounded mesh
     participation: np.ndarray = array("coordinate", "motion", units="SI")  # T^T M R, R about the centre of gravity
     total_mass: float = scalar(units="kg")
@@ -39,94 +52,186 @@ class CasingModes(Record):
     inertia: np.ndarray = array("axis", "axis", units="kg m2")  # about the centre
     point_names: tuple[str, ...] = names("point")  # ground and bearing points
     point_positions: np.ndarray = array("point", "axis", units="m")
-    surface_nodes: np.ndarray = array("surface_node", "axis", units="m")
-    facets: np.ndarray = array("facet", "facet_corner", units="1", dtype=np.int32)  # into surface_nodes
-    surface_basis: np.ndarray = array("surface_node", "axis", "coordinate", units="SI", dtype=np.float32)
+    nodes: np.ndarray = array("node", "axis", units="m")
+    facets: np.ndarray = array("facet", "facet_corner", units="1", dtype=np.int32)  # the surface, into nodes
+    basis: np.ndarray = array("node", "axis", "coordinate", units="SI", dtype=np.float32)
 
     @property
     def interface_names(self) -> tuple[str, ...]:
         """Names of the physical coordinates."""
         return tuple(name for name in self.coordinate_names if ":" in name)
 
+    @property
+    def mode_set(self) -> ModeSet:
+        """The matrices with their layout."""
+        n_fixed = sum(name.startswith("mode_") for name in self.coordinate_names)
+        return ModeSet(self.stiffness, self.mass, len(self.interface_names), n_fixed, np.eye(len(self.mass)))
 
-def casing_modes(casing: GroundedCasing, reduction: Reduction, *, model: str, band_limit: float) -> CasingModes:
+    def springs(self, mounts: Mounts | None) -> np.ndarray:
+        """Stiffness (interface,) that the mounts of the feet add.
+
+        Raises
+        ------
+        ValueError : mounts of a fixed casing, none of one on springs, not one row or one per foot, none positive
+        """
+        if (mounts is not None) != (self.ground == "springs"):
+            need = "needs mounts" if mounts is None else "takes no mounts"
+            raise ValueError(f"casing with ground {self.ground!r} {need}; set casing.ground to fit")
+        out = np.zeros(len(self.interface_names))
+        if mounts is None:
+            return out
+        feet = [name for name in self.point_names if name.startswith("ground_")]
+        rows = np.asarray(mounts, float)
+        if rows.shape not in ((1, 3), (len(feet), 3)):
+            raise ValueError(f"mounts {rows.shape}: give one row of x, y, z (N/m), or one for each of {len(feet)} feet")
+        if not (np.isfinite(rows).all() and (rows > 0.0).all()):
+            raise ValueError(f"mount stiffness is {rows.min():g} N/m; every mount needs a positive one in x, y and z")
+        rows = np.broadcast_to(rows, (len(feet), 3))
+        for place, name in enumerate(self.interface_names):
+            point, axis = name.split(":")
+            if point in feet:
+                out[place] = rows[feet.index(point), GROUND_AXES.index(axis)]
+        return out
+
+
+def casing_modes(
+    casing: GroundedCasing, reduction: Reduction, *, model: str, band_limit: float, counted: int = -1
+) -> CasingModes:
     """Collect what later stages need of a reduction."""
-    mesh, n = casing.mesh, len(casing.mesh.nodes)
+    mesh = casing.mesh
     basis = reduction.basis
     extra = reduction.modes.shape[1] - reduction.n_fixed
     mode_names = [f"mode_{i + 1}" for i in range(reduction.n_fixed)] + [f"inertia_{i + 1}" for i in range(extra)]
     mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)
-    force = (casing.M @ rigid_body_modes(mesh.nodes, centre))[casing.free]
-    surface, facets = np.unique(mesh.facets, return_inverse=True)
-    everywhere = np.zeros((3 * n, basis.shape[1]), np.float32)
-    everywhere[casing.free] = basis
+    force = casing.expansion.T @ (casing.M @ rigid_body_modes(mesh.nodes, centre))
     return CasingModes(
         model=model,
         solver=casing.interface.factor.name,
+        ground=casing.ground,
+        coupling=casing.coupling,
         mass=reduction.mass,
         stiffness=reduction.stiffness,
         coordinate_names=casing.coordinate_names + tuple(mode_names),
+        reference_springs=casing.springs,
         fixed_frequencies=reduction.frequencies,
         band_limit=band_limit,
-        unknowns=len(casing.free),
+        counted=counted,
+        unknowns=casing.K_free.shape[0],
         participation=basis.T @ force,
         total_mass=mass,
         centre=centre,
         inertia=inertia,
         point_names=mesh.patch_names,
         point_positions=mesh.patch_points,
-        surface_nodes=mesh.nodes[surface],
-        facets=facets.reshape(mesh.facets.shape),
-        surface_basis=everywhere.reshape(n, 3, -1)[surface],
+        nodes=mesh.nodes,
+        facets=mesh.facets,
+        basis=_expanded(casing, basis).reshape(len(mesh.nodes), 3, -1),
     )
 
 
-def modal_damping(mass: np.ndarray, stiffness: np.ndarray, ratio: float) -> np.ndarray:
-    """C = M Phi diag(2 zeta omega) Phi^T M of the modes of (K, M): the same damping ratio in every mode.
+def _expanded(casing: GroundedCasing, basis: np.ndarray) -> np.ndarray:
+    """The basis on all unknowns of the mesh in single precision, a few columns at a time."""
+    out = np.empty((casing.expansion.shape[0], basis.shape[1]), np.float32)
+    for start in range(0, basis.shape[1], 32):
+        out[:, start : start + 32] = casing.expanded(basis[:, start : start + 32])
+    return out
+
+
+def kept_modes(
+    modes: CasingModes, springs: np.ndarray, *, limit: float | None = None, frequency_error: float | None = None
+) -> ModeSet:
+    """The modes that a body keeps.
 
     Parameters
     ----------
-    mass, stiffness : float (n, n), positive definite
-    ratio : zeta, 0 <= zeta < 1; ValueError otherwise
+    springs : (interface,), N/m
+    limit : Hz, fixed-interface modes up to it; all by default
+    frequency_error : with it, the fewest modes (of those up to the limit) that keep every frequency of the body up to
+        two thirds of the limit so close to that with all of them
     """
-    if not 0.0 <= ratio < 1.0:
-        raise ValueError(f"casing damping ratio is {ratio!r}; give a value from 0 to below 1 (cast iron about 0.01)")
-    if not len(mass):
-        return np.zeros((0, 0))
-    square, phi = la.eigh(stiffness, mass)
-    weighted = mass @ phi
-    return (weighted * (2.0 * ratio * np.sqrt(np.maximum(square, 0.0)))) @ weighted.T
+    whole = modes.mode_set
+    if limit is None:
+        limit = modes.band_limit
+    if limit > modes.band_limit * (1.0 + 1e-12):
+        raise ValueError(f"modes to {limit:g} Hz asked, known to {modes.band_limit:g} Hz; raise casing.band_Hz")
+    whole = kept(whole, int((whole.fixed_frequencies <= limit).sum()))
+    if frequency_error is None:
+        return whole
+    return kept(whole, fewest_modes(whole, springs, band=limit / 1.5, frequency_error=frequency_error))
 
 
-def reduced_body(modes: CasingModes, *, sensors: Sequence[Sensor] = (), damping_ratio: float = 0.01) -> ReducedBody:
+def reduced_body(
+    modes: CasingModes,
+    *,
+    sensors: Sequence[Sensor] = (),
+    damping: DampingRatio = 0.01,
+    mounts: Mounts | None = None,
+    limit: float | None = None,
+    frequency_error: float | None = None,
+) -> ReducedBody:
     """The casing as the multibody model sees it; three rows per sensor asked, moved to the nearest surface point.
+
+    Parameters
+    ----------
+    damping : modal damping ratio, or rows (Hz, ratio)
+    mounts : stiffness of every foot (N/m), if and only if the modes are those of a casing on springs
+    limit, frequency_error : see `kept_modes`
 
     Raises
     ------
     CouplingError : a sensor far from the surface
-    ValueError : damping ratio out of range
+    ValueError : damping ratio out of range, mounts that do not fit, more modes than are known
     """
-    rows, row_names = [], []
-    for index, name in enumerate(modes.interface_names):
-        rows.append(np.eye(len(modes.mass))[index])
-        row_names.append(name)
+    springs = modes.springs(mounts)
+    chosen = kept_modes(modes, springs, limit=limit, frequency_error=frequency_error)
+    b, extra = chosen.n_interface, len(chosen.mass) - chosen.n_interface - chosen.n_fixed
+    stiffness = chosen.stiffness.copy()
+    stiffness[np.arange(b), np.arange(b)] += springs
+    rows, row_names = [*np.eye(b, len(stiffness))], list(modes.interface_names)
     places = dict(zip(modes.point_names, modes.point_positions, strict=True))
     for sensor in sensors:
-        corners, weights, place = nearest_surface_point(modes.surface_nodes, modes.facets, np.array(sensor.position))
-        shape = np.einsum("a,adk->dk", weights, modes.surface_basis[corners].astype(float))
-        rows += list(shape)
+        corners, weights, place = nearest_surface_point(modes.nodes, modes.facets, np.array(sensor.position))
+        shape = np.einsum("a,adk->dk", weights, modes.basis[corners].astype(float)) @ chosen.basis
+        rows += list(np.array(sensor.axes, float) @ shape)
         row_names += [f"{sensor.name}:{axis}" for axis in ("ux", "uy", "uz")]
         places[sensor.name] = place
+    mode_names = [f"mode_{i + 1}" for i in range(chosen.n_fixed)] + [f"inertia_{i + 1}" for i in range(extra)]
     return ReducedBody(
         model=modes.model,
-        mass=modes.mass,
-        stiffness=modes.stiffness,
-        damping=modal_damping(modes.mass, modes.stiffness, damping_ratio),
-        coordinate_names=modes.coordinate_names,
+        mass=chosen.mass,
+        stiffness=stiffness,
+        damping=modal_damping(chosen.mass, stiffness, damping),
+        coordinate_names=(*modes.interface_names, *mode_names),
         row_names=tuple(row_names),
-        rows=np.array(rows).reshape(len(rows), len(modes.mass)),
+        rows=np.array(rows).reshape(len(rows), len(stiffness)),
         point_names=tuple(places),
         point_positions=np.array(list(places.values())),
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NaturalModes(Record):
+    """Natural modes of a casing in its ground."""
+
+    frequencies: np.ndarray = array("mode", units="Hz")
+    effective_mass: np.ndarray = array("mode", "motion", units="SI")  # kg; about the centre of gravity kg m2
+    total: np.ndarray = array("motion", units="SI")  # mass and inertia of the body
+    vectors: np.ndarray = array("coordinate", "mode", units="SI")  # of the stored coordinates, mass-normalised
+
+
+def natural_modes(modes: CasingModes, mounts: Mounts | None = None, *, limit: float | None = None) -> NaturalModes:
+    """Frequencies, effective masses (phi^T M R)^2 and shapes; `mounts` and `limit` as in `reduced_body`."""
+    springs = modes.springs(mounts)
+    chosen = kept_modes(modes, springs, limit=limit)
+    stiffness = chosen.stiffness.copy()
+    stiffness[np.arange(chosen.n_interface), np.arange(chosen.n_interface)] += springs
+    square, phi = la.eigh(stiffness, chosen.mass)
+    vectors = chosen.basis @ phi
+    return NaturalModes(
+        frequencies=np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi),
+        effective_mass=(vectors.T @ modes.participation) ** 2,
+        total=np.concatenate([np.full(3, modes.total_mass), np.diag(modes.inertia)]),
+        vectors=vectors,
     )
 
 

@@ -7,16 +7,18 @@ u(x) = R q = t + r x (x - x_cg).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from fem.casing.body import ReducedBody
-from fem.casing.coupling import AXES
+from fem.casing.coupling import AXES, nearest_surface_point
+from fem.casing.damping import DampingRatio, modal_damping
 from fem.casing.grounded import BEARING_AXES
 from fem.casing.housing import Housing, Sensor
-from fem.casing.modes import modal_damping
-from fem.elasticity import rigid_body_modes
+from fem.casing.mesh import CasingMesh
+from fem.elasticity import mass_properties, rigid_body_modes
 
 
 def housing_mass(housing: Housing, density: float) -> tuple[float, np.ndarray, np.ndarray]:
@@ -24,9 +26,8 @@ def housing_mass(housing: Housing, density: float) -> tuple[float, np.ndarray, n
 
     Box minus cavity plus boss cylinders inside the box minus bores plus feet.
     """
-    low, high = housing.box
-    wall = housing.wall_thickness
-    parts = [_block(low, high, 1.0), _block(low + wall, high - wall, -1.0)]
+    wall = housing.wall("side")
+    parts = [_block(*housing.box, 1.0), _block(*housing.cavity, -1.0)]
     parts += [_block(*corners, 1.0) for corners in housing.foot_boxes().values()]
     for bore in housing.bores:
         start, end = housing.bore_span(bore)
@@ -60,10 +61,10 @@ def rigid_body(
     *,
     density: float,
     mount_stiffness: float,
-    damping_ratio: float = 0.01,
+    damping_ratio: DampingRatio = 0.01,
     sensors: Sequence[Sensor] = (),
 ) -> ReducedBody:
-    """A rigid casing on springs.
+    """A plain parametric housing on springs, without a mesh.
 
     Parameters
     ----------
@@ -73,26 +74,63 @@ def rigid_body(
 
     Raises
     ------
-    ValueError : mount stiffness or density not positive, damping ratio out of range
+    ValueError : mount stiffness or density not positive, damping ratio out of range, or a housing with ribs, a flange,
+        bolt pads or fillets, whose mass needs its mesh
     """
-    for name, value in (("mount stiffness", mount_stiffness), ("density", density)):
-        if not (math.isfinite(value) and value > 0.0):
-            raise ValueError(f"rigid casing: {name} is {value!r}; give a positive, finite value (SI)")
-    mass, centre, inertia = housing_mass(housing, density)
-    grounds = housing.ground_points()
+    if not housing.plain:
+        raise ValueError("rigid casing: ribs, flange, bolt pads and fillets need the mesh; use `rigid_from_mesh`")
+    bearings = {bore.name: housing.bore_centre(bore) for bore in housing.bores}
+    mass = housing_mass(housing, _positive("density", density))
+    return _on_springs(mass, housing.ground_points(), bearings, mount_stiffness, damping_ratio, sensors)
+
+
+def rigid_from_mesh(
+    mesh: CasingMesh,
+    *,
+    density: float,
+    mount_stiffness: float,
+    damping_ratio: DampingRatio = 0.01,
+    sensors: Sequence[Sensor] = (),
+) -> ReducedBody:
+    """The same for any housing: mass, key points and the places of the sensors come from its mesh.
+
+    Raises
+    ------
+    ValueError : mount stiffness or density not positive, damping ratio out of range
+    CouplingError : a sensor far from the surface
+    """
+    mass = mass_properties(mesh.nodes, mesh.elements, _positive("density", density))
+    grounds, bearings = ({n: mesh.point(n) for n in mesh.patches(kind)} for kind in ("ground_", "bearing_"))
+    moved = [
+        replace(s, position=tuple(nearest_surface_point(mesh.nodes, mesh.facets, np.array(s.position))[2].tolist()))
+        for s in sensors
+    ]
+    return _on_springs(mass, grounds, bearings, mount_stiffness, damping_ratio, moved)
+
+
+def _on_springs(
+    inertial: tuple[float, np.ndarray, np.ndarray],
+    grounds: Mapping[str, np.ndarray],
+    bearings: Mapping[str, np.ndarray],
+    mount_stiffness: float,
+    damping_ratio: DampingRatio,
+    sensors: Sequence[Sensor],
+) -> ReducedBody:
+    """Mass, centre of gravity and inertia on one spring per ground point, and the rows of bearings and sensors."""
+    mass, centre, inertia = inertial
     mounts = rigid_body_modes(np.array(list(grounds.values())), centre)
-    stiffness = mount_stiffness * (mounts.T @ mounts)
+    stiffness = _positive("mount stiffness", mount_stiffness) * (mounts.T @ mounts)
     M = np.zeros((6, 6))
     M[:3, :3], M[3:, 3:] = mass * np.eye(3), inertia
-    places = grounds | {bore.name: housing.bore_centre(bore) for bore in housing.bores}
+    places = {**grounds, **bearings}
     rows, row_names = [], []
-    for bore in housing.bores:
-        motion = np.vstack([rigid_body_modes(places[bore.name][None], centre), np.eye(6)[3:]])
+    for name, place in bearings.items():
+        motion = np.vstack([rigid_body_modes(place[None], centre), np.eye(6)[3:]])
         rows.append(motion[[AXES.index(axis) for axis in BEARING_AXES]])
-        row_names += [f"{bore.name}:{axis}" for axis in BEARING_AXES]
+        row_names += [f"{name}:{axis}" for axis in BEARING_AXES]
     for sensor in sensors:
         places[sensor.name] = np.array(sensor.position)
-        rows.append(rigid_body_modes(places[sensor.name][None], centre))
+        rows.append(np.array(sensor.axes) @ rigid_body_modes(places[sensor.name][None], centre))
         row_names += [f"{sensor.name}:{axis}" for axis in AXES[:3]]
     return ReducedBody(
         model="rigid",
@@ -105,3 +143,9 @@ def rigid_body(
         point_names=tuple(places),
         point_positions=np.array(list(places.values())),
     )
+
+
+def _positive(name: str, value: float) -> float:
+    if not (math.isfinite(value) and value > 0.0):
+        raise ValueError(f"rigid casing: {name} is {value!r}; give a positive, finite value (SI)")
+    return value

@@ -14,18 +14,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from fem.casing.body import ReducedBody
+from fem.casing.body import MODES_OVER_BAND, ReducedBody
 from fem.casing.checkup import CheckUp, check_up
-from fem.casing.grounded import ground_casing
+from fem.casing.damping import DampingRatio
+from fem.casing.geometry import mesh_geometry
+from fem.casing.grounded import Coupling, Ground, GroundedCasing, ground_casing
 from fem.casing.housing import Housing, Sensor
+from fem.casing.lanczos import EigenError
 from fem.casing.mesh import CasingMesh
-from fem.casing.modes import CasingModes, casing_modes, grounded_body, reduced_body
-from fem.casing.reduction import reduce_body
+from fem.casing.modes import CasingModes, Mounts, casing_modes, grounded_body, reduced_body
+from fem.casing.reduction import count_fixed_modes, reduce_body
 from fem.casing.rigid import rigid_body
+from fem.casing.sizes import Sizes
 from fem.linear_solver import Solver
 from fem.materials import Material
-
-MODES_OVER_BAND = 1.5  # fixed-interface modes are kept to this multiple of the band
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +49,7 @@ class RigidCasing:
 
     model: Literal["rigid"] = "rigid"
     mount_stiffness: float = 2e8  # N/m of each foot, in x, y and z
-    damping_ratio: float = 0.01
+    damping_ratio: DampingRatio = 0.01
 
     def reduce(self, housing: Housing, material: Material) -> ReducedBody:
         """Six coordinates; mass and inertia from the volumes of the housing."""
@@ -61,70 +63,105 @@ class RigidCasing:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StaticCasing:
-    """Finite elements condensed statically to the bearing points; its inertia is right only far below resonance."""
+class _Elastic:
+    """What the rungs with finite elements share."""
 
-    model: Literal["static"] = "static"
     element_size: float = 0.022  # m
-    damping_ratio: float = 0.01
+    ground: Ground = "fixed"
+    coupling: Coupling = "mean"
+    interfaces: Mapping[str, Sequence[str]] | None = None  # bearing -> axes that carry loads; all by default
+    mounts: Mounts | None = None  # stiffness of the feet, if the ground is "springs"
+    damping: DampingRatio = 0.01
     solver: Solver = "auto"
 
     def mesh(self, housing: Housing) -> CasingMesh:
         """First stage: geometry to tetrahedra."""
         return _mesh(housing, self.element_size)
 
-    def modes(self, mesh: CasingMesh, material: Material) -> tuple[CasingModes, CheckUp]:
-        """Second stage: factorise and condense; the check-up tells whether the result can be trusted."""
-        casing = ground_casing(mesh, material, solver=self.solver)
-        reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=0, enrich=False)
-        return casing_modes(casing, reduction, model=self.model, band_limit=0.0), check_up(casing, reduction)
-
-    def body(self, modes: CasingModes, sensors: Sequence[Sensor] = ()) -> ReducedBody:
-        """Last stage: damping and the rows of the sensors asked."""
-        return reduced_body(modes, sensors=sensors, damping_ratio=self.damping_ratio)
-
-    def reduce(self, housing: Housing, material: Material) -> ReducedBody:
-        """All stages; five coordinates per bearing."""
-        return self.body(self.modes(self.mesh(housing), material)[0], housing.sensors)
-
-
-@dataclass(frozen=True, kw_only=True)
-class CraigBamptonCasing:
-    """Finite elements reduced to the bearing points and every fixed-interface mode to 1.5 times `band`."""
-
-    model: Literal["craig-bampton"] = "craig-bampton"
-    band: float = 5000.0  # Hz
-    element_size: float = 0.022  # m
-    damping_ratio: float = 0.01
-    inertia_correction: bool = True
-    solver: Solver = "auto"
-
-    def mesh(self, housing: Housing) -> CasingMesh:
-        """First stage: geometry to tetrahedra."""
-        return _mesh(housing, self.element_size)
+    def casing(self, mesh: CasingMesh, material: Material) -> GroundedCasing:
+        """The meshed casing in its ground, factorised."""
+        return ground_casing(
+            mesh,
+            material,
+            interfaces=self.interfaces,
+            ground=self.ground,
+            coupling=self.coupling,
+            solver=self.solver,
+        )
 
     def modes(self, mesh: CasingMesh, material: Material) -> tuple[CasingModes, CheckUp]:
         """Second stage: factorise and reduce; the check-up tells whether the result can be trusted."""
-        limit = MODES_OVER_BAND * self.band
-        casing = ground_casing(mesh, material, solver=self.solver)
-        reduction = reduce_body(
-            casing.interface, casing.K_free, casing.M_free, highest=limit, enrich=self.inertia_correction
-        )
-        return casing_modes(casing, reduction, model=self.model, band_limit=limit), check_up(casing, reduction)
+        raise NotImplementedError
 
     def body(self, modes: CasingModes, sensors: Sequence[Sensor] = ()) -> ReducedBody:
-        """Last stage: damping and the rows of the sensors asked."""
-        return reduced_body(modes, sensors=sensors, damping_ratio=self.damping_ratio)
+        """Last stage: mounts, damping and the rows of the sensors asked."""
+        return reduced_body(modes, sensors=sensors, damping=self.damping, mounts=self.mounts)
 
     def reduce(self, housing: Housing, material: Material) -> ReducedBody:
         """All stages."""
         return self.body(self.modes(self.mesh(housing), material)[0], housing.sensors)
 
 
+@dataclass(frozen=True, kw_only=True)
+class StaticCasing(_Elastic):
+    """Finite elements condensed statically to the bearing points; its inertia is right only far below resonance."""
+
+    model: Literal["static"] = "static"
+
+    def modes(self, mesh: CasingMesh, material: Material) -> tuple[CasingModes, CheckUp]:
+        """Second stage: factorise and condense."""
+        casing = self.casing(mesh, material)
+        reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=0, enrich=False)
+        return casing_modes(casing, reduction, model=self.model, band_limit=0.0), check_up(casing, reduction)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CraigBamptonCasing(_Elastic):
+    """Finite elements reduced to the bearing points and every fixed-interface mode to 1.5 times `band`.
+
+    With `frequency_error` as few of these modes are kept as change no frequency up to the band by more than it.
+    """
+
+    model: Literal["craig-bampton"] = "craig-bampton"
+    band: float = 5000.0  # Hz
+    frequency_error: float | None = None
+    inertia_correction: bool = True
+
+    def modes(self, mesh: CasingMesh, material: Material) -> tuple[CasingModes, CheckUp]:
+        """Second stage: factorise and reduce.
+
+        Raises
+        ------
+        EigenError : the modes found are not as many as the law of inertia counts
+        """
+        limit = MODES_OVER_BAND * self.band
+        casing = self.casing(mesh, material)
+        counted = count_fixed_modes(casing.interface, casing.K_free, casing.M_free, limit)
+        reduction = reduce_body(
+            casing.interface, casing.K_free, casing.M_free, highest=limit, enrich=self.inertia_correction
+        )
+        if reduction.n_fixed != counted:
+            raise EigenError(
+                f"casing: {reduction.n_fixed} fixed-interface modes found below {limit:g} Hz, {counted} exist; "
+                "choose a slightly different band"
+            )
+        result = casing_modes(casing, reduction, model=self.model, band_limit=limit, counted=counted)
+        return result, check_up(casing, reduction)
+
+    def body(self, modes: CasingModes, sensors: Sequence[Sensor] = ()) -> ReducedBody:
+        """Last stage: mounts, damping, the modes that are kept and the rows of the sensors asked."""
+        return reduced_body(
+            modes,
+            sensors=sensors,
+            damping=self.damping,
+            mounts=self.mounts,
+            limit=MODES_OVER_BAND * self.band,
+            frequency_error=self.frequency_error,
+        )
+
+
 CasingRung = NoCasing | RigidCasing | StaticCasing | CraigBamptonCasing
 
 
 def _mesh(housing: Housing, element_size: float) -> CasingMesh:
-    from fem.casing.mesher import mesh_housing
-
-    return mesh_housing(housing, element_size=element_size)
+    return mesh_geometry(housing, Sizes(element=element_size))

@@ -56,6 +56,11 @@ def blank_factor(web_ratio: float, rim_ratio: float) -> float:
     return 1.0 + math.log(min(max(web_ratio, 0.2), 1.2)) / (5.0 * math.exp(max(rim_ratio, 1.0) / 5.0))
 
 
+def gear_blank(gear: Gear) -> float:
+    """C_R of one gear from its rim and web; 1 for a solid body."""
+    return 1.0 if gear.rim_thickness is None else blank_factor(gear.web_ratio, gear.rim_thickness / gear.normal_module)
+
+
 def rack_factor(gear: Gear) -> float:
     """C_B = [1 + 0.5 (1.2 - h_fP/m_n)] [1 - 0.02 (20 - alpha_Pn in degrees)]."""
     rack = gear.rack
@@ -66,9 +71,10 @@ def rack_factor(gear: Gear) -> float:
 class Iso:
     """ISO 6336-1 method B as a mesh law.
 
-    n_slices over the face; mean_factor C_M (0.8: theoretical stiffness against measurements); web_ratio b_s/b and
-    rim_ratio s_R/m_n for C_R, or blank_factor to give C_R itself; line_load F_t K_A / b (N/m) or None for a load in the
-    linear range; edge_onset (m): least approach at which tip edges carry, followed to the gap largest_gap (m).
+    n_slices over the face; mean_factor C_M (0.8: theoretical stiffness against measurements); blank_factor C_R, None:
+    the mean of what rims and webs of both gears give (a web offset does not count); line_load F_t K_A / b (N/m) or None
+    for a load in the linear range; edge_onset (m): least approach at which tip edges carry, followed to the gap
+    largest_gap (m).
 
     Valid for steel-like pairs of elastic teeth with eps_alpha >= 1.2, beta <= 30 deg, -0.5 <= x1 + x2 <= 2.
     """
@@ -76,8 +82,6 @@ class Iso:
     model: Literal["iso"] = "iso"
     n_slices: int = 15
     mean_factor: float = 0.8
-    web_ratio: float = 1.0
-    rim_ratio: float = 5.0
     blank_factor: float | None = None
     line_load: float | None = None
     edge_onset: float = 20e-6
@@ -121,7 +125,7 @@ class Iso:
         z1, z2 = p.virtual_teeth, w.virtual_teeth
         terms = (1.0, 1 / z1, 1 / z2, x1, x1 / z1, x2, x2 / z2, x1**2, x2**2)
         flexibility = sum(c * t for c, t in zip(COEFFICIENTS, terms, strict=True))
-        body = blank_factor(self.web_ratio, self.rim_ratio) if self.blank_factor is None else self.blank_factor
+        body = 0.5 * (gear_blank(p) + gear_blank(w)) if self.blank_factor is None else self.blank_factor
         e1, e2 = pair.pinion_material.elastic_modulus, pair.wheel_material.elastic_modulus
         elastic = 2.0 * e1 * e2 / (e1 + e2) / STEEL.elastic_modulus
         rack = 0.5 * (rack_factor(p) + rack_factor(w))

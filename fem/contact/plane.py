@@ -39,6 +39,8 @@ from fem.gears.path import PathPoints, contact_window, path_points
 from fem.gears.sector import sector_mesh
 from fem.ledger import count
 
+BRIDGE = 2.05  # pitches: with a tooth missing, the pairs before and after it then take over from each other
+
 
 class PlaneError(ValueError):
     """An option of the rung `plane` is outside its valid range."""
@@ -134,31 +136,24 @@ class Plane:
         return laws[0], laws[1]
 
     def path(self, pair: GearPair) -> PathPoints:
-        """The path of contact on the uniform grid that holds every position whose gap is below `largest_gap`."""
+        """The path of contact on the uniform grid that holds every position whose gap is below `largest_gap`.
+
+        Where this spans less than two pitches the limit is raised, to 0.4 m_n at most, so that the neighbours of a
+        missing tooth still meet tip edge to flank.
+        """
         largest = self.largest_gap * pair.pinion.normal_module
         first, last = contact_window(pair, largest)
+        while last - first < BRIDGE and largest < 0.4 * pair.pinion.normal_module:
+            largest *= 1.25
+            first, last = contact_window(pair, largest)
         grid = np.arange(math.floor(first * self.positions), math.ceil(last * self.positions) + 1) / self.positions
         return path_points(pair, grid, largest)
 
     def tables(self, pair: GearPair, path: PathPoints) -> PairCompliance:
         """Compliances of one slice at the positions of `path`."""
-        depth = pair.pinion.normal_module
-        half_width = self.patch * depth
         reach = max(1, math.ceil((len(path.xi) - 1) / self.positions) - 1)
         rings = self.rings(pair, reach)
-        patches = [
-            ring.patches((radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius), half_width)
-            for ring, gear, radius in zip(
-                rings, (pair.pinion, pair.wheel), (path.pinion_radius, path.wheel_radius), strict=True
-            )
-        ]
-        weights = [weight for weight, _ in patches]
-        cosine = math.cos(pair.base_helix_angle)
-        materials = (pair.pinion_material, pair.wheel_material)
-        own = np.zeros(len(path.xi))
-        for (weight, used), ring, material in zip(patches, rings, materials, strict=True):
-            own += np.einsum("pi,ij,pj->p", weight, ring.matrix[0], weight)
-            own += 2 / (math.pi * material.plane_strain_modulus * cosine) * np.log(used / depth)
+        weights, own = self.own_compliance(pair, path, rings)
         coupling = np.zeros((reach, len(path.xi)))
         here = np.arange(len(path.xi))
         for n in range(1, reach + 1):
@@ -167,15 +162,33 @@ class Plane:
             # of the pinion and tooth +n of the wheel counted towards the loaded flank
             for weight, ring, tooth in zip(weights, rings, (-n, n), strict=True):
                 coupling[n - 1] += np.einsum("pi,ij,pj->p", weight[behind], ring.matrix[tooth], weight)
+        slope, offset = self.contact_terms(pair, path)
+        return PairCompliance(compliance=own, coupling=coupling, contact_slope=slope, contact_offset=offset)
+
+    def contact_terms(self, pair: GearPair, path: PathPoints) -> tuple[float, np.ndarray]:
+        """A (m2/N) and B (position,) of the Hertz term."""
+        depth, cosine = pair.pinion.normal_module, math.cos(pair.base_helix_angle)
+        materials = (pair.pinion_material, pair.wheel_material)
         reduced = 1.0 / sum(1.0 / material.plane_strain_modulus for material in materials)
-        slope = 1.0 / (math.pi * reduced * cosine)
         radius = self.contact_radius(pair, path) / cosine
-        return PairCompliance(
-            compliance=own,
-            coupling=coupling,
-            contact_slope=slope,
-            contact_offset=0.5 + np.log(depth**2 * math.pi * reduced / (4 * radius)),
-        )
+        return 1.0 / (math.pi * reduced * cosine), 0.5 + np.log(depth**2 * math.pi * reduced / (4 * radius))
+
+    def own_compliance(
+        self, pair: GearPair, path: PathPoints, rings: tuple[FlankCompliance, FlankCompliance]
+    ) -> tuple[list[np.ndarray], np.ndarray]:
+        """Patch weights (position, node) of pinion and wheel, and C (position,) in m2/N; any positions will do."""
+        depth = pair.pinion.normal_module
+        cosine = math.cos(pair.base_helix_angle)
+        gears, materials = (pair.pinion, pair.wheel), (pair.pinion_material, pair.wheel_material)
+        radii = (path.pinion_radius, path.wheel_radius)
+        weights, own = [], np.zeros(len(path.xi))
+        for ring, gear, material, radius in zip(rings, gears, materials, radii, strict=True):
+            arc = (radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius)
+            weight, used = ring.patches(arc, self.patch * depth)
+            own += np.einsum("pi,ij,pj->p", weight, ring.matrix[0], weight, optimize=True)
+            own += 2 / (math.pi * material.plane_strain_modulus * cosine) * np.log(used / depth)
+            weights.append(weight)
+        return weights, own
 
     def rings(self, pair: GearPair, reach: int) -> tuple[FlankCompliance, FlankCompliance]:
         """Flank compliances of pinion and wheel."""
@@ -193,10 +206,11 @@ class Plane:
         """Transverse radius of relative curvature (position,), m.
 
         Beyond the path a tip edge touches: there the radius goes over, evenly in its logarithm within the tenth of a
-        pitch that edge contact needs to develop, to that of the rounded edge.
+        pitch that edge contact needs to develop, to that of the rounded edge (the gear's own, or `tip_rounding`).
         """
         beyond = np.maximum(pair.xi_start - path.xi, path.xi - pair.xi_end).clip(0.0)
-        edge = self.tip_rounding * pair.pinion.normal_module
+        usual = self.tip_rounding * pair.pinion.normal_module
+        edge = np.where(path.xi < 0.0, pair.wheel.tip_rounding or usual, pair.pinion.tip_rounding or usual)
         share = np.minimum(beyond / 0.1, 1.0)
         return path.relative_radius ** (1.0 - share) * np.minimum(edge, path.relative_radius) ** share
 

@@ -107,7 +107,7 @@ def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.
     ------
     RingError : the factorisation fails
     """
-    full = stiffness(mesh.points, mesh.elements, young, poisson, mesh.twist)
+    full = stiffness(mesh.points, mesh.elements, young, poisson, mesh.twist, mesh.filling)
     components = full.shape[0] // len(mesh.points)
     turn = cut_rotation(mesh, components)
     full = (turn.T @ full @ turn).tocsc()
@@ -165,6 +165,29 @@ def flank_compliance(mesh: SectorMesh, young: float, poisson: float, reach: int 
     """
     sector = reduce_sector(mesh, young, poisson, flank_loads(mesh))
     return FlankCompliance(arc=mesh.flank_arc, tip_arc=mesh.tip_arc, matrix=ring_response(sector, reach))
+
+
+def changed_tooth(sound: SectorReduction, changed: SectorReduction) -> np.ndarray:
+    """Compliance (p, p), m2/N, of the flank of one changed tooth in a ring whose other teeth are sound.
+
+    With the flexibility G of the sound ring at the two cuts of the tooth and D = S_changed - S_sound the motion of the
+    cuts under the loads h of the changed tooth is (1 + G D)^-1 G h: exact, at the cost of the sound ring.
+    """
+    z, cut = sound.teeth, sound.stiffness.shape[0] // 2
+    s, h = sound.stiffness, changed.transfer
+    low, high = slice(0, cut), slice(cut, 2 * cut)
+    same, ahead = s[low, low] + s[high, high], s[low, high]
+    block = {n: np.zeros((cut, cut)) for n in (-1, 0, 1)}
+    for k in range(z // 2 + 1):
+        phase = np.exp(2j * np.pi * k / z)
+        inverse = np.linalg.inv(same + ahead * phase + ahead.T / phase)
+        twice = 1.0 if 2 * k in (0, z) else 2.0
+        for n in block:
+            block[n] += twice / z * (inverse * phase**n).real
+    ring = np.block([[block[0], block[-1]], [block[1], block[0]]])
+    motion = np.linalg.solve(np.eye(2 * cut) + ring @ (changed.stiffness - s), ring @ h)
+    answer = h.T @ motion + changed.direct
+    return (answer + answer.T) / 2
 
 
 def cut_rotation(mesh: SectorMesh, components: int) -> sparse.csc_matrix:

@@ -1,12 +1,13 @@
 """Pitch deviations of the teeth: tolerances after ISO 1328-1:2013 and seeded samples inside them.
 
-With the reference diameter d and m_n, b in mm the tolerances of grade 5 are (um; clause 5.3, formulae 3 to 10)
+With the reference diameter d and m_n in mm the tolerances of class 5 are (um; clause 5.3, formulae 5 and 6)
 
     f_pT  = 0.001 d + 0.4 m_n + 5                  single pitch
     F_pT  = 0.002 d + 0.55 sqrt(d) + 0.7 m_n + 12  total cumulative pitch
     F_rT  = 0.9 F_pT                               runout (informative)
 
-and each grade multiplies by sqrt(2). Rounded to 1 um above 10 um, 0.5 um from 5 to 10 um, 0.1 um below.
+and each class multiplies by sqrt(2). Rounded to 1 um above 10 um, 0.5 um from 5 to 10 um, 0.1 um below. Deviations of
+profile and helix are those of `fem.gears.flank_deviations`.
 """
 
 from __future__ import annotations
@@ -57,7 +58,22 @@ def pitch_tolerance(gear: Gear, grade: int) -> PitchTolerance:
     GeometryError : grade or gear size outside the standard (grades 1 to 11, 5 <= z <= 1000, 5 mm <= d <= 15 m,
         0.5 mm <= m_n <= 70 mm)
     """
-    d, m_n = 2000.0 * gear.reference_radius, 1000.0 * gear.normal_module
+    d, m_n, _, factor = class_factors(gear, grade)
+    single = (0.001 * d + 0.4 * m_n + 5.0) * factor
+    cumulative = (0.002 * d + 0.55 * math.sqrt(d) + 0.7 * m_n + 12.0) * factor
+    return PitchTolerance(
+        single=rounded(single) / 1e6, cumulative=rounded(cumulative) / 1e6, runout=rounded(0.9 * cumulative) / 1e6
+    )
+
+
+def class_factors(gear: Gear, grade: int) -> tuple[float, float, float, float]:
+    """Reference diameter d, m_n and b in mm, and the factor sqrt(2)^(grade - 5) of ISO 1328-1:2013, 5.2.2.
+
+    Raises
+    ------
+    GeometryError : outside the range of the standard
+    """
+    d, m_n, b = 2000.0 * gear.reference_radius, 1000.0 * gear.normal_module, 1000.0 * gear.face_width
     for bad, what in (
         (grade not in GRADES, f"grade is {grade!r}; give a whole number from {GRADES[0]} to {GRADES[-1]}"),
         (not 5 <= gear.teeth <= 1000, f"z is {gear.teeth}; ISO 1328-1 covers 5 to 1000 teeth"),
@@ -65,16 +81,11 @@ def pitch_tolerance(gear: Gear, grade: int) -> PitchTolerance:
         (not 0.5 <= m_n <= 70.0, f"normal module is {m_n:.4g} mm; ISO 1328-1 covers 0.5 to 70 mm"),
     ):
         if bad:
-            raise GeometryError(f"pitch tolerance of gear z={gear.teeth}: {what}; or switch deviations off")
-    factor = math.sqrt(2.0) ** (grade - 5)
-    single = (0.001 * d + 0.4 * m_n + 5.0) * factor
-    cumulative = (0.002 * d + 0.55 * math.sqrt(d) + 0.7 * m_n + 12.0) * factor
-    return PitchTolerance(
-        single=_rounded(single) / 1e6, cumulative=_rounded(cumulative) / 1e6, runout=_rounded(0.9 * cumulative) / 1e6
-    )
+            raise GeometryError(f"tolerances of gear z={gear.teeth}: {what}; or switch deviations off")
+    return d, m_n, b, math.sqrt(2.0) ** (grade - 5)
 
 
-def _rounded(value: float) -> float:
+def rounded(value: float) -> float:
     """Rounding rule of ISO 1328-1:2013, 5.2.3 (um)."""
     if value > 10.0:
         return float(round(value))

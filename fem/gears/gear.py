@@ -10,62 +10,17 @@ import math
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from fem.gears.body import check_body
+from fem.gears.rack import GeometryError, Rack, involute, require
+
+__all__ = ["HANDS", "Gear", "GeometryError", "Rack", "involute", "require"]
+
 HANDS = ("right", "left")
 MAX_HELIX = math.radians(45.0)
-
-
-class GeometryError(ValueError):
-    """Gear data that describe no working gear or pair."""
-
-
-def involute(angle: float) -> float:
-    """inv(alpha) = tan(alpha) - alpha (rad)."""
-    return math.tan(angle) - angle
-
-
-def require(condition: bool, message: str) -> None:
-    """Raise GeometryError(message) unless the condition holds."""
-    if not condition:
-        raise GeometryError(message)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Rack:
-    """Standard basic rack in modules (ISO 53 profile A by default) that generates the gear.
-
-    addendum h_aP*, dedendum h_fP*, tip_radius rho_fP* of the generating tool (the root fillet of the gear),
-    pressure_angle alpha_n (rad).
-    """
-
-    addendum: float = 1.0
-    dedendum: float = 1.25
-    tip_radius: float = 0.38
-    pressure_angle: float = math.radians(20.0)
-
-    def __post_init__(self) -> None:
-        for name in ("addendum", "dedendum"):
-            value = getattr(self, name)
-            require(0.3 <= value <= 2.5, f"rack: {name} is {value!r} modules; give a value in [0.3, 2.5]")
-        low, high = math.radians(10.0), math.radians(35.0)
-        require(
-            low <= self.pressure_angle <= high,
-            f"rack: pressure_angle is {self.pressure_angle!r} rad; give a value in "
-            f"[{low:.4f}, {high:.4f}] rad (10 to 35 deg)",
-        )
-        require(self.tip_radius >= 0.0, f"rack: tip_radius is {self.tip_radius!r} modules; give a value >= 0")
-        half_land = self.tip_land
-        largest = self.tip_radius + half_land * math.cos(self.pressure_angle) / (1.0 - math.sin(self.pressure_angle))
-        require(
-            half_land >= -1e-12,
-            f"rack: tip_radius {self.tip_radius!r} modules does not fit between the flanks of the tool at dedendum "
-            f"{self.dedendum!r}; the limit is {largest:.4f} modules: reduce tip_radius or dedendum",
-        )
-
-    @property
-    def tip_land(self) -> float:
-        """Half the flat width of the tool tip between its two roundings, modules (ISO 6336-3 auxiliary value E)."""
-        alpha = self.pressure_angle
-        return math.pi / 4 - self.dedendum * math.tan(alpha) - self.tip_radius * (1 - math.sin(alpha)) / math.cos(alpha)
+_NUMBERS = (
+    "normal_module", "helix_angle", "face_width", "profile_shift", "bore_radius", "tip_alteration",
+    "thickness_allowance", "tip_chamfer", "tip_rounding", "web_offset",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,10 +30,16 @@ class Gear:
     teeth z, normal_module m_n (m), helix_angle beta >= 0 (rad) with hand "right" or "left", face_width b (m),
     profile_shift x (modules), bore_radius (m): the gear body is elastic from the bore outwards,
     tip_alteration k m_n (m, negative shortens the tooth).
+    thickness_allowance A_sn (m, normal section, negative thins the tooth; DIN 3967): the tool is fed deeper, so that
+    the tooth is generated with x_E = x + A_sn / (2 m_n tan alpha_n) while the tip circle stays.
+    tip_chamfer h_K (m, radial height), or tip_rounding rho_an (m, radius): the involute ends at the tip form circle.
+    rim_thickness s_R (m, from the root circle inwards; None: solid body), web_thickness b_s (m, default the face width)
+    and web_offset (m, middle of the web from mid face): below the rim the body is a web down to the bore. A hub is part
+    of the shaft: give its outer diameter as the bore.
 
     Raises
     ------
-    GeometryError : a value out of range, bore >= root circle, pointed teeth, no involute left above the fillet
+    GeometryError : a value out of range, bore >= root circle, thin rim, pointed teeth, no involute above the fillet
     """
 
     teeth: int
@@ -90,9 +51,15 @@ class Gear:
     bore_radius: float
     tip_alteration: float = 0.0
     hand: str = "right"
+    thickness_allowance: float = 0.0
+    tip_chamfer: float = 0.0
+    tip_rounding: float = 0.0
+    rim_thickness: float | None = None
+    web_thickness: float | None = None
+    web_offset: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("normal_module", "helix_angle", "face_width", "profile_shift", "bore_radius", "tip_alteration"):
+        for name in _NUMBERS:
             value = getattr(self, name)
             require(math.isfinite(value), f"gear: {name} is {value!r}; give a finite number in SI")
         require(
@@ -113,11 +80,19 @@ class Gear:
             abs(self.profile_shift) <= 2.0,
             f"{label}: profile_shift is {self.profile_shift!r} modules; give a value in [-2, 2]",
         )
+        self._check_thickness(label)
+        check_body(self, label)
+        self._check_tip(label)
+
+    def _check_thickness(self, label: str) -> None:
+        limit = 0.5 * self.normal_module
         require(
-            self.bore_radius < self.root_radius,
-            f"{label}: bore_radius {self.bore_radius:.6g} m reaches the root circle; the limit is r_f = "
-            f"{self.root_radius:.6g} m: reduce the bore or raise teeth or module",
+            abs(self.thickness_allowance) <= limit,
+            f"{label}: thickness_allowance is {self.thickness_allowance!r} m; give a value in "
+            f"[-{limit:.4g}, {limit:.4g}] m (half a module; negative thins the tooth)",
         )
+
+    def _check_tip(self, label: str) -> None:
         require(
             self.tip_radius > max(self.base_radius, self.root_radius),
             f"{label}: tip radius {self.tip_radius:.6g} m is not above the base circle {self.base_radius:.6g} m and "
@@ -127,6 +102,25 @@ class Gear:
             self.tip_thickness > 0.0,
             f"{label}: the tooth is pointed, its transverse thickness at the tip circle is {self.tip_thickness:.3g} m "
             "(limit > 0): reduce profile_shift or give a negative tip_alteration",
+        )
+        for name in ("tip_chamfer", "tip_rounding"):
+            value = getattr(self, name)
+            require(value >= 0.0, f"{label}: {name} is {value!r} m; give a value >= 0")
+        require(
+            self.tip_chamfer == 0.0 or self.tip_rounding == 0.0,
+            f"{label}: tip_chamfer {self.tip_chamfer:.4g} m and tip_rounding {self.tip_rounding:.4g} m are both given; "
+            "a tip edge is either chamfered or rounded: leave one out",
+        )
+        require(
+            self.tip_rounding <= 0.5 * self.tip_thickness * math.cos(self.base_helix_angle) or self.tip_rounding == 0.0,
+            f"{label}: tip_rounding {self.tip_rounding:.4g} m does not fit on the tip land; the limit is half of its "
+            f"width, {0.5 * self.tip_thickness * math.cos(self.base_helix_angle):.4g} m",
+        )
+        floor = max(self.base_radius, self.reference_radius - 0.5 * self.normal_module)
+        require(
+            self.tip_form_radius > floor,
+            f"{label}: the tip chamfer or rounding takes the involute down to radius {self.tip_form_radius:.6g} m; the "
+            f"limit is {floor:.6g} m: reduce it",
         )
 
     @cached_property
@@ -167,9 +161,38 @@ class Gear:
         )
 
     @property
+    def tip_form_radius(self) -> float:
+        """r_Fa: where the involute ends below a chamfered or rounded tip edge; r_a with sharp edges (m).
+
+        A rounding touches tip circle and flank, so that it takes rho_an (1 - sin alpha_a) of the height.
+        """
+        if self.tip_rounding > 0.0:
+            return self.tip_radius - self.tip_rounding * (1.0 - math.sin(self.pressure_angle_at(self.tip_radius)))
+        return self.tip_radius - self.tip_chamfer
+
+    @property
+    def generating_shift(self) -> float:
+        """x_E = x + A_sn / (2 m_n tan alpha_n): profile shift that the tool cuts the thinned tooth with (modules)."""
+        return self.profile_shift + self.thickness_allowance / (
+            2.0 * self.normal_module * math.tan(self.rack.pressure_angle)
+        )
+
+    @property
     def root_radius(self) -> float:
-        """r_f = r - m_n (h_fP* - x) (m)."""
-        return self.reference_radius - self.normal_module * (self.rack.dedendum - self.profile_shift)
+        """r_f = r - m_n (h_fP* - x_E) (m)."""
+        return self.reference_radius - self.normal_module * (self.rack.dedendum - self.generating_shift)
+
+    @property
+    def rim_inner_radius(self) -> float:
+        """Inner radius of the rim, r_f - s_R; the bore of a solid body (m)."""
+        return self.bore_radius if self.rim_thickness is None else self.root_radius - self.rim_thickness
+
+    @property
+    def web_ratio(self) -> float:
+        """b_s / b; 1 for a solid body."""
+        if self.rim_thickness is None or self.web_thickness is None:
+            return 1.0
+        return self.web_thickness / self.face_width
 
     @property
     def base_pitch(self) -> float:
@@ -183,8 +206,10 @@ class Gear:
 
     @property
     def reference_thickness(self) -> float:
-        """Transverse tooth thickness on the reference circle, s_t = m_t (pi/2 + 2 x tan alpha_n) (m, arc)."""
-        return self.transverse_module * (math.pi / 2.0 + 2.0 * self.profile_shift * math.tan(self.rack.pressure_angle))
+        """Transverse tooth thickness on the reference circle, s_t = m_t (pi/2 + 2 x_E tan alpha_n) (m, arc)."""
+        return self.transverse_module * (
+            math.pi / 2.0 + 2.0 * self.generating_shift * math.tan(self.rack.pressure_angle)
+        )
 
     def pressure_angle_at(self, radius: float) -> float:
         """Transverse pressure angle of the involute at `radius` >= r_b (rad)."""
@@ -217,9 +242,9 @@ class Gear:
     def undercut(self) -> bool:
         """True when the tool's rounded tip cuts into the involute at its foot.
 
-        The straight tool flank ends at the depth v = m_n (h_fP* - x - rho_fP* (1 - sin alpha_n)) below the reference
+        The straight tool flank ends at the depth v = m_n (h_fP* - x_E - rho_fP* (1 - sin alpha_n)) below the reference
         circle; undercut begins at v > r sin^2 alpha_t.
         """
         rack = self.rack
-        depth = rack.dedendum - self.profile_shift - rack.tip_radius * (1.0 - math.sin(rack.pressure_angle))
+        depth = rack.dedendum - self.generating_shift - rack.tip_radius * (1.0 - math.sin(rack.pressure_angle))
         return depth * self.normal_module > self.reference_radius * math.sin(self.transverse_pressure_angle) ** 2

@@ -27,8 +27,8 @@ class GearPair:
     ----------
     pinion, wheel : Gear with equal module, helix angle and rack pressure angle; opposite hands when helical
     centre_distance : m, or None for the distance without backlash that follows from the profile shifts
-    backlash_allowance : m along the transverse line of action, added to the backlash that the centre distance gives;
-        it stands for the tooth thickness allowances, which the elastic tooth does not show
+    backlash_allowance : m along the transverse line of action, added to the backlash that the centre distance and the
+        tooth thickness allowances of the gears give; play that the elastic teeth do not show
     pinion_material, wheel_material : Material
 
     Raises
@@ -129,17 +129,18 @@ class GearPair:
             )
 
     def _check_contact(self) -> None:
-        for gear, approach, name in (
-            (self.pinion, self.approach_length, "pinion"),
-            (self.wheel, self.recess_length, "wheel"),
-        ):
-            lowest = gear.base_radius * math.tan(self.working_pressure_angle) - approach
-            form = math.sqrt(form_radius(gear) ** 2 - gear.base_radius**2)
+        for name, lowest, form in zip(("pinion", "wheel"), self._lowest_rolls(), self.form_rolls, strict=True):
+            if lowest >= form - 1e-9 * self.pinion.base_radius:
+                continue
+            from fem.gears.interference import root_penetration  # only pairs whose tips pass below an involute need it
+
+            depth, limit = root_penetration(self, name), 1e-5 * self.pinion.normal_module
             require(
-                lowest >= form - 1e-9 * gear.base_radius,
+                depth <= limit,
                 f"{self.label}: interference at the {name} root, the other gear's tip would touch at roll length "
-                f"{lowest:.6g} m but the involute starts at {form:.6g} m: raise the {name}'s profile shift or give the "
-                "other gear a negative tip_alteration",
+                f"{lowest:.6g} m but the involute starts at {form:.6g} m, and it cuts {depth:.4g} m into the fillet "
+                f"(limit {limit:.2g} m): raise the {name}'s profile shift or give the other gear a negative "
+                "tip_alteration",
             )
         require(
             self.transverse_contact_ratio > 0.0 and self.total_contact_ratio >= 1.0,
@@ -211,22 +212,43 @@ class GearPair:
         """j_bt: play along the transverse line of action, from centre distance and allowance (m, >= 0)."""
         return max(0.0, self._raw_backlash)
 
-    def _lengths(self) -> tuple[float, float]:
-        tangent = math.tan(self.working_pressure_angle)
+    @cached_property
+    def form_rolls(self) -> tuple[float, float]:
+        """Roll lengths at which the involutes of pinion and wheel start above their fillets (m)."""
+        p, w = (math.sqrt(max(form_radius(g) ** 2 - g.base_radius**2, 0.0)) for g in (self.pinion, self.wheel))
+        return p, w
+
+    def _lowest_rolls(self) -> tuple[float, float]:
+        """Roll lengths on pinion and wheel that the other gear's tip form circle reaches (m)."""
         p, w = self.pinion, self.wheel
-        recess = math.sqrt(p.tip_radius**2 - p.base_radius**2) - p.base_radius * tangent
-        approach = math.sqrt(w.tip_radius**2 - w.base_radius**2) - w.base_radius * tangent
-        return approach, recess
+        whole = self.axis_distance * math.sin(self.working_pressure_angle)
+        return (
+            whole - math.sqrt(w.tip_form_radius**2 - w.base_radius**2),
+            whole - math.sqrt(p.tip_form_radius**2 - p.base_radius**2),
+        )
+
+    @cached_property
+    def _lengths(self) -> tuple[float, float]:
+        """Approach and recess: to the mate's tip, or to the own form circle where undercut has taken the flank away."""
+        tangent = math.tan(self.working_pressure_angle)
+        (low1, low2), (form1, form2) = self._lowest_rolls(), self.form_rolls
+        return self.pinion.base_radius * tangent - max(low1, form1), self.wheel.base_radius * tangent - max(low2, form2)
+
+    @property
+    def shortened_by_undercut(self) -> tuple[bool, bool]:
+        """Whether the undercut of the pinion ends the approach, that of the wheel the recess."""
+        (low1, low2), (form1, form2) = self._lowest_rolls(), self.form_rolls
+        return low1 < form1, low2 < form2
 
     @property
     def approach_length(self) -> float:
-        """Path of contact from the wheel's tip circle to the pitch point (m)."""
-        return self._lengths()[0]
+        """Path of contact before the pitch point: from the wheel's tip, or the undercut pinion's form circle (m)."""
+        return self._lengths[0]
 
     @property
     def recess_length(self) -> float:
-        """Path of contact from the pitch point to the pinion's tip circle (m)."""
-        return self._lengths()[1]
+        """Path of contact after the pitch point: to the pinion's tip, or the undercut wheel's form circle (m)."""
+        return self._lengths[1]
 
     @property
     def xi_start(self) -> float:
@@ -241,7 +263,7 @@ class GearPair:
     @property
     def transverse_contact_ratio(self) -> float:
         """eps_alpha."""
-        return sum(self._lengths()) / self.base_pitch
+        return sum(self._lengths) / self.base_pitch
 
     @property
     def overlap_ratio(self) -> float:

@@ -8,7 +8,9 @@ polar angles (about their own centres, at radius R)
     theta1(R) = -alpha_wt + L1 / r_b1 - inv alpha_1(R),     theta2(R) = pi - alpha_wt + L2 / r_b2 - inv alpha_2(R)
 
 which holds for every xi, also where the involutes have ended. Beyond the ends the tip corner of one gear meets the
-flank of the other; the gap is r_b2 times the rotation of the wheel, against the load, until they touch.
+flank of the other; the gap is r_b2 times the rotation of the wheel, against the load, until they touch. Where undercut
+has taken the foot of a flank away before the mate's tip gets there, the path ends at the form circle; the edge between
+fillet and involute meets the flank of the mate in the same way, up to its tip, and the tip edge takes over from it.
 """
 
 from __future__ import annotations
@@ -41,15 +43,22 @@ class PathPoints:
     relative_radius: np.ndarray
 
 
-def path_points(pair: GearPair, xi: np.ndarray, largest_gap: float = LARGEST_GAP) -> PathPoints:
-    """Gap, contact radii and curvature at the positions xi (base pitches from the pitch point)."""
+def path_points(
+    pair: GearPair, xi: np.ndarray, largest_gap: float = LARGEST_GAP, tips: tuple[float, float] | None = None
+) -> PathPoints:
+    """Gap, contact radii and curvature at the positions xi (base pitches from the pitch point).
+
+    `tips` are other radii (pinion, wheel) at which the flanks end in an edge, as where a tooth is chipped (m).
+    """
     xi = np.atleast_1d(np.asarray(xi, dtype=float))
+    if tips is not None:
+        return _shortened(pair, xi, largest_gap, tips)
     l1, l2 = _roll_lengths(pair, np.clip(xi, pair.xi_start, pair.xi_end))
     gap = np.zeros_like(xi)
     r1, r2 = np.hypot(pair.pinion.base_radius, l1), np.hypot(pair.wheel.base_radius, l2)
     before, after = xi < pair.xi_start, xi > pair.xi_end
-    gap[after], r2[after] = _pinion_edge(pair, xi[after])
-    gap[before], r1[before] = _wheel_edge(pair, xi[before])
+    gap[after], r1[after], r2[after] = _after(pair, xi[after])
+    gap[before], r1[before], r2[before] = _before(pair, xi[before])
     first, last = contact_window(pair, largest_gap)
     gap[(xi < first) | (xi > last)] = np.inf
     return PathPoints(xi=xi, gap=gap, pinion_radius=r1, wheel_radius=r2, relative_radius=l1 * l2 / (l1 + l2))
@@ -65,9 +74,10 @@ def contact_window(pair: GearPair, largest_gap: float = LARGEST_GAP) -> tuple[fl
     require(largest_gap > 0.0, f"{pair.label}: largest_gap is {largest_gap!r} m; give a value > 0")
 
     def excess(xi: float) -> float:
-        edge, mate = (_pinion_edge, pair.wheel) if xi > 0.0 else (_wheel_edge, pair.pinion)
-        gap, radius = edge(pair, np.array([xi]))
-        return float(gap[0]) - largest_gap if radius[0] < mate.tip_radius else 1.0  # past the tip: nothing to touch
+        gap, r1, r2 = (_after if xi > 0.0 else _before)(pair, np.array([xi]))
+        p, w = pair.pinion, pair.wheel
+        touching = r1[0] <= p.tip_form_radius * (1 + 1e-12) and r2[0] <= w.tip_form_radius * (1 + 1e-12)
+        return float(gap[0]) - largest_gap if touching else 1.0  # past the tip: nothing to touch
 
     ends = []
     for end, sign in ((pair.xi_start, -1.0), (pair.xi_end, 1.0)):
@@ -83,6 +93,66 @@ def contact_window(pair: GearPair, largest_gap: float = LARGEST_GAP) -> tuple[fl
     return ends[0], ends[1]
 
 
+def _after(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Gap and radii on pinion and wheel (m) beyond xi_end: tip edge of the pinion, or the wheel's undercut edge."""
+    tip = pair.pinion.tip_form_radius
+    gap, r2 = _pinion_edge(pair, xi, tip)
+    r1 = np.full(xi.shape, tip)
+    if pair.shortened_by_undercut[1]:
+        form = math.hypot(pair.wheel.base_radius, pair.form_rolls[1])
+        foot_gap, foot_r1 = _wheel_edge(pair, xi, form)
+        foot = foot_r1 < tip
+        gap, r1, r2 = np.where(foot, foot_gap, gap), np.where(foot, foot_r1, r1), np.where(foot, form, r2)
+    return gap, r1, r2
+
+
+def _before(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The same before xi_start: tip edge of the wheel, or the pinion's undercut edge."""
+    tip = pair.wheel.tip_form_radius
+    gap, r1 = _wheel_edge(pair, xi, tip)
+    r2 = np.full(xi.shape, tip)
+    if pair.shortened_by_undercut[0]:
+        form = math.hypot(pair.pinion.base_radius, pair.form_rolls[0])
+        foot_gap, foot_r2 = _pinion_edge(pair, xi, form)
+        foot = foot_r2 < tip
+        gap, r1, r2 = np.where(foot, foot_gap, gap), np.where(foot, form, r1), np.where(foot, foot_r2, r2)
+    return gap, r1, r2
+
+
+def tip_position(pair: GearPair, gear: str, radius: float) -> float:
+    """Position xi where the point at `radius` of the "pinion" or "wheel" flank is in contact."""
+    own, sign = (pair.pinion, 1.0) if gear == "pinion" else (pair.wheel, -1.0)
+    roll = math.sqrt(max(radius**2 - own.base_radius**2, 0.0)) - own.base_radius * math.tan(pair.working_pressure_angle)
+    return sign * roll / pair.base_pitch
+
+
+def _shortened(pair: GearPair, xi: np.ndarray, largest_gap: float, tips: tuple[float, float]) -> PathPoints:
+    """As `path_points`, with flanks that end at the radii `tips`, not above the tip form circles.
+
+    A flank shortened to inside its base circle, or to before the path begins, touches nothing.
+    """
+    radii = tuple(min(r, g.tip_form_radius) for r, g in zip(tips, (pair.pinion, pair.wheel), strict=True))
+    start = max(tip_position(pair, "wheel", radii[1]), pair.xi_start)
+    end = min(tip_position(pair, "pinion", radii[0]), pair.xi_end)
+    l1, l2 = _roll_lengths(pair, np.clip(xi, pair.xi_start, pair.xi_end))
+    r1, r2 = np.hypot(pair.pinion.base_radius, l1), np.hypot(pair.wheel.base_radius, l2)
+    gap = np.zeros_like(xi)
+    before, after = xi < start, xi > end
+    if end < pair.xi_end or not pair.shortened_by_undercut[1]:
+        gap[after], r2[after] = _pinion_edge(pair, xi[after], radii[0])
+    else:
+        gap[after], r1[after], r2[after] = _after(pair, xi[after])
+    if start > pair.xi_start or not pair.shortened_by_undercut[0]:
+        gap[before], r1[before] = _wheel_edge(pair, xi[before], radii[1])
+    else:
+        gap[before], r1[before], r2[before] = _before(pair, xi[before])
+    gap[(before | after) & ((gap > largest_gap) | ~np.isfinite(gap))] = np.inf
+    gap[after & (r2 > pair.wheel.tip_form_radius) | before & (r1 > pair.pinion.tip_form_radius)] = np.inf
+    if start >= end or radii[0] <= pair.pinion.base_radius or radii[1] <= pair.wheel.base_radius:
+        gap[:] = np.inf
+    return PathPoints(xi=xi, gap=gap, pinion_radius=r1, wheel_radius=r2, relative_radius=l1 * l2 / (l1 + l2))
+
+
 def _roll_lengths(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     tangent, shift = math.tan(pair.working_pressure_angle), xi * pair.base_pitch
     return pair.pinion.base_radius * tangent + shift, pair.wheel.base_radius * tangent - shift
@@ -94,27 +164,28 @@ def _inv_at(radius: np.ndarray, base_radius: float) -> np.ndarray:
     return roll - np.arctan(roll)
 
 
-def _pinion_edge(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _pinion_edge(pair: GearPair, xi: np.ndarray, tip: float) -> tuple[np.ndarray, np.ndarray]:
     """Gap (m) of the pinion tip corner to the wheel flank beyond xi_end, and the wheel radius (m) there."""
     p, w, alpha = pair.pinion, pair.wheel, pair.working_pressure_angle
     l1, l2 = _roll_lengths(pair, xi)
-    corner_angle = -alpha + l1 / p.base_radius - _inv_at(np.array(p.tip_radius), p.base_radius)
-    x = p.tip_radius * np.cos(corner_angle) - pair.axis_distance
-    y = p.tip_radius * np.sin(corner_angle)
+    corner_angle = -alpha + l1 / p.base_radius - _inv_at(np.array(tip), p.base_radius)
+    x = tip * np.cos(corner_angle) - pair.axis_distance
+    y = tip * np.sin(corner_angle)
     radius = np.hypot(x, y)
     flank_angle = math.pi - alpha + l2 / w.base_radius - _inv_at(radius, w.base_radius)
-    return w.base_radius * (np.arctan2(y, x) - flank_angle), radius
+    turn = np.arctan2(y, x) - flank_angle
+    return w.base_radius * (turn - 2.0 * math.pi * np.round(turn / (2.0 * math.pi))), radius
 
 
-def _wheel_edge(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _wheel_edge(pair: GearPair, xi: np.ndarray, tip: float) -> tuple[np.ndarray, np.ndarray]:
     """Gap (m) of the wheel tip corner to the pinion flank before xi_start, and the pinion radius (m) there."""
     p, w, alpha = pair.pinion, pair.wheel, pair.working_pressure_angle
     l1, l2 = _roll_lengths(pair, xi)
-    corner_angle = math.pi - alpha + l2 / w.base_radius - _inv_at(np.array(w.tip_radius), w.base_radius)
+    corner_angle = math.pi - alpha + l2 / w.base_radius - _inv_at(np.array(tip), w.base_radius)
     gap = np.zeros_like(xi)
     for _ in range(60):  # the rest shrinks by a factor of order gap / radius in each round
-        x = pair.axis_distance + w.tip_radius * np.cos(corner_angle + gap / w.base_radius)
-        y = w.tip_radius * np.sin(corner_angle + gap / w.base_radius)
+        x = pair.axis_distance + tip * np.cos(corner_angle + gap / w.base_radius)
+        y = tip * np.sin(corner_angle + gap / w.base_radius)
         radius = np.hypot(x, y)
         rest = p.base_radius * (np.arctan2(y, x) - (-alpha + l1 / p.base_radius - _inv_at(radius, p.base_radius)))
         gap = gap + rest

@@ -44,7 +44,7 @@ def generate_trochoid(gear: Gear, theta: np.ndarray) -> tuple[np.ndarray, np.nda
     m, rack, r = gear.normal_module, gear.rack, gear.reference_radius
     theta = np.asarray(theta, dtype=float)
     rho = rack.tip_radius * m
-    depth = (rack.dedendum - gear.profile_shift) * m - rho + rho * np.sin(theta)  # below the reference circle
+    depth = (rack.dedendum - gear.generating_shift) * m - rho + rho * np.sin(theta)  # below the reference circle
     along = (rack.tip_land * m + rho * np.cos(theta)) / math.cos(gear.helix_angle)  # from the tool's centre line
     # transverse normal of the tool is (cos theta, sin theta / cos beta); it passes through the pitch point
     x = depth * np.cos(theta) * math.cos(gear.helix_angle) / np.sin(theta)
@@ -74,9 +74,9 @@ def form_point(gear: Gear) -> tuple[float, float]:
             junction = at_base
     radius = max(_trochoid_radius(gear, junction), gear.base_radius)
     require(
-        radius < gear.tip_radius,
-        f"gear z={gear.teeth}: the fillet ends at radius {radius:.6g} m, at or above the tip circle "
-        f"{gear.tip_radius:.6g} m; no involute is left: raise profile_shift or reduce the rack's dedendum",
+        radius < gear.tip_form_radius,
+        f"gear z={gear.teeth}: the fillet ends at radius {radius:.6g} m, at or above the tip form circle "
+        f"{gear.tip_form_radius:.6g} m; no involute is left: raise profile_shift or reduce the rack's dedendum",
     )
     return radius, junction
 
@@ -147,10 +147,10 @@ def half_tooth_profile(gear: Gear, n_fillet: int, n_flank: int, n_tip: int) -> H
     for name, count in (("n_fillet", n_fillet), ("n_flank", n_flank), ("n_tip", n_tip)):
         require(count >= 1, f"half tooth profile: {name} is {count!r}; give a whole number >= 1")
     fillet = _fillet_points(gear, n_fillet)
-    start, end = roll_length(gear, form_radius(gear)), roll_length(gear, gear.tip_radius)
+    start, end = roll_length(gear, form_radius(gear)), roll_length(gear, gear.tip_form_radius)
     flank, _, _ = flank_at_roll(gear, np.linspace(start, end, n_flank + 1))
-    tip_angle = np.linspace(gear.half_thickness_angle(gear.tip_radius), 0.0, n_tip + 1)[1:]
-    tip = gear.tip_radius * np.column_stack([np.sin(tip_angle), np.cos(tip_angle)])
+    tip_angle = np.linspace(gear.half_thickness_angle(gear.tip_form_radius), 0.0, n_tip + 1)[1:]
+    tip = gear.tip_form_radius * np.column_stack([np.sin(tip_angle), np.cos(tip_angle)])
     points = np.vstack([fillet[:-1], flank, tip])
     return HalfTooth(points=points, form_index=n_fillet, tip_index=n_fillet + n_flank)
 

@@ -7,13 +7,17 @@ the fillet (slope 45 degrees there, so that no corner is sharper than 45 degrees
     tooth  rows follow circles, fine along the flank, columns grow away from the loaded flank
     body   columns span the whole pitch, layers grow from the root to the bore
 
-Both cut lines (mid tooth space) carry the same radii, so that sectors join conformingly to a ring.
+Both cut lines (mid tooth space) carry the same radii, so that sectors join conformingly to a ring. Below a rim the body
+is a web: its elements are filled to the part b_s / b of the face width (an equivalent ring of modulus E b_s / b).
+
+A slit, for a root crack, starts at the middle of the loaded fillet: the line that the two grids share follows it, the
+tooth above is stretched after it, and the nodes on it are doubled.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -41,7 +45,28 @@ class SectorMesh:
     flank_normal: np.ndarray  # (flank, 2) unit, out of the tooth
     base_radius: float
     form_arc: float  # arc length at the form circle, where the involute starts
-    tip_arc: float  # arc length at the tip corner
+    tip_arc: float  # arc length at the end of the involute
+    filling: np.ndarray  # (elements,) part of the face width that is filled: 1, in a web b_s / b
+    slit: np.ndarray  # nodes of the tooth on the slit, mouth first, without its tip; empty without a slit
+    slit_first: int  # index of the first of their doubles, which belong to the body; equals len(points) without a slit
+
+    def closed(self) -> SectorMesh:
+        """The same mesh with the slit welded shut."""
+        elements = self.elements.copy()
+        doubled = elements >= self.slit_first
+        elements[doubled] = self.slit[elements[doubled] - self.slit_first]
+        return replace(self, points=self.points[: self.slit_first], elements=elements, slit=self.slit[:0])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Slit:
+    """A straight slit from the middle of the loaded fillet into the tooth: depth (m), angle to the centre line (rad).
+
+    angle pi/2 runs straight across the tooth, less goes down into the rim.
+    """
+
+    depth: float
+    angle: float
 
 
 @dataclass(frozen=True)
@@ -82,8 +107,15 @@ def growing(first: float, growth: float, largest: float, total: float) -> np.nda
     return ends * (total / ends[-1])
 
 
-def sector_mesh(gear: Gear, refinement: float = 1.0) -> SectorMesh:
-    """Mesh one pitch of `gear`.
+def root_chord(gear: Gear) -> tuple[float, float]:
+    """Radius of the circle through the middle of both fillets and the tooth's width there (chord), m."""
+    fillet = _Fillet.of(gear)
+    radius = float(fillet.radius(fillet.middle))
+    return radius, 2.0 * radius * math.sin(float(fillet.angle(fillet.middle)))
+
+
+def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -> SectorMesh:
+    """Mesh one pitch of `gear`, with a slit in the root of the loaded flank if one is given.
 
     Element sizes are divided by `refinement`; 1: 0.05 m_n along the flank, half of that at the tip corner.
     """
@@ -93,7 +125,7 @@ def sector_mesh(gear: Gear, refinement: float = 1.0) -> SectorMesh:
 
     # rows of the tooth: from the middle of the fillet to the form circle, then along the involute to the tip
     form_arc = roll_length(gear, form_radius(gear)) ** 2 / (2 * r_b)
-    tip_arc = roll_length(gear, gear.tip_radius) ** 2 / (2 * r_b)
+    tip_arc = roll_length(gear, gear.tip_form_radius) ** 2 / (2 * r_b)
     lower = with_middles(np.linspace(fillet.middle, fillet.length, _count(fillet.length - fillet.middle, 0.08 * size)))
     upper = with_middles(tip_arc - growing(0.025 * size, 1.15, 0.05 * size, tip_arc - form_arc)[::-1])
     upper[[0, -1]] = form_arc, tip_arc
@@ -103,25 +135,37 @@ def sector_mesh(gear: Gear, refinement: float = 1.0) -> SectorMesh:
     flank_arc = np.concatenate([form_arc - fillet.length + lower[:-1], upper])
     flank_normal = np.vstack([_fillet_normal(fillet, lower[:-1]), normal[:, ::-1]])
 
-    # columns of the tooth: from +1 on the loaded flank to -1
-    thickness = flank_radius[len(lower) :].mean() * flank_angle[len(lower) :].mean()
-    across = with_middles(growing(0.05 * size / thickness, 1.25, 0.3 / refinement, 2.0)) - 1.0  # -1 = loaded here
-    across = -across[::-1]  # rises to the loaded side
+    # columns of the tooth: from -1 to +1 on the loaded flank
+    if slit is None:
+        thickness = flank_radius[len(lower) :].mean() * flank_angle[len(lower) :].mean()
+        across = with_middles(growing(0.05 * size / thickness, 1.25, 0.3 / refinement, 2.0)) - 1.0  # -1 = loaded here
+        across = -across[::-1]  # rises to the loaded side
+        line_r, line_t = np.full(len(across), flank_radius[0]), flank_angle[0] * across
+        cracked = np.zeros(len(across), dtype=bool)
+    else:
+        line, across, cracked = _slit_line(flank_radius[0], flank_angle[0], slit, size)
+        line_r, line_t = np.hypot(*line.T), np.arctan2(line[:, 1], line[:, 0])
     tooth_r = np.broadcast_to(flank_radius[:, None], (len(flank_radius), len(across)))
     tooth_t = flank_angle[:, None] * across[None, :]
+    if slit is not None:
+        tooth_r, tooth_t = _stretched(tooth_r, tooth_t, line)
 
     # columns of the body: cut, root land, under the tooth, root land, cut
     land = with_middles(np.linspace(0.0, fillet.middle, _count(fillet.middle, 0.12 * size)))
-    top_r = np.concatenate(
-        [fillet.radius(land[:-1]), np.full(len(across), flank_radius[0]), fillet.radius(land[-2::-1])]
-    )
-    top_t = np.concatenate([-fillet.angle(land[:-1]), flank_angle[0] * across, fillet.angle(land[-2::-1])])
+    top_r = np.concatenate([fillet.radius(land[:-1]), line_r, fillet.radius(land[-2::-1])])
+    top_t = np.concatenate([-fillet.angle(land[:-1]), line_t, fillet.angle(land[-2::-1])])
     top_r[[0, -1]], top_t[0], top_t[-1] = gear.root_radius, -math.pi / gear.teeth, math.pi / gear.teeth
     even_t = np.linspace(-1.0, 1.0, len(top_t)) * math.pi / gear.teeth
-    depth = flank_radius[0] - r_bore
+    inner = max(gear.rim_inner_radius, r_bore)
+    depth = flank_radius[0] - inner
     layer = with_middles(growing(0.18 * size, 1.25, depth / 6 / refinement, depth) / depth)[:, None]
-    body_r = top_r + layer * (r_bore - top_r)
+    body_r = top_r + layer * (inner - top_r)
     body_t = top_t + layer * (even_t - top_t)
+    rim_rows = (len(layer) - 1) // 2
+    if inner > r_bore:
+        web = with_middles(np.linspace(inner, r_bore, 1 + max(3, math.ceil(6 * refinement))))[1:, None]
+        body_r = np.vstack([body_r, np.broadcast_to(web, (len(web), body_r.shape[1]))])
+        body_t = np.vstack([body_t, np.broadcast_to(even_t, (len(web), body_r.shape[1]))])
 
     body = np.arange(body_r.size).reshape(body_r.shape)
     tooth = np.empty(tooth_r.shape, dtype=int)
@@ -130,11 +174,18 @@ def sector_mesh(gear: Gear, refinement: float = 1.0) -> SectorMesh:
     tooth[1:] = body.size + np.arange(tooth[1:].size).reshape(tooth[1:].shape)
     r = np.concatenate([body_r.ravel(), tooth_r[1:].ravel()])
     t = np.concatenate([body_t.ravel(), tooth_t[1:].ravel()])
+    points = np.column_stack([r * np.cos(t), r * np.sin(t)])
+    on_slit = tooth[0, cracked][::-1].copy()
+    lower_side = body.copy()
+    lower_side[0, first : first + len(across)][cracked] = len(points) + np.arange(len(on_slit))[::-1]
+    quads = (_quads(lower_side[::-1]), _quads(tooth))
+    filling = np.ones(len(quads[0]) + len(quads[1]))
+    filling[: len(quads[0]) - rim_rows * ((len(body[0]) - 1) // 2)] = gear.web_ratio  # inner rows come first
     return SectorMesh(
         teeth=gear.teeth,
         twist=math.tan(gear.helix_angle) / gear.reference_radius,
-        points=np.column_stack([r * np.cos(t), r * np.sin(t)]),
-        elements=np.vstack([_quads(body[::-1]), _quads(tooth)]),
+        points=np.vstack([points, points[on_slit]]),
+        elements=np.vstack(quads),
         bore=body[-1, 1:-1].copy(),
         cut_low=body[:-1, 0].copy(),
         cut_high=body[:-1, -1].copy(),
@@ -145,7 +196,39 @@ def sector_mesh(gear: Gear, refinement: float = 1.0) -> SectorMesh:
         base_radius=r_b,
         form_arc=form_arc,
         tip_arc=tip_arc,
+        filling=filling,
+        slit=on_slit,
+        slit_first=len(points),
     )
+
+
+def _slit_line(radius: float, angle: float, slit: Slit, size: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Line through a slit to the middle of the other fillet, from there to the loaded side, fine at mouth and tip.
+
+    Returns points (n, 2), their place across the tooth in [-1, 1] (n,), and which lie on the slit before its tip (n,).
+    """
+    mouth = radius * np.array([math.cos(angle), math.sin(angle)])
+    end = mouth - slit.depth * np.array([math.cos(slit.angle), math.sin(slit.angle)])
+    other = mouth * (1.0, -1.0)
+    rest = float(np.hypot(*(other - end)))
+    tip, largest = min(0.04 * size, slit.depth / 8), 0.3 * size
+    half = slit.depth / 2
+    on_slit = np.concatenate(
+        [growing(tip, 1.25, largest, half), slit.depth - growing(min(0.05 * size, half), 1.25, largest, half)[-2::-1]]
+    )  # distance from the tip
+    ends = with_middles(np.concatenate([-growing(tip, 1.25, largest, rest)[:0:-1], on_slit]))
+    ahead = np.clip(ends, 0.0, None)[:, None] / slit.depth
+    behind = np.clip(-ends, 0.0, None)[:, None] / rest
+    line = end + ahead * (mouth - end) + behind * (other - end)
+    return line, line[:, 1] / mouth[1], ends > 1e-9 * slit.depth
+
+
+def _stretched(r: np.ndarray, t: np.ndarray, line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Tooth grid (row, column) in polar coordinates, first row moved onto `line`, the others less towards the tip."""
+    points = np.stack([r * np.cos(t), r * np.sin(t)], axis=-1)
+    share = (r[-1, 0] - r[:, 0]) / (r[-1, 0] - r[0, 0])
+    points = points + share[:, None, None] * (line - points[0])
+    return np.hypot(points[..., 0], points[..., 1]), np.arctan2(points[..., 1], points[..., 0])
 
 
 def _count(length: float, size: float) -> int:

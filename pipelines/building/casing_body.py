@@ -13,6 +13,8 @@ from pipelines.stages import Built
 if TYPE_CHECKING:
     from fem.casing.body import ReducedBody
     from fem.casing.checkup import CheckUp
+    from fem.casing.damping import DampingRatio
+    from fem.casing.mesh import CasingMesh
     from fem.casing.modes import CasingModes
 
 
@@ -30,15 +32,32 @@ class RigidSpec:
     housing: Housing
     material: Material
     mount_stiffness: float
-    damping_ratio: float
+    damping_ratio: DampingRatio
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidMeshSpec:
+    """Rung `rigid` of a housing whose mass and key points come from its mesh."""
+
+    density: float
+    sensors: tuple[Sensor, ...]
+    mount_stiffness: float
+    damping_ratio: DampingRatio
 
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticSpec:
-    """Rungs `static` and `craig-bampton`: what is added to the modes."""
+    """Rungs `static` and `craig-bampton`: what is added to the modes, and how many of them are kept.
+
+    `mounts` in N/m, a row for all feet or one per foot, None on fixed ground; `limit` (Hz) of the kept modes, None for
+    the rung static.
+    """
 
     sensors: tuple[Sensor, ...]
-    damping_ratio: float
+    damping: DampingRatio
+    mounts: tuple[tuple[float, float, float], ...] | None
+    limit: float | None
+    frequency_error: float | None
 
 
 def build_ground(spec: GroundSpec) -> Built:
@@ -56,11 +75,35 @@ def build_rigid(spec: RigidSpec) -> Built:
     return _built(rung.reduce(spec.housing, spec.material))
 
 
+def build_rigid_mesh(spec: RigidMeshSpec, mesh: CasingMesh) -> Built:
+    """Six coordinates."""
+    from fem.casing.rigid import rigid_from_mesh
+
+    return _built(
+        rigid_from_mesh(
+            mesh,
+            density=spec.density,
+            mount_stiffness=spec.mount_stiffness,
+            damping_ratio=spec.damping_ratio,
+            sensors=spec.sensors,
+        )
+    )
+
+
 def build_elastic(spec: ElasticSpec, modes: tuple[CasingModes, CheckUp]) -> Built:
     """Bearing coordinates and modes."""
     from fem.casing.modes import reduced_body
 
-    return _built(reduced_body(modes[0], sensors=spec.sensors, damping_ratio=spec.damping_ratio))
+    return _built(
+        reduced_body(
+            modes[0],
+            sensors=spec.sensors,
+            damping=spec.damping,
+            mounts=spec.mounts,
+            limit=spec.limit,
+            frequency_error=spec.frequency_error,
+        )
+    )
 
 
 def _built(body: ReducedBody) -> Built:

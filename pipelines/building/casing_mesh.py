@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fem.casing.housing import Housing
+from fem.casing.geometry import Geometry, mesh_geometry
 from fem.casing.mesh import CasingMesh
+from fem.casing.sizes import Sizes
 
 
 @dataclass(frozen=True, kw_only=True)
 class CasingMeshSpec:
-    """A housing without sensors, and the wanted edge length of the elements (m)."""
+    """A housing without sensors, and the wanted edge lengths of the elements."""
 
-    housing: Housing
-    element_size: float
+    housing: Geometry
+    sizes: Sizes
 
 
 def build(spec: CasingMeshSpec) -> CasingMesh:
     """The mesh."""
-    from fem.casing.mesher import mesh_housing
-
-    return mesh_housing(spec.housing, element_size=spec.element_size)
+    return mesh_geometry(spec.housing, spec.sizes)

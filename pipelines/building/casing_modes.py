@@ -2,32 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fem.materials import Material
 from pipelines.errors import WorkError
 
 if TYPE_CHECKING:
     from fem.casing.checkup import CheckUp
+    from fem.casing.grounded import Coupling, Ground
     from fem.casing.mesh import CasingMesh
     from fem.casing.modes import CasingModes
 
 
 @dataclass(frozen=True, kw_only=True)
 class CasingModesSpec:
-    """Material and rung; `band` (Hz) is read by craig-bampton alone, else 0."""
+    """Material, rung, ground, and which bearings carry loads along which axes.
+
+    `band` (Hz) is read by craig-bampton alone, else 0. Modes to a higher band serve a lower one, too.
+    """
 
     material: Material
     model: str  # "static" | "craig-bampton"
     band: float
+    ground: Ground
+    coupling: Coupling
+    interfaces: Mapping[str, tuple[str, ...]]
 
 
 def build(spec: CasingModesSpec, mesh: CasingMesh) -> tuple[CasingModes, CheckUp]:
     """The reduced matrices with their check-up; WorkError names the items of the check-up that fail."""
     from fem.casing.rungs import CraigBamptonCasing, StaticCasing
 
-    rung = StaticCasing() if spec.model == "static" else CraigBamptonCasing(band=spec.band)
+    options: dict[str, Any] = {"ground": spec.ground, "coupling": spec.coupling, "interfaces": spec.interfaces}
+    static = spec.model == "static"
+    rung = StaticCasing(**options) if static else CraigBamptonCasing(band=spec.band, **options)
     modes, found = rung.modes(mesh, spec.material)
     if found.failures:
         raise WorkError(

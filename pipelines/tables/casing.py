@@ -4,25 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from pipelines.tables.base import MaterialTable, Number, Positive, Table
+from pipelines.tables.base import MaterialTable, NotNegative, Number, Positive, Table
+from pipelines.tables.housing import Axes, HousingModel
 
-
-class HousingTable(Table):
-    """The parametric housing: a closed box with bearing bosses in its two side walls and six feet."""
-
-    length_mm: Annotated[Number, Field(gt=0, description="outer length along x")]
-    width_mm: Annotated[Number, Field(gt=0, description="outer width along y; mid face is y = 0")]
-    height_mm: Annotated[Number, Field(gt=0, description="outer height along z without feet")]
-    wall_thickness_mm: Annotated[Number, Field(gt=0, description="of all walls, floor and cover")]
-    left_end_mm: Annotated[Number, Field(description="x of the outer face of the left end wall; shaft 1 is x = 0")]
-    shaft_height_mm: Annotated[Number, Field(gt=0, description="shaft 1 above the underside of the floor")]
-    bore_diameters_mm: Annotated[tuple[Positive, ...], Field(description="one per shaft, for both of its bearings")]
-    boss_diameters_mm: Annotated[tuple[Positive, ...], Field(description="one per shaft")]
-    boss_length_mm: Annotated[Number, Field(gt=0, description="along y, from the outer wall face inwards")]
-    foot_length_mm: Annotated[Number, Field(gt=0, description="side of the square foot pads")] = 60.0
-    foot_height_mm: Annotated[Number, Field(gt=0, description="foot pads below the floor")] = 15.0
+Damping = Annotated[Number, Field(ge=0, lt=1)]
+Spring = Annotated[Number, Field(gt=0, le=1e7)]
 
 
 class NoCasingTable(Table):
@@ -34,9 +22,25 @@ class NoCasingTable(Table):
 class FlexibleBase(Table):
     """What every casing with a housing has."""
 
-    housing: HousingTable
+    housing: HousingModel
     material: MaterialTable
-    damping_ratio: Annotated[Number, Field(ge=0, lt=1, description="modal damping")] = 0.01
+    element_size_mm: Annotated[
+        Number, Field(gt=0, description="of the tetrahedra; the rung rigid meshes only a housing that is no plain box")
+    ] = 22.0
+    bore_element_size_mm: Annotated[Positive | None, Field(description="at the bearing seats, where smaller")] = None
+    foot_element_size_mm: Annotated[Positive | None, Field(description="at the ground faces, where smaller")] = None
+    damping_ratio: Annotated[
+        Damping | tuple[tuple[NotNegative, Damping], ...],
+        Field(description="modal damping: one number, or rows [Hz, ratio] with rising frequencies, linear in between"),
+    ] = 0.01
+
+    @model_validator(mode="after")
+    def _rising(self) -> FlexibleBase:
+        if isinstance(self.damping_ratio, tuple):
+            places = [row[0] for row in self.damping_ratio]
+            if not places or any(a >= b for a, b in zip(places, places[1:], strict=False)):
+                raise ValueError(f"damping_ratio: the frequencies {places} Hz of its rows must rise")
+        return self
 
 
 class RigidCasingTable(FlexibleBase):
@@ -46,21 +50,44 @@ class RigidCasingTable(FlexibleBase):
     mount_stiffness_N_per_um: Annotated[Number, Field(gt=0, le=1e7, description="of each foot, in x, y and z")] = 200.0
 
 
-class StaticCasingTable(FlexibleBase):
+class ElasticBase(FlexibleBase):
+    """What the rungs with finite elements have."""
+
+    ground: Annotated[
+        Literal["fixed", "springs"],
+        Field(description="fixed: the undersides of the feet are held; springs: each foot stands on a mount"),
+    ] = "fixed"
+    mounts_N_per_um: Annotated[
+        tuple[tuple[Spring, Spring, Spring], ...],
+        Field(min_length=1, description="ground = springs: rows [x, y, z], one for all mounts or one per foot"),
+    ] = ((200.0, 200.0, 200.0),)
+    coupling: Annotated[
+        Literal["mean", "rigid"],
+        Field(description="of bearing and mount points to their faces: mean motion (RBE3) or rigid (RBE2)"),
+    ] = "mean"
+
+
+class StaticCasingTable(ElasticBase):
     """Finite elements condensed statically (Guyan) to the bearing points."""
 
     model: Literal["static"] = "static"
-    element_size_mm: Annotated[Number, Field(gt=0, description="of the tetrahedra")] = 22.0
 
 
-class CraigBamptonCasingTable(FlexibleBase):
+class CraigBamptonCasingTable(ElasticBase):
     """Finite elements reduced to the bearing points and the fixed-interface modes."""
 
     model: Literal["craig-bampton"] = "craig-bampton"
-    element_size_mm: Annotated[Number, Field(gt=0, description="of the tetrahedra")] = 22.0
     band_Hz: Annotated[Number, Field(gt=0, le=20000, description="wanted band; modes are kept to 1.5 times it")] = (
         5000.0
     )
+    frequency_error: Annotated[
+        Number | None,
+        Field(gt=0, lt=0.1, description="as few modes as change no frequency of the band by more; left out: all"),
+    ] = None
+    elements_per_wavelength: Annotated[
+        Positive | None,
+        Field(description="per bending wavelength of the thinnest wall at band_Hz; elements get no larger than that"),
+    ] = None
 
 
 CasingModel = Annotated[
@@ -75,3 +102,8 @@ class SensorTable(Table):
     position_mm: Annotated[
         tuple[Number, Number, Number], Field(description="x, y, z; moved to the nearest surface point")
     ]
+    axes: Annotated[Axes, Field(description="directions of its channels x, y, z in the frame of the scene")] = (
+        (1.0, 0.0, 0.0),
+        (0.0, 1.0, 0.0),
+        (0.0, 0.0, 1.0),
+    )

@@ -1,0 +1,69 @@
+"""Features of a parametric housing beyond the plain box: walls, feet, flange, ribs and fillets (all lengths in m)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Walls:
+    """Thicknesses that differ from the common one of the housing (None: the common one)."""
+
+    side: float | None = None  # the two walls at -y and +y that carry the bearings
+    end: float | None = None  # the two walls at -x and +x
+    floor: float | None = None
+    cover: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Feet:
+    """Equal feet under the floor, one row along each side wall; `x` are their middles, the same in both rows.
+
+    A foot is a block, square below the floor and longer by `overhang` outside the side wall. A bolt pad is a disc under
+    the foot, in the middle of its overhang (in the middle of the foot if there is none), with a bolt hole through both.
+    The ground holds the underside of the pads, or of the feet where there are no pads.
+    """
+
+    x: tuple[float, ...]
+    length: float = 0.060  # side of the square
+    height: float = 0.015  # below the underside of the floor
+    overhang: float = 0.0  # beyond the outer face of the side wall
+    pad_diameter: float = 0.0  # 0: no pads
+    pad_height: float = 0.0
+    bolt_diameter: float = 0.0  # 0: no holes
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flange:
+    """A rim around the outside of the walls at the split plane; the cover is bonded to the lower part over it.
+
+    Cover and lower part are modelled as one body: a bolted joint under preload does not open, so its contact is bonded.
+    Around the bearing bosses the rim is interrupted.
+    """
+
+    split: float  # z of the split plane
+    width: float  # beyond the outer faces of the walls
+    height: float  # of both halves together
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ribs:
+    """Plates on the outside of the walls, all of one thickness and standing out by one height.
+
+    Below every boss `per_boss` vertical ribs reach from the underside of the floor up to the boss; each end wall has
+    `end_wall` vertical ribs over its height, the cover has `cover` ribs across its width, evenly spread.
+    """
+
+    thickness: float
+    height: float
+    per_boss: int = 0
+    end_wall: int = 0
+    cover: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fillets:
+    """Radii of the rounded edges; 0 leaves them sharp."""
+
+    foot: float = 0.0  # where feet meet the floor and the side wall
+    inner: float = 0.0  # the twelve edges of the cavity

@@ -1,0 +1,139 @@
+"""Profile and helix deviations of single teeth: tolerances after ISO 1328-1:2013 and seeded samples inside them.
+
+With the reference diameter d, m_n and the face width b in mm the tolerances of class 5 are (um; clause 5.3, formulae 7
+to 12; step factor and rounding as in `fem.gears.deviations`)
+
+    f_HaT = 0.4 m_n + 0.001 d + 4                 profile slope     F_aT = sqrt(f_HaT^2 + f_faT^2)   total profile
+    f_faT = 0.55 m_n + 5                          profile form
+    f_HbT = 0.05 sqrt(d) + 0.35 sqrt(b) + 4       helix slope       F_bT = sqrt(f_HbT^2 + f_fbT^2)   total helix
+    f_fbT = 0.07 sqrt(d) + 0.45 sqrt(b) + 4       helix form
+
+A tooth brings to the gap, in the terms of a mesh law (position xi in base pitches from the pitch point, rising towards
+the tip of the pinion; xi_m, l: middle and length of the active profile; u = 2 (xi - xi_m) / l, v = 2 y / b)
+
+    f_Ha u / 2 * s + f_fa u^2 + f_Hb v / 2 + f_fb v^2     s = +1 pinion, -1 wheel
+
+so that the slope deviation is the difference between the ends and the form deviation the height of a parabola, the
+long-wave part of what the standard bounds; waviness and roughness are left out. At the middle of the flank, where pitch
+is measured, the terms vanish: the pitch deviations stay what they are. Both are measured along the transverse line of
+action, so no projection is needed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.gears.deviations import class_factors, rounded
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
+from fem.gears.rack import GeometryError
+
+COMMON_PART = 0.5  # share of the slope deviations that all teeth of a gear have alike (machine setting)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlankTolerance:
+    """Tolerances in m: slope, form and total of profile and helix."""
+
+    profile_slope: float
+    profile_form: float
+    profile: float
+    helix_slope: float
+    helix_form: float
+    helix: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FlankDeviations:
+    """Terms of one flank of a gear's teeth, each (tooth,), as `fem.contact.teeth.tooth_terms` takes them.
+
+    clearance m, profile_slope m per base pitch, profile_curvature m per base pitch squared, lead_slope and
+    lead_curvature m over the face width.
+    """
+
+    clearance: np.ndarray
+    profile_slope: np.ndarray
+    profile_curvature: np.ndarray
+    lead_slope: np.ndarray
+    lead_curvature: np.ndarray
+
+
+def flank_tolerance(gear: Gear, grade: int) -> FlankTolerance:
+    """ISO 1328-1:2013 tolerances of profile and helix.
+
+    Raises
+    ------
+    GeometryError : outside the range of the standard; it also asks for 4 mm <= b <= 1200 mm
+    """
+    d, m_n, b, factor = class_factors(gear, grade)
+    if not 4.0 <= b <= 1200.0:
+        raise GeometryError(
+            f"tolerances of gear z={gear.teeth}: face width is {b:.4g} mm; ISO 1328-1 covers 4 to 1200 mm; or leave "
+            "profile and helix deviations out"
+        )
+    profile = (0.4 * m_n + 0.001 * d + 4.0) * factor, (0.55 * m_n + 5.0) * factor
+    helix = (
+        (0.05 * math.sqrt(d) + 0.35 * math.sqrt(b) + 4.0) * factor,
+        (0.07 * math.sqrt(d) + 0.45 * math.sqrt(b) + 4.0) * factor,
+    )
+    values = (*profile, math.hypot(*profile), *helix, math.hypot(*helix))
+    names = ("profile_slope", "profile_form", "profile", "helix_slope", "helix_form", "helix")
+    return FlankTolerance(**{name: rounded(value) / 1e6 for name, value in zip(names, values, strict=True)})
+
+
+def sample_flank_deviations(
+    pair: GearPair,
+    gear: str,
+    grade: int,
+    seed: int,
+    *,
+    profile: bool = True,
+    helix: bool = True,
+    use: float = 0.9,
+) -> dict[str, FlankDeviations]:
+    """Deviations of all teeth of "pinion" or "wheel" by flank, "drive" and "coast"; equal arguments, equal values.
+
+    Half of a slope is common to all teeth of a flank, half belongs to the tooth; each of the four quantities is scaled
+    so that the largest over the teeth of both flanks uses the part `use` of its tolerance, and slope and form of a
+    tooth together stay within `use` of the total tolerance. Form deviations are hollow or full at random.
+
+    Raises
+    ------
+    GeometryError : outside ISO 1328-1, unknown gear, or `use` not in (0, 1]
+    """
+    if gear not in ("pinion", "wheel"):
+        raise GeometryError(f"flank deviations: gear is {gear!r}; choose 'pinion' or 'wheel'")
+    if not 0.0 < use <= 1.0:
+        raise GeometryError(f"flank deviations: use is {use!r}; give a value in (0, 1]")
+    own: Gear = getattr(pair, gear)
+    tolerance = flank_tolerance(own, grade)
+    draw = np.random.default_rng([seed, 1328])  # a sequence of its own: pitch deviations keep theirs
+    shape = (2, own.teeth)
+    sampled = []
+    for wanted, slope, form, total in (
+        (profile, tolerance.profile_slope, tolerance.profile_form, tolerance.profile),
+        (helix, tolerance.helix_slope, tolerance.helix_form, tolerance.helix),
+    ):
+        common = draw.uniform(-1.0, 1.0, size=(2, 1))
+        slopes = COMMON_PART * common + (1.0 - COMMON_PART) * draw.uniform(-1.0, 1.0, size=shape)
+        forms = draw.uniform(-1.0, 1.0, size=shape)
+        slopes *= use * slope / np.abs(slopes).max()
+        forms *= use * form / np.abs(forms).max()
+        excess = np.maximum(np.hypot(slopes, forms) / (use * total), 1.0)
+        sampled += [slopes / excess * wanted, forms / excess * wanted]
+    side = 1.0 if gear == "pinion" else -1.0
+    middle, length = (pair.xi_start + pair.xi_end) / 2.0, pair.xi_end - pair.xi_start
+    found = {}
+    for k, flank in enumerate(("drive", "coast")):
+        slope, curve = side * sampled[0][k] / length, sampled[1][k] * (2.0 / length) ** 2
+        found[flank] = FlankDeviations(
+            clearance=-slope * middle + curve * middle**2,
+            profile_slope=slope - 2.0 * curve * middle,
+            profile_curvature=curve,
+            lead_slope=sampled[2][k].copy(),
+            lead_curvature=4.0 * sampled[3][k],
+        )
+    return found

