@@ -14,6 +14,17 @@ with N the influence function of 1 - a^2 d^2/dy^2 with free ends. The terms are 
    that position (Galerkin projection on even loads), and c_n, >= 0, likewise.
 
 All terms are positive semidefinite, so the law is convex whatever the record.
+
+Loss against the direct solution on the dense record (z 20/55, m_n 2 mm, 30 to 300 N/mm, level and tilted by 0.3 and
+0.12 mrad; 16 positions of a cycle):
+
+    pair              mean stiffness   e peak-to-peak   tilt stiffness   centroid   largest e, missing tooth
+    beta 12, b 12          0.1 %          -1 to +3 %        +1.2 %       0.02 mm          +3.5 %
+    beta 15, b 30          0.15 %         +2 to +4 %        +2.8 %       0.16 mm          +0.2 %
+    spur, b 12             0.04 %         -1.5 to 0 %       +0.03 %      0.02 mm           0.01 %
+
+Without E_01 the largest error of e at beta 12 is 1.1 instead of 0.35 % and the centroid is off by 0.14 mm; independent
+slices (rung `plane`) are 13 % too stiff in the mean, and 39 % (b 12) and 25 % (b 30) too soft in tilt.
 """
 
 from __future__ import annotations
@@ -30,7 +41,7 @@ from fem.contact.plane import Plane
 from fem.gears.geometry import GearPair
 
 KNOTS = 16  # per base pitch, of the fitted tables
-SMALLEST = 0.02  # of the mean compliance of a slice: floor of C(xi)
+SMALLEST = 1e-3  # of the largest spread compliance: floor of C(xi)
 
 
 class FaceCompliance(Protocol):
@@ -91,13 +102,16 @@ def fit_terms(record: FaceCompliance, xi: np.ndarray) -> dict[str, Any]:
                 coupled.append(rest[c, p, :, p + 1][np.ix_(both, both)] @ w[both])
                 coupled_at.append(places[c, p, both])
     table = _table(np.concatenate(local_at), np.concatenate(local), xi)
-    mean = float(np.mean(np.concatenate(local)))
     g = np.polynomial.polynomial.polyval(np.clip(xi, places[here].min(), places[here].max()), shape)
+    spread = g**2
+    if spread.any():  # what the spread part overshoots is taken from it, so that even loads keep their displacement
+        short = np.maximum(SMALLEST * spread.max() - table, 0.0)
+        table, spread = table + short, np.maximum(spread - short, 0.0)
     shared = _table(np.concatenate(coupled_at), np.concatenate(coupled), xi) if coupled else np.zeros(xi.size)
     return {
-        "compliance": np.maximum(table, SMALLEST * abs(mean)),
+        "compliance": table,
         "coupling": np.maximum(shared, 0.0)[None, :],
-        "spread_compliance": g**2,
+        "spread_compliance": spread,
         "spread_length": length,
         "body_compliance": float(body[0, 0]),
         "skew_compliance": float(body[0, 1]) * (1.0 - 1e-12),
