@@ -33,8 +33,8 @@ class CutFunctions:
 class SolidFlank:
     """Displacement normal to the flank by nodal forces normal to it, m/N, transverse quantities.
 
-    matrix[n][i, j]: at flank node i of tooth n by a force at flank node j of tooth 0, nodes numbered row * axial nodes +
-    axial node; tooth numbers rise with the angle towards the loaded flank, the axial coordinate with the twist.
+    matrix[n][i, j]: at flank node i of tooth n by a force at flank node j of tooth 0, nodes numbered row * axial nodes
+    + axial node; tooth numbers rise with the angle towards the loaded flank, the axial coordinate with the twist.
     """
 
     rows: np.ndarray  # the flank rows (section nodes) that can be loaded, as indices of `SectorMesh.flank`
