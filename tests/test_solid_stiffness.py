@@ -107,9 +107,21 @@ def test_coast_is_the_mirror_of_drive_and_hands_mirror(helical):
 
 
 def test_exchange_of_pinion_and_wheel_runs_the_law_backwards(helical):
-    other = solve(QUICK.compliance(pair_of(12.0, teeth=(55, 20))), force=LOAD)
-    here = solve(helical, -np.arange(16), force=LOAD)
-    assert other.approach == pytest.approx(here.approach, rel=1e-6)
+    """Exact on the path; the gap of a tip edge is measured by turning the wheel, so beyond it to second order alone."""
+    other = QUICK.compliance(pair_of(12.0, teeth=(55, 20)))
+    for c in range(16):
+        for p, number in enumerate(helical.pair):
+            # xi -> -xi: c -> -c, p -> -p, zeta -> -zeta
+            mate = np.flatnonzero(other.pair == -number + (1 if c else 0))
+            if not len(mate):
+                continue
+            q = mate[0]
+            on_path = (helical.gap[c, p] == 0) & (other.gap[-c, q][::-1] == 0)
+            here, there = helical.compliance[c, p, :, p], other.compliance[-c, q, ::-1, q, ::-1]
+            both = np.outer(on_path, on_path)
+            assert abs(here - there)[both].max(initial=0.0) < 1e-6 * abs(here).max()
+    back = solve(helical, -np.arange(16), force=LOAD)
+    assert solve(other, force=LOAD).approach == pytest.approx(back.approach, rel=2e-3)
 
 
 def test_no_helix_gives_the_spur_law(spur):
@@ -145,12 +157,12 @@ def test_tilt_that_unloads_half_of_the_face_moves_the_load(helical):
     assert abs(balanced.moment).max() < 1e-9 * LOAD
 
 
-def test_narrow_and_middle_of_spur_pairs_match_contact_in_the_plane():
+def test_spur_pair_at_the_pitch_point_against_contact_in_the_plane():
     """c' of one pair, 20/55, m 2, pitch point: 15.547 N/(mm um) in plane strain at 100 N/mm; 2 % with free end faces."""
-    for face, slices in ((30e-3, 9),):
-        record = Solid(n_slices=slices, refinement=0.8, positions=8).compliance(pair_of(face=face))
-        state = solve(record, np.array([0]), force=100e3 * face)
-        assert 100e3 / state.approach[0] / 1e9 == pytest.approx(15.547, rel=0.02)
+    record = QUICK.compliance(pair_of(face=30e-3))
+    state = solve(record, np.array([0]), force=100e3 * 30e-3)
+    assert state.share[0].max() == 1.0
+    assert 100e3 / state.approach[0] / 1e9 == pytest.approx(15.547, rel=0.02)
 
 
 def test_coupling_along_the_face_is_what_plane_slices_lack(helical, spur):
@@ -163,16 +175,17 @@ def test_coupling_along_the_face_is_what_plane_slices_lack(helical, spur):
         assert 0.93 < solid / plane < 1.0
 
 
-def test_stress_field_does_the_work_of_the_loads(helical):
-    """Displacements at the flank, weighed with the loads, give F.C F but for the part known from plane deformation."""
+def test_stress_field_is_held_at_the_bore_and_highest_in_loaded_teeth(helical):
     pair = pair_of(12.0)
     state = solve(helical, np.array([3]), force=LOAD)
-    fields = stress_field(pair, QUICK, helical, state)
-    for field in fields:
-        assert np.isfinite(field.von_mises).all()
-        carries = state.share[0] > 0.2
-        assert field.von_mises[carries].max(axis=1).min() > 2 * field.von_mises[state.share[0] == 0].max()
-        assert abs(field.displacement).max() < 2 * state.approach[0]
+    bores = (pair.pinion.bore_radius, pair.wheel.bore_radius)
+    for field, bore in zip(stress_field(pair, QUICK, helical, state), bores, strict=True):
+        radius = np.linalg.norm(field.points[..., :2], axis=2)
+        assert abs(field.displacement[radius < bore * (1 + 1e-9)]).max() == 0.0
+        largest = field.von_mises.max(axis=1)
+        assert largest[state.share[0] > 0.2].min() > 1.5 * largest[state.share[0] == 0].max()
+        assert largest.max() < 5 * 100e3 / 2e-3  # some multiples of the load over the module
+        assert np.linalg.norm(field.displacement, axis=2).max() < 2 * state.approach[0]
 
 
 def test_bad_options_and_impossible_loads_are_refused(spur):
