@@ -54,7 +54,7 @@ def study() -> list[dict]:
         means, peaks, seconds = [], [], []
         for refinement, slices in LEVELS:
             start = time.process_time()
-            record = Solid(n_slices=slices, refinement=1.0 if slices == 15 else 1.0).compliance(pair_of(math.radians(beta), face))
+            record = Solid(n_slices=slices, refinement=refinement).compliance(pair_of(math.radians(beta), face))
             state = solve(record, force=LINE_LOAD * face)
             seconds.append(time.process_time() - start)
             means.append(float((state.force / state.approach).mean()))
@@ -77,3 +77,45 @@ def study() -> list[dict]:
             }
         )
     return out
+
+
+def plot(entries: list[dict], path: Path) -> None:
+    """Error of every level against the limit, in the mean and in the peak-to-peak."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 4), layout="constrained")
+    mean, peak = figure.subplots(1, 2)
+    for entry in entries:
+        levels = [level[0] for level in entry["levels"]]
+        label = f"beta {entry['helix_deg']:g} deg, b {entry['face_mm']:g} mm"
+        mean.loglog(levels, [100 * abs(v / entry["mean_limit"] - 1) for v in entry["mean_N_per_m"]], "o-", label=label)
+        peak.loglog(levels, [1e6 * abs(v - entry["peak_limit"]) for v in entry["peak_to_peak_m"]], "o-", label=label)
+    for axis, title, limit in (
+        (mean, "mean secant stiffness: error, %", 1.0),
+        (peak, "e peak-to-peak: error, um", 0.01),
+    ):
+        axis.axhline(limit, color="0.5", linestyle="--", label=f"limit {limit:g}")
+        axis.set(xlabel="refinement (1: default)", title=title)
+        axis.legend(fontsize=8)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=130)
+
+
+def main(arguments: list[str]) -> None:
+    """Run the study; write JSON and plot."""
+    target = Path(arguments[0]) if arguments else Path("benchmarks/results/solid-refinement.json")
+    picture = Path(arguments[1]) if len(arguments) > 1 else Path("docs/images/solid-refinement.png")
+    entries = study()
+    target.parent.mkdir(parents=True, exist_ok=True)
+    target.write_text(json.dumps(entries, indent=1), encoding="utf-8")
+    plot(entries, picture)
+    for entry in entries:
+        sys.stdout.write(
+            f"beta {entry['helix_deg']:g} b {entry['face_mm']:g}: mean {entry['mean_error']:+.3%} of the limit "
+            f"{entry['mean_limit'] / 1e6:.2f} N/um, e peak-to-peak {1e6 * entry['peak_error_m']:+.4f} um of "
+            f"{1e6 * entry['peak_limit']:.4f} um\n"
+        )
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -48,7 +48,10 @@ def test_straight_prism_passes_the_patch_test_and_has_six_rigid_motions():
     slope = np.array([[1.0, 0.3, -0.2], [0.1, -0.4, 0.6], [0.5, 0.2, 0.7]]) * 1e-4
     force = (matrix @ (points @ slope.T).ravel()).reshape(points.shape)
     assert abs(force[1:-1][:, inside]).max() < 1e-10 * abs(force).max()
-    for motion in (*np.eye(3)[:, None, None, :] * np.ones((1, *points.shape)), *(np.cross(e, points) for e in np.eye(3))):
+    for motion in (
+        *np.eye(3)[:, None, None, :] * np.ones((1, *points.shape)),
+        *(np.cross(e, points) for e in np.eye(3)),
+    ):
         assert abs(matrix @ motion.ravel()).max() < 1e-9 * abs(matrix).max() * abs(motion).max()
 
 
@@ -124,7 +127,7 @@ def ring(g, elements=4, refinement=0.2, cut=CutFunctions(), reach=1, rows=(8, 12
 
 
 def test_compliances_are_reciprocal_positive_and_mirror_at_mid_face_when_straight():
-    mesh, ends, flank = ring(gear(13, beta=0.3))
+    _mesh, _ends, flank = ring(gear(13, beta=0.3))
     own, other = flank.matrix[0], flank.matrix[1]
     assert abs(own - own.T).max() < 1e-9 * abs(own).max()
     assert abs(other - flank.matrix[-1].T).max() < 1e-9 * abs(own).max()

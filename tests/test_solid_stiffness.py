@@ -158,7 +158,7 @@ def test_tilt_that_unloads_half_of_the_face_moves_the_load(helical):
 
 
 def test_spur_pair_at_the_pitch_point_against_contact_in_the_plane():
-    """c' of one pair, 20/55, m 2, pitch point: 15.547 N/(mm um) in plane strain at 100 N/mm; 2 % with free end faces."""
+    """c' of one pair, 20/55, m 2: 15.547 N/(mm um) in plane strain at 100 N/mm; 2 % with free end faces."""
     record = QUICK.compliance(pair_of(face=30e-3))
     state = solve(record, np.array([0]), force=100e3 * 30e-3)
     assert state.share[0].max() == 1.0
@@ -192,4 +192,4 @@ def test_bad_options_and_impossible_loads_are_refused(spur):
     with pytest.raises(RungError, match="n_slices is 1"):
         Solid(n_slices=1)
     with pytest.raises(RungError, match="no tooth pair can touch"):
-        solve(spur, np.array([0]), force=1.0, clearance={p: np.inf for p in range(-3, 4)})
+        solve(spur, np.array([0]), force=1.0, clearance=dict.fromkeys(range(-3, 4), np.inf))
