@@ -29,7 +29,7 @@ def gear(teeth=20, beta=0.0, face=12e-3, bore=None, module=2e-3):
 
 
 def prism_matrix(mesh, ends, twist):
-    """Dense stiffness matrix over a block of 16 elements, points (axial node, section node, 3), section nodes inside."""
+    """Dense stiffness matrix of 16 section elements, points (axial node, section node, 3), nodes inside elements."""
     elements = mesh.elements[-16:]
     nodes, at = np.unique(elements, return_inverse=True)
     at = at.reshape(elements.shape)
@@ -120,7 +120,10 @@ def test_slice_means_are_exact_for_quadratics():
 # --- rings ------------------------------------------------------------------------------------------------------------
 
 
-def ring(g, elements=4, refinement=0.2, cut=CutFunctions(), reach=1, rows=(8, 12, 16)):
+DEFAULT = CutFunctions()
+
+
+def ring(g, elements=4, refinement=0.2, cut=DEFAULT, reach=1, rows=(8, 12, 16)):
     mesh = sector_mesh(g, refinement)
     ends = np.linspace(-g.face_width / 2, g.face_width / 2, elements + 1)
     return mesh, ends, solid_flank(mesh, YOUNG, POISSON, ends, np.array(rows), reach, cut)

@@ -29,6 +29,9 @@ class CutFunctions:
     axial: int | None = 7
 
 
+CUT = CutFunctions()
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SolidFlank:
     """Displacement normal to the flank by nodal forces normal to it, m/N, transverse quantities.
@@ -141,7 +144,7 @@ def solid_flank(
     ends: np.ndarray,
     rows: np.ndarray,
     reach: int,
-    cut: CutFunctions = CutFunctions(),
+    cut: CutFunctions = CUT,
 ) -> SolidFlank:
     """Compliance between the nodes of the flank rows `rows` of a tooth and of its neighbours up to `reach` away.
 
