@@ -20,7 +20,7 @@ from fem.contact.solid_contact import solve
 from fem.gears.geometry import Gear, GearPair
 
 CASES = ((0.0, 12e-3), (12.0, 12e-3), (15.0, 30e-3))  # beta in degrees, b in m
-LEVELS = ((0.7, 11), (1.0, 15), (1.4, 21))  # refinement, slices
+LEVELS = ((0.75, 15), (1.0, 21), (1.33, 29))  # refinement, slices
 LINE_LOAD = 100e3  # N/m
 
 

@@ -40,7 +40,7 @@ class Solid:
     """
 
     model: Literal["solid"] = "solid"
-    n_slices: int = 15
+    n_slices: int = 21
     refinement: float = 1.0
     positions: int = 32
     largest_gap: float = 0.05
