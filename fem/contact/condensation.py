@@ -30,7 +30,7 @@ slices (rung `plane`) are 13 % too stiff in the mean, and 39 % (b 12) and 25 % (
 from __future__ import annotations
 
 import math
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -38,27 +38,14 @@ from scipy.optimize import least_squares
 from fem.contact.frame import flank_frame
 from fem.contact.law import MeshLaw
 from fem.contact.plane import Plane
+from fem.contact.solid_compliance import ContactCompliance
 from fem.gears.geometry import GearPair
 
 KNOTS = 16  # per base pitch, of the fitted tables
 SMALLEST = 1e-3  # of the largest spread compliance: floor of C(xi)
 
 
-class FaceCompliance(Protocol):
-    """What is read of a record of compliances between all pairs and slices; axes as named there."""
-
-    position: np.ndarray  # (cycle,), c'
-    pair: np.ndarray  # (pair,) numbers p, xi = c' - p + cycle_shift
-    face: np.ndarray  # (slice,), rising with the cycle shift
-    slice_width: np.ndarray
-    cycle_shift: np.ndarray
-    compliance: np.ndarray  # (cycle, pair, slice, pair, slice), m/N
-    contact_slope: float
-    gap: np.ndarray  # (cycle, pair, slice)
-    depth: float  # to which the Hertz term is counted, m
-
-
-def condense(record: FaceCompliance, pair: GearPair, flank: str, plane: Plane, model: str = "solid") -> MeshLaw:
+def condense(record: ContactCompliance, pair: GearPair, flank: str, plane: Plane, model: str = "solid") -> MeshLaw:
     """The law of one flank; `plane` gives the path of contact and the positions of the tables."""
     path = plane.path(pair)
     slope, cosine = record.contact_slope, math.cos(pair.base_helix_angle)
@@ -79,7 +66,7 @@ def condense(record: FaceCompliance, pair: GearPair, flank: str, plane: Plane, m
     )
 
 
-def fit_terms(record: FaceCompliance, xi: np.ndarray) -> dict[str, Any]:
+def fit_terms(record: ContactCompliance, xi: np.ndarray) -> dict[str, Any]:
     """The fields of the law that come from the record, tables at the positions xi."""
     places = record.position[:, None, None] - record.pair[:, None] + record.cycle_shift
     here = np.isfinite(record.gap)
@@ -119,7 +106,7 @@ def fit_terms(record: FaceCompliance, xi: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _common(record: FaceCompliance, here: np.ndarray) -> np.ndarray:
+def _common(record: ContactCompliance, here: np.ndarray) -> np.ndarray:
     """E (2, 2) from the blocks of different pairs, positive semidefinite."""
     rows, values = [], []
     sums, product = np.add.outer(record.face, record.face), np.multiply.outer(record.face, record.face)
