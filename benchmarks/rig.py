@@ -77,9 +77,9 @@ def casing_rung(scene: Scene) -> RigidCasing | StaticCasing | CraigBamptonCasing
             damping_ratio=table.damping_ratio,
         )
     if table.model == "static":
-        return StaticCasing(element_size=table.element_size_mm / 1000, damping_ratio=table.damping_ratio)
+        return StaticCasing(element_size=table.element_size_mm / 1000, damping=table.damping_ratio)
     return CraigBamptonCasing(
-        band=table.band_Hz, element_size=table.element_size_mm / 1000, damping_ratio=table.damping_ratio
+        band=table.band_Hz, element_size=table.element_size_mm / 1000, damping=table.damping_ratio
     )
 
 

@@ -65,7 +65,7 @@ def measure(element_size: float | None = None) -> dict[str, Any]:
     rung = casing_rung(scene)
     assert isinstance(rung, CraigBamptonCasing)
     if element_size is not None:
-        rung = CraigBamptonCasing(band=rung.band, element_size=element_size, damping_ratio=rung.damping_ratio)
+        rung = replace(rung, element_size=element_size)
     mesh = straightened(rung.mesh(box))
     taken, reduction = timed(lambda: ours(mesh, iron), repeats=1)
     with tempfile.TemporaryDirectory(prefix="gearcase-calculix-") as folder:
