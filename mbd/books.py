@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbd.element_work import ElementWork
-from mbd.integrators.base import Block, Integrator
+from mbd.integrators.base import ACCELERATION, ANGLE, Block, Integrator
 from mbd.linear_work import LinearWork
 from mbd.system import System
 
@@ -24,24 +24,24 @@ class Books:
 
     def __init__(self, system: System, integrator: Integrator, step: float, n_steps: int) -> None:
         self._system, self._step = system, step
-        self._linear, self._elements = LinearWork(system, integrator, step, n_steps), ElementWork(system)
-        self.steps = self._linear.steps
         massive = [part for part in system.parts if part.mass.any()]
         inertia = [part.mass @ system.rolling[part.index] @ integrator.displacement[part.index] for part in massive]
         torque = np.zeros(integrator.displacement.shape[1])
         for c in system.machine.couplings:
             row = system.layout.angle_row(c.shaft, c.y)
             torque -= c.stiffness * row @ integrator.displacement + c.damping * row @ integrator.velocity
+        self._linear = LinearWork(system, integrator, step, n_steps, torque)
+        self._elements, self.steps = ElementWork(system), self._linear.steps
         self._watch = np.array([*inertia, torque, system.constant_force @ integrator.displacement])
         self._watched, self._angle = np.zeros(len(self._watch)), 0.0
         self._ramp_work = dict.fromkeys([part.name for part in massive], 0.0)
-        self._motor_work, self._constant_work, self._throughput = 0.0, 0.0, 0.0
+        self._constant_work, self._throughput = 0.0, 0.0
 
-    def take(self, block: Block, first: int, accelerations: np.ndarray) -> None:
-        """Add instants ``first``, ``first`` + 1, ... (steps since the start); accelerations held before each."""
-        self._linear.take(block, first, accelerations)
+    def take(self, block: Block, first: int) -> None:
+        """Add a block; ``first`` is its first instant, counted in steps since the start."""
+        angles, accelerations = block.clock[:, ANGLE], block.clock[:, ACCELERATION]
+        self._linear.take(block, first)
         self._elements.take(block)
-        angles = self._system.machine.profile.angle(self._step * np.arange(first, first + len(block.states)))
         watched = block.states @ self._watch.T
         if first == 0:
             self._watched, self._angle = watched[0], angles[0]
@@ -51,7 +51,6 @@ class Books:
             self._ramp_work[name] -= float(accelerations @ change[:, k])
         motor = 0.5 * (watched[1:, -2] + watched[:-1, -2]) * turned
         constant = change[:, -1] + self._system.constant_force @ self._system.rolling * turned
-        self._motor_work += float(motor.sum())
         self._constant_work += float(constant.sum())
         self._throughput += float(abs(motor).sum() + abs(constant).sum())
         self._watched, self._angle = watched[-1], angles[-1]
@@ -64,11 +63,12 @@ class Books:
         """Part names and the entries of BOOK_COLUMNS (part, entry), J; ``scale`` is what the residual is held against:
         the dissipated energy of the part (its peak stored energy if undamped), all work of the sources for the total.
         """
-        rows = self._linear.books(self._ramp_work) | self._elements.books()
+        linear, motor_work = self._linear.books(self._ramp_work)
+        rows = linear | self._elements.books()
         parts = np.array(list(rows.values()))
         stored = float(parts[:, 0].sum()) + self._rigid_energy()
         dissipated, parametric = float(parts[:, 1].sum()), float(parts[:, 3].sum())
-        received = self._motor_work + self._constant_work
+        received = motor_work + self._constant_work
         residual = received + parametric - stored - dissipated
         scale = self._throughput + self._elements.throughput
         rows["total"] = [stored, dissipated, received, parametric, residual, scale]

@@ -2,7 +2,8 @@
 
 An element stores U, receives integral F_t d delta + M_t d psi, dissipates integral (F_t - F) d delta + (M_t - M) d psi
 and takes up the parametric work (see `mbd.forces`). Integrals are those of cubics through four instants: per step
-mean(F) D delta + (D F mean(D2 delta) - mean(D2 F) D delta)/12 with the first and second differences D, D2.
+mean(F) D delta + (D F mean(D2 delta) - mean(D2 F) D delta)/12 with the first and second differences D, D2; next to a
+step of another length only the first term.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbd.forces import LOG_COLUMNS
-from mbd.integrators.base import Block
+from mbd.integrators.base import LENGTH, Block
 from mbd.system import System
 
 _FORCE, _MOMENT, _ENERGY, _TOTAL, _, _, _, _PARAMETRIC, _PUSH, _TURN = range(len(LOG_COLUMNS))
@@ -23,6 +24,7 @@ class ElementWork:
         self._system = system
         n = len(system.table.tau) + len(system.table.rope_ea)
         self._log, self._rows = np.zeros((0, n, len(LOG_COLUMNS))), np.zeros((0, len(system.all_rows)))
+        self._lengths = np.zeros(0)
         self._first, self._peak = np.zeros(n), np.zeros(n)
         self._received, self._loss, self._parametric = np.zeros(n), np.zeros(n), np.zeros(n)
         self._lost, self._touched = np.zeros(n, dtype=int), np.zeros(n, dtype=int)
@@ -34,6 +36,8 @@ class ElementWork:
         if known == 0:
             self._first = block.log[0, :, _ENERGY].copy()
         log, rows = np.concatenate([self._log, block.log]), np.vstack([self._rows, block.rows])
+        lengths = np.concatenate([self._lengths, block.clock[:, LENGTH]])
+        even = ((lengths[1:-2] == lengths[2:-1]) & (lengths[2:-1] == lengths[3:]))[:, None] / 12
         loaded = log[max(known - 1, 0) :, :, _FORCE] > 0.0
         self._lost += (loaded[:-1] & ~loaded[1:]).sum(axis=0)
         self._touched += (~loaded[:-1] & loaded[1:]).sum(axis=0)
@@ -45,12 +49,12 @@ class ElementWork:
         tilt = np.zeros_like(along)
         tilt[:, :n] = rows[:, 1 : 2 * n : 2]
         for values, sums in ((total, self._received), (total - force, self._loss)):
-            sums += _work(values, along, known) + _work(values * arm, tilt, known)
+            sums += _work(values, along, known, even) + _work(values * arm, tilt, known, even)
         parametric = log[known:, :, _PARAMETRIC]
         self._parametric += parametric.sum(axis=0)
-        self._parametric += _push_work(log[:, :, _PUSH], along) + _push_work(log[:, :, _TURN], tilt)
+        self._parametric += _push_work(log[:, :, _PUSH], along, even) + _push_work(log[:, :, _TURN], tilt, even)
         self.throughput += float(abs(parametric).sum())
-        self._log, self._rows = log[-3:].copy(), rows[-3:].copy()
+        self._log, self._rows, self._lengths = log[-3:].copy(), rows[-3:].copy(), lengths[-3:].copy()
 
     def books(self) -> dict[str, list[float]]:
         """Stored, dissipated, received, parametric, residual, scale of every mesh and of the rope, J."""
@@ -81,12 +85,13 @@ class ElementWork:
         return result
 
 
-def _work(force: np.ndarray, motion: np.ndarray, known: int) -> np.ndarray:
-    """Integral of force d(motion) after the first ``known`` instants; its cubic part lags by one step."""
+def _work(force: np.ndarray, motion: np.ndarray, known: int, even: np.ndarray) -> np.ndarray:
+    """Integral of force d(motion) after the first ``known`` instants; its cubic part lags by one step and is taken
+    where ``even`` (step, 1) is not 0: its neighbours are as long."""
     new = slice(max(known - 1, 0), None)
     total = (0.5 * (force[new][1:] + force[new][:-1]) * np.diff(motion[new], axis=0)).sum(axis=0)
     slope = [x[2:-1] - x[1:-2] for x in (force, motion)]
-    return total + (slope[0] * _bend(motion) - _bend(force) * slope[1]).sum(axis=0) / 12
+    return total + (even * (slope[0] * _bend(motion) - _bend(force) * slope[1])).sum(axis=0)
 
 
 def _bend(values: np.ndarray) -> np.ndarray:
@@ -94,7 +99,7 @@ def _bend(values: np.ndarray) -> np.ndarray:
     return 0.5 * (values[3:] - values[2:-1] - values[1:-2] + values[:-3])
 
 
-def _push_work(push: np.ndarray, motion: np.ndarray) -> np.ndarray:
+def _push_work(push: np.ndarray, motion: np.ndarray, even: np.ndarray) -> np.ndarray:
     """The part of the parametric work that needs the neighbouring steps; ``push`` is that of the step before."""
     slope, change = motion[2:-1] - motion[1:-2], 0.5 * (push[3:] - push[1:-2])
-    return (change * slope - push[2:-1] * _bend(motion)).sum(axis=0) / 12
+    return (even * (change * slope - push[2:-1] * _bend(motion))).sum(axis=0)

@@ -171,8 +171,8 @@ def rope_stiffness(table, j, angle):
 
 
 @njit(nogil=True, error_model="numpy")
-def row_forces(table, angle, u, v, held, force, slope_u, slope_v, log):
-    """Residual forces at row displacements u and rates v, motor angle ``angle`` (rad); fills force, slopes and log.
+def row_forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log):
+    """Residual forces at row displacements u and rates v, motor angle and speed (rad, rad/s); fills force, slopes, log.
 
     ``slope_u[r]`` and ``slope_v[r]`` hold d force[r] with respect to the first and second row of r's element.
     ``held`` (flank,) is the stiffness that the damping takes, where it is not negative, instead of the current one.
@@ -229,6 +229,29 @@ def row_forces(table, angle, u, v, held, force, slope_u, slope_v, log):
         force[r] = table.rope_stiffness[j] * u[r] + table.rope_damping[j] * v[r] - total
         k = n_flank + j
         log[k, 0], log[k, 1], log[k, 2], log[k, 3] = elastic, 0.0, 0.5 * elastic * max(u[r], 0.0), total
+
+
+@njit(nogil=True, error_model="numpy")
+def follow_tangent(table, angle, before, u, v, force, log):
+    """Move the log from the rows ``before`` at which it was evaluated to u, v nearby, where ``force`` is the solution."""
+    n_flank = len(table.tau)
+    for k in range(n_flank):
+        if log[k, 0] > 0.0:
+            a = 2 * k
+            d, p = u[a] - before[a], u[a + 1] - before[a + 1]
+            df, dm = log[k, 4] * d + log[k, 5] * p, log[k, 5] * d + log[k, 6] * p
+            log[k, 2] += (log[k, 0] + 0.5 * df) * d + (log[k, 1] + 0.5 * dm) * p
+            log[k, 0], log[k, 1] = max(log[k, 0] + df, 0.0), log[k, 1] + dm
+            if log[k, 3] > 0.0:
+                k0 = table.stiffness[k, 0]
+                log[k, 3] = max(k0 * u[a] + table.tau[k] * k0 * v[a] - force[a], 0.0)
+    for j in range(len(table.rope_ea)):
+        r, k = 2 * n_flank + j, n_flank + j
+        stretch = max(u[r], 0.0)
+        log[k, 0] = rope_stiffness(table, j, angle) * stretch
+        log[k, 2] = 0.5 * log[k, 0] * stretch
+        if log[k, 3] > 0.0:
+            log[k, 3] = max(table.rope_stiffness[j] * u[r] + table.rope_damping[j] * v[r] - force[r], 0.0)
 
 
 @njit(nogil=True, error_model="numpy")

@@ -1,98 +1,65 @@
 """Works of the linear parts: shafts, bearings, casing, couplings, container.
 
 Parts with mass touch only through ports: rows B with the forces f = k B q + c B q' - lambda of bearings, couplings,
-meshes and ropes (lambda for the last two). With the state x, v = V x, and d for "minus the value at the start", the
-integral C of df dx^T, summed at every step, gives the work of every port on every part after the run:
-
-    integral f . B v dt = f_0 . B Dq + B v_0 . integral df dt + sum (C V^T B^T).
-
-The dissipation v^T C v of a part follows from S = integral of dx dx^T, summed every ``stride`` steps. Sums are those of
-the trapezoidal rule, accurate beyond all orders for smooth oscillations. Kinks are added by Euler and Maclaurin's
-formula: a method that holds lambda linear within a step gives h/12 sum (second difference of -lambda) x^T to C; a jump
-Dphi'' of the motor acceleration turns v by J Dphi'', J = -M^-1 M R, so that a power v . g gains
-H^2 B_2(theta)/2 J Dphi'' . g at the place theta between samples H apart (B_2 = theta^2 - theta + 1/6).
+meshes and ropes (lambda for the last two). The integrals of f v^T and v v^T give the work of every port on every part
+and the dissipation v^T C v of every part. They are exact for an integrator with a `Flow` (`mbd.flow_work`), sums over
+the instants for the others (`mbd.sampled_work`).
 """
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import blas
 
-from mbd.integrators.base import Block, Integrator
+from mbd.flow_work import FlowWork
+from mbd.integrators.base import LENGTH, SPEED, Block, Integrator
+from mbd.sampled_work import SampledWork
 from mbd.system import Part, System
-
-MAX_SAMPLES = 100_000  # of S; longer runs are sampled every few steps
 
 
 class LinearWork:
-    """Accumulates blocks of a run of at least ``n_steps`` steps; ``steps`` is that number rounded up to the stride."""
+    """Accumulates blocks of a run of at least ``n_steps`` steps; it must be fed exactly ``steps`` of them.
 
-    def __init__(self, system: System, integrator: Integrator, step: float, n_steps: int) -> None:
-        self._system, self._step, self._kinks = system, step, integrator.linear_forces
-        self.stride = max(1, -(-n_steps // MAX_SAMPLES))
-        self.steps = -(-n_steps // self.stride) * self.stride
+    ``torque`` (state,) is the row of the motors' torque, for their work on the rolling train.
+    """
+
+    def __init__(self, system: System, integrator: Integrator, step: float, n_steps: int, torque: np.ndarray) -> None:
+        self._system, self._torque, self._step = system, torque, step
         self.to_q, self.to_v = integrator.displacement, integrator.velocity
+        self._turn = -integrator.inverse_mass @ (system.mass @ system.rolling)
         self._ports, stiffness, damping = _ports(system)
         self._to_force = stiffness[:, None] * (self._ports @ self.to_q) + damping[:, None] * (self._ports @ self.to_v)
-        self._turn = -integrator.inverse_mass @ (system.mass @ system.rolling)  # J
-        size, m, p = self.to_q.shape[1], len(system.rows), len(self._ports)
-        self._second, self._first = np.zeros((size, size), order="F"), np.zeros(size)
-        self._cross, self._pushed = np.zeros((p, size)), np.zeros(p)
-        self._jump_states, self._jump_forces, self._held = np.zeros(size), np.zeros(p), 0.0
-        self._tail_states, self._tail_forces = np.zeros((0, size)), np.zeros((0, m))
-        self.origin, self.latest, self._origin_force = np.zeros(size), np.zeros(size), np.zeros(m)
-        self._stored_first: dict[str, float] = {}
-        self._peak: dict[str, float] = {}
+        self._flow = None if integrator.flow is None else FlowWork(integrator.flow)
+        self._sampled = None
+        self.steps = n_steps
+        if self._flow is None:
+            self._sampled = SampledWork(step, n_steps, self._to_force, len(system.rows))
+            self.steps = self._sampled.steps
+        self.origin, self.latest = np.zeros(self.to_q.shape[1]), np.zeros(self.to_q.shape[1])
+        self._motor_work, self._power = 0.0, 0.0
+        self._peak = {part.name: 0.0 for part in system.parts if not part.damping.any()}
 
-    def take(self, block: Block, first: int, accelerations: np.ndarray) -> None:
-        """Add instants ``first``, ``first`` + 1, ... (steps since the start); accelerations held before each."""
+    def take(self, block: Block, first: int) -> None:
+        """Add a block; ``first`` is its first instant, counted in steps since the start."""
+        if self._flow is not None:
+            self._flow.take(block)
+        if self._sampled is not None:
+            self._sampled.take(block, first)
+            power = (block.states @ self._torque) * block.clock[:, SPEED]
+            power_before = np.concatenate([[self._power], power[:-1]])
+            self._motor_work += 0.5 * float(block.clock[:, LENGTH] @ (power + power_before))
+            self._power = float(power[-1])
         if first == 0:
-            self.origin, self._origin_force, self.latest = block.states[0], block.forces[0], block.states[0]
-            self._stored_first = self._stored()
-            self._peak = dict(self._stored_first)
-        states, residual = block.states - self.origin, block.forces - self._origin_force
-        m = residual.shape[1]
-        at = np.arange(first, first + len(states))
-        weight = self._step * np.where((at == 0) | (at == self.steps), 0.5, 1.0)
-        forces = states @ self._to_force.T
-        forces[:, :m] -= residual
-        self._cross += (weight[:, None] * forces).T @ states
-        self._pushed += weight @ forces
-        if self._kinks:
-            near, x = np.vstack([self._tail_forces, residual]), np.vstack([self._tail_states, states])
-            self._cross[:m] -= self._step / 12 * np.diff(near, 2, axis=0).T @ x[1:-1]
-            self._tail_forces, self._tail_states = near[-2:].copy(), x[-2:].copy()
-        self._jumps(at, states, forces, accelerations)
-        use = at % self.stride == 0
-        root = np.sqrt(weight[use] * self.stride)
-        chosen = states[use] * root[:, None]
-        self._second = blas.dsyrk(1.0, chosen.T, beta=1.0, c=self._second, overwrite_c=True)
-        self._first += root @ chosen
-        self.latest = block.states[-1]
-        for name, value in self._stored().items():
-            self._peak[name] = max(self._peak[name], value)
+            self.origin = block.states[0].copy()
+        self.latest = block.states[-1].copy()
+        for part in self._system.parts:
+            if part.name in self._peak:
+                self._peak[part.name] = max(self._peak[part.name], self._energy(part, self.latest))
 
-    def _jumps(self, at: np.ndarray, states: np.ndarray, forces: np.ndarray, accelerations: np.ndarray) -> None:
-        """Acceleration jumps, each counted at the first instant after it: within one step of its place."""
-        jumps = np.diff(accelerations, prepend=self._held)
-        self._held = float(accelerations[-1])
-        some = np.flatnonzero(jumps)
-        if len(some) == 0:
-            return
-        theta = ((at[some] - 1) % self.stride) / self.stride
-        weight = 0.5 * (self.stride * self._step) ** 2 * (theta**2 - theta + 1 / 6)
-        self._jump_states += (weight * jumps[some]) @ states[some]
-        self._jump_forces += self._step**2 / 12 * jumps[some] @ forces[some]
-
-    def books(self, ramp_work: dict[str, float]) -> dict[str, list[float]]:
-        """Stored, dissipated, received, parametric (0), residual, scale of every part, J."""
-        system, stored, moved = self._system, self._stored(), self.to_q @ (self.latest - self.origin)
-        v_0, v_1, v_2 = self._velocity_integrals()
-        start = self._to_force @ self.origin
-        start[: len(self._origin_force)] -= self._origin_force
-        cross = self._cross @ self.to_v.T + np.outer(self._jump_forces, self._turn)
-        # work (port, coordinate) that the motion of each coordinate does against each port
-        work = self._ports * (np.outer(start, moved) + np.outer(self._pushed, v_0) + cross)
+    def books(self, ramp_work: dict[str, float]) -> tuple[dict[str, list[float]], float]:
+        """Stored, dissipated, received, parametric (0), residual, scale of every part, and the motors' work, J."""
+        system, moved = self._system, self.to_q @ (self.latest - self.origin)
+        port_work, velocity, motor_work = self._integrals()
+        work = self._ports * port_work  # (port, coordinate) that the motion of each coordinate does against each port
         rows: dict[str, list[float]] = {}
         port = len(system.rows)
         for part in system.parts:
@@ -102,23 +69,28 @@ class LinearWork:
             else:
                 received = float(work[port : port + len(part.rows)].sum())
                 port += len(part.rows)
-            span = self._step * self.steps
-            dissipated = float(v_0[i] @ part.damping @ (span * v_0[i] + 2 * v_1[i]))
-            dissipated += float(np.sum(part.damping * v_2[np.ix_(i, i)]))
-            change = stored[part.name] - self._stored_first[part.name]
-            scale = dissipated if part.damping.any() else self._peak[part.name]
+            dissipated = float(np.sum(part.damping * velocity[np.ix_(i, i)]))
+            change = self._energy(part, self.latest) - self._energy(part, self.origin)
+            scale = self._peak.get(part.name, dissipated)
             rows[part.name] = [change, dissipated, received, 0.0, received - change - dissipated, scale]
-        return rows
+        return rows, motor_work
 
-    def _velocity_integrals(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """v_0, integral of dv, integral of dv dv^T."""
-        second = np.triu(self._second) + np.triu(self._second, 1).T
-        half = np.outer(self.to_v @ self._jump_states, self._turn)
-        return self.to_v @ self.origin, self.to_v @ self._first, self.to_v @ second @ self.to_v.T + half + half.T
+    def _integrals(self) -> tuple[np.ndarray, np.ndarray, float]:
+        """int f v^T dt (port, coordinate), int v v^T dt and the motors' work."""
+        if self._flow is None:
+            assert self._sampled is not None
+            return *self._sampled.integrals(self.latest, self.to_q, self.to_v, self._turn), self._motor_work
+        pushed, second = self._flow.integrals()
+        m = len(self._system.rows)
+        moved = second @ self.to_v.T
+        work = self._to_force @ moved
+        work[:m] -= pushed[:m] @ self.to_v.T
+        return work, self.to_v @ moved, float(pushed[-1] @ self._torque)
 
-    def _stored(self) -> dict[str, float]:
-        q, v = self.to_q @ self.latest, self.to_v @ self.latest
-        return {part.name: _energy(part, q, v) for part in self._system.parts}
+    def _energy(self, part: Part, state: np.ndarray) -> float:
+        """Kinetic and strain energy of a linear part."""
+        q, v = self.to_q[part.index] @ state, self.to_v[part.index] @ state
+        return float(0.5 * v @ part.mass @ v + 0.5 * q @ part.stiffness @ q)
 
 
 def _ports(system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -130,9 +102,3 @@ def _ports(system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         np.concatenate([table.stiffness.ravel(), table.rope_stiffness, *(part.row_stiffness for part in massless)]),
         np.concatenate([damping.ravel(), table.rope_damping, *(part.row_damping for part in massless)]),
     )
-
-
-def _energy(part: Part, q: np.ndarray, v: np.ndarray) -> float:
-    """Kinetic and strain energy of a linear part."""
-    q, v = q[part.index], v[part.index]
-    return float(0.5 * v @ part.mass @ v + 0.5 * q @ part.stiffness @ q)

@@ -125,7 +125,7 @@ def tangent(system: System, state: State) -> Tangent:
     u, force = system.all_rows @ state.displacement, np.zeros(m)
     slope_u, slope_v = np.zeros((m, 2)), np.zeros((m, 2))
     held = np.full(n_flank, -1.0)
-    row_forces(table, state.motor_angle, u, np.zeros(m), held, force, slope_u, slope_v, log)
+    row_forces(table, state.motor_angle, 0.0, u, np.zeros(m), held, force, slope_u, slope_v, log)
     forces = log[: n_flank // 2 * 2, 0].reshape(-1, 2)
     for i, mesh in enumerate(system.machine.meshes):
         if forces[i].max() <= LEAST_LOAD * table.scale[4 * i]:

@@ -14,11 +14,12 @@ from __future__ import annotations
 import numpy as np
 from scipy import signal
 
-from mbd.integrators.base import Block, Integrator
+from mbd.integrators.base import ACCELERATION, Block, Integrator
 from mbd.system import System
 
 PASS_SHARE = 0.4
 ATTENUATION = 80.0  # dB
+CHUNK = 32  # samples filtered at once, as a matrix product
 
 
 def low_pass(steps_per_sample: int) -> np.ndarray:
@@ -31,6 +32,14 @@ def low_pass(steps_per_sample: int) -> np.ndarray:
     taps = 1 + 2 * steps_per_sample * pairs
     result = signal.firwin(taps, 1.0 / steps_per_sample, window=("kaiser", beta))
     return result / result.sum()
+
+
+def _filter_matrix(taps: np.ndarray, every: int) -> np.ndarray:
+    """(step, sample) of CHUNK samples: the taps, ``every`` steps further down for every sample."""
+    matrix = np.zeros(((CHUNK - 1) * every + len(taps), CHUNK))
+    for k in range(CHUNK):
+        matrix[k * every : k * every + len(taps), k] = taps
+    return matrix
 
 
 class Recorder:
@@ -48,26 +57,29 @@ class Recorder:
         self._forces = rows.forces + rows.acceleration @ h @ system.rows.T
         self._constant = rows.acceleration @ h @ system.constant_force
         self._ramp = rows.rigid[:, 2] - rows.acceleration @ h @ (system.mass @ system.rolling)
-        self._taps = low_pass(steps_per_sample)
-        self._every = steps_per_sample
+        self._taps, self._every = low_pass(steps_per_sample), steps_per_sample
+        self._filter = _filter_matrix(self._taps, steps_per_sample)
         self._pending = np.zeros((len(rows.names), 0))  # instants not yet used up
         self._next = 0  # next sample
         self.values = np.zeros((len(rows.names), n_samples))
         self.steps_needed = (n_samples - 1) * steps_per_sample + len(self._taps) // 2
 
-    def take(self, block: Block, accelerations: np.ndarray) -> None:
-        """Add the instants of a block; ``accelerations`` (instant,) of the motor there."""
-        fresh = self._states @ block.states.T + self._forces @ block.forces.T
-        fresh += self._constant[:, None] + np.outer(self._ramp, accelerations)
+    def take(self, block: Block) -> None:
+        """Add the whole steps of a block."""
+        cut = len(block.whole) < len(block.states)
+        states, forces, clock = (x[block.whole] if cut else x for x in (block.states, block.forces, block.clock))
+        fresh = self._states @ states.T + self._forces @ forces.T
+        fresh += self._constant[:, None] + np.outer(self._ramp, clock[:, ACCELERATION])
         if self._pending.shape[1] == 0 and self._next == 0:
             fresh = np.hstack([np.repeat(fresh[:, :1], len(self._taps) // 2, axis=1), fresh])
         pending = np.hstack([self._pending, fresh])
         left = self.values.shape[1] - self._next
         ready = min(left, max(0, (pending.shape[1] - len(self._taps)) // self._every + 1))
         if ready:
-            used = pending[:, : (ready - 1) * self._every + len(self._taps)]
-            first = (len(self._taps) - 1) // self._every  # where the taps fit entirely
-            filtered = signal.upfirdn(self._taps, used, down=self._every, axis=1)
-            self.values[:, self._next : self._next + ready] = filtered[:, first : first + ready]
+            for first in range(0, ready, CHUNK):
+                n = min(CHUNK, ready - first)
+                span = slice(first * self._every, (first + n - 1) * self._every + len(self._taps))
+                part = self._filter[: span.stop - span.start, :n]
+                self.values[:, self._next + first : self._next + first + n] = pending[:, span] @ part
             self._next += ready
         self._pending = pending[:, ready * self._every :]

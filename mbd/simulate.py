@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from mbd.books import BOOK_COLUMNS, Books
 from mbd.checks import StepError, positive
-from mbd.integrators.base import Block, Integrator
+from mbd.integrators.base import LENGTH, Block, Integrator
 from mbd.integrators.methods import METHODS
 from mbd.recorder import PASS_SHARE, Recorder
 from mbd.statics import State, equilibrium
@@ -89,9 +89,8 @@ def _simulate(system: System, settings: Settings, progress: Progress | None, sta
     recorder = Recorder(system, integrator, every, settings.n_samples)
     books = Books(system, integrator, step, recorder.steps_needed)
     state = equilibrium(system) if start is None else start
-    block = integrator.start(state)
-    _feed(block, np.zeros(1), 0, system, step, recorder, books)
-    size = max(every, BLOCK_STATES // block.states.shape[1])
+    _feed(integrator.start(state, float(system.machine.profile.speed(np.zeros(1))[0])), 0, recorder, books)
+    size = max(every, BLOCK_STATES // integrator.displacement.shape[1])
     done = 0
     while done < books.steps:
         n = min(size, books.steps - done)
@@ -110,19 +109,19 @@ def _advance(
     """Take n steps and hand them on; the acceleration of a step is the mean over it, so that no impulse is lost."""
     profile = system.machine.profile
     times = step * np.arange(done, done + n + 1)
-    accelerations = np.diff(profile.speed(times)) / step
-    block = integrator.advance(profile.angle(times[1:]), accelerations)
+    speeds = profile.speed(times)
+    accelerations = np.diff(speeds) / step
+    block = integrator.advance(profile.angle(times[1:]), speeds[1:], accelerations)
     if not np.isfinite(block.states).all():
         bad = int(np.argmax(~np.isfinite(block.states).all(axis=1)))
-        raise StepError(f"t = {times[bad + 1]:.6g} s: the state is not finite (h = {step:.3g} s). Use a smaller step.")
-    _feed(block, accelerations, done + 1, system, step, recorder, books)
+        at = times[0] + block.clock[: bad + 1, LENGTH].sum()
+        raise StepError(f"t = {at:.6g} s: the state is not finite (h = {step:.3g} s). Use a smaller step.")
+    _feed(block, done + 1, recorder, books)
 
 
-def _feed(
-    block: Block, accelerations: np.ndarray, first: int, system: System, step: float, recorder: Recorder, books: Books
-) -> None:
-    recorder.take(block, accelerations)
-    books.take(block, first, accelerations)
+def _feed(block: Block, first: int, recorder: Recorder, books: Books) -> None:
+    recorder.take(block)
+    books.take(block, first)
 
 
 def _trajectory(

@@ -68,7 +68,7 @@ def _loaded(system: System, free: np.ndarray, flexibility: np.ndarray) -> tuple[
     drive = np.arange(len(system.machine.meshes)) * 4
     force[drive] = np.linalg.solve(flexibility[np.ix_(drive, drive)], _pressed(system, free) - free[drive])
     used = solve_rows(
-        system.table, 0.0, free, still, flexibility, np.zeros_like(flexibility), force, u, v, log, TOLERANCE
+        system.table, 0.0, 0.0, free, still, flexibility, np.zeros_like(flexibility), force, u, v, log, TOLERANCE
     )
     opened = float(abs(u[: 4 * len(system.machine.meshes) : 4]).max(initial=0.0))
     if used < 0 or not opened < LARGEST_APPROACH:

@@ -117,7 +117,7 @@ def assemble(
         damping += c0 * np.outer(row, row)
     rolling, constant = lay.rolling(), _constant_force(lay)
     basis, frequencies = modal_basis(
-        mass, stiffness, np.column_stack([rows.T, constant, mass @ rolling]), band, lay.names
+        mass, stiffness, np.column_stack([rows.T, constant, mass @ rolling, stiffness @ rolling]), band, lay.names
     )
     names = channel_names(machine) if channels is None else tuple(channels)
     return System(

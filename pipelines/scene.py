@@ -17,7 +17,8 @@ from pipelines.tables.casing import (
     FlexibleBase,
     SensorTable,
 )
-from pipelines.tables.gears import DeviationTable, FaultTable, StageTable
+from pipelines.tables.faults import FaultTable
+from pipelines.tables.gears import DeviationTable, StageTable
 from pipelines.tables.housing import HousingTable
 from pipelines.tables.motion import DriveTable, LoadModel, SimulationTable
 from pipelines.tables.shafts import BearingTable, ShaftModel, ShaftTable
@@ -75,15 +76,17 @@ class Scene(Table):
                 continue
             stage = self.stages[fault.stage - 1]
             teeth = stage.pinion_teeth if fault.gear == "pinion" else stage.wheel_teeth
-            if fault.tooth >= teeth:
+            if fault.tooth is not None and fault.tooth >= teeth:
                 yield f"faults.{number}.tooth = {fault.tooth}: the {fault.gear} has teeth 0 to {teeth - 1}"
         if self.diagnosis.stage > len(self.stages):
             yield f"diagnosis.stage = {self.diagnosis.stage}: there are {len(self.stages)} stages"
         if self.sensors and self.diagnosis.sensor not in {sensor.name for sensor in self.sensors}:
             yield f"diagnosis.sensor = {self.diagnosis.sensor!r}: not among the sensors of the scene"
-        teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in self.faults]
+        teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in self.faults if fault.tooth is not None]
         for stage_number, gear, tooth in sorted({hit for hit in teeth_hit if teeth_hit.count(hit) > 1}):
-            yield f"faults: tooth {tooth} of the stage {stage_number} {gear} is given more than once"
+            kinds = [f.kind for f in self.faults if (f.stage, f.gear, f.tooth) == (stage_number, gear, tooth)]
+            if len(set(kinds)) < len(kinds) or "missing-tooth" in kinds:
+                yield f"faults: tooth {tooth} of the stage {stage_number} {gear} is given more than once"
         if isinstance(self.diagnosis.envelope_band_Hz, tuple):
             low, high = self.diagnosis.envelope_band_Hz
             if not low < high < self.simulation.output_rate_Hz / 2:

@@ -4,15 +4,17 @@ Contract
 --------
 1. It is made from a `System` and a fixed step h (s): ``METHODS[name](system, h)``. Making it does all work that does
    not depend on the state; it raises StepError if h is outside its range.
-2. ``start(state)`` sets the state at t = 0 and returns a `Block` of that one instant.
-3. ``advance(angles, accelerations)`` takes len(angles) steps. ``angles`` is the motor angle (rad) at the end of each
-   step, ``accelerations`` the motor acceleration (rad/s2) held during it. It returns a `Block` of the new instants.
+2. ``start(state, speed)`` sets the state and the motor speed (rad/s) at t = 0 and returns a `Block` of that one instant.
+3. ``advance(angles, speeds, accelerations)`` takes len(angles) steps. ``angles`` and ``speeds`` are those of the motor
+   (rad, rad/s) at the end of each step, ``accelerations`` (rad/s2) are held during it. It returns a `Block` of the new
+   instants; a method may cut steps, ``whole`` then names the instants that end the steps asked for.
 4. A state vector x is whatever the method likes; ``displacement`` and ``velocity`` (n, x) turn it into q and q'.
 5. ``inverse_mass`` (n, n) gives the accelerations q'' = inverse_mass (f + B^T lambda - M R phi'' - C q' - K q).
-6. Nonlinear forces hold at the end of each step to ``TOLERANCE`` of their scale; a step that does not converge raises
-   StepError with its time.
-7. ``counters`` has "steps" and "iterations" (of all Newton solves).
-8. ``linear_forces`` says whether lambda is linear within a step; its kinks at the instants then enter the energy books.
+6. Nonlinear forces hold at the end of each step to ``TOLERANCE`` of their scale, or to less than the error of the step
+   (`mbd.rows_solver`); a step that does not converge raises StepError with its time.
+7. ``counters`` has "steps" (whole ones), "cuts" (instants beyond the whole steps) and "iterations" (Newton solves).
+8. ``flow`` is the `Flow` that the states follow exactly under the held forces of the blocks (the energy books are then
+   exact integrals of it), or None (they are sums over the instants).
 9. The same input gives the same bits; nothing depends on how steps are cut into blocks.
 """
 
@@ -27,13 +29,44 @@ from mbd.statics import State
 TOLERANCE = 1e-7  # states move by 1e-6 of their size against 1e-9
 
 
+LENGTH, ANGLE, SPEED, ACCELERATION = range(4)  # columns of a block's clock: s, rad, rad/s, rad/s2
+
+
+def uniform_clock(step: float, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> np.ndarray:
+    """The clock of steps that are all whole."""
+    return np.column_stack([np.full(len(angles), step), angles, speeds, accelerations])
+
+
 class Block(NamedTuple):
     """Successive instants; the first axis is time."""
 
     states: np.ndarray  # (instant, x)
+    starts: np.ndarray  # (instant, x) at the start of the step that ends here; the state itself at t = 0
     forces: np.ndarray  # (instant, m) residual forces lambda
     rows: np.ndarray  # (instant, m + mesh) row displacements, then observed rows
     log: np.ndarray  # (instant, element, column), see `mbd.forces.LOG_COLUMNS`
+    clock: np.ndarray  # (instant, 4) CLOCK: step that ends here, motor angle, speed, acceleration held before
+    whole: np.ndarray  # (whole step,) int, its last instant
+    holds: np.ndarray  # (instant, k, m) c_k of lambda = sum_k theta^k c_k, theta 0..1 over the step that ends here
+
+
+def join(blocks: list[Block]) -> Block:
+    """One block of successive ones."""
+    if len(blocks) == 1:
+        return blocks[0]
+    before = np.cumsum([0] + [len(block.states) for block in blocks])
+    columns = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in Block._fields}
+    columns["whole"] = np.concatenate([block.whole + n for block, n in zip(blocks, before[:-1], strict=True)])
+    return Block(**columns)
+
+
+class Flow(NamedTuple):
+    """eta' = values eta + rows lambda + load + ramp phi'', complex; a state is (Re eta, Im eta)."""
+
+    values: np.ndarray  # (mode,)
+    rows: np.ndarray  # (mode, m)
+    load: np.ndarray  # (mode,)
+    ramp: np.ndarray  # (mode,)
 
 
 class Integrator(Protocol):
@@ -42,11 +75,11 @@ class Integrator(Protocol):
     displacement: np.ndarray
     velocity: np.ndarray
     inverse_mass: np.ndarray
-    linear_forces: bool
+    flow: Flow | None
     counters: dict[str, int]
 
-    def start(self, state: State) -> Block:
+    def start(self, state: State, speed: float = 0.0) -> Block:
         """Set the state at t = 0."""
 
-    def advance(self, angles: np.ndarray, accelerations: np.ndarray) -> Block:
+    def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
         """Take len(angles) steps."""

@@ -1,47 +1,64 @@
-"""Exponential integrator with a first-order hold: exact for the linear part under a piecewise linear force.
+"""Exponential integrator with a quadratic hold: exact for the linear part under forces held as polynomials of time.
 
-eta_new = e^z eta + h [(phi_1 - phi_2) g_old + phi_2 g_new], z = lambda h, phi_1 = (e^z - 1)/z,
-phi_2 = (e^z - 1 - z)/z^2. Second order in the nonlinear forces. With undamped modes and a contact that opens, the
-step must stay below half the period of a mode that lives on the contact alone.
+Between two instants the nonlinear forces are the parabola through their values at both and at the instant before:
+g(t_n + theta h) = sum_k c_k theta^k. With phi_k(z) = int_0^1 e^((1 - s) z) s^(k-1)/(k-1)! ds and z = lambda h,
+
+    eta_new = e^z eta + h sum_k k! phi_(k+1)(z) c_k = e^z eta + sum_s w_s g_(n+1-s),
+
+an implicit exponential Adams method of third order in the nonlinear forces. After the start and after a contact that
+opened or closed, the past value says nothing about the step, and the hold is the straight line between both ends.
+Steps that the forces do not fit are cut into quarters, up to three times (see `mbd.integrators.modal_loop`).
 
 References
 ----------
-Hochbruck & Ostermann (2010), Acta Numerica 19, 209-286.
+Hochbruck & Ostermann (2010), Acta Numerica 19, 209-286, sections 2.1 and 2.5.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from mbd.integrators.modal import ModalIntegrator
+from mbd.integrators.modal import Hold, ModalIntegrator
 from mbd.system import System
 
-SERIES_BELOW = 0.5
-SERIES_TERMS = 18
+SERIES_BELOW = 1.0
+SERIES_TERMS = 24
+LINEAR = (1.0, 0.0)  # theta of the instants that a hold goes through
+QUADRATIC = (1.0, 0.0, -1.0)
+AFTER_SHORT, AFTER_LONG = (1.0, 0.0, -0.25), (1.0, 0.0, -4.0)  # the step before was a quarter, four times as long
+LEVELS = 4  # step lengths h, h/4, h/16, h/64
 
 
-def coefficients(eigenvalues: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """E, a, b of eta_new = E eta + a g_old + b g_new."""
-    z = eigenvalues * step
-    phi_1, phi_2 = phi_functions(z)
-    return np.exp(z), step * (phi_1 - phi_2), step * phi_2
+def hold(eigenvalues: np.ndarray, step: float, instants: tuple[float, ...] = QUADRATIC) -> Hold:
+    """Weights of the polynomial through the forces at ``instants`` (theta), the new one first."""
+    z, n = eigenvalues * step, len(instants)
+    phi = phi_functions(z, n)
+    powers = np.linalg.inv(np.vander(np.array(instants), increasing=True))
+    moments = np.array([math.factorial(k) * phi[k + 1] for k in range(n)])
+    return Hold(growth=phi[0], weights=step * powers.T @ moments, constant=step * phi[1], powers=powers)
 
 
-def phi_functions(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """phi_1 and phi_2 at complex ``z``; by their series near 0, where the closed forms cancel."""
+def phi_functions(z: np.ndarray, highest: int) -> np.ndarray:
+    """phi_0 .. phi_highest (k, z) at complex ``z``; by their series near 0, where phi_(k+1) = (phi_k - 1/k!)/z cancels."""
     small = abs(z) < SERIES_BELOW
-    series = np.where(small, z, 0.0)
-    one, two = np.zeros_like(series), np.zeros_like(series)
-    for k in range(SERIES_TERMS, -1, -1):
-        one, two = 1.0 + one * series / (k + 2), 1.0 + two * series / (k + 3)
-    two = two / 2
-    large = np.where(small, 1.0, z)
-    return (
-        np.where(small, one, (np.exp(large) - 1) / large),
-        np.where(small, two, (np.exp(large) - 1 - large) / large**2),
-    )
+    near, far = np.where(small, z, 0.0), np.where(small, 1.0, z)
+    series = np.zeros((highest + 1, *np.shape(z)), dtype=complex)
+    closed = np.empty_like(series)
+    closed[0] = np.exp(far)
+    for k in range(highest + 1):
+        for j in range(SERIES_TERMS, -1, -1):
+            series[k] = 1.0 / math.factorial(j + k) + near * series[k]
+        if k < highest:
+            closed[k + 1] = (closed[k] - 1.0 / math.factorial(k)) / far
+    return np.where(small, series, closed)
 
 
 def exponential(system: System, step: float) -> ModalIntegrator:
-    """Integrator with a first-order hold of the nonlinear forces."""
-    return ModalIntegrator(system, step, coefficients, linear_forces=True)
+    """Integrator with a quadratic hold of the nonlinear forces and local refinement of the step."""
+
+    def holds(values: np.ndarray, h: float) -> list[Hold]:
+        return [hold(values, h, instants) for instants in (LINEAR, QUADRATIC, AFTER_SHORT, AFTER_LONG)]
+
+    return ModalIntegrator(system, step, holds, levels=LEVELS, exact=True)

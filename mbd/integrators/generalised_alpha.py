@@ -20,7 +20,7 @@ from scipy import linalg
 
 from mbd.checks import StepError
 from mbd.forces import LOG_COLUMNS
-from mbd.integrators.base import TOLERANCE, Block
+from mbd.integrators.base import TOLERANCE, Block, uniform_clock
 from mbd.rows_solver import parametric, solve_rows
 from mbd.statics import State
 from mbd.system import System
@@ -31,7 +31,7 @@ DEFAULT_RADIUS = 0.9
 class GeneralisedAlpha:
     """Integrator (see `mbd.integrators.base`); the state is (q, v)."""
 
-    linear_forces = False
+    flow = None
 
     def __init__(self, system: System, step: float, radius: float = DEFAULT_RADIUS) -> None:
         if not 0.0 <= radius <= 1.0:
@@ -43,7 +43,7 @@ class GeneralisedAlpha:
         self._beta = 0.25 * (1 + self._af - self._am) ** 2
         self.displacement, self.velocity = np.eye(n, 2 * n), np.eye(n, 2 * n, n)
         self.inverse_mass = np.linalg.inv(system.mass)
-        self.counters = {"steps": 0, "iterations": 0}
+        self.counters = {"steps": 0, "cuts": 0, "iterations": 0}
         matrix = (1 - self._am) * system.mass
         matrix += (1 - self._af) * step * (self._gamma * system.damping + self._beta * step * system.stiffness)
         self._factor = linalg.cho_factor(matrix)
@@ -54,7 +54,7 @@ class GeneralisedAlpha:
         elements = len(system.table.tau) + len(system.table.rope_ea)
         self._empty_log = np.zeros((elements, len(LOG_COLUMNS)))
 
-    def start(self, state: State) -> Block:
+    def start(self, state: State, speed: float = 0.0) -> Block:
         """Set the state at t = 0."""
         system = self._system
         self._q, self._v, self._forces = state.displacement.copy(), state.velocity.copy(), state.forces.copy()
@@ -63,24 +63,27 @@ class GeneralisedAlpha:
         still = np.zeros((len(self._rows), len(self._forces)))
         v = system.rows @ self._v
         used = solve_rows(
-            system.table, self._angle, self._rows.copy(), v.copy(), still, still[: len(v)].copy(), self._forces,
+            system.table, self._angle, 0.0, self._rows.copy(), v.copy(), still, still[: len(v)].copy(), self._forces,
             self._rows, v, self._log, TOLERANCE,
         )  # fmt: skip
         if used < 0:
             raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")
         self._push = system.constant_force + system.rows.T @ self._forces
         self._acceleration = self.inverse_mass @ (self._push - system.damping @ self._v - system.stiffness @ self._q)
-        return self._block([self._instant()])
+        instant = self._instant()
+        return self._block([(instant[0], *instant)], np.array([[0.0, self._angle, speed, 0.0]]))
 
-    def advance(self, angles: np.ndarray, accelerations: np.ndarray) -> Block:
+    def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
         """Take len(angles) steps."""
         instants = []
-        for angle, acceleration in zip(angles, accelerations, strict=True):
-            self._one_step(float(angle), float(acceleration))
-            instants.append(self._instant())
-        return self._block(instants)
+        for angle, speed, acceleration in zip(angles, speeds, accelerations, strict=True):
+            start = np.concatenate([self._q, self._v])
+            self._one_step(float(angle), float(speed), float(acceleration))
+            state, *others = self._instant()
+            instants.append((state, start, *others))
+        return self._block(instants, uniform_clock(self._step, angles, speeds, accelerations))
 
-    def _one_step(self, angle: float, acceleration: float) -> None:
+    def _one_step(self, angle: float, speed: float, acceleration: float) -> None:
         system, h, af = self._system, self._step, self._af
         prescribed = system.constant_force - acceleration * (system.mass @ system.rolling)
         self._acceleration = self._acceleration - (acceleration - self._motor) * system.rolling
@@ -95,7 +98,7 @@ class GeneralisedAlpha:
         w_p = system.rows @ (v_p + self._gamma * h * a_p)
         rows, rates, log = u_p.copy(), w_p.copy(), self._empty_log.copy()
         used = solve_rows(
-            system.table, angle, u_p, w_p, self._g_u, self._g_v, self._forces, rows, rates, log, TOLERANCE
+            system.table, angle, speed, u_p, w_p, self._g_u, self._g_v, self._forces, rows, rates, log, TOLERANCE
         )
         step = self.counters["steps"]
         if used < 0:
@@ -114,8 +117,10 @@ class GeneralisedAlpha:
     def _instant(self) -> tuple[np.ndarray, ...]:
         return np.concatenate([self._q, self._v]), self._forces.copy(), self._rows.copy(), self._log.copy()
 
-    def _block(self, instants: list[tuple[np.ndarray, ...]]) -> Block:
-        return Block(*(np.array(column) for column in zip(*instants, strict=True)))
+    def _block(self, instants: list[tuple[np.ndarray, ...]], clock: np.ndarray) -> Block:
+        columns = [np.array(column) for column in zip(*instants, strict=True)]
+        none = np.zeros((len(instants), 0, len(self._forces)))
+        return Block(*columns, clock=clock, whole=np.arange(len(instants)), holds=none)
 
 
 def spectral_radius(step_over_period: float, radius: float = DEFAULT_RADIUS) -> float:

@@ -1,109 +1,177 @@
-"""The compiled loop shared by the methods that step complex modes.
+"""Integrator that steps complex modes: what its compiled loop (`mbd.integrators.modal_loop`) needs, made once.
 
 In modal coordinates p the linear reference is x' = A x + (0, g) with x = (omega p, p'), A = [[0, omega], [-omega, -C]].
 A = V diag(lambda) V^-1, so eta = V^-1 x obeys eta_j' = lambda_j eta_j + (V^-1)_j (0, g): of every conjugate pair one is
-kept. A method supplies three numbers per mode,
+kept. A method supplies its `Hold`,
 
-    eta_new = E eta + a g_old + b g_new,
+    eta_new = E eta + sum_s w_s g_(n+1-s) + w (constant load and ramp inertia).
 
-where g_old and g_new are the forces at both ends of the step (constant load and ramp inertia are the same at both).
+Where the forces do not fit a step, it is cut (`mbd.integrators.modal_loop`).
+
 The rows depend on the new forces by constant matrices, u = u_p + G_u lambda; a Newton iteration over the rows alone
-finds lambda. Cost per step: O(modes x rows).
+finds lambda. Since a modal velocity is lambda_j times its displacement, one matrix gives the rows and their rates.
+Cost per step: O(modes x rows).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy import linalg
 
 from mbd.checks import StepError
-from mbd.forces import LOG_COLUMNS, parametric_work
-from mbd.integrators.base import TOLERANCE, Block
-from mbd.rows_solver import iterate, solve_rows, source_digest
+from mbd.forces import LOG_COLUMNS
+from mbd.integrators.base import TOLERANCE, Block, Flow, join
+from mbd.integrators.modal_loop import QUARTERS, Constants, Memory, advance_modes
+from mbd.rows_solver import solve_rows
 from mbd.statics import State
 from mbd.system import System
 
-Coefficients = Callable[[np.ndarray, float], tuple[np.ndarray, np.ndarray, np.ndarray]]
 LARGEST_CONDITION = 1e8
 LARGEST_RESIDUAL = 1e-9
 
 
-class ModalIntegrator:
-    """Integrator (see `mbd.integrators.base`) over complex modes with the given ``coefficients(lambda, h)``."""
+class Hold(NamedTuple):
+    """How a method takes the forces within a step; complex, per mode."""
 
-    def __init__(self, system: System, step: float, coefficients: Coefficients, linear_forces: bool) -> None:
+    growth: np.ndarray  # E (mode,)
+    weights: np.ndarray  # w_s (s, mode) of the modal forces at the new instant, the one before, ...
+    constant: np.ndarray  # w (mode,) of forces that do not change within the step
+    powers: np.ndarray  # (k, s): the held force is sum_k theta^k sum_s powers[k, s] g_(n+1-s)
+
+
+Holds = Callable[[np.ndarray, float], list[Hold]]  # of eigenvalues and step, see `mbd.integrators.modal_loop.Constants`
+
+
+class ModalIntegrator:
+    """Integrator (see `mbd.integrators.base`) over complex modes.
+
+    ``levels`` lengths of step, each a quarter of the one before; ``exact`` if the held forces are integrated exactly.
+    """
+
+    def __init__(self, system: System, step: float, holds: Holds, levels: int, exact: bool) -> None:
         basis, omega = system.basis, system.frequencies
-        eigenvalues, vectors, inverse = complex_modes(omega, basis.T @ system.damping @ basis)
+        values, vectors, inverse = complex_modes(omega, basis.T @ system.damping @ basis)
         n = len(omega)
-        growth, old, new = coefficients(eigenvalues, step)
-        rotation = np.where(eigenvalues.imag == 0.0, 1.0, 2.0)  # a pair counts twice its kept member
-        stacked = [_real_rows(part * rotation) for part in (vectors[:n] / omega[:, None], vectors[n:])]
-        self.displacement, self.velocity = (basis @ part for part in stacked)
-        self.inverse_mass, self.linear_forces = basis @ basis.T, linear_forces
-        self.counters = {"steps": 0, "iterations": 0}
+        rotation = np.where(values.imag == 0.0, 1.0, 2.0)  # a pair counts twice its kept member
+        moved = vectors[:n] / omega[:, None] * rotation
+        self.displacement, self.velocity = basis @ _real_rows(moved), basis @ _real_rows(vectors[n:] * rotation)
+        self.inverse_mass = basis @ basis.T
+        self.counters = {"steps": 0, "cuts": 0, "iterations": 0}
         self._system, self._step, self._time = system, step, 0.0
         to_modal = basis.T @ system.mass
         self._from_displacement = inverse[:, :n] @ (omega[:, None] * to_modal)
         self._from_velocity = inverse[:, n:] @ to_modal
         enter = inverse[:, n:] @ basis.T  # forces on coordinates -> modes
-        rows = enter @ system.rows.T
-        self._growth = np.concatenate([growth.real, growth.imag])
-        self._old, self._new = _stack((old[:, None] * rows).T), _stack((new[:, None] * rows).T)
-        self._constant = _stack((old + new) * (enter @ system.constant_force))
-        self._ramp = _stack(-(old + new) * (enter @ (system.mass @ system.rolling)))
-        self._u_rows = np.ascontiguousarray(system.all_rows @ self.displacement)
-        self._v_rows = np.ascontiguousarray(system.rows @ self.velocity)
-        self._g_u, self._g_v = self._u_rows @ self._new.T, self._v_rows @ self._new.T
-        self._state = np.zeros(2 * len(eigenvalues))
-        self._forces = np.zeros((2, len(system.rows)))
-        self._angle, self._last = 0.0, np.zeros(0)
-        self._log = np.zeros((0, 0))
+        rows, constant = enter @ system.rows.T, enter @ system.constant_force
+        flow = Flow(values, rows, constant, -enter @ (system.mass @ system.rolling))
+        self.flow = flow if exact else None
+        lengths = step / float(QUARTERS) ** np.arange(levels)
+        self._constants = _constants(holds, lengths, flow, system.all_rows @ basis @ moved)
+        self._memory: Memory | None = None
 
-    def start(self, state: State) -> Block:
+    def start(self, state: State, speed: float = 0.0) -> Block:
         """Set the state at t = 0."""
-        eta = self._from_displacement @ state.displacement + self._from_velocity @ state.velocity
-        self._state = _stack(eta)
-        self._forces = np.array([state.forces, state.forces])
-        self._time = 0.0
-        table = self._system.table
+        table, constants = self._system.table, self._constants
+        eta = _stack(self._from_displacement @ state.displacement + self._from_velocity @ state.velocity)
         log = np.zeros((1, len(table.tau) + len(table.rope_ea), len(LOG_COLUMNS)))
-        u, v = self._u_rows @ self._state, self._v_rows @ self._state
-        zero_u, zero_v = np.zeros_like(self._g_u), np.zeros_like(self._g_v)
+        m, past = len(state.forces), constants.powers.shape[1]
+        u = constants.rows @ eta
+        v = self._system.rows @ (self.velocity @ eta)
+        still = np.zeros((len(u), m))
         forces = state.forces.copy()
-        used = solve_rows(table, state.motor_angle, u, v, zero_u, zero_v, forces, u.copy(), v.copy(), log[0], TOLERANCE)
+        used = solve_rows(
+            table, state.motor_angle, speed, u, v, still, still[:m].copy(), forces, u.copy(), v.copy(), log[0],
+            TOLERANCE,
+        )  # fmt: skip
         if used < 0:
             raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")
-        self._angle, self._last, self._log = state.motor_angle, u, log[0]
-        return Block(self._state[None].copy(), forces[None], u[None], log)
-
-    def advance(self, angles: np.ndarray, accelerations: np.ndarray) -> Block:
-        """Take len(angles) steps."""
-        n, (m, table) = len(angles), (len(self._system.rows), self._system.table)
-        block = Block(
-            np.empty((n, len(self._state))),
-            np.empty((n, m)),
-            np.empty((n, len(self._u_rows))),
-            np.zeros((n, len(table.tau) + len(table.rope_ea), len(LOG_COLUMNS))),
+        self._time = 0.0
+        self._memory = Memory(
+            state=eta,
+            forces=np.tile(state.forces, (3, 1)),
+            pushes=np.tile(state.forces @ constants.enter, (past, 1)),
+            past=np.full(2, self._step),
+            counts=np.zeros(3, dtype=np.int64),
+            motor=np.array([state.motor_angle, speed]),
+            rows=u.copy(),
+            log=log[0].copy(),
         )
-        iterations, failed = advance_modes(
-            table, angles, accelerations, self._growth, self._old, self._new, self._constant, self._ramp,
-            self._u_rows, self._v_rows, self._g_u, self._g_v, self._state, self._forces, self._angle, self._last,
-            self._log, *block, TOLERANCE,
-        )  # fmt: skip
-        if failed >= 0:
+        states, clock = eta[None].copy(), np.array([[0.0, state.motor_angle, speed, 0.0]])
+        holds = np.zeros((1, past, m))
+        return Block(states, states, forces[None], u[None], log, clock, np.zeros(1, dtype=np.int64), holds)
+
+    def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
+        """Take len(angles) steps."""
+        parts, done = [], 0
+        while done < len(angles):
+            part, done = self._fill(done, angles, speeds, accelerations)
+            parts.append(part)
+        return join(parts)
+
+    def _fill(
+        self, done: int, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray
+    ) -> tuple[Block, int]:  # fmt: skip
+        """One block from step ``done`` on, as far as its arrays reach, and the steps done then."""
+        constants, table, memory = self._constants, self._system.table, self._memory
+        assert memory is not None, "call start first"
+        units = QUARTERS ** (len(constants.length) - 1)
+        n, m, past = len(angles) - done + units, constants.enter.shape[0], constants.powers.shape[1]
+        instants = np.empty((n + 1, len(memory.state)))
+        instants[0] = memory.state
+        block = Block(
+            states=instants[1:],
+            starts=instants[:-1],
+            forces=np.empty((n, m)),
+            rows=np.empty((n, len(constants.rows))),
+            log=np.zeros((n, len(table.tau) + len(table.rope_ea), len(LOG_COLUMNS))),
+            clock=np.empty((n, 4)),
+            whole=np.zeros(len(angles), dtype=np.int64),
+            holds=np.empty((n, past, m)),
+        )
+        now, used, iterations, failed = advance_modes(
+            table, done, angles, speeds, accelerations, constants, memory, block, TOLERANCE
+        )
+        if failed:
+            at = self.counters["steps"] + now - done
             raise StepError(
-                f"time step {self.counters['steps'] + failed} (t = {self._time + (failed + 1) * self._step:.6g} s, "
-                f"h = {self._step:.3g} s): the contact forces did not converge. Use a smaller step."
+                f"time step {at} (t = {(at + 1) * self._step:.6g} s, h = {constants.length[-1]:.3g} s): the contact "
+                "forces did not converge. Use a smaller step."
             )
-        self.counters["steps"] += n
+        self.counters["steps"] += now - done
+        self.counters["cuts"] += used - (now - done)
         self.counters["iterations"] += iterations
-        self._time += n * self._step
-        self._state, self._angle = block.states[-1].copy(), float(angles[-1])
-        self._last, self._log = block.rows[-1].copy(), block.log[-1].copy()
-        return block
+        whole = block.whole[done:now]
+        return Block(*(x[:used] for x in block))._replace(whole=whole), now
+
+
+def _constants(holds: Holds, lengths: np.ndarray, flow: Flow, rows: np.ndarray) -> Constants:
+    """``rows`` (m + mesh, mode) complex."""
+    m, values = flow.rows.shape[1], flow.values
+    table = [holds(values, float(h)) for h in lengths]  # level, hold
+    past, size = max(len(hold.weights) for hold in table[0]), (len(lengths), len(table[0]))
+    weights, powers = np.zeros((*size, past, len(values)), dtype=complex), np.zeros((size[1], past, past))
+    for level, level_holds in enumerate(table):
+        for k, hold in enumerate(level_holds):
+            weights[level, k, : len(hold.weights)] = hold.weights
+            powers[k, : len(hold.weights), : len(hold.weights)] = hold.powers
+    new = weights[:, :, 0, :, None] * flow.rows  # modal displacement per new force
+    constant = np.array([level_holds[0].constant for level_holds in table])
+    return Constants(
+        length=lengths,
+        growth=_stack(np.array([level_holds[0].growth for level_holds in table])),
+        rate=_stack(values),
+        weights=_stack(weights),
+        powers=powers,
+        load=_stack(constant * flow.load),
+        ramp=_stack(constant * flow.ramp),
+        enter=_stack(flow.rows.T),
+        rows=_real_rows(rows),
+        g_u=np.ascontiguousarray((rows @ new).real),
+        g_v=np.ascontiguousarray(((rows[:m] * values) @ new).real),
+    )
 
 
 def complex_modes(omega: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -134,77 +202,8 @@ def complex_modes(omega: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, n
 
 def _real_rows(rows: np.ndarray) -> np.ndarray:
     """Rows on (Re eta, Im eta) that give Re(rows @ eta)."""
-    return np.hstack([rows.real, -rows.imag])
+    return np.ascontiguousarray(np.hstack([rows.real, -rows.imag]))
 
 
 def _stack(values: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(np.concatenate([values.real, values.imag], axis=-1))
-
-
-@njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
-def _dot(a, b):
-    total = 0.0
-    for j in range(len(a)):
-        total += a[j] * b[j]
-    return total
-
-
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
-def _add(target, factor, vector):
-    for j in range(len(target)):
-        target[j] += factor * vector[j]
-
-
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
-def _free_step(before, growth, constant, ramp, acceleration, after):
-    """after = E before + the part of the prescribed forces."""
-    n = len(before) // 2
-    for j in range(n):
-        r, i, er, ei = before[j], before[n + j], growth[j], growth[n + j]
-        after[j] = er * r - ei * i + constant[j] + acceleration * ramp[j]
-        after[n + j] = er * i + ei * r + constant[n + j] + acceleration * ramp[n + j]
-
-
-def _compiled(digest: int) -> Callable:
-    @njit(cache=True, nogil=True, error_model="numpy")
-    def advance(
-        table, angles, accelerations, growth, old, new, constant, ramp, u_rows, v_rows, g_u, g_v,
-        state, memory, last_angle, last_rows, last_log, states, forces, rows, log, tolerance,
-    ):  # fmt: skip
-        if digest < 0:  # part of the key under which the compiled code is stored
-            return -1, 0
-        m = len(v_rows)
-        u_p, v_p, v, guess = np.empty(len(u_rows)), np.empty(m), np.empty(m), np.empty(m)
-        iterations = 0
-        before = state
-        for n in range(len(angles)):
-            eta = states[n]
-            _free_step(before, growth, constant, ramp, accelerations[n], eta)
-            for r in range(m):
-                if memory[0, r] != 0.0:
-                    _add(eta, memory[0, r], old[r])
-                guess[r] = 2.0 * memory[0, r] - memory[1, r]
-            for r in range(len(u_rows)):
-                u_p[r] = _dot(u_rows[r], eta)
-            for r in range(m):
-                v_p[r] = _dot(v_rows[r], eta)
-            used = iterate(table, angles[n], u_p, v_p, g_u, g_v, guess, rows[n], v, log[n], tolerance)
-            if used < 0:
-                return iterations, n
-            iterations += used
-            if n > 0:
-                last_angle, last_rows, last_log = angles[n - 1], rows[n - 1], log[n - 1]
-            parametric_work(table, last_angle, angles[n], last_rows, rows[n], last_log, log[n])
-            for r in range(m):
-                if guess[r] != 0.0:
-                    _add(eta, guess[r], new[r])
-                memory[1, r] = memory[0, r]
-                memory[0, r] = guess[r]
-                forces[n, r] = guess[r]
-            before = eta
-        return iterations, -1
-
-    return advance
-
-
-advance_modes = _compiled(source_digest(__file__))

@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 
 from mbd.checks import StepError
 from mbd.forces import LOG_COLUMNS
-from mbd.integrators.base import TOLERANCE, Block
+from mbd.integrators.base import TOLERANCE, Block, uniform_clock
 from mbd.rows_solver import parametric, solve_rows
 from mbd.statics import State
 from mbd.system import System
@@ -28,7 +28,7 @@ ATOL = 1e-13  # mass-normalised coordinates
 class Reference:
     """Integrator (see `mbd.integrators.base`) that takes as many inner steps per step as its tolerance needs."""
 
-    linear_forces = False
+    flow = None
 
     def __init__(self, system: System, step: float, method: str = "DOP853") -> None:
         basis, n = system.basis, len(system.frequencies)
@@ -36,7 +36,7 @@ class Reference:
         zero = np.zeros_like(basis)
         self.displacement, self.velocity = np.hstack([basis, zero]), np.hstack([zero, basis])
         self.inverse_mass = basis @ basis.T
-        self.counters = {"steps": 0, "iterations": 0}
+        self.counters = {"steps": 0, "cuts": 0, "iterations": 0}
         self._omega2, self._damping = system.frequencies**2, basis.T @ system.damping @ basis
         self._u_rows, self._v_rows = system.all_rows @ basis, system.rows @ basis
         self._constant, self._ramp = basis.T @ system.constant_force, -basis.T @ (system.mass @ system.rolling)
@@ -46,25 +46,32 @@ class Reference:
         elements = len(system.table.tau) + len(system.table.rope_ea)
         self._log, self._rows, self._angle = np.zeros((elements, len(LOG_COLUMNS))), np.zeros(len(self._u_rows)), 0.0
 
-    def start(self, state: State) -> Block:
+    def start(self, state: State, speed: float = 0.0) -> Block:
         """Set the state at t = 0."""
         to_modal = self._system.basis.T @ self._system.mass
         self._x = np.concatenate([to_modal @ state.displacement, to_modal @ state.velocity])
         self._angle = state.motor_angle
-        forces, self._rows, self._log = self._forces(self._x, self._angle)
-        return Block(self._x[None], forces[None], self._rows[None], self._log[None])
+        forces, self._rows, self._log = self._forces(self._x, self._angle, 0.0)
+        clock = np.array([[0.0, self._angle, speed, 0.0]])
+        return Block(
+            self._x[None], self._x[None], forces[None], self._rows[None], self._log[None], clock, np.zeros(1, dtype=int),
+            np.zeros((1, 0, len(forces))),
+        )  # fmt: skip
 
-    def advance(self, angles: np.ndarray, accelerations: np.ndarray) -> Block:
+    def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
         """Take len(angles) steps."""
         instants = []
-        for angle, acceleration in zip(angles, accelerations, strict=True):
-            self._x = self._one_step(float(angle), float(acceleration))
-            forces, rows, log = self._forces(self._x, float(angle))
+        for angle, speed, acceleration in zip(angles, speeds, accelerations, strict=True):
+            start, self._x = self._x, self._one_step(float(angle), float(acceleration))
+            forces, rows, log = self._forces(self._x, float(angle), float(speed))
             parametric(self._system.table, self._angle, float(angle), self._rows, rows, self._log, log)
             self._rows, self._log, self._angle = rows, log, float(angle)
             self.counters["steps"] += 1
-            instants.append((self._x, forces, rows, log))
-        return Block(*(np.array(column) for column in zip(*instants, strict=True)))
+            instants.append((self._x, start, forces, rows, log))
+        columns = [np.array(column) for column in zip(*instants, strict=True)]
+        clock = uniform_clock(self._step, angles, speeds, accelerations)
+        none = np.zeros((len(instants), 0, len(self._v_rows)))
+        return Block(*columns, clock=clock, whole=np.arange(len(instants)), holds=none)
 
     def _one_step(self, angle: float, acceleration: float) -> np.ndarray:
         h, n = self._step, len(self._omega2)
@@ -72,7 +79,8 @@ class Reference:
         speed = (angle - self._angle) / h - 0.5 * acceleration * h  # at the start of the step
 
         def rate(t: float, x: np.ndarray) -> np.ndarray:
-            forces = self._forces(x, self._angle + speed * t + 0.5 * acceleration * t * t)[0]
+            angle = self._angle + speed * t + 0.5 * acceleration * t * t
+            forces = self._forces(x, angle, speed + acceleration * t)[0]
             push = prescribed + self._v_rows.T @ forces - self._damping @ x[n:] - self._omega2 * x[:n]
             return np.concatenate([x[n:], push])
 
@@ -82,11 +90,13 @@ class Reference:
         self.counters["iterations"] += int(answer.nfev)
         return answer.y[:, -1]
 
-    def _forces(self, x: np.ndarray, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _forces(self, x: np.ndarray, angle: float, speed: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         n = len(self._omega2)
         u, v = self._u_rows @ x[:n], self._v_rows @ x[n:]
         forces, log = np.zeros(len(v)), np.zeros_like(self._log)
-        used = solve_rows(self._system.table, angle, u, v, *self._still, forces, u.copy(), v.copy(), log, TOLERANCE)
+        used = solve_rows(
+            self._system.table, angle, speed, u, v, *self._still, forces, u.copy(), v.copy(), log, TOLERANCE
+        )
         if used < 0:
             raise StepError(f"reference, step {self.counters['steps']}: the state is not finite. Use a smaller step.")
         return forces, u, log

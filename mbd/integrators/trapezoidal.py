@@ -11,17 +11,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbd.integrators.modal import ModalIntegrator
+from mbd.integrators.modal import Hold, ModalIntegrator
 from mbd.system import System
 
 
-def coefficients(eigenvalues: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """E, a, b of eta_new = E eta + a g_old + b g_new."""
+def hold(eigenvalues: np.ndarray, step: float) -> Hold:
+    """Weights of the average of the forces at both ends."""
     half = eigenvalues * step / 2
     share = step / 2 / (1 - half)
-    return (1 + half) / (1 - half), share, share
+    powers = np.array([[0.5, 0.5], [0.0, 0.0]])
+    return Hold(growth=(1 + half) / (1 - half), weights=np.array([share, share]), constant=2 * share, powers=powers)
 
 
 def trapezoidal(system: System, step: float) -> ModalIntegrator:
     """Integrator with the average of the forces at both ends."""
-    return ModalIntegrator(system, step, coefficients, linear_forces=False)
+    return ModalIntegrator(system, step, lambda values, h: [hold(values, h)] * 4, levels=1, exact=False)

@@ -1,0 +1,215 @@
+"""The compiled time loop over complex modes, see `mbd.integrators.modal`; arrays over modes hold (Re, Im) halves.
+
+Refinement: the forces extrapolated to the end of a step are compared with those that the motion they cause gives. A
+step where they differ by more than ROUGH of their scale, where a contact opens or closes, or which does not converge is
+taken back and cut into quarters, and so on down to the shortest length (level); there it is taken as it is. Lengths
+grow again, at places that are whole steps of the longer length, once the difference is below SMOOTH. Exact coefficients
+are kept for every length, so that a cut costs only its evaluations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from mbd.forces import parametric_work
+from mbd.rows_solver import NEAR, iterate, source_digest
+
+QUARTERS = 4
+ROUGH, SMOOTH = 0.025, 0.005
+
+
+class Constants(NamedTuple):
+    """What does not change; holds: 0 the line, 1 the usual one, 2 and 3 after a shorter and a longer step."""
+
+    length: np.ndarray  # (level,) s
+    growth: np.ndarray  # (level, 2 mode) e^(lambda h)
+    rate: np.ndarray  # (2 mode,) lambda
+    weights: np.ndarray  # (level, hold, s, 2 mode)
+    powers: np.ndarray  # (hold, k, s)
+    load: np.ndarray  # (level, 2 mode) what the constant load adds in a step
+    ramp: np.ndarray  # (level, 2 mode) the same per unit of motor acceleration
+    enter: np.ndarray  # (m, 2 mode) modal force per row force
+    rows: np.ndarray  # (m + mesh, 2 mode) row displacements
+    g_u: np.ndarray  # (level, hold, m + mesh, m)
+    g_v: np.ndarray  # (level, hold, m, m)
+
+
+class Memory(NamedTuple):
+    """What a step leaves for the next; overwritten in place."""
+
+    state: np.ndarray  # (2 mode,)
+    forces: np.ndarray  # (3, m) of the last instants, newest first
+    pushes: np.ndarray  # (s, 2 mode) modal forces of the last instants, newest first
+    past: np.ndarray  # (2,) lengths of the last two steps, s
+    counts: np.ndarray  # (3,) int: steps since the start or the last kink, level to try, level of the last step
+    motor: np.ndarray  # (2,) angle, speed
+    rows: np.ndarray  # (m + mesh,)
+    log: np.ndarray  # (element, column)
+
+
+@njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+def _dot(a, b):
+    total = 0.0
+    for j in range(len(a)):
+        total += a[j] * b[j]
+    return total
+
+
+@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+def _add(target, factor, vector):
+    for j in range(len(target)):
+        target[j] += factor * vector[j]
+
+
+@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+def _free_step(before, growth, load, ramp, acceleration, after):
+    """after = E before + the part of the prescribed forces."""
+    n = len(before) // 2
+    for j in range(n):
+        r, i, er, ei = before[j], before[n + j], growth[j], growth[n + j]
+        after[j] = er * r - ei * i + load[j] + acceleration * ramp[j]
+        after[n + j] = er * i + ei * r + load[n + j] + acceleration * ramp[n + j]
+
+
+@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+def _add_product(target, weight, push):
+    """target += weight * push, complex."""
+    n = len(target) // 2
+    for j in range(n):
+        wr, wi, pr, pi = weight[j], weight[n + j], push[j], push[n + j]
+        target[j] += wr * pr - wi * pi
+        target[n + j] += wr * pi + wi * pr
+
+
+@njit(nogil=True, error_model="numpy")
+def _kink(before, after):
+    """True if an element touched or let go."""
+    for k in range(len(before)):
+        if (before[k, 0] > 0.0) != (after[k, 0] > 0.0):
+            return True
+    return False
+
+
+@njit(nogil=True, error_model="numpy")
+def _extrapolate(forces, past, smooth, h, guess):
+    """Forces h after the last instant: the parabola, line or constant through as many instants as are smooth."""
+    near, far = past[0], past[0] + past[1]
+    a, b, c = 1.0, 0.0, 0.0
+    if smooth >= 2:
+        a = (h + near) * (h + far) / (near * far)
+        b = -h * (h + far) / (near * past[1])
+        c = h * (h + near) / (far * past[1])
+    elif smooth == 1:
+        a, b = 1.0 + h / near, -h / near
+    for r in range(len(guess)):
+        guess[r] = a * forces[0, r] + b * forces[1, r] + c * forces[2, r]
+
+
+@njit(nogil=True, error_model="numpy")
+def _choose_hold(counts, level, n_past):
+    """Which hold: the line after a kink or a step more than four times as long or as short."""
+    apart = counts[2] - level
+    if counts[0] < n_past - 2 or apart > 1 or apart < -1:
+        return 0
+    return 1 if apart == 0 else (2 if apart == 1 else 3)
+
+
+@njit(nogil=True, error_model="numpy")
+def _remember(constants, memory, hold, level, eta, force, row_values, log, held):
+    """Finish the step: its own part of the state, the polynomials of the forces, and the memory."""
+    _, _, _, weights, powers, _, _, enter, _, _, _ = constants
+    state, forces, pushes, past, counts, _, rows, last_log = memory
+    n_past = len(pushes)
+    for s in range(n_past - 1, 0, -1):
+        for j in range(len(eta)):
+            pushes[s, j] = pushes[s - 1, j]
+    pushes[0, :] = 0.0
+    for r in range(len(force)):
+        if force[r] != 0.0:
+            _add(pushes[0], force[r], enter[r])
+    _add_product(eta, weights[level, hold, 0], pushes[0])
+    for r in range(len(force)):
+        for k in range(n_past):
+            held[k, r] = powers[hold, k, 0] * force[r]
+            for s in range(1, n_past):
+                held[k, r] += powers[hold, k, s] * forces[s - 1, r]
+        forces[2, r], forces[1, r], forces[0, r] = forces[1, r], forces[0, r], force[r]
+    counts[0] = 0 if _kink(last_log, log) else counts[0] + 1
+    counts[2] = level
+    past[1], past[0] = past[0], constants.length[level]
+    for r in range(len(rows)):
+        rows[r] = row_values[r]
+    for k in range(log.shape[0]):
+        for j in range(log.shape[1]):
+            last_log[k, j] = log[k, j]
+    for j in range(len(eta)):
+        state[j] = eta[j]
+
+
+def _compiled(digest: int) -> Callable:
+    @njit(cache=True, nogil=True, error_model="numpy")
+    def advance(table, first, angles, speeds, accelerations, constants, memory, block, tolerance):
+        if digest < 0:  # part of the key under which the compiled code is stored
+            return -1, 0, 0, False
+        length, growth, rate, weights, _, load, ramp, enter, rows, g_u, g_v = constants
+        state, past_forces, pushes, past, counts, motor, last_rows, last_log = memory
+        states, _, forces, row_values, log, clock, whole, holds = block
+        m, n_rows, n_past, finest = len(enter), len(rows), len(pushes), len(length) - 1
+        units = QUARTERS**finest
+        u_p, v_p, v, guess = np.empty(n_rows), np.empty(m), np.empty(m), np.empty(m)
+        moving, quality = np.empty(len(state)), np.zeros(1)
+        iterations, n = 0, 0
+        for i in range(first, len(angles)):
+            if n + units > len(states):
+                return i, n, iterations, False
+            angle_0, speed_0, a, position = motor[0], motor[1], accelerations[i], 0
+            mismatch = angles[i] - angle_0 - length[0] * (speed_0 + 0.5 * a * length[0])  # a kink of the speed table
+            while position < units:
+                level = counts[1]
+                own = QUARTERS ** (finest - level)
+                share = (position + own) / units
+                t = share * length[0]
+                angle, speed = angle_0 + t * (speed_0 + 0.5 * a * t) + share * mismatch, speed_0 + a * t
+                hold = _choose_hold(counts, level, n_past)
+                eta = states[n]
+                _free_step(state, growth[level], load[level], ramp[level], a, eta)
+                for s in range(1, n_past if hold > 0 else 2):
+                    _add_product(eta, weights[level, hold, s], pushes[s - 1])
+                moving[:] = 0.0
+                _add_product(moving, rate, eta)
+                for r in range(n_rows):
+                    u_p[r] = _dot(rows[r], eta)
+                for r in range(m):
+                    v_p[r] = _dot(rows[r], moving)
+                _extrapolate(past_forces, past, counts[0], length[level], guess)
+                used = iterate(
+                    table, angle, speed, u_p, v_p, g_u[level, hold], g_v[level, hold], guess, row_values[n], v, log[n],
+                    tolerance, NEAR, ROUGH if level < finest else np.inf, quality,
+                )  # fmt: skip
+                if level < finest and (used < 0 or _kink(last_log, log[n])):
+                    counts[1] += 1
+                    continue
+                if used < 0:
+                    return i, n, iterations, True
+                iterations += used
+                parametric_work(table, motor[0], angle, last_rows, row_values[n], last_log, log[n])
+                for r in range(m):
+                    forces[n, r] = guess[r]
+                clock[n, 0], clock[n, 1], clock[n, 2], clock[n, 3] = length[level], angle, speed, a
+                _remember(constants, memory, hold, level, eta, guess, row_values[n], log[n], holds[n])
+                motor[0], motor[1] = angle, speed
+                position += own
+                n += 1
+                if level > 0 and position % (QUARTERS * own) == 0 and quality[0] < SMOOTH:
+                    counts[1] -= 1
+            whole[i] = n - 1
+        return len(angles), n, iterations, False
+
+    return advance
+
+
+advance_modes = _compiled(source_digest(__file__))
