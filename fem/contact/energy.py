@@ -107,8 +107,12 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
 
     Raises
     ------
-    RungError : the fit of the body gives no positive compliance
+    RungError : a gear with a web, or the fit of the body gives no positive compliance
     """
+    if gear.rim_thickness is not None:
+        raise RungError(
+            f"rung energy, gear z={gear.teeth}: the fitted body is a solid disc; use rung 'plane' for a web"
+        )
     half = half_tooth_profile(gear, _POINTS, _POINTS, 1)
     width, height = half.points[: half.tip_index + 1].T
     angle = np.arctan2(width, height)
