@@ -12,7 +12,7 @@ import numpy as np
 from mbd.bearings import BEARING_AXES, BearingSpec
 from mbd.checks import MachineError
 from mbd.layout import Layout
-from mbd.load import Rope
+from mbd.load import Rope, RopePendulum
 from mbd.machine import Machine
 
 DIRECTIONS = ("x", "y", "z")
@@ -48,7 +48,7 @@ def mesh_channels(mesh: str) -> tuple[str, str, str, str]:
     return f"{mesh}:delta", f"{mesh}:psi", f"{mesh}:drive_force", f"{mesh}:coast_force"
 
 
-ROPE_FORCE = "rope:force"  # N, all falls together
+ROPE_FORCE = "rope:force"  # N, all falls together; of a swinging container its vertical part
 CONTAINER = ("container:lift", "container:acceleration")  # m from the start, m/s2
 
 
@@ -60,7 +60,11 @@ def channel_names(machine: Machine, sensors: tuple[str, ...] = ()) -> tuple[str,
     names += [n for m in machine.meshes for n in mesh_channels(m.name)]
     names += [bearing_force(b.name, a) for b in machine.bearings for a in DIRECTIONS]
     names += [ROPE_FORCE, *CONTAINER] if isinstance(machine.load, Rope) else []
+    names += [*SWAY] if isinstance(machine.load, RopePendulum) else []
     return tuple(names)
+
+
+SWAY = ("container:sway_x", "container:sway_y")  # m
 
 
 @dataclass(eq=False)
@@ -89,7 +93,11 @@ class ChannelRows:
 
 
 def channel_rows(
-    names: tuple[str, ...], lay: Layout, rows: np.ndarray, reference: dict[str, tuple[float, float]]
+    names: tuple[str, ...],
+    lay: Layout,
+    rows: np.ndarray,
+    row_names: tuple[str, ...],
+    reference: dict[str, tuple[float, float]],
 ) -> ChannelRows:
     """Readings of ``names``; ``rows`` are the force rows of the system, ``reference`` (k0, c0) by element name.
 
@@ -98,7 +106,7 @@ def channel_rows(
     MachineError : an unknown channel, with the known ones
     """
     readings = []
-    offered = _offered(lay, rows, reference)
+    offered = _offered(lay, rows, row_names, reference)
     for name in names:
         thing, _, quantity = name.partition(":")
         if name in offered:
@@ -128,14 +136,16 @@ def _stack(rows: list, length: int) -> np.ndarray:
     return np.array([np.broadcast_to(row, length) for row in rows]).reshape(len(rows), length)
 
 
-def _offered(lay: Layout, rows: np.ndarray, reference: dict[str, tuple[float, float]]) -> dict[str, Reading]:
+def _offered(
+    lay: Layout, rows: np.ndarray, row_names: tuple[str, ...], reference: dict[str, tuple[float, float]]
+) -> dict[str, Reading]:
     machine, ratios = lay.machine, lay.machine.ratios()
     offered: dict[str, Reading] = {}
     for c in machine.couplings:
         angle, speed, torque = motor_channels(c.name)
         row = lay.angle_row(c.shaft, c.y)
-        offered[angle] = Reading("rad", rigid=(1.0, 0.0, 0.0))
-        offered[speed] = Reading("rad/s", rigid=(0.0, 1.0, 0.0))
+        offered[angle] = Reading("rad", rigid=(ratios[c.shaft], 0.0, 0.0))
+        offered[speed] = Reading("rad/s", rigid=(0.0, ratios[c.shaft], 0.0))
         offered[torque] = Reading("N m", displacement=-c.stiffness * row, velocity=-c.damping * row)
     for s in machine.shafts:
         gears = [m.y for m in machine.meshes if s.name in (m.driving, m.driven)]
@@ -151,16 +161,19 @@ def _offered(lay: Layout, rows: np.ndarray, reference: dict[str, tuple[float, fl
         offered[coast] = _element_force(rows, 4 * i + 2, (0.0, 0.0))
     for b in machine.bearings:
         for axis in DIRECTIONS:
-            offered[bearing_force(b.name, axis)] = _bearing(lay, b, axis)
+            offered[bearing_force(b.name, axis)] = _bearing(lay, b, axis, rows, row_names)
             row = lay.axis_row(b.shaft, b.y, DIRECTIONS.index(axis))
             offered[journal_acceleration(b.name, axis)] = Reading("m/s2", acceleration=row)
     if isinstance(machine.load, Rope):
-        first, drums = 4 * len(machine.meshes), len(machine.load.drums)
+        stretched = [r for r, name in enumerate(row_names) if name.startswith("rope:") and name.endswith(":stretch")]
         rise = float(lay.rolling()[-1])
         lift = np.eye(lay.size)[-1]
-        offered[ROPE_FORCE] = _rope(rows, first, drums, reference["rope"])
+        offered[ROPE_FORCE] = _rope(rows, stretched, reference["rope"])
         offered[CONTAINER[0]] = Reading("m", displacement=lift, rigid=(rise, 0.0, 0.0))
         offered[CONTAINER[1]] = Reading("m/s2", acceleration=lift, rigid=(0.0, 0.0, rise))
+    if isinstance(machine.load, RopePendulum):
+        for k, name in enumerate(SWAY):
+            offered[name] = Reading("m", displacement=np.eye(lay.size)[k - 3])
     return offered
 
 
@@ -171,22 +184,24 @@ def _element_force(rows: np.ndarray, r: int, reference: tuple[float, float]) -> 
     )
 
 
-def _rope(rows: np.ndarray, first: int, drums: int, reference: tuple[float, float]) -> Reading:
-    stretch = rows[first : first + drums].sum(axis=0)
+def _rope(rows: np.ndarray, stretched: list[int], reference: tuple[float, float]) -> Reading:
+    stretch = rows[stretched].sum(axis=0)
     share = np.zeros(len(rows))
-    share[first : first + drums] = -1.0
+    share[stretched] = -1.0
     return Reading("N", displacement=reference[0] * stretch, velocity=reference[1] * stretch, forces=share)
 
 
-def _bearing(lay: Layout, bearing: BearingSpec, axis: str) -> Reading:
-    stiffness = bearing.stiffness[BEARING_AXES.index(f"u{axis}")]
-    row = np.zeros(lay.size)
-    if stiffness:
-        row = bearing_row(lay, bearing, f"u{axis}")
-    return Reading("N", displacement=stiffness * row, velocity=bearing.damping_time * stiffness * row)
+def _bearing(lay: Layout, bearing: BearingSpec, axis: str, rows: np.ndarray, row_names: tuple[str, ...]) -> Reading:
+    if bearing.model == "hertz":
+        r, k = row_names.index(f"{bearing.name}:u{axis}"), bearing.stiffness[BEARING_AXES.index(f"u{axis}")]
+        return _element_force(rows, r, (k, bearing.damping_time * k))
+    at = BEARING_AXES.index(f"u{axis}")
+    motion = np.array([bearing_row(lay, bearing, a) for a in BEARING_AXES])
+    stiffness, damping = bearing.stiffness_matrix[at], bearing.damping_matrix[at]
+    return Reading("N", displacement=stiffness @ motion, velocity=damping @ motion)
 
 
 def bearing_row(lay: Layout, bearing: BearingSpec, axis: str) -> np.ndarray:
-    """Displacement of the shaft relative to the casing in a bearing, axis ux uy uz rx rz."""
+    """Displacement of the shaft relative to the support in a bearing, axis ux uy uz rx rz."""
     shaft = lay.axis_row(bearing.shaft, bearing.y, ("ux", "uy", "uz", "rx", "ry", "rz").index(axis))
-    return shaft - lay.casing_row(f"{bearing.name}:{axis}")
+    return shaft if bearing.support == "ground" else shaft - lay.casing_row(f"{bearing.name}:{axis}")

@@ -50,6 +50,11 @@ class SpeedProfile:
                 "Spread a jump over at least one sample."
             )
 
+    @property
+    def highest(self) -> float:
+        """Largest |speed|, rad/s."""
+        return float(abs(self.speeds).max())
+
     def speed(self, time: np.ndarray) -> np.ndarray:
         """phi_m' at ``time``, rad/s."""
         return np.interp(time, self.times, self.speeds)

@@ -34,10 +34,10 @@ class ElementWork:
         """Add the instants of a block; the three before it are kept."""
         known = len(self._log)
         if known == 0:
-            self._first = block.log[0, :, _ENERGY].copy()
-        log, rows = np.concatenate([self._log, block.log]), np.vstack([self._rows, block.rows])
+            self._first = block.log[0, : len(self._first), _ENERGY].copy()
+        log, rows = np.concatenate([self._log, block.log[:, : len(self._first)]]), np.vstack([self._rows, block.rows])
         lengths = np.concatenate([self._lengths, block.clock[:, LENGTH]])
-        even = ((lengths[1:-2] == lengths[2:-1]) & (lengths[2:-1] == lengths[3:]))[:, None] / 12
+        even = even_steps(lengths)
         loaded = log[max(known - 1, 0) :, :, _FORCE] > 0.0
         self._lost += (loaded[:-1] & ~loaded[1:]).sum(axis=0)
         self._touched += (~loaded[:-1] & loaded[1:]).sum(axis=0)
@@ -49,7 +49,7 @@ class ElementWork:
         tilt = np.zeros_like(along)
         tilt[:, :n] = rows[:, 1 : 2 * n : 2]
         for values, sums in ((total, self._received), (total - force, self._loss)):
-            sums += _work(values, along, known, even) + _work(values * arm, tilt, known, even)
+            sums += path_work(values, along, known, even) + path_work(values * arm, tilt, known, even)
         parametric = log[known:, :, _PARAMETRIC]
         self._parametric += parametric.sum(axis=0)
         self._parametric += _push_work(log[:, :, _PUSH], along, even) + _push_work(log[:, :, _TURN], tilt, even)
@@ -60,7 +60,7 @@ class ElementWork:
         """Stored, dissipated, received, parametric, residual, scale of every mesh and of the rope, J."""
         names = [(mesh.name, slice(2 * i, 2 * i + 2)) for i, mesh in enumerate(self._system.machine.meshes)]
         n = len(self._system.table.tau)
-        if len(self._loss) > n:
+        if len(self._loss) > n:  # vertical ropes
             names.append(("rope", slice(n, len(self._loss))))
         rows = {}
         for name, at in names:
@@ -85,9 +85,14 @@ class ElementWork:
         return result
 
 
-def _work(force: np.ndarray, motion: np.ndarray, known: int, even: np.ndarray) -> np.ndarray:
+def even_steps(lengths: np.ndarray) -> np.ndarray:
+    """1/12 (step, 1) for every step with two neighbours of its length, else 0, from the lengths of the steps (s)."""
+    return ((lengths[1:-2] == lengths[2:-1]) & (lengths[2:-1] == lengths[3:]))[:, None] / 12
+
+
+def path_work(force: np.ndarray, motion: np.ndarray, known: int, even: np.ndarray) -> np.ndarray:
     """Integral of force d(motion) after the first ``known`` instants; its cubic part lags by one step and is taken
-    where ``even`` (step, 1) is not 0: its neighbours are as long."""
+    with the factor ``even``, see `even_steps`."""
     new = slice(max(known - 1, 0), None)
     total = (0.5 * (force[new][1:] + force[new][:-1]) * np.diff(motion[new], axis=0)).sum(axis=0)
     slope = [x[2:-1] - x[1:-2] for x in (force, motion)]

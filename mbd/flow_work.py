@@ -44,7 +44,9 @@ class FlowWork:
         for length in np.unique(lengths):
             some = lengths == length
             whole = bool(some.all())
-            pieces = self._pieces(block.holds, block.clock) if whole else self._pieces(block.holds[some], block.clock[some])
+            pieces = (
+                self._pieces(block.holds, block.clock) if whole else self._pieces(block.holds[some], block.clock[some])
+            )
             self._add(float(length), pieces, block.starts if whole else block.starts[some])
 
     def _pieces(self, holds: np.ndarray, clock: np.ndarray) -> np.ndarray:

@@ -30,7 +30,8 @@ from numba import njit
 from fem.contact.evaluate import evaluate, law_tables
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import least_clearance
-from mbd.load import Rope
+from mbd.elements import Extra, extra_forces, extra_work
+from mbd.load import vertical_rope
 from mbd.machine import Machine
 
 LOG_COLUMNS = (
@@ -62,9 +63,28 @@ class ForceTable(NamedTuple):
     rope_travel: np.ndarray  # (rope,) shortening per motor angle, 0 if the stiffness is kept
     rope_loss: np.ndarray  # (rope,) 2 zeta sqrt(mass per rope)
     scale: np.ndarray  # (row,) force or moment that counts as 1 for convergence
+    extra: Extra  # further elements, see `mbd.elements`
 
 
-def force_table(machine: Machine, loads: dict[str, float], stiffness: dict[str, tuple[float, float]]) -> ForceTable:
+def element_count(table: ForceTable) -> int:
+    """Rows of the log: flanks, ropes, further elements."""
+    return len(table.tau) + len(table.rope_ea) + len(table.extra.kind)
+
+
+def reference_stiffness(table: ForceTable) -> np.ndarray:
+    """k0 (row,) of every force row."""
+    return np.concatenate([table.stiffness.ravel(), table.rope_stiffness, table.extra.stiffness])
+
+
+def reference_damping(table: ForceTable) -> np.ndarray:
+    """c0 (row,) of every force row."""
+    flanks = table.tau[:, None] * table.stiffness * [1.0, 0.0]
+    return np.concatenate([flanks.ravel(), table.rope_damping, table.extra.damping])
+
+
+def force_table(
+    machine: Machine, loads: dict[str, float], stiffness: dict[str, tuple[float, float]], extra: Extra
+) -> ForceTable:
     """Constants from the machine, the nominal mesh forces (N) and reference stiffnesses (N/m, N m/rad) by mesh name."""
     ratios = machine.ratios()
     laws, clearances, scale, floor = [], [], [], []
@@ -85,7 +105,7 @@ def force_table(machine: Machine, loads: dict[str, float], stiffness: dict[str, 
         stiff[2 * i] = stiffness[mesh.name]
     ropes = _rope_constants(machine, ratios)
     load = machine.load
-    if isinstance(load, Rope):
+    if vertical_rope(load):
         scale += [max(load.container_mass * machine.gravity, 1.0) / len(load.drums)] * len(load.drums)
     return ForceTable(
         laws=tuple(laws),
@@ -100,7 +120,8 @@ def force_table(machine: Machine, loads: dict[str, float], stiffness: dict[str, 
         cycle_rate=np.array([m.cycles_per_radian for m in machine.meshes]),
         cycle_start=np.array([m.cycle_at_start for m in machine.meshes]),
         ratio=np.array([ratios[m.driving] for m in machine.meshes]),
-        scale=np.array(scale),
+        scale=np.concatenate([scale, extra.scale]),
+        extra=extra,
         **ropes,
     )
 
@@ -133,7 +154,7 @@ def _empty_law() -> MeshLaw:
 
 def _rope_constants(machine: Machine, ratios: dict[str, float]) -> dict[str, np.ndarray]:
     load = machine.load
-    if not isinstance(load, Rope):
+    if not vertical_rope(load):
         names = ("stiffness", "damping", "ea", "length", "travel", "loss")
         return {f"rope_{name}": np.zeros(0) for name in names}
     n = len(load.drums)
@@ -179,7 +200,7 @@ def row_forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log):
     """
     n_flank = len(table.tau)
     n_rope = len(table.rope_ea)
-    n_force = 2 * n_flank + n_rope
+    n_force = 2 * n_flank + n_rope + len(table.extra.pattern)
     for k in range(n_flank):
         a = 2 * k
         f, m, energy, f_d, f_p, m_p, _ = flank(table, k, angle, u[n_force + k // 2], u[a], u[a + 1])
@@ -229,11 +250,15 @@ def row_forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log):
         force[r] = table.rope_stiffness[j] * u[r] + table.rope_damping[j] * v[r] - total
         k = n_flank + j
         log[k, 0], log[k, 1], log[k, 2], log[k, 3] = elastic, 0.0, 0.5 * elastic * max(u[r], 0.0), total
+    if len(table.extra.kind):
+        extra_forces(
+            table.extra, angle, speed, u, v, 2 * n_flank + n_rope, force, slope_u, slope_v, log, n_flank + n_rope
+        )
 
 
 @njit(nogil=True, error_model="numpy")
 def follow_tangent(table, angle, before, u, v, force, log):
-    """Move the log from the rows ``before`` at which it was evaluated to u, v nearby, where ``force`` is the solution."""
+    """Move the log from the rows ``before`` where it was evaluated to u, v nearby, where ``force`` is the solution."""
     n_flank = len(table.tau)
     for k in range(n_flank):
         if log[k, 0] > 0.0:
@@ -259,7 +284,7 @@ def parametric_work(table, before, after, u_before, u_after, log_before, log_aft
     """Fill the last three log columns of the step from motor angle ``before`` to ``after`` (rad)."""
     n_flank = len(table.tau)
     n_rope = len(table.rope_ea)
-    n_force = 2 * n_flank + n_rope
+    n_force = 2 * n_flank + n_rope + len(table.extra.pattern)
     for k in range(n_flank):
         a, c = 2 * k, n_force + k // 2
         log_after[k, 7], log_after[k, 8], log_after[k, 9] = 0.0, 0.0, 0.0
@@ -276,6 +301,7 @@ def parametric_work(table, before, after, u_before, u_after, log_before, log_aft
         r = 2 * n_flank + j
         change = rope_stiffness(table, j, after) - rope_stiffness(table, j, before)
         log_after[n_flank + j, 7] = 0.25 * change * (max(u_before[r], 0.0) ** 2 + max(u_after[r], 0.0) ** 2)
+    extra_work(table.extra, before, after, log_before, log_after, n_flank + n_rope)
 
 
 @njit(nogil=True, error_model="numpy")
@@ -312,3 +338,15 @@ def solve_dense(matrix, right):
             right[i] -= matrix[i, j] * right[j]
         right[i] /= matrix[i, i]
     return True
+
+
+def slope_matrix(slope: np.ndarray, table: ForceTable) -> np.ndarray:
+    """Matrix (m, m) of the slopes (m, WIDTH) with respect to the rows that each row's force depends on."""
+    matrix = np.zeros((len(slope), len(slope)))
+    n_flank, first = len(table.tau), len(slope) - len(table.extra.pattern)
+    for r, values in enumerate(slope):
+        columns = partner(r, n_flank) if r < first else table.extra.pattern[r - first]
+        for column, value in zip(columns, values, strict=False):
+            if value != 0.0:
+                matrix[r, column] += value
+    return matrix

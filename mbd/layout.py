@@ -1,7 +1,7 @@
 """Coordinates of the assembled machine and the rows that read its parts.
 
-Order: shafts in machine order, then the casing, then the container. q is measured in the frame that rolls with the
-train: rotation of a node = s ratio phi_m + its coordinate.
+Order: shafts in machine order, then the casing, then the container (its sway, then its lift). q is measured in the
+frame that rolls with the train: rotation of a node = s ratio phi_m + its coordinate.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.casing.body import ReducedBody
 from mbd.checks import MachineError
-from mbd.load import Rope
+from mbd.load import Rope, RopePendulum, pull_axis
 from mbd.machine import Machine
 from mbd.shafts import node_at, shaft_basis, shaft_nodes
 
@@ -68,6 +68,16 @@ class Layout:
                 ) from None
         return row
 
+    def stretch_row(self, y: float) -> np.ndarray:
+        """Row of the stretch of the ropes of the drum at ``y``."""
+        load = self.machine.load
+        if not isinstance(load, Rope):
+            raise MachineError("stretch row: the load has no rope.")
+        row = load.travel_per_radian * self.angle_row(load.shaft, y)
+        row -= self.node_row(load.shaft, y, np.array([*pull_axis(load.direction), 0.0, 0.0, 0.0])) / load.reeving
+        row[-1] -= 1.0
+        return row
+
     def rolling(self) -> np.ndarray:
         """R (coordinate,): motion of all coordinates per motor angle with every mesh rolling rigidly."""
         pattern = np.zeros(self.size)
@@ -98,6 +108,8 @@ def layout(machine: Machine, casing: ReducedBody) -> Layout:
         names += labels
     spans["casing"] = slice(len(names), len(names) + len(casing.coordinate_names))
     names += [f"casing:{label}" for label in casing.coordinate_names]
+    if isinstance(machine.load, RopePendulum):
+        names += ["container:sway_x", "container:sway_y"]
     if isinstance(machine.load, Rope):
         names.append("container:lift")
     _check_bearing_places(machine, casing)
@@ -108,7 +120,7 @@ def _check_bearing_places(machine: Machine, casing: ReducedBody) -> None:
     if not len(casing.coordinate_names):
         return
     for bearing in machine.bearings:
-        if bearing.name not in casing.point_names:
+        if bearing.support == "ground" or bearing.name not in casing.point_names:
             continue  # casing_row names what is missing
         shaft = machine.shaft(bearing.shaft)
         point = casing.point_positions[casing.point_names.index(bearing.name)]

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbd.flow_work import FlowWork
+from mbd.forces import reference_damping, reference_stiffness
 from mbd.integrators.base import LENGTH, SPEED, Block, Integrator
 from mbd.sampled_work import SampledWork
 from mbd.system import Part, System
@@ -96,9 +97,8 @@ class LinearWork:
 def _ports(system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows, stiffness and damping of all ports: meshes and ropes (their linear reference), then the massless parts."""
     table, massless = system.table, [part for part in system.parts if not part.mass.any()]
-    damping = table.tau[:, None] * table.stiffness * [1.0, 0.0]
     return (
         np.vstack([system.rows, *(part.rows for part in massless)]),
-        np.concatenate([table.stiffness.ravel(), table.rope_stiffness, *(part.row_stiffness for part in massless)]),
-        np.concatenate([damping.ravel(), table.rope_damping, *(part.row_damping for part in massless)]),
+        np.concatenate([reference_stiffness(table), *(part.row_stiffness for part in massless)]),
+        np.concatenate([reference_damping(table), *(part.row_damping for part in massless)]),
     )

@@ -6,7 +6,9 @@ With the slopes S_u = d lambda/du, S_v = d lambda/du' of the residual forces on 
 
 the tangent stiffness of every flank at its force, the ropes at their length, damping as in the time step. Bearings,
 shafts, couplings and casing are linear already. Eigenvalues lambda come in the modal basis of the system, which the
-time step uses as well. The speed does not enter: gyroscopic moments are left out of the machine.
+time step uses as well. At a motor speed the state is the rest in the rolling frame at mesh cycle, cage angle and rope
+length of t = 0: C_t then holds the gyroscopic moments Omega G (all of them, where the time step keeps the strongest
+planes) and K_t the friction that follows the tooth forces, which is not symmetric.
 
 The vibration also turns the gears and so shifts the mesh cycle, which changes F at frozen delta. The time step has this
 without its counterpart, a torque dU/dc, so that K_t would be asymmetric. It is left out: in the scene `minimal` and the
@@ -26,7 +28,8 @@ from scipy import linalg
 
 from fem.records import Record, array, integer, names
 from mbd.checks import MachineError, finite, positive
-from mbd.forces import LOG_COLUMNS, partner, row_forces
+from mbd.elements import GYROSCOPIC, WIDTH
+from mbd.forces import LOG_COLUMNS, element_count, reference_stiffness, row_forces, slope_matrix
 from mbd.load import Rope
 from mbd.machine import Machine
 from mbd.reduction import SMALLEST_FREQUENCY
@@ -63,7 +66,7 @@ class LinearModes(Record):
     damping_ratios: np.ndarray = array("mode", units="1")  # -Re lambda/|lambda|
     dominant: tuple[str, ...] = names("mode")  # in plain words, e.g. "mesh 1", "rope bounce"
     part_names: tuple[str, ...] = names("part")
-    part_kinds: tuple[str, ...] = names("part")  # "shaft" | "bearing" | "mesh" | "casing" | "rope" | "drive"
+    part_kinds: tuple[str, ...] = names("part")  # "shaft" | "bearing" | "coupling" | "mesh" | "casing" | ...
     strain_shares: np.ndarray = array("mode", "part", units="1")
     kinetic_shares: np.ndarray = array("mode", "part", units="1")
     channel_names: tuple[str, ...] = names("channel")
@@ -121,11 +124,11 @@ def tangent(system: System, state: State) -> Tangent:
     """
     table, m = system.table, len(system.rows)
     n_flank = len(table.tau)
-    log = np.zeros((n_flank + len(table.rope_ea), len(LOG_COLUMNS)))
+    log = np.zeros((element_count(table), len(LOG_COLUMNS)))
     u, force = system.all_rows @ state.displacement, np.zeros(m)
-    slope_u, slope_v = np.zeros((m, 2)), np.zeros((m, 2))
+    slope_u, slope_v = np.zeros((m, WIDTH)), np.zeros((m, WIDTH))
     held = np.full(n_flank, -1.0)
-    row_forces(table, state.motor_angle, 0.0, u, np.zeros(m), held, force, slope_u, slope_v, log)
+    row_forces(table, state.motor_angle, state.motor_speed, u, np.zeros(m), held, force, slope_u, slope_v, log)
     forces = log[: n_flank // 2 * 2, 0].reshape(-1, 2)
     for i, mesh in enumerate(system.machine.meshes):
         if forces[i].max() <= LEAST_LOAD * table.scale[4 * i]:
@@ -133,12 +136,14 @@ def tangent(system: System, state: State) -> Tangent:
                 f"mesh {mesh.name}: carries no force at the equilibrium; a flank that just touches has no tangent "
                 "stiffness. Give the machine a load."
             )
-    by_u, by_v = _square(slope_u, n_flank), _square(slope_v, n_flank)
-    reference = np.concatenate([table.stiffness.ravel(), table.rope_stiffness])
+    by_u, by_v = slope_matrix(slope_u, table), slope_matrix(slope_v, table)
+    damping = system.damping - system.rows.T @ _without_planes(system, by_v) @ system.rows
+    if system.machine.gyroscopic:
+        damping = damping + state.motor_speed * system.gyroscopic
     return Tangent(
         stiffness=system.stiffness - system.rows.T @ by_u @ system.rows,
-        damping=system.damping - system.rows.T @ by_v @ system.rows,
-        row_stiffness=np.diag(reference) - by_u,
+        damping=damping,
+        row_stiffness=np.diag(reference_stiffness(table)) - by_u,
         force_slope=by_u,
         force_slope_rate=by_v,
         mesh_forces=forces[:, 0] - forces[:, 1],
@@ -146,18 +151,21 @@ def tangent(system: System, state: State) -> Tangent:
     )
 
 
-def _square(slope: np.ndarray, n_flank: int) -> np.ndarray:
-    """Matrix (m, m) of the slopes (m, 2) with respect to the two rows of each row's element."""
-    matrix = np.zeros((len(slope), len(slope)))
-    for r, (one, other) in enumerate(slope):
-        first, second = partner(r, n_flank)
-        matrix[r, first] += one
-        matrix[r, second] += other  # 0 where the element has one row
-    return matrix
+def _without_planes(system: System, slope: np.ndarray) -> np.ndarray:
+    """The slopes (m, m) without those of the gyroscopic planes."""
+    result, extra = slope.copy(), system.table.extra
+    first = len(slope) - len(extra.pattern)
+    for kind, at in zip(extra.kind, extra.at, strict=True):
+        if kind == GYROSCOPIC:
+            result[first + at : first + at + 2] = 0.0
+    return result
 
 
-def linear_modes(system: System, state: State | None = None, up_to: float = DEFAULT_UP_TO) -> LinearModes:
-    """Modes of small motion about ``state`` (the loaded equilibrium if None) up to a frequency (Hz).
+def linear_modes(
+    system: System, state: State | None = None, up_to: float = DEFAULT_UP_TO, speed: float = 0.0
+) -> LinearModes:
+    """Modes of small motion about ``state`` (if None the loaded equilibrium at the motor ``speed``, rad/s) up to a
+    frequency (Hz).
 
     Keep ``up_to`` well below the band the system was assembled for.
 
@@ -167,7 +175,7 @@ def linear_modes(system: System, state: State | None = None, up_to: float = DEFA
     MachineError : ``up_to`` is not positive, a mesh carries no force, or nothing holds some motion
     """
     positive("up_to (Hz)", up_to)
-    state = equilibrium(system) if state is None else state
+    state = equilibrium(system, speed) if state is None else state
     small = tangent(system, state)
     values, shapes, overdamped = _eigen(system, small)
     keep = abs(values) <= 2 * np.pi * up_to
@@ -198,10 +206,12 @@ def linear_modes(system: System, state: State | None = None, up_to: float = DEFA
 def _eigen(system: System, small: Tangent) -> tuple[np.ndarray, np.ndarray, int]:
     """lambda (mode,) with Im > 0 by rising |lambda|, shapes (coordinate, mode), number of overdamped motions.
 
-    In the undamped tangent modes the state (omega p, p') has the matrix [[0, omega], [-omega, -C]].
+    In the undamped tangent modes the state (omega p, p') has the matrix [[0, omega], [-omega - N/omega, -C]], N the
+    part of the stiffness that is not symmetric.
     """
     reduced = system.basis.T @ small.stiffness @ system.basis
-    squares, turn = linalg.eigh(0.5 * (reduced + reduced.T))
+    even = 0.5 * (reduced + reduced.T)
+    squares, turn = linalg.eigh(even)
     if squares[0] < (2 * np.pi * SMALLEST_FREQUENCY) ** 2:
         names_, shape = system.layout.names, system.basis @ turn[:, 0]
         worst = names_[int(np.argmax(abs(shape) * np.sqrt(np.diag(system.mass))))]
@@ -212,7 +222,8 @@ def _eigen(system: System, small: Tangent) -> tuple[np.ndarray, np.ndarray, int]
     omega, modes = np.sqrt(squares), system.basis @ turn
     n = len(omega)
     damping = modes.T @ small.damping @ modes
-    values, vectors = linalg.eig(np.block([[np.zeros((n, n)), np.diag(omega)], [-np.diag(omega), -damping]]))
+    follower = turn.T @ (reduced - even) @ turn / omega
+    values, vectors = linalg.eig(np.block([[np.zeros((n, n)), np.diag(omega)], [-np.diag(omega) - follower, -damping]]))
     keep = np.flatnonzero(values.imag > 0.0)
     keep = keep[np.argsort(abs(values[keep]))]
     amplitudes = vectors[:n, keep] / omega[:, None]
@@ -237,9 +248,14 @@ def _energies(
         name, kind = (ROPE, ROPE) if part.kind == "load" else (part.name, part.kind)
         add(name, kind, _form(part.stiffness, shapes[part.index]), _form(part.mass, shapes[part.index]))
     owners = [name.partition(":")[0] for name in system.row_names]
+    springs = dict.fromkeys((mesh.name for mesh in system.machine.meshes), "mesh")
+    springs |= {bearing.name: "bearing" for bearing in system.machine.bearings if bearing.model == "hertz"}
+    springs |= {ROPE: ROPE, "ground": "ground"}
     for name in dict.fromkeys(owners):
+        if name not in springs:
+            continue  # losses, brake, gyroscopic planes store nothing
         at = np.array([owner == name for owner in owners])
-        add(name, "mesh", _form(small.row_stiffness[np.ix_(at, at)], system.rows[at] @ shapes), 0.0)
+        add(name, springs[name], _form(small.row_stiffness[np.ix_(at, at)], system.rows[at] @ shapes), 0.0)
     return kinds, np.array(list(strain.values())), np.array(list(kinetic.values()))
 
 
@@ -288,5 +304,5 @@ def _dominant(machine: Machine, kinds: dict[str, str], strain: np.ndarray, kinet
     return tuple(found)
 
 
-_WORDS = {"casing": "casing", "drive": "motor coupling"}
-_PLURAL = {"shaft": "shafts", "bearing": "bearings", "mesh": "meshes"}
+_WORDS = {"casing": "casing", "drive": "motor coupling", "ground": "ground"}
+_PLURAL = {"coupling": "couplings", "shaft": "shafts", "bearing": "bearings", "mesh": "meshes"}

@@ -1,20 +1,25 @@
 """Machine: what there is, in SI, before any matrix is formed.
 
-Shafts lie along y; the shaft that carries the couplings is the input. The lifting angle of every shaft is positive
-and follows from the motor angle by the ratios of the meshes: the rolling pattern of the train.
+Shafts lie along y; the shaft of the first motor is the input. The lifting angle of every shaft is positive and follows
+from the motor angle by the ratios of meshes and shaft couplings: the rolling pattern of the train. Motors on further
+shafts turn at the ratio of their shaft.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+
+import numpy as np
 
 from mbd.bearings import BearingSpec
 from mbd.checks import MachineError, finite, known, unique
+from mbd.couplings import ShaftCoupling, check_coaxial
 from mbd.drive import CouplingSpec, SpeedProfile
 from mbd.gear_mesh import MeshSpec, mesh_rows
-from mbd.load import Load
+from mbd.load import Load, Rope
+from mbd.losses import Brake, Losses, NoLosses
 from mbd.shafts import ShaftSpec
+from mbd.train import Link, shaft_ratios
 
 STANDARD_GRAVITY = 9.80665
 
@@ -24,7 +29,7 @@ class Machine:
     """Shafts in bearings, coupled by meshes, driven by motors, loaded at the drums.
 
     ``gravity`` (m/s2, along -z) acts on shafts, disks and container; the casing's own weight only shifts its rest
-    position and is left out. ``losses`` has the one rung "none".
+    position and is left out. ``gyroscopic`` adds the gyroscopic moments of shafts and disks.
     """
 
     shafts: tuple[ShaftSpec, ...]
@@ -33,26 +38,35 @@ class Machine:
     couplings: tuple[CouplingSpec, ...]
     profile: SpeedProfile
     load: Load
+    shaft_couplings: tuple[ShaftCoupling, ...] = ()
     gravity: float = STANDARD_GRAVITY
-    losses: Literal["none"] = "none"
+    losses: Losses = NoLosses()
+    brake: Brake | None = None
+    gyroscopic: bool = False
 
     def __post_init__(self) -> None:
         shafts = [s.name for s in self.shafts]
         unique("shafts", shafts)
         unique("bearings", [b.name for b in self.bearings])
         unique("meshes", [m.name for m in self.meshes])
-        unique("couplings", [c.name for c in self.couplings])
+        unique("couplings", [c.name for c in self.couplings] + [j.name for j in self.shaft_couplings])
         finite("gravity", self.gravity)
         if not self.couplings:
             raise MachineError("machine: no motor coupling; at least one must hold the input shaft.")
-        if self.losses != "none":
-            raise MachineError(f"losses: {self.losses!r} is unknown; known: none.")
         for bearing in self.bearings:
             known(f"bearing {bearing.name} shaft", bearing.shaft, shafts)
             self.shaft(bearing.shaft).check_station(f"bearing {bearing.name}", bearing.y)
         for coupling in self.couplings:
             known(f"coupling {coupling.name} shaft", coupling.shaft, shafts)
             self.shaft(coupling.shaft).check_station(f"coupling {coupling.name}", coupling.y)
+        for joint in self.shaft_couplings:
+            for name, y in zip(joint.shafts, joint.y, strict=True):
+                known(f"coupling {joint.name} shaft", name, shafts)
+                self.shaft(name).check_station(f"coupling {joint.name}", y)
+            check_coaxial(joint, *(self.shaft(name) for name in joint.shafts))
+        if self.brake is not None:
+            known("brake shaft", self.brake.shaft, shafts)
+            self.shaft(self.brake.shaft).check_station("brake", self.brake.y)
         known("load shaft", self.load.shaft, shafts)
         for y in self.load.drums:
             self.shaft(self.load.shaft).check_station("drum", y)
@@ -67,11 +81,17 @@ class Machine:
         """The shaft called ``name``."""
         return next(s for s in self.shafts if s.name == name)
 
+    def mesh(self, name: str) -> MeshSpec:
+        """The mesh called ``name``."""
+        return next(m for m in self.meshes if m.name == name)
+
     def stations(self, name: str) -> tuple[float, ...]:
         """Positions y on the shaft ``name`` that need a node: bearings, meshes, couplings, drums."""
         result = [b.y for b in self.bearings if b.shaft == name]
         result += [m.y for m in self.meshes if name in (m.driving, m.driven)]
         result += [c.y for c in self.couplings if c.shaft == name]
+        result += [y for j in self.shaft_couplings for shaft, y in zip(j.shafts, j.y, strict=True) if shaft == name]
+        result += [self.brake.y] if self.brake is not None and self.brake.shaft == name else []
         result += list(self.load.drums) if self.load.shaft == name else []
         return tuple(result)
 
@@ -80,25 +100,23 @@ class Machine:
 
         Raises
         ------
-        MachineError : couplings on several shafts, a shaft that no motor turns, or a closed loop of meshes
+        MachineError : a shaft that no motor turns, or a closed loop whose ratios do not agree
         """
-        driven_by_motor = {c.shaft for c in self.couplings}
-        if len(driven_by_motor) > 1:
+        links = [Link(f"mesh {m.name}", m.driving, m.driven, m.ratio) for m in self.meshes]
+        links += [Link(f"coupling {j.name}", *j.shafts, 1.0) for j in self.shaft_couplings]
+        return shaft_ratios([s.name for s in self.shafts], links, self.couplings[0].shaft)
+
+    def check_rope(self, end: float) -> None:
+        """Raise MachineError if the drums would wind more rope than there is before ``end`` (s)."""
+        load = self.load
+        if not isinstance(load, Rope) or not load.follow_length:
+            return
+        corners = self.profile.times[(self.profile.times > 0.0) & (self.profile.times < end)]
+        times = np.concatenate([np.linspace(0.0, end, 1001), corners])
+        wound = load.travel_per_radian * self.ratios()[load.shaft] * self.profile.angle(times)
+        if wound.max() >= load.length:
+            when = times[wound >= load.length].min()
             raise MachineError(
-                f"couplings: motors hold several shafts ({', '.join(sorted(driven_by_motor))}); put them on one."
+                f"rope: its {load.length:.4g} m are wound up at t = {when:.4g} s (by {end:.4g} s the drums would take "
+                f"{wound.max():.4g} m). Start with a longer rope, or lift less."
             )
-        result = {self.couplings[0].shaft: 1.0}
-        waiting = list(self.meshes)
-        while waiting:
-            ready = [m for m in waiting if m.driving in result]
-            if not ready:
-                raise MachineError(f"mesh {waiting[0].name}: no motor reaches its driving shaft {waiting[0].driving}.")
-            mesh = ready[0]
-            if mesh.driven in result:
-                raise MachineError(f"mesh {mesh.name}: closes a loop at {mesh.driven}; the train must be open.")
-            result[mesh.driven] = result[mesh.driving] * mesh.ratio
-            waiting.remove(mesh)
-        idle = [s.name for s in self.shafts if s.name not in result]
-        if idle:
-            raise MachineError(f"shafts {', '.join(idle)}: no mesh or motor turns them; remove them or add a mesh.")
-        return result

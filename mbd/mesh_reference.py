@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, replace
+from typing import Any
+
 import numpy as np
 
-from fem.contact.evaluate import checked_teeth, evaluate, law_tables
+from fem.contact.evaluate import checked_teeth, evaluate, law_tables, shares
 from fem.contact.law import MeshLaw
 from mbd.checks import EquilibriumError
 from mbd.gear_mesh import MeshSpec
 from mbd.load import StaticTorque
 from mbd.machine import Machine
+from mbd.train import power_flow
 
 MIN_LINE_LOAD = 1e3  # N/m: reference stiffness is taken at this load at least
 POSITIONS = 16  # cycle positions averaged
 LARGEST_APPROACH = 1e-2  # m
+SHARE_POSITIONS = 64  # places of the sliding shares over a mesh cycle
 
 
 def approach_at(
@@ -68,22 +73,62 @@ def mean_stiffness(law: MeshLaw, force: float) -> tuple[float, float]:
 
 
 def nominal_forces(machine: Machine) -> dict[str, float]:
-    """Mesh force F = T1/r_b1 (N) by mesh name under the hanging load; 0 for a mesh outside the path of the load."""
+    """Mesh force F = T1/r_b1 (N) by mesh name under the hanging load, without losses; 0 outside the path of the load.
+
+    Side by side paths share the power as `mbd.train.power_flow` says.
+    """
     ratios, load = machine.ratios(), machine.load
+    at = {shaft.name: i for i, shaft in enumerate(machine.shafts)}
+    flows = [(at[m.driving], at[m.driven]) for m in machine.meshes]
+    flows += [(at[one], at[other]) for one, other in (j.shafts for j in machine.shaft_couplings)]
+    share = power_flow(len(at), flows, [at[c.shaft] for c in machine.couplings], at[load.shaft])
+    drawn = ratios[load.shaft] * load_torque(machine)  # power per motor speed
+    return {
+        m.name: float(drawn * part / ratios[m.driving] / m.base_radius_driving)
+        for m, part in zip(machine.meshes, share, strict=False)
+    }
+
+
+def load_torque(machine: Machine) -> float:
+    """Torque (N m, lowering positive) of the hanging load on its shaft."""
+    load = machine.load
     if isinstance(load, StaticTorque):
-        torque = load.torque * len(load.drums)
-    else:
-        torque = load.container_mass * machine.gravity * load.travel_per_radian
-    towards_motor = {m.driven: m for m in machine.meshes}
-    forces = {m.name: 0.0 for m in machine.meshes}
-    shaft = load.shaft
-    while shaft in towards_motor:
-        mesh = towards_motor[shaft]
-        shaft = mesh.driving
-        forces[mesh.name] = torque * ratios[load.shaft] / ratios[shaft] / mesh.base_radius_driving
-    return forces
+        return load.torque * len(load.drums)
+    return load.container_mass * machine.gravity * load.travel_per_radian
 
 
 def reference_load(mesh: MeshSpec, nominal: float) -> float:
     """Load (N) at which the linear reference of a mesh is taken."""
     return max(abs(nominal), MIN_LINE_LOAD * float(mesh.drive.slice_width.sum()))
+
+
+def sliding_shares(law: MeshLaw, force: float) -> np.ndarray:
+    """(2, SHARE_POSITIONS): sums of share x sign(xi) and of share x |xi| (m) over all pairs and slices, xi the distance
+    from the pitch point along the path, over one mesh cycle at ``force`` (N), without deviations or tilt.
+
+    Each slice is read for itself at the approach of the whole face, which neglects coupling along the face.
+    """
+    pinion, wheel = checked_teeth(law, None, None)
+    lone = [_one_slice(law, s) for s in range(len(law.slice_width))]
+    tables = np.zeros((2, SHARE_POSITIONS))
+    for i in range(SHARE_POSITIONS):
+        cycle = i / SHARE_POSITIONS
+        delta, total = approach_at(law, cycle, force, pinion, wheel), 0.0
+        for part, shift in zip(lone, law.cycle_shift, strict=True):
+            number, load = shares(part, cycle, delta)
+            xi = law.cycle_sign * cycle + law.cycle_offset + shift - number
+            tables[0, i] += float(load @ np.sign(xi))
+            tables[1, i] += float(load @ abs(xi)) * law.base_pitch
+            total += float(load.sum())
+        tables[:, i] /= total
+    return tables
+
+
+def _one_slice(law: MeshLaw, s: int) -> MeshLaw:
+    """The law of slice ``s`` alone."""
+    changes: dict[str, Any] = {
+        field.name: np.take(getattr(law, field.name), [s], axis=field.metadata["dims"].index("slice"))
+        for field in fields(law)
+        if "slice" in field.metadata.get("dims", ())
+    }
+    return replace(law, **changes)

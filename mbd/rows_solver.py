@@ -28,7 +28,12 @@ import numpy as np
 from numba import njit
 
 import fem.contact.evaluate
+import mbd.elements
 import mbd.forces
+import mbd.hanging
+import mbd.hertz
+import mbd.losses
+from mbd.elements import WIDTH, extra_follow
 from mbd.forces import flank, follow_tangent, parametric_work, partner, row_forces, solve_dense
 
 MAX_ITERATIONS = 60
@@ -96,7 +101,7 @@ def newton(table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tole
     m = len(force)
     n_flank = len(table.tau)
     target, step, trial = np.empty(m), np.zeros(m), np.empty(m)
-    slope_u, slope_v = np.empty((m, 2)), np.empty((m, 2))
+    slope_u, slope_v = np.zeros((m, WIDTH)), np.zeros((m, WIDTH))
     size = np.inf
     for iteration in range(MAX_ITERATIONS + 1):
         before, part = size, 1.0
@@ -119,7 +124,7 @@ def newton(table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tole
             return iteration
         for r in range(m):
             step[r] = target[r] - force[r]
-        if not newton_step(n_flank, g_u, g_v, slope_u, slope_v, step):
+        if not newton_step(n_flank, table.extra.pattern, g_u, g_v, slope_u, slope_v, step):
             return -1
         if size <= near:
             for r in range(m):
@@ -128,33 +133,45 @@ def newton(table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tole
             move_rows(u_p, g_u, force, u)
             move_rows(v_p, g_v, force, v)
             follow_tangent(table, angle, trial, u, v, force, log)
+            extra_follow(
+                table.extra, speed, u, v, m - len(table.extra.pattern), force, log, len(log) - len(table.extra.kind)
+            )
             return iteration + 1
     return -1
 
 
 @njit(nogil=True, error_model="numpy")
-def newton_step(n_flank, g_u, g_v, slope_u, slope_v, step):
-    """Solve (1 - S_u G_u - S_v G_v) step = residual in place; rows whose force does not depend on the motion stay."""
+def newton_step(n_flank, pattern, g_u, g_v, slope_u, slope_v, step):
+    """Solve (1 - S_u G_u - S_v G_v) step = residual in place; rows whose force does not depend on the motion stay.
+
+    The columns of row r's slopes are the rows of its element: two at most of flanks and ropes, ``pattern`` of others.
+    """
     m = len(step)
+    first = m - len(pattern)
     active, moves, n = np.empty(m, dtype=np.int64), np.zeros(m, dtype=np.bool_), 0
     for r in range(m):
-        if slope_u[r, 0] != 0.0 or slope_u[r, 1] != 0.0 or slope_v[r, 0] != 0.0 or slope_v[r, 1] != 0.0:
-            active[n], moves[r] = r, True
-            n += 1
-    matrix, right = np.empty((n, n)), np.empty(n)
+        for k in range(WIDTH):
+            if slope_u[r, k] != 0.0 or slope_v[r, k] != 0.0:
+                active[n], moves[r] = r, True
+                n += 1
+                break
+    matrix, right, line = np.empty((n, n)), np.empty(n), np.empty(m)
     for i in range(n):
         r = active[i]
-        a, b = partner(r, n_flank)
-        ua, ub, va, vb = slope_u[r, 0], slope_u[r, 1], slope_v[r, 0], slope_v[r, 1]
-        if a == b:
-            ub, vb = 0.0, 0.0
+        for c in range(m):
+            line[c] = 0.0
+        for k in range(WIDTH):
+            su, sv = slope_u[r, k], slope_v[r, k]
+            if su != 0.0 or sv != 0.0:
+                a = pattern[r - first, k] if r >= first else partner(r, n_flank)[k]
+                for c in range(m):
+                    line[c] += su * g_u[a, c] + sv * g_v[a, c]
         right[i] = step[r]
         for c in range(m):
             if step[c] != 0.0 and not moves[c]:
-                right[i] += (ua * g_u[a, c] + ub * g_u[b, c] + va * g_v[a, c] + vb * g_v[b, c]) * step[c]
+                right[i] += line[c] * step[c]
         for j in range(n):
-            c = active[j]
-            matrix[i, j] = -(ua * g_u[a, c] + ub * g_u[b, c] + va * g_v[a, c] + vb * g_v[b, c])
+            matrix[i, j] = -line[active[j]]
         matrix[i, i] += 1.0
     if not solve_dense(matrix, right):
         return False
@@ -167,7 +184,8 @@ def source_digest(*files: str) -> int:
     """Checksum of the sources that the compiled row solver is made of, and of ``files``."""
     total = 0
     contact = sorted(Path(str(fem.contact.evaluate.__file__)).parent.glob("*.py"))
-    for name in (*contact, mbd.forces.__file__, __file__, *files):
+    own = (mbd.forces, mbd.elements, mbd.hertz, mbd.losses, mbd.hanging)
+    for name in (*contact, *(module.__file__ for module in own), __file__, *files):
         total = zlib.crc32(Path(str(name)).read_bytes(), total)
     return total
 

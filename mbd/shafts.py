@@ -2,8 +2,8 @@
 
 A node has six displacements (ux, uy, uz, rx, ry, rz) in global axes. An element of length L carries axial and
 torsional stiffness EA/L, GJ/L and, in the two planes (uz, rx) and (ux, -rz), the shear-flexible beam with
-interdependent shape functions (exact for end loads), consistent mass and rotary inertia. Gyroscopic moments are left
-out: at motor speed they are below 1 % of the bending moments of gears on shafts this stiff.
+interdependent shape functions (exact for end loads), consistent mass and rotary inertia. Gyroscopic moments are in
+`mbd.gyroscopic`.
 
 `torsion` keeps the twist of the same elements but moves otherwise as a rigid body (five displacements per shaft), so
 that bearings, casing and sensors are still excited: its matrices are T^T M T and T^T K T of the beam.
@@ -151,9 +151,7 @@ def shaft_matrices(spec: ShaftSpec, nodes: np.ndarray) -> tuple[np.ndarray, np.n
     size = 6 * len(nodes)
     mass, stiffness = np.zeros((size, size)), np.zeros((size, size))
     for e in range(len(nodes) - 1):
-        middle = 0.5 * (nodes[e] + nodes[e + 1])
-        section = next(s for s in spec.sections if s.y_start - 1e-9 <= middle <= s.y_end + 1e-9)
-        m, k = beam_element(spec, section, float(nodes[e + 1] - nodes[e]))
+        m, k = beam_element(spec, section_at(spec, nodes, e), float(nodes[e + 1] - nodes[e]))
         span = slice(6 * e, 6 * e + 12)
         mass[span, span] += m
         stiffness[span, span] += k
@@ -192,7 +190,7 @@ def beam_element(spec: ShaftSpec, section: Section, length: float) -> tuple[np.n
     d, d_i = section.outer_diameter, section.inner_diameter
     area, second_moment = math.pi * (d**2 - d_i**2) / 4, math.pi * (d**4 - d_i**4) / 64
     polar = 2 * second_moment
-    phi = 12 * e_modulus * second_moment / (shear_coefficient(nu, d_i / d) * g_modulus * area * length**2)
+    phi = _shear_share(spec, section, length)
 
     mass, stiffness = np.zeros((12, 12)), np.zeros((12, 12))
     pair_m, pair_k = np.array([[2, 1], [1, 2]]) * length / 6, np.array([[1, -1], [-1, 1]]) / length
@@ -206,6 +204,31 @@ def beam_element(spec: ShaftSpec, section: Section, length: float) -> tuple[np.n
         mass[np.ix_(dofs, dofs)] += bend_m * flip
         stiffness[np.ix_(dofs, dofs)] += bend_k * flip
     return mass, stiffness
+
+
+def rotary_inertia(spec: ShaftSpec, nodes: np.ndarray) -> list[tuple[int, np.ndarray]]:
+    """First coordinate and rotary inertia (4, 4) over (v1, theta1, v2, theta2) of every element, SI."""
+    found = []
+    for e in range(len(nodes) - 1):
+        section, length = section_at(spec, nodes, e), float(nodes[e + 1] - nodes[e])
+        second_moment = math.pi * (section.outer_diameter**4 - section.inner_diameter**4) / 64
+        found.append(
+            (6 * e, _bending(length, _shear_share(spec, section, length), 0.0, 0.0, spec.density * second_moment)[0])
+        )
+    return found
+
+
+def section_at(spec: ShaftSpec, nodes: np.ndarray, element: int) -> Section:
+    """The section that an element lies in."""
+    middle = 0.5 * (nodes[element] + nodes[element + 1])
+    return next(s for s in spec.sections if s.y_start - 1e-9 <= middle <= s.y_end + 1e-9)
+
+
+def _shear_share(spec: ShaftSpec, section: Section, length: float) -> float:
+    """12 E I/(kappa G A L^2): shear over bending flexibility."""
+    d, d_i = section.outer_diameter, section.inner_diameter
+    kappa = shear_coefficient(spec.poisson_ratio, d_i / d)
+    return 12 * 2 * (1 + spec.poisson_ratio) * (d**2 + d_i**2) / 16 / (kappa * length**2)
 
 
 def shear_coefficient(nu: float, m: float) -> float:

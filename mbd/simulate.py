@@ -76,20 +76,21 @@ def simulate(
 
     Raises
     ------
-    EquilibriumError, StepError : with the reason
+    EquilibriumError, StepError, MachineError (rope wound up) : with the reason
     """
     with threadpool_limits(limits=1):  # small matrices: a second thread only waits
         return _simulate(system, settings, progress, start)
 
 
 def _simulate(system: System, settings: Settings, progress: Progress | None, start: State | None) -> Trajectory:
+    system.machine.check_rope(settings.end)
     every = steps_per_sample(system, settings)
     step = 1 / (settings.output_rate * every)
     integrator = METHODS[settings.integrator](system, step)
     recorder = Recorder(system, integrator, every, settings.n_samples)
     books = Books(system, integrator, step, recorder.steps_needed)
-    state = equilibrium(system) if start is None else start
-    _feed(integrator.start(state, float(system.machine.profile.speed(np.zeros(1))[0])), 0, recorder, books)
+    state = equilibrium(system, float(system.machine.profile.speed(np.zeros(1))[0])) if start is None else start
+    _feed(integrator.start(state), 0, recorder, books)
     size = max(every, BLOCK_STATES // integrator.displacement.shape[1])
     done = 0
     while done < books.steps:

@@ -8,17 +8,21 @@ no spring, so K R = 0 but for the couplings, whose motors roll too; what is left
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from fem.casing.body import ReducedBody
-from mbd.bearings import BEARING_AXES
+from mbd.bearings import BEARING_AXES, springs
 from mbd.channels import ChannelRows, bearing_row, channel_names, channel_rows
+from mbd.element_rows import ElementRows, bearing_drag, element_rows, gyroscopic_planes
 from mbd.forces import ForceTable, force_table
 from mbd.gear_mesh import mesh_rows
+from mbd.gyroscopic import gyroscopic_matrix, planes
 from mbd.layout import Layout, layout
-from mbd.load import Rope, StaticTorque
+from mbd.load import Rope, StaticTorque, pull_axis, rope_reference, vertical_rope
+from mbd.losses import Coulomb
 from mbd.machine import Machine
 from mbd.mesh_reference import mean_stiffness, nominal_forces, reference_load
 from mbd.reduction import modal_basis
@@ -35,7 +39,7 @@ class Part:
     """
 
     name: str
-    kind: str  # "shaft" | "bearing" | "casing" | "drive" | "load"
+    kind: str  # "shaft" | "bearing" | "coupling" | "casing" | "drive" | "load"
     index: np.ndarray
     mass: np.ndarray
     damping: np.ndarray
@@ -56,8 +60,11 @@ class System:
     stiffness: np.ndarray  # (n, n), with the references
     rolling: np.ndarray  # R (n,)
     constant_force: np.ndarray  # f (n,)
-    rows: np.ndarray  # B (m, n)
+    rows: np.ndarray  # B (m, n): flanks, ropes, further elements
     row_names: tuple[str, ...]
+    element_names: tuple[str, ...]  # parts that the further elements belong to, in their order
+    gyroscopic: np.ndarray  # G (n, n) per motor speed; empty if left out
+    gyroscopic_left_out: float  # share of its norm that the time step leaves out
     observed: np.ndarray  # (mesh, n) rotation of each driving gear, after the force rows
     table: ForceTable
     reference: dict[str, tuple[float, float]]  # (k0, c0) of each mesh and of the rope of one drum
@@ -92,7 +99,14 @@ def assemble(
     MachineError : contradictory parts, unknown channels, a motion without stiffness, an indefinite mass
     """
     lay = layout(machine, casing)
-    parts = (*_shaft_parts(lay), *_bearing_parts(lay), *_casing_part(lay), *_drive_part(lay), *_load_part(lay))
+    parts = (
+        *_shaft_parts(lay),
+        *_bearing_parts(lay),
+        *_coupling_parts(lay),
+        *_casing_part(lay),
+        *_drive_part(lay),
+        *_load_part(lay),
+    )
     mass, damping, stiffness = (np.zeros((lay.size, lay.size)) for _ in range(3))
     for part in parts:
         at = np.ix_(part.index, part.index)
@@ -100,25 +114,30 @@ def assemble(
         damping[at] += part.damping
         stiffness[at] += part.stiffness
     rows, row_names, observed = _force_rows(lay)
+    base = len(rows)
     loads = {m.name: reference_load(m, nominal_forces(machine)[m.name]) for m in machine.meshes}
     mesh_stiffness = {m.name: mean_stiffness(m.drive, loads[m.name]) for m in machine.meshes}
-    table = force_table(machine, loads, mesh_stiffness)
-    reference: dict[str, tuple[float, float]] = {}
-    for i, mesh in enumerate(machine.meshes):
-        k0, tilt = mesh_stiffness[mesh.name]
-        reference[mesh.name] = (k0, mesh.damping_time * k0)
-        delta, psi = rows[4 * i], rows[4 * i + 1]
-        stiffness += k0 * np.outer(delta, delta) + tilt * np.outer(psi, psi)
-        damping += mesh.damping_time * k0 * np.outer(delta, delta)
-    for j, (k0, c0) in enumerate(zip(table.rope_stiffness, table.rope_damping, strict=True)):
-        row = rows[4 * len(machine.meshes) + j]
-        reference["rope"] = (float(k0), float(c0))
+    reference = {name: (k0, machine.mesh(name).damping_time * k0) for name, (k0, _) in mesh_stiffness.items()}
+    if isinstance(machine.load, Rope):
+        reference["rope"] = rope_reference(machine.load)
+    elements, constant, rolling = element_rows(lay, base, loads), _constant_force(lay), lay.rolling()
+    for row, k0, c0 in _reference_springs(lay, rows, mesh_stiffness, reference, elements):
         stiffness += k0 * np.outer(row, row)
         damping += c0 * np.outer(row, row)
-    rolling, constant = lay.rolling(), _constant_force(lay)
+    if isinstance(machine.losses, Coulomb):
+        bearing_drag(elements, lay, _bearing_loads(lay, stiffness, constant))
+    rows = np.vstack([rows, elements.matrix()])
     basis, frequencies = modal_basis(
         mass, stiffness, np.column_stack([rows.T, constant, mass @ rolling, stiffness @ rolling]), band, lay.names
     )
+    gyroscopic, left_out = np.zeros((0, 0)), 0.0
+    if machine.gyroscopic:
+        gyroscopic = _gyroscopic(lay)
+        one, other, strengths, left_out = planes(basis.T @ gyroscopic @ basis)
+        back = basis.T @ mass
+        gyroscopic_planes(elements, one @ back, other @ back, strengths, machine.profile.highest or 1.0)
+        rows = np.vstack([rows[:base], elements.matrix()])
+    table = force_table(machine, loads, mesh_stiffness, elements.extra(rolling))
     names = channel_names(machine) if channels is None else tuple(channels)
     return System(
         layout=lay,
@@ -129,14 +148,33 @@ def assemble(
         rolling=rolling,
         constant_force=constant,
         rows=rows,
-        row_names=row_names,
+        row_names=(*row_names, *elements.row_names),
+        element_names=tuple(elements.names),
+        gyroscopic=gyroscopic,
+        gyroscopic_left_out=left_out,
         observed=observed,
         table=table,
         reference=reference,
-        channels=channel_rows(names, lay, rows, reference),
+        channels=channel_rows(names, lay, rows, (*row_names, *elements.row_names), reference),
         basis=basis,
         frequencies=frequencies,
     )
+
+
+def _reference_springs(
+    lay: Layout,
+    rows: np.ndarray,
+    meshes: dict[str, tuple[float, float]],
+    reference: dict[str, tuple[float, float]],
+    elements: ElementRows,
+) -> Iterator[tuple[np.ndarray, float, float]]:
+    """Row, stiffness and damping of every spring of the linear reference."""
+    for i, mesh in enumerate(lay.machine.meshes):
+        yield rows[4 * i], *reference[mesh.name]
+        yield rows[4 * i + 1], meshes[mesh.name][1], 0.0
+    for row in rows[4 * len(lay.machine.meshes) :]:
+        yield row, *reference["rope"]
+    yield from zip(elements.rows, elements.stiffness, elements.damping, strict=True)
 
 
 def natural_frequencies(system: System) -> np.ndarray:
@@ -184,10 +222,31 @@ def _massive(
 def _bearing_parts(lay: Layout) -> list[Part]:
     parts = []
     for bearing in lay.machine.bearings:
-        held = [(axis, k) for axis, k in zip(BEARING_AXES, bearing.stiffness, strict=True) if k > 0]
-        rows = np.array([bearing_row(lay, bearing, axis) for axis, _ in held])
+        if bearing.model == "hertz":
+            continue  # a nonlinear element, see `mbd.elements`
+        axes = np.array([bearing_row(lay, bearing, axis) for axis in BEARING_AXES])
+        if bearing.damping is None:
+            turn, k = springs(bearing.stiffness_matrix)
+            c = bearing.damping_time * k
+        else:  # springs and dampers have axes of their own
+            (turn, k), (dampers, c) = springs(bearing.stiffness_matrix), springs(bearing.damping_matrix)
+            turn, k, c = (
+                np.vstack([turn, dampers]),
+                np.concatenate([k, np.zeros(len(c))]),
+                np.concatenate([np.zeros(len(k)), c]),
+            )
+        parts.append(_row_part(bearing.name, "bearing", turn @ axes, k, c))
+    return parts
+
+
+def _coupling_parts(lay: Layout) -> list[Part]:
+    parts = []
+    for joint in lay.machine.shaft_couplings:
+        (one, other), (y_one, y_other) = joint.shafts, joint.y
+        held = [(axis, k) for axis, k in enumerate(joint.stiffness) if k > 0]
+        rows = np.array([lay.axis_row(one, y_one, axis) - lay.axis_row(other, y_other, axis) for axis, _ in held])
         k = np.array([k for _, k in held])
-        parts.append(_row_part(bearing.name, "bearing", rows, k, bearing.damping_time * k))
+        parts.append(_row_part(joint.name, "coupling", rows, k, joint.damping_time * k))
     return parts
 
 
@@ -209,9 +268,10 @@ def _drive_part(lay: Layout) -> list[Part]:
 def _load_part(lay: Layout) -> list[Part]:
     if not isinstance(lay.machine.load, Rope):
         return []
-    zero = np.zeros((1, 1))
-    mass = np.array([[lay.machine.load.container_mass]])
-    return [_massive(lay, "load", "load", np.array([lay.size - 1]), mass, zero, zero)]
+    index = np.array([i for i, name in enumerate(lay.names) if name.startswith("container:")])
+    zero = np.zeros((len(index), len(index)))
+    mass = lay.machine.load.container_mass * np.eye(len(index))
+    return [_massive(lay, "load", "load", index, mass, zero, zero)]
 
 
 def _force_rows(lay: Layout) -> tuple[np.ndarray, tuple[str, ...], np.ndarray]:
@@ -224,13 +284,9 @@ def _force_rows(lay: Layout) -> tuple[np.ndarray, tuple[str, ...], np.ndarray]:
             rows.append(first + second)
         names += [f"{mesh.name}:{flank}:{what}" for flank in ("drive", "coast") for what in ("delta", "psi")]
         observed.append(lay.angle_row(mesh.driving, mesh.y))
-    load = machine.load
-    if isinstance(load, Rope):
-        for i, y in enumerate(load.drums):
-            row = load.travel_per_radian * lay.angle_row(load.shaft, y)
-            row[-1] -= 1.0
-            rows.append(row)
-            names.append(f"rope:{i}:stretch")
+    if vertical_rope(machine.load):
+        rows += [lay.stretch_row(y) for y in machine.load.drums]
+        names += [f"rope:{i}:stretch" for i in range(len(machine.load.drums))]
     shape = (-1, lay.size)
     return np.array(rows).reshape(shape), tuple(names), np.array(observed).reshape(shape)
 
@@ -246,6 +302,29 @@ def _constant_force(lay: Layout) -> np.ndarray:
     if isinstance(load, StaticTorque):
         for y in load.drums:
             force -= load.torque * lay.angle_row(load.shaft, y)
+            if load.direction is not None:
+                pull = np.array([*pull_axis(load.direction), 0.0, 0.0, 0.0]) * load.torque / load.drum_radius
+                force += lay.node_row(load.shaft, y, pull)
     else:
         force[-1] -= machine.gravity * load.container_mass
     return force
+
+
+def _bearing_loads(lay: Layout, stiffness: np.ndarray, force: np.ndarray) -> dict[str, float]:
+    """Force (N) in every bearing by name under the constant force ``force``, by the linear reference."""
+    q = np.linalg.solve(stiffness, force)
+    found = {}
+    for bearing in lay.machine.bearings:
+        motion = np.array([bearing_row(lay, bearing, axis) @ q for axis in BEARING_AXES])
+        found[bearing.name] = float(np.linalg.norm((bearing.stiffness_matrix @ motion)[:3]))
+    return found
+
+
+def _gyroscopic(lay: Layout) -> np.ndarray:
+    """G (n, n) of all shafts per speed of the motor."""
+    ratios = lay.machine.ratios()
+    matrix = np.zeros((lay.size, lay.size))
+    for shaft in lay.machine.shafts:
+        nodes, base, span = lay.nodes[shaft.name], lay.bases[shaft.name], lay.spans[shaft.name]
+        matrix[span, span] = shaft.sense * ratios[shaft.name] * base.T @ gyroscopic_matrix(shaft, nodes) @ base
+    return matrix

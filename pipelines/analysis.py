@@ -42,14 +42,16 @@ class DiagnosisSettings:
     """What is looked for, where.
 
     `windows` name -> (start, end) in s of the record's time; `rope_mode` window name -> Hz (none for a constant
-    torque); `axis` "resultant" or an axis of the sensor; `shaft` the faulty shaft, whose speed is checked if given;
-    `fault` and `reason` are words for the verdict: what is damaged, and the physical reason where nothing stands.
+    torque); `bearings` "bearing_3 BPFO" -> Hz, lines to read besides; `axis` "resultant" or an axis of the sensor;
+    `shaft` the faulty shaft, whose speed is checked if given; `fault` and `reason` are words for the verdict: what is
+    damaged, and the physical reason where nothing stands.
     """
 
     revolution_frequency: float
     mesh_frequency: float
     windows: Mapping[str, tuple[float, float]]
     rope_mode: Mapping[str, float] = field(default_factory=dict)
+    bearings: Mapping[str, float] = field(default_factory=dict)
     sensor: str = "sensor_3"
     axis: str = "resultant"
     band: str | tuple[float, float] = "mesh"

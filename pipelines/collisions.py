@@ -38,7 +38,8 @@ def gears(scene: Scene, layout: Layout) -> list[Cylinder]:
     found = []
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True)):
         middle, half = stage.position_mm / 1000, stage.face_width_mm / 2000
-        for shaft, gear, name in ((number, pair.pinion, "pinion"), (number + 1, pair.wheel, "wheel")):
+        places = layout.pair_shafts[number]
+        for shaft, gear, name in ((places[0], pair.pinion, "pinion"), (places[1], pair.wheel, "wheel")):
             label = f"tip circle of the stage {number + 1} {name}"
             found.append(Cylinder(label, f"stages.{number + 1}", shaft, gear.tip_radius, middle - half, middle + half))
     return found
@@ -91,11 +92,12 @@ def _clashes(first: list[Cylinder], second: list[Cylinder], layout: Layout) -> I
 
 
 def _mates(scene: Scene, layout: Layout) -> Iterator[Problem]:
-    """Gears that overlap in y and are not a pair, on neighbouring shafts or on the same one."""
+    """Gears that overlap in y and do not mesh, on other shafts or on the same one; a gear may be in several stages."""
     bodies = gears(scene, layout)
+    meshing = {frozenset((_body(one), _body(two))) for one, two in zip(bodies[::2], bodies[1::2], strict=True)}
     for i, one in enumerate(bodies):
-        for j, two in enumerate(bodies[i + 1 :], i + 1):
-            if i // 2 == j // 2:
+        for two in bodies[i + 1 :]:
+            if _body(one) == _body(two) or frozenset((_body(one), _body(two))) in meshing:
                 continue
             if one.shaft == two.shaft and one.overlaps(two):
                 yield Problem(
@@ -104,6 +106,11 @@ def _mates(scene: Scene, layout: Layout) -> Iterator[Problem]:
                     "Change position_mm of one of the stages",
                 )
             yield from _clashes([one], [two], layout)
+
+
+def _body(gear: Cylinder) -> tuple[int, float, float, float]:
+    """What makes a gear the same one in two stages: shaft, tip circle and place."""
+    return gear.shaft, round(gear.radius, 9), round(gear.start, 9), round(gear.end, 9)
 
 
 def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterator[Problem]:
@@ -132,7 +139,12 @@ def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterat
                     "Make the housing larger or move the gear",
                 )
     for number, shaft in enumerate(scene.shafts, 1):
-        for bearing, y in zip((2 * number - 1, 2 * number), shaft.bearing_positions_mm, strict=True):
+        carried = [
+            y
+            for place, y in enumerate(shaft.bearing_positions_mm)
+            if not (shaft.bearing_supports and shaft.bearing_supports[place] == "ground")
+        ]
+        for bearing, y in zip((2 * number - 1, 2 * number), carried, strict=True):
             low, high = housing.width_mm / 2 - housing.boss_length_mm, housing.width_mm / 2
             if not low <= abs(y) <= high or (y < 0) != (bearing % 2 == 1):
                 sign = "-" if bearing % 2 else "+"

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mbd.machine import STANDARD_GRAVITY
+from mbd.train import power_flow
 from pipelines.flank_checks import flank_warnings
 from pipelines.layout import Layout
 from pipelines.scene import Scene
@@ -72,23 +73,44 @@ def rope_frequency(scene: Scene, length: float | None = None) -> float | None:
     return math.sqrt(stiffness / load.container_kg) / (2 * math.pi)
 
 
+def bearing_names(scene: Scene) -> list[tuple[str, int, int]]:
+    """Name, shaft and place on it (0-based) of every bearing: bearing_1, bearing_2, ... carried by the casing, numbered
+    in shaft order from -y; ground_bearing_1, ... by the ground."""
+    found: list[tuple[str, int, int]] = []
+    counts = {"casing": 0, "ground": 0}
+    for number, shaft in enumerate(scene.shafts):
+        supports = shaft.bearing_supports or ("casing",) * len(shaft.bearing_positions_mm)
+        for place, support in enumerate(supports):
+            counts[support] += 1
+            found.append((f"{'' if support == 'casing' else 'ground_'}bearing_{counts[support]}", number, place))
+    return found
+
+
 def bearing_points(scene: Scene, layout: Layout) -> tuple[tuple[float, float, float], ...]:
-    """(x, y, z) of bearing_1, bearing_2, ... (m): two per shaft, the odd number at -y."""
+    """(x, y, z) of bearing_1, bearing_2, ... (m), those that the casing carries."""
     return tuple(
-        (x, y / 1000, z)
-        for shaft, (x, z) in zip(scene.shafts, layout.axes, strict=True)
-        for y in shaft.bearing_positions_mm
+        (layout.axes[shaft][0], scene.shafts[shaft].bearing_positions_mm[place] / 1000, layout.axes[shaft][1])
+        for name, shaft, place in bearing_names(scene)
+        if not name.startswith("ground")
     )
+
+
+def power_shares(scene: Scene, layout: Layout) -> list[float]:
+    """Share of the load's power that each stage carries without losses; parallel paths share alike, see `mbd.train`."""
+    flows = [*layout.pair_shafts, *((c.shafts[0] - 1, c.shafts[1] - 1) for c in scene.couplings)]
+    return power_flow(len(scene.shafts), flows, [layout.driven], layout.loaded)[: len(scene.stages)].tolist()
 
 
 def derive(scene: Scene, layout: Layout) -> Facts:
     """All derived quantities and what a designer would frown at."""
     speed = max(abs(value) for value in scene.drive.speeds_rpm) / 60 * 2 * math.pi
     torque = output_torque(scene)
+    shares = power_shares(scene, layout)
     stages = []
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True)):
-        turn = speed * layout.shaft_ratios[number] / (2 * math.pi)
-        pinion_torque = torque / layout.ratio / layout.shaft_ratios[number]
+        pinion_speed = layout.shaft_ratios[layout.pair_shafts[number][0]]
+        turn = speed * pinion_speed / (2 * math.pi)
+        pinion_torque = torque / layout.ratio * shares[number] / pinion_speed
         force = pinion_torque / pair.pinion.base_radius
         stages.append(
             StageFacts(
@@ -101,11 +123,11 @@ def derive(scene: Scene, layout: Layout) -> Facts:
                 wheel_frequency=turn / pair.ratio,
                 pinion_torque=pinion_torque,
                 mesh_force=force,
-                line_load=pinion_torque / pair.working_radii[0] / pair.face_width,
+                line_load=abs(pinion_torque) / pair.working_radii[0] / pair.face_width,
                 backlash=pair.backlash,
             )
         )
-    drum_speed = speed * layout.shaft_ratios[-1] * scene.load.drum_radius_mm / 1000
+    drum_speed = speed * layout.shaft_ratios[layout.loaded] * scene.load.drum_radius_mm / 1000
     return Facts(
         motor_speed=speed,
         total_ratio=layout.ratio,

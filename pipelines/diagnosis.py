@@ -96,13 +96,18 @@ def _window_lines(
     for n in settings.mesh_harmonics:
         for k in range(-settings.sideband_orders, settings.sideband_orders + 1):
             wanted.append(("sideband" if k else "mesh", n, k))
+    top = envelopes["faulty", window].resolution * (envelopes["faulty", window].amplitude.size - 1)
+    rolling = {name: f for name, f in settings.bearings.items() if f <= top}
+    rest = [0] * len(rolling)
     columns: dict[str, Any] = {
-        "kind": [kind for kind, _, _ in wanted],
-        "mesh_harmonic": np.array([n for _, n, _ in wanted]),
-        "order": np.array([k for _, _, k in wanted]),
-        "label": [_label(n, k) for _, n, k in wanted],
+        "kind": [kind for kind, _, _ in wanted] + ["bearing"] * len(rolling),
+        "mesh_harmonic": np.array([n for _, n, _ in wanted] + rest),
+        "order": np.array([k for _, _, k in wanted] + rest),
+        "label": [_label(n, k) for _, n, k in wanted] + list(rolling),
     }
     frequency = columns["mesh_harmonic"] * f_m + columns["order"] * f_r
+    bins = np.round(np.array(list(rolling.values())) / envelopes["faulty", window].resolution)
+    frequency[len(wanted) :] = bins * envelopes["faulty", window].resolution  # no bin of their own: the nearest one
     is_envelope = columns["mesh_harmonic"] == 0
     for state in STATES:
         columns[state], columns[f"{state}_floor"] = np.empty(len(wanted)), np.empty(len(wanted))
@@ -114,7 +119,7 @@ def _window_lines(
     healthy_over_floor = level(columns["healthy"], columns["healthy_floor"])
     rope = float(settings.rope_mode.get(window, 0.0))
     width = LINE_WIDTH * spectra["faulty", window].resolution
-    count = len(wanted)
+    count = len(frequency)
     return LineTable(
         load_case=(load,) * count,
         deviations=(deviations,) * count,

@@ -25,7 +25,7 @@ TYPICAL_STIFFNESS = 18e9  # N/m2: c_gamma of steel pairs, for orders of magnitud
 def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
     """Faults that do not fit on their teeth, deviations outside ISO 1328-1."""
     for number, fault in enumerate(scene.faults, 1):
-        one = damage(fault, lifting_sense(fault.stage))
+        one = damage(fault, lifting_sense(scene, fault.stage))
         if one is not None:
             try:
                 one.check(getattr(layout.pairs[fault.stage - 1], fault.gear))
@@ -92,7 +92,9 @@ def _hidden(scene: Scene, fault: FaultTable, number: int, pair: GearPair, facts:
     delta = facts.mesh_force / pair.face_width / TYPICAL_STIFFNESS
     lost = min(0.95, 1 / max(pair.transverse_contact_ratio, pair.overlap_ratio))
     if isinstance(fault, WornToothTable):
-        change = min(fault.depth_um / 1e6, delta * lost / (1 - lost)) if fault.tooth is not None else fault.depth_um / 1e6
+        change = fault.depth_um / 1e6
+        if fault.tooth is not None:
+            change = min(change, delta * lost / (1 - lost))
     else:
         if isinstance(fault, ChippedToothTable):
             lost *= fault.extent_mm / 1000 / pair.face_width
@@ -100,7 +102,7 @@ def _hidden(scene: Scene, fault: FaultTable, number: int, pair: GearPair, facts:
     tolerance = pitch_tolerance(getattr(pair, fault.gear), scene.deviations.iso_grade).single
     if change < tolerance:
         yield (
-            f"faults.{number}: the {fault.kind} moves the mesh by about {change * 1e6:.1f} um, pitch deviations of grade "
-            f"{scene.deviations.iso_grade} by up to {tolerance * 1e6:.1f} um: they may hide it; raise the load or take a "
-            "better iso_grade"
+            f"faults.{number}: the {fault.kind} moves the mesh by about {change * 1e6:.1f} um, pitch deviations of "
+            f"grade {scene.deviations.iso_grade} by up to {tolerance * 1e6:.1f} um: they may hide it; raise the load "
+            "or take a better iso_grade"
         )

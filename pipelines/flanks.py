@@ -14,13 +14,15 @@ from pipelines.scene import Scene
 from pipelines.tables.faults import ChippedToothTable, CrackedToothTable, FaultTable, WornToothTable
 from pipelines.tables.gear_details import EndReliefTable, GearTable, ReliefTable
 from pipelines.tables.gears import StageTable
+from pipelines.train import shaft_senses, stage_shafts
 
 GEARS = ("pinion", "wheel")
 
 
-def lifting_sense(stage: int) -> int:
-    """+1 where the pinion of a stage (1-based) turns positively about +y in lifting, -1 where it does not."""
-    return 1 if stage % 2 else -1
+def lifting_sense(scene: Scene, stage: int) -> int:
+    """Lifting sense of the pinion of a stage (from 1): +1 turns about +y."""
+    pinion = stage_shafts(scene.stages)[stage - 1][0]
+    return shaft_senses(len(scene.shafts), scene.stages, scene.couplings)[pinion]
 
 
 def modifications(stage: StageTable, sense: int) -> PairModifications:
@@ -96,7 +98,7 @@ def damaged_teeth(scene: Scene, stage: int, gear: str) -> dict[int, tuple[Damage
     """Damage by tooth number of a gear of a stage (1-based); the n-th entry is variant n + 1 of its mesh law."""
     found: dict[int, tuple[Damage, ...]] = {}
     for fault in scene.faults:
-        one = damage(fault, lifting_sense(stage))
+        one = damage(fault, lifting_sense(scene, stage))
         if fault.stage == stage and fault.gear == gear and fault.tooth is not None and one is not None:
             found[fault.tooth] = (*found.get(fault.tooth, ()), one)
     return found
@@ -105,4 +107,9 @@ def damaged_teeth(scene: Scene, stage: int, gear: str) -> dict[int, tuple[Damage
 def common_wear(scene: Scene, stage: int, gear: str) -> tuple[WornTooth, ...]:
     """Wear of all teeth of a gear of a stage (1-based)."""
     on_all = (f for f in scene.faults if f.stage == stage and f.gear == gear and f.tooth is None)
-    return tuple(one for one in (damage(f, lifting_sense(stage)) for f in on_all) if isinstance(one, WornTooth))
+    return tuple(one for one in (damage(f, lifting_sense(scene, stage)) for f in on_all) if isinstance(one, WornTooth))
+
+
+def fault_name(fault: FaultTable) -> str:
+    """Kind and tooth of a fault in words: "missing-tooth 0", "worn-tooth, all teeth"."""
+    return f"{fault.kind}, all teeth" if fault.tooth is None else f"{fault.kind} {fault.tooth}"

@@ -17,6 +17,7 @@ from pipelines.scene import Scene
 from pipelines.tables.base import MaterialTable
 from pipelines.tables.gear_details import GearTable
 from pipelines.tables.gears import StageTable
+from pipelines.train import place_shafts, stage_shafts
 
 USUAL_BACKLASH_UM = 80.0  # where a scene says nothing of centre distance, allowances or backlash
 
@@ -49,7 +50,8 @@ def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
         pinion_material=steel,
         wheel_material=steel,
     )
-    given = stage.centre_distance_mm is not None or stage.pinion.thickness_allowance_um or stage.wheel.thickness_allowance_um
+    allowances = stage.pinion.thickness_allowance_um, stage.wheel.thickness_allowance_um
+    given = stage.centre_distance_mm is not None or any(allowances)
     wanted = stage.backlash_um if stage.backlash_um is not None else None if given else USUAL_BACKLASH_UM
     if wanted is None:
         return pair
@@ -57,8 +59,8 @@ def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
         return replace(pair, centre_distance=None, backlash_allowance=wanted / 1_000_000)
     if wanted / 1_000_000 < pair.backlash - 1e-9:
         raise GeometryError(
-            f"{pair.label}: backlash_um = {wanted:g} is less than the {pair.backlash * 1e6:.1f} um that centre distance "
-            "and thickness allowances leave: raise it, leave it out, or reduce the centre distance"
+            f"{pair.label}: backlash_um = {wanted:g} is less than the {pair.backlash * 1e6:.1f} um that centre "
+            "distance and thickness allowances leave: raise it, leave it out, or reduce the centre distance"
         )
     return replace(pair, backlash_allowance=wanted / 1_000_000 - pair.backlash)
 
@@ -97,21 +99,24 @@ def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """Where the gears and shafts of a scene are: pairs and flank modifications by stage, axes (x, z) by shaft, in m."""
+    """Where the gears and shafts of a scene are: pairs and flank modifications by stage; axes (x, z) in m, senses and speeds by shaft.
+
+    Shafts are numbered from 0. Ratios of speeds are over that of shaft ``driven``, which the motors turn.
+    """
 
     pairs: tuple[GearPair, ...]
-    axes: tuple[tuple[float, float], ...]
     modifications: tuple[PairModifications, ...]
+    axes: tuple[tuple[float, float], ...]
+    senses: tuple[int, ...]  # lifting rotation about +y or -y; that of the first shaft is +1
+    shaft_ratios: tuple[float, ...]  # speed of each shaft over that of the motors
+    pair_shafts: tuple[tuple[int, int], ...]  # shafts of pinion and wheel, by stage
+    driven: int
+    loaded: int  # the shaft that carries the drums
 
     @property
     def ratio(self) -> float:
         """Total ratio: turns of the input for one turn of the output."""
-        return math.prod(pair.ratio for pair in self.pairs)
-
-    @property
-    def shaft_ratios(self) -> tuple[float, ...]:
-        """Speed of each shaft over the speed of the input."""
-        return tuple(1 / math.prod(p.ratio for p in self.pairs[:i]) for i in range(len(self.pairs) + 1))
+        return 1 / self.shaft_ratios[self.loaded]
 
 
 def lay_out(scene: Scene, source: str = "scene") -> Layout:
@@ -119,21 +124,31 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
 
     Raises
     ------
-    SceneError : gears that do not work, all stages listed
+    SceneError : gears that do not work, a train that does not hang together, all of it listed
     """
     steel = material("gear steel", scene.gear_material)
     pairs, flanks, problems = [], [], []
     for number, stage in enumerate(scene.stages, 1):
+        sense = lifting_sense(scene, number)
         try:
-            pairs.append(gear_pair(stage, steel, lifting_sense(number)))
-            flanks.append(modifications(stage, lifting_sense(number)))
+            pairs.append(gear_pair(stage, steel, sense))
+            flanks.append(modifications(stage, sense))
             check_modifications(pairs[-1], flanks[-1])
         except GeometryError as error:
             problems.append(Problem(f"stages.{number}", str(error)))
     if problems:
         raise SceneError(source, problems)
-    axes = [(0.0, 0.0)]
-    for stage, pair in zip(scene.stages, pairs, strict=True):
-        angle, (x, z) = math.radians(stage.direction_deg), axes[-1]
-        axes.append((x + pair.axis_distance * math.cos(angle), z + pair.axis_distance * math.sin(angle)))
-    return Layout(pairs=tuple(pairs), axes=tuple(axes), modifications=tuple(flanks))
+    places, problems = place_shafts(len(scene.shafts), scene.stages, pairs, scene.couplings)
+    if problems:
+        raise SceneError(source, problems)
+    driven = (scene.drive.shaft or 1) - 1
+    return Layout(
+        pairs=tuple(pairs),
+        modifications=tuple(flanks),
+        axes=tuple((place.x, place.z) for place in places),
+        senses=tuple(place.sense for place in places),
+        shaft_ratios=tuple(place.speed / places[driven].speed for place in places),
+        pair_shafts=tuple(stage_shafts(scene.stages)),
+        driven=driven,
+        loaded=(scene.load.shaft or len(scene.shafts)) - 1,
+    )

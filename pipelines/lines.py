@@ -22,7 +22,8 @@ class LineTable(Record):
     """Columns along the lines. Levels: 20 log10 of amplitude ratios. Flags are 0 or 1.
 
     `kind` is "envelope" (order k f_r in the envelope), "sideband" (n f_m + k f_r in the spectrum) or "mesh"
-    (n f_m itself, for reference: it is not counted as evidence).
+    (n f_m itself) or "bearing" (a pass frequency of a rolling bearing in the envelope, read at the nearest bin); these
+    two are for reference and not counted as evidence.
     """
 
     load_case: tuple[str, ...] = names("line")  # "rope" | "static-torque"
@@ -55,7 +56,7 @@ class LineTable(Record):
 
     def without_mesh(self) -> Self:
         """The rows that count as evidence: envelope harmonics and sidebands."""
-        return self._taken([i for i, kind in enumerate(self.kind) if kind != "mesh"])
+        return self._taken([i for i, kind in enumerate(self.kind) if kind in ("envelope", "sideband")])
 
     def _taken(self, keep: Sequence[int]) -> Self:
         columns: dict[str, Any] = {}

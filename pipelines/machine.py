@@ -10,16 +10,17 @@ import numpy as np
 
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import Gear
-from mbd.bearings import BearingSpec
+from mbd.couplings import ShaftCoupling
 from mbd.drive import CouplingSpec, SpeedProfile
 from mbd.gear_mesh import MeshSpec
-from mbd.load import Load, Rope, StaticTorque
+from mbd.losses import Brake, Coulomb, Efficiency, Losses, NoLosses
 from mbd.machine import Machine
 from mbd.shafts import Disk, Section, ShaftSpec
-from pipelines.derived import output_torque
+from pipelines.bearings import bearing_specs
+from pipelines.hoist import drums, load_spec, shaft_ends
 from pipelines.layout import Layout
 from pipelines.scene import Scene
-from pipelines.tables.motion import RopeTable
+from pipelines.tables.losses import CoulombLosses, EfficiencyLosses
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,21 +55,33 @@ def gear_disk(name: str, y: float, gear: Gear, density: float) -> Disk:
 
 def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
     density = scene.gear_material.density_kg_m3
-    found = []
+    found: list[Disk] = []
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True)):
         y = stage.position_mm / 1000
-        if number == shaft:
-            found.append(gear_disk(f"pinion_{number + 1}", y, pair.pinion, density))
-        if number + 1 == shaft:
-            found.append(gear_disk(f"wheel_{number + 1}", y, pair.wheel, density))
-    if shaft == len(scene.shafts) - 1:
+        for name, gear, place in zip(
+            ("pinion", "wheel"), (pair.pinion, pair.wheel), layout.pair_shafts[number], strict=True
+        ):
+            if place == shaft and y not in {disk.y for disk in found}:  # one gear may be in two stages
+                found.append(gear_disk(f"{name}_{number + 1}", y, gear, density))
+    for number, table in enumerate(scene.disks, 1):
+        if table.shaft == shaft + 1:
+            found.append(
+                Disk(
+                    name=f"disk_{number}",
+                    y=table.position_mm / 1000,
+                    mass=table.mass_kg,
+                    polar_inertia=table.polar_inertia_kg_m2,
+                    diametral_inertia=table.diametral_inertia_kg_m2,
+                )
+            )
+    if shaft == layout.loaded:
         load = scene.load
         radius = load.drum_radius_mm / 1000
-        for name, y in zip(("drum_1", "drum_2"), _ends(scene, shaft), strict=True):
+        for number, y in enumerate(drums(scene, layout), 1):
             # a drum is a thin shell: diametral inertia half the polar one, its length neglected
             found.append(
                 Disk(
-                    name=name,
+                    name=f"drum_{number}",
                     y=y,
                     mass=load.drum_mass_kg,
                     polar_inertia=load.drum_inertia_kg_m2,
@@ -78,14 +91,8 @@ def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
     return found
 
 
-def _ends(scene: Scene, shaft: int) -> tuple[float, float]:
-    """y of the two ends of a shaft (m)."""
-    sections = scene.shafts[shaft].sections
-    return sections[0].start_mm / 1000, sections[-1].end_mm / 1000
-
-
 def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
-    """All shafts; shaft 1 lifts about +y, its neighbours turn the other way."""
+    """All shafts; shaft 1 lifts about +y, those that mesh with it turn the other way."""
     steel = scene.gear_material
     specs = []
     for number, (table, (x, z)) in enumerate(zip(scene.shafts, layout.axes, strict=True)):
@@ -94,7 +101,7 @@ def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
                 name=f"shaft_{number + 1}",
                 x=x,
                 z=z,
-                sense=1 if number % 2 == 0 else -1,
+                sense=layout.senses[number],
                 sections=tuple(
                     Section(
                         y_start=section.start_mm / 1000,
@@ -116,24 +123,20 @@ def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
     return tuple(specs)
 
 
-def bearing_specs(scene: Scene) -> tuple[BearingSpec, ...]:
-    """Two bearings per shaft, odd numbers at -y."""
-    table = scene.bearings
-    radial, axial = table.radial_stiffness_N_per_um * 1e6, table.axial_stiffness_N_per_um * 1e6
+def coupling_specs(scene: Scene) -> tuple[ShaftCoupling, ...]:
+    """Couplings between shafts."""
     return tuple(
-        BearingSpec(
-            name=f"bearing_{2 * number + side}",
-            shaft=f"shaft_{number + 1}",
-            y=y / 1000,
-            stiffness_x=radial,
-            stiffness_z=radial,
-            stiffness_axial=axial,
-            stiffness_tilt_x=table.tilt_stiffness_N_m_per_rad,
-            stiffness_tilt_z=table.tilt_stiffness_N_m_per_rad,
+        ShaftCoupling(
+            name=f"coupling_{number}",
+            shafts=(f"shaft_{table.shafts[0]}", f"shaft_{table.shafts[1]}"),
+            y=(table.positions_mm[0] / 1000, table.positions_mm[1] / 1000),
+            torsional_stiffness=table.torsional_stiffness_N_m_per_rad,
+            radial_stiffness=table.radial_stiffness_N_per_um * 1e6,
+            axial_stiffness=table.axial_stiffness_N_per_um * 1e6,
+            tilt_stiffness=table.tilt_stiffness_N_m_per_rad,
             damping_time=table.damping_time_us / 1_000_000,
         )
-        for number, shaft in enumerate(scene.shafts)
-        for side, y in enumerate(shaft.bearing_positions_mm, 1)
+        for number, table in enumerate(scene.couplings, 1)
     )
 
 
@@ -142,8 +145,8 @@ def mesh_specs(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> tup
     return tuple(
         MeshSpec(
             name=f"mesh_{number + 1}",
-            driving=f"shaft_{number + 1}",
-            driven=f"shaft_{number + 2}",
+            driving=f"shaft_{layout.pair_shafts[number][0] + 1}",
+            driven=f"shaft_{layout.pair_shafts[number][1] + 1}",
             y=stage.position_mm / 1000,
             base_radius_driving=pair.pinion.base_radius,
             base_radius_driven=pair.wheel.base_radius,
@@ -163,29 +166,21 @@ def mesh_specs(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> tup
     )
 
 
-def load_spec(scene: Scene) -> Load:
-    """The load on the drums at both ends of the last shaft."""
-    table, shaft, drums = scene.load, f"shaft_{len(scene.shafts)}", _ends(scene, len(scene.shafts) - 1)
-    if isinstance(table, RopeTable) and table.container_kg > 0:
-        area = table.rope_fill_factor * math.pi / 4 * (table.rope_diameter_mm / 1000) ** 2
-        return Rope(
-            shaft=shaft,
-            drums=drums,
-            container_mass=table.container_kg,
-            drum_radius=table.drum_radius_mm / 1000,
-            falls=table.rope_falls,
-            axial_stiffness=table.rope_modulus_GPa * 1e9 * area,
-            length=table.rope_length_m,
-            reeving=table.reeving_ratio,
-            damping_ratio=table.rope_damping_ratio,
-        )
-    return StaticTorque(shaft=shaft, drums=drums, torque=output_torque(scene) / len(drums))
+def losses_spec(scene: Scene) -> Losses:
+    """Losses of meshes and bearings."""
+    table = scene.losses
+    if isinstance(table, EfficiencyLosses):
+        return Efficiency(mesh_efficiency=table.mesh_efficiency)
+    if isinstance(table, CoulombLosses):
+        return Coulomb(tooth_friction=table.tooth_friction, bearing_friction=table.bearing_friction)
+    return NoLosses()
 
 
 def machine(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> Machine:
     """Everything the multibody run needs but the casing. `MachineError` names what does not fit."""
-    rates = np.array(scene.drive.speeds_rpm) / 60 * 2 * math.pi
-    ends = _ends(scene, 0)[: scene.drive.motors]
+    drive, driven = scene.drive, f"shaft_{layout.driven + 1}"
+    rates = np.array(drive.speeds_rpm) / 60 * 2 * math.pi
+    ends = shaft_ends(scene, layout.driven)[: drive.motors]
     return Machine(
         shafts=shaft_specs(scene, layout),
         bearings=bearing_specs(scene),
@@ -193,13 +188,17 @@ def machine(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> Machin
         couplings=tuple(
             CouplingSpec(
                 name=f"motor_{number}",
-                shaft="shaft_1",
+                shaft=driven,
                 y=y,
-                stiffness=scene.drive.coupling_stiffness_N_m_per_rad,
-                damping=scene.drive.coupling_damping_N_m_s_per_rad,
+                stiffness=drive.coupling_stiffness_N_m_per_rad,
+                damping=drive.coupling_damping_N_m_s_per_rad,
             )
             for number, y in enumerate(ends, 1)
         ),
-        profile=SpeedProfile(times=np.array(scene.drive.times_s), speeds=rates),
-        load=load_spec(scene),
+        profile=SpeedProfile(times=np.array(drive.times_s), speeds=rates),
+        load=load_spec(scene, layout),
+        shaft_couplings=coupling_specs(scene),
+        losses=losses_spec(scene),
+        brake=Brake(shaft=driven, y=ends[0], torque=drive.brake_torque_N_m) if drive.brake_torque_N_m else None,
+        gyroscopic=scene.shaft_model.gyroscopic,
     )

@@ -131,12 +131,12 @@ def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Pict
 def render_mode(
     nodes: np.ndarray, triangles: np.ndarray, shape: np.ndarray, frames: int, size: tuple[int, int] = (1100, 750)
 ) -> list[Picture] | LeftOut:
-    """A period of a mode in `frames` pictures; the largest displacement is drawn as 5 % of the body's diagonal."""
+    """A period of a mode in `frames` pictures; the largest displacement is drawn as 8 % of the body's diagonal."""
     diagonal, low = float(np.linalg.norm(np.ptp(nodes, axis=0))), nodes.min(axis=0)
-    arrays = {"nodes": nodes, "triangles": triangles, "shape": shape, "reach": np.array(0.05 * diagonal)}
+    arrays = {"nodes": nodes, "triangles": triangles, "shape": shape, "reach": np.array(0.08 * diagonal)}
     places = {"origin": low} | {axis: low + 0.1 * diagonal * np.eye(3)[i] for i, axis in enumerate("xyz")}
     return _render(
-        "mode", "casing mode", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.1, frames=frames
+        "mode", "casing mode", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.35, frames=frames
     )
 
 

@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from pipelines.tables.analysis import DiagnosisTable
 from pipelines.tables.base import MaterialTable, Table
+from pipelines.tables.bearings import BearingModel, LinearBearings
 from pipelines.tables.casing import (
     CasingModel,
     FlexibleBase,
@@ -20,8 +21,10 @@ from pipelines.tables.casing import (
 from pipelines.tables.faults import FaultTable
 from pipelines.tables.gears import DeviationTable, StageTable
 from pipelines.tables.housing import HousingTable
+from pipelines.tables.losses import LossModel, NoLosses
 from pipelines.tables.motion import DriveTable, LoadModel, SimulationTable
-from pipelines.tables.shafts import BearingTable, ShaftModel, ShaftTable
+from pipelines.tables.shafts import CouplingTable, DiskTable, ShaftModel, ShaftTable
+from pipelines.train import stage_shafts
 
 
 class Scene(Table):
@@ -32,16 +35,19 @@ class Scene(Table):
         str | None, Field(description='healthy twin: a shipped scene, a path ending in .toml, or "without-faults"')
     ] = None
     gear_material: MaterialTable
-    stages: Annotated[tuple[StageTable, ...], Field(min_length=1, max_length=6)]
-    shafts: Annotated[tuple[ShaftTable, ...], Field(min_length=2, max_length=7)]
+    stages: Annotated[tuple[StageTable, ...], Field(min_length=1, max_length=20)]
+    shafts: Annotated[tuple[ShaftTable, ...], Field(min_length=2, max_length=21)]
     shaft_model: ShaftModel = ShaftModel()
-    bearings: BearingTable = BearingTable()
+    bearings: BearingModel = LinearBearings()
+    couplings: tuple[CouplingTable, ...] = ()
+    disks: tuple[DiskTable, ...] = ()
     deviations: DeviationTable = DeviationTable()
     faults: tuple[FaultTable, ...] = ()
     casing: CasingModel
     sensors: tuple[SensorTable, ...] = ()
     drive: DriveTable
     load: LoadModel
+    losses: LossModel = NoLosses()
     simulation: SimulationTable
     diagnosis: DiagnosisTable = DiagnosisTable()
 
@@ -53,8 +59,11 @@ class Scene(Table):
         return self
 
     def _counts(self):
-        if len(self.shafts) != len(self.stages) + 1:
+        chain = not self.couplings and all(s.pinion_shaft is None and s.wheel_shaft is None for s in self.stages)
+        if chain and len(self.shafts) != len(self.stages) + 1:
             yield f"shafts: {len(self.shafts)} given, {len(self.stages)} stages need {len(self.stages) + 1}"
+        else:
+            yield from self._shaft_numbers()
         if isinstance(self.casing, FlexibleBase) and isinstance(self.casing.housing, HousingTable):
             for key in ("bore_diameters_mm", "boss_diameters_mm"):
                 count = len(getattr(self.casing.housing, key))
@@ -68,6 +77,29 @@ class Scene(Table):
         names = [sensor.name for sensor in self.sensors]
         for name in sorted({n for n in names if names.count(n) > 1}):
             yield f"sensors: {name} is given {names.count(name)} times"
+
+    def _shaft_numbers(self):
+        named: list[tuple[str, tuple[int, ...]]] = [
+            (f"stages.{n}", pair) for n, pair in enumerate(stage_shafts(self.stages), 1)
+        ]
+        named += [(f"couplings.{n}.shafts", tuple(s - 1 for s in c.shafts)) for n, c in enumerate(self.couplings, 1)]
+        named += [(f"disks.{n}.shaft", (disk.shaft - 1,)) for n, disk in enumerate(self.disks, 1)]
+        named += [("drive.shaft", ((self.drive.shaft or 1) - 1,))]
+        named += [("load.shaft", ((self.load.shaft or len(self.shafts)) - 1,))]
+        for path, shafts in named:
+            for place in shafts:
+                if not 0 <= place < len(self.shafts):
+                    yield f"{path}: there is no shaft {place + 1}; {len(self.shafts)} are given"
+            if len(shafts) == 2 and shafts[0] == shafts[1]:
+                yield f"{path}: both ends are on shaft {shafts[0] + 1}"
+        if isinstance(self.casing, FlexibleBase):
+            for number, shaft in enumerate(self.shafts, 1):
+                carried = len(shaft.bearing_positions_mm) - shaft.bearing_supports.count("ground")
+                if carried != 2:
+                    yield (
+                        f"shafts.{number}: the housing carries {carried} of its bearings and has bores for two; carry "
+                        "the others by the ground (bearing_supports)"
+                    )
 
     def _references(self):
         for number, fault in enumerate(self.faults, 1):

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipelines.bearings import bearing_frequencies
 from pipelines.chain import scene_stages
 from pipelines.derived import derive, rope_frequency
 from pipelines.diagnosis import DiagnosisSettings
@@ -134,10 +135,10 @@ def diagnosis_settings(scene: Scene, layout: Layout | None = None) -> DiagnosisS
     layout = layout or lay_out(scene)
     stage = derive(scene, layout).stages[table.stage - 1]
     on_wheel = table.gear == "wheel"
-    missing = Counter((f.stage, f.gear) for f in scene.faults)
+    faulty = Counter((f.stage, f.gear, f.kind) for f in scene.faults)
     words = ", ".join(
-        f"{'one tooth' if count == 1 else f'{count} teeth'} of the stage {number} {gear} missing"
-        for (number, gear), count in missing.items()
+        f"{'one tooth' if count == 1 else f'{count} teeth'} of the stage {number} {gear} {kind.removesuffix('-tooth')}"
+        for (number, gear, kind), count in faulty.items()
     )
     modes = {
         name: rope_frequency(scene, _rope_length(scene, layout, sum(w) / 2)) for name, w in table.windows_s.items()
@@ -147,10 +148,11 @@ def diagnosis_settings(scene: Scene, layout: Layout | None = None) -> DiagnosisS
         mesh_frequency=stage.mesh_frequency,
         windows=dict(table.windows_s),
         rope_mode={name: value for name, value in modes.items() if value is not None},
+        bearings=bearing_frequencies(scene, layout),
         sensor=table.sensor,
         axis=table.axis,
         band=table.envelope_band_Hz,
-        shaft=f"shaft_{table.stage + 1 if on_wheel else table.stage}",
+        shaft=f"shaft_{layout.pair_shafts[table.stage - 1][on_wheel] + 1}",
         fault=words or "no fault",
     )
 
@@ -161,5 +163,5 @@ def _rope_length(scene: Scene, layout: Layout, time: float) -> float | None:
         return None
     times, speeds = np.array(scene.drive.times_s), np.array(scene.drive.speeds_rpm) * 2 * np.pi / 60
     fine = np.linspace(0.0, time, 2001)
-    angle = float(np.trapezoid(np.interp(fine, times, speeds), fine)) * layout.shaft_ratios[-1]
+    angle = float(np.trapezoid(np.interp(fine, times, speeds), fine)) * layout.shaft_ratios[layout.loaded]
     return scene.load.rope_length_m - angle * scene.load.drum_radius_mm / 1000 / scene.load.reeving_ratio

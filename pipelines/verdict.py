@@ -106,10 +106,10 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
     headers = ("line", "Hz", "faulty m/s²", "healthy m/s²", "difference dB", "over floor dB", "healthy over floor dB")
     rows, marked = [], set()
     for i in range(len(lines)):
-        where = "envelope " if lines.kind[i] == "envelope" else ""
+        where = "envelope " if lines.kind[i] in ("envelope", "bearing") else ""
         stands = "stands" if lines.stands[i] else "-"
-        if lines.kind[i] == "mesh":
-            stands = "mesh line"
+        if lines.kind[i] in ("mesh", "bearing"):
+            stands = f"{lines.kind[i]} line"
         elif lines.stands[i]:
             marked.add(i)
         near = "on this line" if lines.near_rope[i] else (f"{rope:.2f}" if rope else "-")

@@ -33,7 +33,9 @@ def main(job_path: str) -> None:
     for number, image in enumerate(job["images"]):
         if moving is not None:
             mesh, rest, shape = moving
-            mesh.points = rest + shape * np.sin(2 * np.pi * number / len(job["images"]))
+            np.copyto(mesh.points, rest + shape * np.sin(2 * np.pi * number / len(job["images"])))
+            mesh.GetPoints().Modified()
+            plotter.render()
         plotter.screenshot(image)
     pixels = {name: pixel(plotter, place) for name, place in job["places"].items()}
     Path(job["pixels"]).write_text(json.dumps(pixels), encoding="utf-8")
@@ -73,7 +75,7 @@ def draw_mode(plotter: Any, arrays: dict[str, np.ndarray]) -> tuple[pyvista.Poly
     edges = mesh.extract_feature_edges(FEATURE_ANGLE, boundary_edges=False, manifold_edges=False)
     if edges.n_cells:
         plotter.add_mesh(edges.copy(), color="#9aa4ad", line_width=1.0)
-    plotter.add_mesh(mesh, scalars="amplitude", cmap="viridis", clim=(0.0, 1.0), show_scalar_bar=False)
+    plotter.add_mesh(mesh, scalars="amplitude", cmap="viridis", clim=(0.0, 1.0), ambient=0.5, show_scalar_bar=False)
     reach = float(arrays["reach"])
     low, high = arrays["nodes"].min(axis=0) - reach, arrays["nodes"].max(axis=0) + reach
     plotter.add_mesh(pyvista.Box((low[0], high[0], low[1], high[1], low[2], high[2])), opacity=0.0)  # keeps the view

@@ -92,7 +92,7 @@ def test_integrals_of_the_flow_are_those_of_its_states_within_the_steps():
     system = assemble(machine, rigid_casing(machine, extra=10), ())
     step, n = 5e-5, 400
     integrator = exponential(system, step)
-    start = integrator.start(equilibrium(system), 0.0)
+    start = integrator.start(equilibrium(system))
     times = 0.005 + step * np.arange(n + 1)
     speeds, angles = JERK.speed(times), JERK.angle(times)
     rates = np.diff(speeds) / step

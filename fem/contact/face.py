@@ -1,8 +1,8 @@
-"""Mesh laws whose slices are coupled along the face, compiled: tooth bending that spreads, wind-up and tilt of the bodies.
+"""Mesh laws whose slices are coupled along the face, compiled: tooth bending that spreads, wind-up and tilt of bodies.
 
 With the slice potentials U_s, convex in the approach of each pair, the law of `fem.contact.law` is the minimum of
 
-    sum_s w_s U_s(x_s - g v_s - d - t y_s) + v' T v / 2 + d^2 / (2 E_0) + t^2 / (2 E_1),   g = sqrt(D)
+    sum_s w_s U_s(x_s - g v_s - d - t y_s) + v' T v / 2 + (d, t) E^-1 (d, t)' / 2,   g = sqrt(D), E = [E_0 E_01; E_01 E_1]
 
 over the fields v_p (one per pair) and the body displacements d, t; T stands for 1 - a^2 d^2/dy^2 between the slices
 (diagonal w_s, springs a^2 / distance between neighbours, nothing beyond the ends). All parts are convex, so the minimum
@@ -11,9 +11,9 @@ K_s = phi J^-1 enter
 
     (T + w g K g) dv = w g phi f - T v - w g K 1 (dd + dt y)
 
-which is tridiagonal in blocks of the pairs; d and t, coupled with everything, are two right-hand sides more. F, M, U and
-all derivatives are those of the minimum (envelope theorem); the total stiffness is the slices' with fields and bodies
-in series.
+which is tridiagonal in blocks of the pairs; d and t, coupled with everything, are two right-hand sides more. F, M, U
+and all derivatives are those of the minimum (envelope theorem); the total stiffness is the slices' with fields and
+bodies in series.
 
 Hertz contacts bend little, so three or four steps reach round-off; a step is halved where it fails to reduce the
 gradient after the first few.
@@ -45,6 +45,7 @@ from fem.contact.packing import (
     ROWS_PER_BLOCK,
     SHIFT,
     SIGN,
+    SKEW,
     SLICE_ROWS,
     SLICES,
     SLOPE,
@@ -226,7 +227,9 @@ def evaluate_coupled(tables, cycle, delta, psi, pinion, wheel, pair_force):
         touched = touched or found
     if n_near == 0 or not touched:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    lines = int(near[n_near - 1, 0]) - first + 1 if tables[LENGTH] > 0.0 else 0
+    lines = 0
+    if tables[LENGTH] > 0.0:
+        first, lines = loaded_lines(blocks, near, n_near, work)
     free = np.empty((blocks, 2, LANES))
     early = np.empty((blocks, LANES))
     for k in range(blocks):
@@ -245,10 +248,8 @@ def evaluate_coupled(tables, cycle, delta, psi, pinion, wheel, pair_force):
     for step in range(STEPS):
         energy = rate = 0.0
         for k in range(blocks):
-            rows, row_bits = (
-                work[k * lanes.TOTAL : (k + 1) * lanes.TOTAL],
-                bits[k * lanes.TOTAL : (k + 1) * lanes.TOTAL],
-            )
+            rows = work[k * lanes.TOTAL : (k + 1) * lanes.TOTAL]
+            row_bits = bits[k * lanes.TOTAL : (k + 1) * lanes.TOTAL]
             relieve(tables, k, own_cycle, d, t, first, lines, free, early, v, rows)
             lanes.guess(slope, rows, row_bits)
             for _ in range(lanes.SWEEPS):
@@ -264,7 +265,8 @@ def evaluate_coupled(tables, cycle, delta, psi, pinion, wheel, pair_force):
                         at = k * LANES + s
                         for m in range(n_near if lines > 0 else 0):
                             g, _ = amplitude(tables, at, own_cycle, near[m, 0])
-                            relief[m] = g * v[at, int(near[m, 0]) - first]
+                            row = int(near[m, 0]) - first
+                            relief[m] = g * v[at, row] if 0 <= row < lines else 0.0
                         n, _, _, u, r = slices.solve_slice(
                             tables, k, s, own_cycle, delta - d, psi - t, near, n_near, relief, one
                         )
@@ -283,9 +285,11 @@ def evaluate_coupled(tables, cycle, delta, psi, pinion, wheel, pair_force):
         if lines > 0:
             field_step(tables, lines, inverse, right, taken, scratch)
         k00, k01, k11 = own[2] - taken[2], own[3] - taken[3], own[4] - taken[4]
-        e0, e1 = tables[BODY], tables[TILT]
-        r0, r1 = e0 * (own[0] - taken[0]) - d, e1 * (own[1] - taken[1]) - t
-        a00, a01, a10, a11 = 1.0 + e0 * k00, e0 * k01, e1 * k01, 1.0 + e1 * k11
+        e0, e01, e1 = tables[BODY], tables[SKEW], tables[TILT]
+        force, moment = own[0] - taken[0], own[1] - taken[1]
+        r0, r1 = e0 * force + e01 * moment - d, e01 * force + e1 * moment - t
+        a00, a01 = 1.0 + e0 * k00 + e01 * k01, e0 * k01 + e01 * k11
+        a10, a11 = e01 * k00 + e1 * k01, 1.0 + e01 * k01 + e1 * k11
         det = a00 * a11 - a01 * a10
         dd, dt = (a11 * r0 - a01 * r1) / det, (a00 * r1 - a10 * r0) / det
         part = 1.0 if step < 8 else 0.5
@@ -317,6 +321,21 @@ def evaluate_coupled(tables, cycle, delta, psi, pinion, wheel, pair_force):
     h00, h01 = (k00 * a11 - k01 * a10) / det, (k01 * a00 - k00 * a01) / det
     h11 = (k11 * a00 - k01 * a01) / det
     return force, moment, energy, h00, h01, h11, tables[SIGN] * rate
+
+
+@njit(**_options)
+def loaded_lines(blocks, near, n_near, work):
+    """First pair that may carry and how many from there on; all near pairs where a slice is not of the usual kind."""
+    low, high = near[n_near - 1, 0], near[0, 0]
+    for k in range(blocks):
+        top = k * lanes.TOTAL
+        for s in range(LANES):
+            if work[top + lanes.RARE, s] > 0.0:
+                return int(near[0, 0]), int(near[n_near - 1, 0] - near[0, 0]) + 1
+            for at in (top, top + lanes.SECOND):
+                if work[at + lanes.X, s] > lanes.NEVER:
+                    low, high = min(low, work[at + lanes.PAIR, s]), max(high, work[at + lanes.PAIR, s])
+    return int(low), int(high - low) + 1
 
 
 @njit(**_inline)

@@ -4,7 +4,7 @@ Contract
 --------
 1. It is made from a `System` and a fixed step h (s): ``METHODS[name](system, h)``. Making it does all work that does
    not depend on the state; it raises StepError if h is outside its range.
-2. ``start(state, speed)`` sets the state and the motor speed (rad/s) at t = 0 and returns a `Block` of that one instant.
+2. ``start(state)`` sets the state at t = 0 and returns a `Block` of that one instant.
 3. ``advance(angles, speeds, accelerations)`` takes len(angles) steps. ``angles`` and ``speeds`` are those of the motor
    (rad, rad/s) at the end of each step, ``accelerations`` (rad/s2) are held during it. It returns a `Block` of the new
    instants; a method may cut steps, ``whole`` then names the instants that end the steps asked for.
@@ -78,7 +78,7 @@ class Integrator(Protocol):
     flow: Flow | None
     counters: dict[str, int]
 
-    def start(self, state: State, speed: float = 0.0) -> Block:
+    def start(self, state: State) -> Block:
         """Set the state at t = 0."""
 
     def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:

@@ -19,7 +19,7 @@ import numpy as np
 from scipy import linalg
 
 from mbd.checks import StepError
-from mbd.forces import LOG_COLUMNS
+from mbd.forces import LOG_COLUMNS, element_count
 from mbd.integrators.base import TOLERANCE, Block, uniform_clock
 from mbd.rows_solver import parametric, solve_rows
 from mbd.statics import State
@@ -51,10 +51,10 @@ class GeneralisedAlpha:
         self._g_u = self._beta * step**2 * system.all_rows @ answer
         self._g_v = self._gamma * step * system.rows @ answer
         self._answer = answer
-        elements = len(system.table.tau) + len(system.table.rope_ea)
+        elements = element_count(system.table)
         self._empty_log = np.zeros((elements, len(LOG_COLUMNS)))
 
-    def start(self, state: State, speed: float = 0.0) -> Block:
+    def start(self, state: State) -> Block:
         """Set the state at t = 0."""
         system = self._system
         self._q, self._v, self._forces = state.displacement.copy(), state.velocity.copy(), state.forces.copy()
@@ -63,7 +63,7 @@ class GeneralisedAlpha:
         still = np.zeros((len(self._rows), len(self._forces)))
         v = system.rows @ self._v
         used = solve_rows(
-            system.table, self._angle, 0.0, self._rows.copy(), v.copy(), still, still[: len(v)].copy(), self._forces,
+            system.table, self._angle, state.motor_speed, self._rows.copy(), v.copy(), still, still[: len(v)].copy(), self._forces,
             self._rows, v, self._log, TOLERANCE,
         )  # fmt: skip
         if used < 0:
@@ -71,7 +71,7 @@ class GeneralisedAlpha:
         self._push = system.constant_force + system.rows.T @ self._forces
         self._acceleration = self.inverse_mass @ (self._push - system.damping @ self._v - system.stiffness @ self._q)
         instant = self._instant()
-        return self._block([(instant[0], *instant)], np.array([[0.0, self._angle, speed, 0.0]]))
+        return self._block([(instant[0], *instant)], np.array([[0.0, self._angle, state.motor_speed, 0.0]]))
 
     def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
         """Take len(angles) steps."""

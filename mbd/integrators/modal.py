@@ -22,7 +22,7 @@ import numpy as np
 from scipy import linalg
 
 from mbd.checks import StepError
-from mbd.forces import LOG_COLUMNS
+from mbd.forces import LOG_COLUMNS, element_count
 from mbd.integrators.base import TOLERANCE, Block, Flow, join
 from mbd.integrators.modal_loop import QUARTERS, Constants, Memory, advance_modes
 from mbd.rows_solver import solve_rows
@@ -72,18 +72,18 @@ class ModalIntegrator:
         self._constants = _constants(holds, lengths, flow, system.all_rows @ basis @ moved)
         self._memory: Memory | None = None
 
-    def start(self, state: State, speed: float = 0.0) -> Block:
+    def start(self, state: State) -> Block:
         """Set the state at t = 0."""
         table, constants = self._system.table, self._constants
         eta = _stack(self._from_displacement @ state.displacement + self._from_velocity @ state.velocity)
-        log = np.zeros((1, len(table.tau) + len(table.rope_ea), len(LOG_COLUMNS)))
+        log = np.zeros((1, element_count(table), len(LOG_COLUMNS)))
         m, past = len(state.forces), constants.powers.shape[1]
         u = constants.rows @ eta
         v = self._system.rows @ (self.velocity @ eta)
         still = np.zeros((len(u), m))
         forces = state.forces.copy()
         used = solve_rows(
-            table, state.motor_angle, speed, u, v, still, still[:m].copy(), forces, u.copy(), v.copy(), log[0],
+            table, state.motor_angle, state.motor_speed, u, v, still, still[:m].copy(), forces, u.copy(), v.copy(), log[0],
             TOLERANCE,
         )  # fmt: skip
         if used < 0:
@@ -95,11 +95,11 @@ class ModalIntegrator:
             pushes=np.tile(state.forces @ constants.enter, (past, 1)),
             past=np.full(2, self._step),
             counts=np.zeros(3, dtype=np.int64),
-            motor=np.array([state.motor_angle, speed]),
+            motor=np.array([state.motor_angle, state.motor_speed]),
             rows=u.copy(),
             log=log[0].copy(),
         )
-        states, clock = eta[None].copy(), np.array([[0.0, state.motor_angle, speed, 0.0]])
+        states, clock = eta[None].copy(), np.array([[0.0, state.motor_angle, state.motor_speed, 0.0]])
         holds = np.zeros((1, past, m))
         return Block(states, states, forces[None], u[None], log, clock, np.zeros(1, dtype=np.int64), holds)
 
@@ -126,7 +126,7 @@ class ModalIntegrator:
             starts=instants[:-1],
             forces=np.empty((n, m)),
             rows=np.empty((n, len(constants.rows))),
-            log=np.zeros((n, len(table.tau) + len(table.rope_ea), len(LOG_COLUMNS))),
+            log=np.zeros((n, element_count(table), len(LOG_COLUMNS))),
             clock=np.empty((n, 4)),
             whole=np.zeros(len(angles), dtype=np.int64),
             holds=np.empty((n, past, m)),

@@ -86,9 +86,9 @@ def _add_product(target, weight, push):
 
 
 @njit(nogil=True, error_model="numpy")
-def _kink(before, after):
-    """True if an element touched or let go."""
-    for k in range(len(before)):
+def _kink(before, after, n_contact):
+    """True if one of the first elements, flanks and ropes, touched or let go."""
+    for k in range(n_contact):
         if (before[k, 0] > 0.0) != (after[k, 0] > 0.0):
             return True
     return False
@@ -119,7 +119,7 @@ def _choose_hold(counts, level, n_past):
 
 
 @njit(nogil=True, error_model="numpy")
-def _remember(constants, memory, hold, level, eta, force, row_values, log, held):
+def _remember(constants, memory, hold, level, n_contact, eta, force, row_values, log, held):
     """Finish the step: its own part of the state, the polynomials of the forces, and the memory."""
     _, _, _, weights, powers, _, _, enter, _, _, _ = constants
     state, forces, pushes, past, counts, _, rows, last_log = memory
@@ -138,7 +138,7 @@ def _remember(constants, memory, hold, level, eta, force, row_values, log, held)
             for s in range(1, n_past):
                 held[k, r] += powers[hold, k, s] * forces[s - 1, r]
         forces[2, r], forces[1, r], forces[0, r] = forces[1, r], forces[0, r], force[r]
-    counts[0] = 0 if _kink(last_log, log) else counts[0] + 1
+    counts[0] = 0 if _kink(last_log, log, n_contact) else counts[0] + 1
     counts[2] = level
     past[1], past[0] = past[0], constants.length[level]
     for r in range(len(rows)):
@@ -162,7 +162,7 @@ def _compiled(digest: int) -> Callable:
         units = QUARTERS**finest
         u_p, v_p, v, guess = np.empty(n_rows), np.empty(m), np.empty(m), np.empty(m)
         moving, quality = np.empty(len(state)), np.zeros(1)
-        iterations, n = 0, 0
+        iterations, n, n_contact = 0, 0, len(table.tau) + len(table.rope_ea)
         for i in range(first, len(angles)):
             if n + units > len(states):
                 return i, n, iterations, False
@@ -190,7 +190,7 @@ def _compiled(digest: int) -> Callable:
                     table, angle, speed, u_p, v_p, g_u[level, hold], g_v[level, hold], guess, row_values[n], v, log[n],
                     tolerance, NEAR, ROUGH if level < finest else np.inf, quality,
                 )  # fmt: skip
-                if level < finest and (used < 0 or _kink(last_log, log[n])):
+                if level < finest and (used < 0 or _kink(last_log, log[n], n_contact)):
                     counts[1] += 1
                     continue
                 if used < 0:
@@ -200,7 +200,7 @@ def _compiled(digest: int) -> Callable:
                 for r in range(m):
                     forces[n, r] = guess[r]
                 clock[n, 0], clock[n, 1], clock[n, 2], clock[n, 3] = length[level], angle, speed, a
-                _remember(constants, memory, hold, level, eta, guess, row_values[n], log[n], holds[n])
+                _remember(constants, memory, hold, level, n_contact, eta, guess, row_values[n], log[n], holds[n])
                 motor[0], motor[1] = angle, speed
                 position += own
                 n += 1

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from mbd.checks import StepError
-from mbd.forces import LOG_COLUMNS
+from mbd.forces import LOG_COLUMNS, element_count
 from mbd.integrators.base import TOLERANCE, Block, uniform_clock
 from mbd.rows_solver import parametric, solve_rows
 from mbd.statics import State
@@ -43,16 +43,16 @@ class Reference:
         self._x = np.zeros(2 * n)
         m = len(system.rows)
         self._still = np.zeros((len(self._u_rows), m)), np.zeros((m, m))
-        elements = len(system.table.tau) + len(system.table.rope_ea)
+        elements = element_count(system.table)
         self._log, self._rows, self._angle = np.zeros((elements, len(LOG_COLUMNS))), np.zeros(len(self._u_rows)), 0.0
 
-    def start(self, state: State, speed: float = 0.0) -> Block:
+    def start(self, state: State) -> Block:
         """Set the state at t = 0."""
         to_modal = self._system.basis.T @ self._system.mass
         self._x = np.concatenate([to_modal @ state.displacement, to_modal @ state.velocity])
         self._angle = state.motor_angle
-        forces, self._rows, self._log = self._forces(self._x, self._angle, 0.0)
-        clock = np.array([[0.0, self._angle, speed, 0.0]])
+        forces, self._rows, self._log = self._forces(self._x, self._angle, state.motor_speed)
+        clock = np.array([[0.0, self._angle, state.motor_speed, 0.0]])
         return Block(
             self._x[None], self._x[None], forces[None], self._rows[None], self._log[None], clock, np.zeros(1, dtype=int),
             np.zeros((1, 0, len(forces))),

@@ -38,8 +38,12 @@ MeshModel = Annotated[IsoMesh | EnergyMesh | PlaneMesh, Field(discriminator="mod
 
 
 class StageTable(Table):
-    """One helical gear pair: the pinion drives (shaft i), the wheel is driven (shaft i + 1)."""
+    """One helical gear pair: the pinion drives, the wheel is driven."""
 
+    pinion_shaft: Annotated[Whole | None, Field(ge=1, description="number of its shaft; left out in stage i: i")] = None
+    wheel_shaft: Annotated[Whole | None, Field(ge=1, description="number of its shaft; left out in stage i: i + 1")] = (
+        None
+    )
     pinion_teeth: Annotated[Whole, Field(ge=8, le=400, description="z1")]
     wheel_teeth: Annotated[Whole, Field(ge=8, le=400, description="z2")]
     module_mm: Annotated[Number, Field(gt=0, le=60, description="normal module m_n")]

@@ -10,13 +10,18 @@ from pipelines.tables.base import Number, Table, Whole
 
 
 class DriveTable(Table):
-    """Speed-driven motors at both ends of shaft 1, each through a coupling that only holds the rotation."""
+    """Speed-driven motors at both ends of a shaft, each through a coupling that only holds the rotation."""
 
     times_s: Annotated[tuple[Number, ...], Field(min_length=2, description="strictly rising, starting at 0")]
     speeds_rpm: Annotated[tuple[Number, ...], Field(min_length=2, description="motor speed at these times")]
     motors: Annotated[Literal[1, 2], Field(description="2: one at each end; 1: at the -y end")] = 2
     coupling_stiffness_N_m_per_rad: Annotated[Number, Field(gt=0, description="of each coupling")] = 2000.0
     coupling_damping_N_m_s_per_rad: Annotated[Number, Field(ge=0, description="of each coupling")] = 0.5
+    shaft: Annotated[Whole | None, Field(ge=1, description="number of the driven shaft; left out: 1")] = None
+    brake_torque_N_m: Annotated[
+        Number,
+        Field(ge=0, description="holding brake on that shaft, at the first motor: closed while the motors stand"),
+    ] = 0.0
 
     @model_validator(mode="after")
     def _table(self) -> DriveTable:
@@ -38,6 +43,21 @@ class LoadBase(Table):
     drum_mass_kg: Annotated[Number, Field(gt=0, description="of each drum, overhung at the ends of the last shaft")]
     drum_inertia_kg_m2: Annotated[Number, Field(gt=0, description="of each drum about the shaft")]
     reeving_ratio: Annotated[Number, Field(gt=0, description="rope speed at the drum over container speed")] = 2.0
+    shaft: Annotated[Whole | None, Field(ge=1, description="number of the shaft of the drums; left out: the last")] = (
+        None
+    )
+    drum_positions_mm: Annotated[
+        tuple[Number, ...], Field(description="y of the drums; left out: both ends of their shaft")
+    ] = ()
+    rope_direction_deg: Annotated[
+        Number | None,
+        Field(
+            ge=-180,
+            le=180,
+            description="direction in which the ropes pull at the drums: 0 is +x, 90 is up; left out: the pull is "
+            "balanced at the drum and only its torque reaches the shaft",
+        ),
+    ] = None
 
 
 class StaticTorqueTable(LoadBase):
@@ -56,9 +76,28 @@ class RopeTable(LoadBase):
     rope_falls: Annotated[Whole, Field(ge=1, description="falls that carry the container")] = 8
     rope_length_m: Annotated[Number, Field(gt=0, description="free length at t = 0")] = 5.0
     rope_damping_ratio: Annotated[Number, Field(ge=0, lt=1, description="of the bounce at the initial length")] = 0.02
+    ground_level_m: Annotated[
+        Number | None,
+        Field(
+            description="height of the ground over the place where the container hangs on the just taut rope at t = 0; "
+            "positive: it stands on the ground and the rope is slack by as much; left out: no ground"
+        ),
+    ] = None
+    ground_stiffness_N_per_um: Annotated[Number, Field(gt=0, description="of the ground under the container")] = 10.0
+    ground_damping_ratio: Annotated[Number, Field(ge=0, lt=10, description="of the container on the ground")] = 0.1
 
 
-LoadModel = Annotated[StaticTorqueTable | RopeTable, Field(discriminator="model")]
+class RopePendulumTable(RopeTable):
+    """The same, and the container swings below a trolley at rest."""
+
+    model: Literal["rope-pendulum"] = "rope-pendulum"  # type: ignore[assignment]
+    sway_x_deg: Annotated[
+        Number, Field(gt=-60, lt=60, description="angle of the ropes at t = 0, released from rest")
+    ] = 0.0
+    sway_y_deg: Annotated[Number, Field(gt=-60, lt=60, description="the same across, along the shafts")] = 0.0
+
+
+LoadModel = Annotated[StaticTorqueTable | RopeTable | RopePendulumTable, Field(discriminator="model")]
 
 
 class SimulationTable(Table):

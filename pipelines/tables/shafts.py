@@ -1,4 +1,4 @@
-"""Tables of the shafts and their bearings."""
+"""Tables of the shafts, what sits on them, and what joins them; their bearings are in `pipelines.tables.bearings`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from pipelines.tables.base import Number, Table
+from pipelines.tables.base import Flag, Number, Table, Whole
+from pipelines.tables.bearings import BearingModel
 
 
 class SectionTable(Table):
@@ -30,19 +31,28 @@ class ShaftTable(Table):
     """One shaft; shaft 1 is the input."""
 
     sections: Annotated[tuple[SectionTable, ...], Field(min_length=1, description="from -y to +y, without gaps")]
-    bearing_positions_mm: Annotated[tuple[Number, Number], Field(description="y of its two bearings, -y first")]
+    bearing_positions_mm: Annotated[tuple[Number, ...], Field(min_length=1, description="y of its bearings, -y first")]
+    bearing_supports: Annotated[
+        tuple[Literal["casing", "ground"], ...],
+        Field(description="what carries each bearing; left out: the casing. A housing carries two per shaft"),
+    ] = ()
+    bearings: Annotated[
+        tuple[BearingModel, ...], Field(description="one table per bearing instead of the common one, [bearings]")
+    ] = ()
 
     @model_validator(mode="after")
     def _joined(self) -> ShaftTable:
         for left, right in zip(self.sections, self.sections[1:], strict=False):
             if left.end_mm != right.start_mm:
                 raise ValueError(f"sections: one ends at {left.end_mm} mm, the next starts at {right.start_mm} mm")
-        first, last = self.bearing_positions_mm
-        if not self.sections[0].start_mm <= first < last <= self.sections[-1].end_mm:
-            raise ValueError(
-                f"bearing_positions_mm = {[first, last]} must rise and lie between {self.sections[0].start_mm} and "
-                f"{self.sections[-1].end_mm} mm"
-            )
+        places, (start, end) = self.bearing_positions_mm, (self.sections[0].start_mm, self.sections[-1].end_mm)
+        rising = all(a < b for a, b in zip(places, places[1:], strict=False))
+        if not (rising and start <= places[0] and places[-1] <= end):
+            raise ValueError(f"bearing_positions_mm = {list(places)} must rise and lie between {start} and {end} mm")
+        for key in ("bearing_supports", "bearings"):
+            given = getattr(self, key)
+            if given and len(given) != len(places):
+                raise ValueError(f"{key}: {len(given)} given for {len(places)} bearings")
         return self
 
 
@@ -56,13 +66,28 @@ class ShaftModel(Table):
     damping_time_us: Annotated[Number, Field(ge=0, le=1000, description="material damping = this time * stiffness")] = (
         0.5
     )
+    gyroscopic: Annotated[
+        Flag, Field(description="true: gyroscopic moments of shafts and disks at the current speed")
+    ] = False
 
 
-class BearingTable(Table):
-    """Linear bearings between shaft and casing, the same for all."""
+class DiskTable(Table):
+    """A rigid disk on a shaft besides gears and drums: coupling half, brake disk, flywheel."""
 
-    model: Literal["linear"] = "linear"
-    radial_stiffness_N_per_um: Annotated[Number, Field(ge=0.01, le=1e6, description="in x and z")] = 100.0
-    axial_stiffness_N_per_um: Annotated[Number, Field(ge=0.01, le=1e6, description="along the shaft")] = 50.0
-    tilt_stiffness_N_m_per_rad: Annotated[Number, Field(ge=0, le=1e9, description="about x and z")] = 1.0e4
-    damping_time_us: Annotated[Number, Field(ge=0, le=1e4, description="damping = this time * stiffness")] = 5.0
+    shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
+    position_mm: Annotated[Number, Field(description="y")]
+    mass_kg: Annotated[Number, Field(ge=0, description="mass")]
+    polar_inertia_kg_m2: Annotated[Number, Field(ge=0, description="about the shaft")]
+    diametral_inertia_kg_m2: Annotated[Number, Field(ge=0, description="about a diameter")]
+
+
+class CouplingTable(Table):
+    """A coupling between two shafts on one axis; 0 leaves a direction free."""
+
+    shafts: Annotated[tuple[Whole, Whole], Field(description="numbers of the two shafts")]
+    positions_mm: Annotated[tuple[Number, Number], Field(description="y on each of them")]
+    torsional_stiffness_N_m_per_rad: Annotated[Number, Field(gt=0, description="about the axis")]
+    radial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="in x and z")] = 0.0
+    axial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="along the axis")] = 0.0
+    tilt_stiffness_N_m_per_rad: Annotated[Number, Field(ge=0, description="about x and z")] = 0.0
+    damping_time_us: Annotated[Number, Field(ge=0, le=1e5, description="damping = this time * stiffness")] = 0.0
