@@ -29,7 +29,8 @@ def sections() -> list[str]:
 
 LEAD = (
     "Each table was measured in one run on one thread, both sides on the same problem; seconds are the processor's. "
-    "CalculiX is the Debian package calculix-ccx with SPOOLES; the Python packages live in the environment of `make peers`."
+    "CalculiX is the Debian package calculix-ccx with SPOOLES; the Python packages live in the environment of "
+    "`make peers`."
 )
 
 
@@ -55,7 +56,7 @@ def contact_table(found: Found) -> str:
         )
     headers = ("mesh cycle", "state", "µm by CalculiX (elements along the face)", "extrapolated µm", "s", *names)
     lead = (
-        f"Approach of stage 1 (20/55, b 12 mm) at {found['force_N']:.0f} N: full 3-D contact model of both whole wheels, "
+        f"Approach of stage 1 (20/55, b 12 mm) at {found['force_N']:.0f} N: full 3-D contact model of both wheels, "
         f"{found['element']}, penalty {found['penalty_N_per_mm3']:.0e} N/mm³; deviation of each rung."
     )
     return f"{lead}\n\n{markdown(headers, rows)}"
@@ -69,7 +70,7 @@ def frequency_table(found: Found) -> str:
     ]
     lead = (
         f"Casing with held feet, {found['unknowns']} unknowns, {found['modes']} modes from {found['first_Hz']:.0f} to "
-        f"{found['last_Hz']:.0f} Hz, one mesh. Largest difference of a frequency {100 * found['largest_deviation']:.4f} %; "
+        f"{found['last_Hz']:.0f} Hz, one mesh. Largest difference {100 * found['largest_deviation']:.4f} %; "
         f"gearcase is {found['ratio']:.1f} times as fast."
     )
     return f"{lead}\n\n{markdown(('program', 'processor s', 'wall-clock s'), rows)}"
@@ -82,7 +83,7 @@ def motion_table(found: Found) -> str:
         ratio = found["ratio"].get(name)
         rows.append([name, "not reached" if seconds is None else f"{seconds:.3g}", f"{ratio:.1f}" if ratio else ""])
     lead = (
-        f"One gear stage in linear bearings, {found['coordinates']} coordinates, {found['span_s']:g} s of motion at 900 rpm, "
+        f"One gear stage in linear bearings, {found['coordinates']} coordinates, {found['span_s']:g} s at 900 rpm, "
         f"error {found['error']:g} of the dynamic approach; the compiled mesh force is the same for all."
     )
     return f"{lead}\n\n{markdown(('method', 's at this error', 'times gearcase'), rows)}"
@@ -109,8 +110,8 @@ def floor_table(found: Found) -> str:
     ]
     rates = found["rates"]
     lead = (
-        f"Measured on one thread: {rates['dgemm'] / 1e9:.0f} Gflop/s in a dense product, {rates['memory'] / 1e9:.0f} GB/s from "
-        f"memory, {rates['cache'] / 1e9:.0f} GB/s from the cache."
+        f"Measured on one thread: {rates['dgemm'] / 1e9:.0f} Gflop/s in a dense product, "
+        f"{rates['memory'] / 1e9:.0f} GB/s from memory, {rates['cache'] / 1e9:.0f} GB/s from the cache."
     )
     return f"{lead}\n\n{markdown(('work', 'flop', 'bytes', 's at these rates'), rows)}"
 

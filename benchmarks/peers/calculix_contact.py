@@ -1,12 +1,12 @@
-"""Transmission error of stage 1 of the rig by CalculiX, both wheels whole in 3-D: python -m benchmarks.peers.calculix_contact
+"""Approach of stage 1 of the rig by CalculiX, whole wheels in 3-D: python -m benchmarks.peers.calculix_contact
 
-Computes what benchmarks/results/calculix_contact.json does not hold yet (minutes to half an hour per position and mesh),
-then compares the rungs with it. --compare leaves CalculiX alone.
+Computes what benchmarks/results/calculix_contact.json does not hold yet (minutes to half an hour per position and
+mesh), then compares the rungs with it. --compare leaves CalculiX alone.
 
 Every position is computed on two meshes of equal flank, fillet and body elements and more along the face; the
 extrapolated value takes the error as quadratic in the element length along the face. The approach is set near the value
-wanted and brought to the load by the local exponent d ln F / d ln(delta - delta_0) of rung `plane`, a correction of some
-per cent at most.
+wanted and brought to the load by the local exponent d ln F / d ln(delta - delta_0) of rung `plane`, a correction of
+some per cent at most.
 """
 
 from __future__ import annotations
