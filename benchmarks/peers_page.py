@@ -42,7 +42,7 @@ def _conditions(found: Found) -> str:
 
 def contact_table(found: Found) -> str:
     """Approach at the load of the rig by CalculiX and by the rungs."""
-    names = sorted({name for place in found["positions"] for name in place.get("rungs", {})})
+    names = list(found["positions"][0]["rungs"])
     rows = []
     for place in found["positions"]:
         if not place["meshes"]:

@@ -27,13 +27,19 @@ from benchmarks.peers.contact_deck import ContactModel
 from benchmarks.peers.tooth_mesh import Sizes
 from benchmarks.rig import plane_law, read
 from fem.contact.curves import stiffness_curve
+from fem.contact.energy import Energy
+from fem.contact.iso import Iso
 from fem.contact.law import MeshLaw
+from fem.contact.plane import Plane
+from fem.contact.solid import Solid
+from fem.contact.solid_contact import solve as solve_solid
 from fem.gears.geometry import GearPair
 from pipelines.derived import derive
 
 RESULTS = Path(__file__).resolve().parent.parent / "results" / "calculix_contact.json"
 PENALTY = 1e8  # N/mm3
 POSITIONS = ((0.1, False), (0.6, False), (0.3, True), (0.6, True))  # mesh cycle, wheel tooth 0 missing
+POSITIONS_PER_CYCLE = 10  # on which all POSITIONS lie
 FACE_ELEMENTS = (4, 6)
 CLOSE = 0.1  # largest relative distance of the computed from the wanted force
 
@@ -97,17 +103,17 @@ def extrapolated(rows: list[dict[str, Any]]) -> float:
 
 def compare(result: dict[str, Any], pair: GearPair, force: float) -> None:
     """Add the approach by every rung, and its deviation from the extrapolated value, to the positions."""
-    from benchmarks.peers.rung_laws import rung_laws
-
-    laws = rung_laws(pair)
+    laws = {"iso": Iso().laws(pair)[0], "energy": Energy().laws(pair)[0], "plane": Plane().laws(pair)[0]}
+    solid = Solid(positions=POSITIONS_PER_CYCLE).compliance(pair)
     for place in result["positions"]:
         if not place["meshes"]:
             continue
         exact = place["extrapolated_m"] = extrapolated(place["meshes"])
-        place["rungs"] = {}
-        for name, law in laws.items():
-            delta, _ = approach(law, force, place["cycle"], place["missing"])
-            place["rungs"][name] = {"delta_m": delta, "deviation": delta / exact - 1.0}
+        found = {name: approach(law, force, place["cycle"], place["missing"])[0] for name, law in laws.items()}
+        index = np.array([round(place["cycle"] * POSITIONS_PER_CYCLE)])
+        state = solve_solid(solid, index, force=force, clearance={0: math.inf} if place["missing"] else None)
+        found["solid"] = float(state.approach[0])
+        place["rungs"] = {name: {"delta_m": delta, "deviation": delta / exact - 1.0} for name, delta in found.items()}
 
 
 def main(arguments: list[str] | None = None) -> int:
