@@ -93,7 +93,7 @@ def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
         tip_rounding=table.tip_rounding_mm / 1000,
         rim_thickness=None if table.rim_thickness_mm is None else table.rim_thickness_mm / 1000,
         web_thickness=None if table.web_thickness_mm is None else table.web_thickness_mm / 1000,
-        web_offset=sense * table.web_offset_mm / 1000,
+        web_offset=sense * table.web_offset_mm / 1000 + 0.0,  # no -0: equal pairs share a law
     )
 
 

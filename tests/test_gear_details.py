@@ -124,7 +124,7 @@ def test_impossible_details_are_refused(changes, message):
 
 @pytest.mark.parametrize("teeth", [(12, 12), (12, 30), (12, 250)])
 def test_an_undercut_pinion_runs_on_what_is_left_of_its_involute(teeth):
-    """z 12, x 0: the mate's tip passes below the involute, but clear of the fillet; the path starts at the form circle."""
+    """z 12, x 0: the mate's tip passes below the involute, clear of the fillet; the path starts at the form circle."""
     pair = gear_pair(teeth, 2, 0, 12, bores_mm=(6.5, 6.5 if teeth[1] == 12 else 20.0))
     assert pair.pinion.undercut
     assert pair.shortened_by_undercut[0]
@@ -135,7 +135,8 @@ def test_an_undercut_pinion_runs_on_what_is_left_of_its_involute(teeth):
     gap = path_points(pair, xi, 1e-3, (np.inf, np.inf)).gap
     finite = np.isfinite(gap)
     assert (gap[finite] >= -1e-12).all()
-    assert np.abs(np.diff(gap[finite])).max() < 20e-6  # the tip edge takes over from the undercut edge without a jump
+    near = gap < 100e-6
+    assert np.abs(np.diff(gap[near])).max() < 20e-6  # the tip edge takes over from the undercut edge without a jump
 
 
 def test_a_tip_that_cuts_into_the_fillet_is_interference():

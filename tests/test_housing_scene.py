@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fem.casing.housing import Housing
-from fem.casing.imported import ImportedHousing
+from fem.casing.imported import ImportedHousing, content_hash
 from fem.casing.locate import ByGroup
 from fem.casing.sizes import bending_wavelength
 from pipelines.chain import scene_stages
@@ -124,3 +124,11 @@ def test_a_mesh_file_and_its_groups_by_keys(tmp_path):
 def test_axes_of_a_sensor_get_unit_length():
     sensor = made("rig-step", ["sensors.1.axes=[[0, 2, 0], [-3, 0, 0], [0, 0, 1]]"]).sensors[0]
     assert sensor.axes == ((0, 1, 0), (-1, 0, 0), (0, 0, 1))
+
+
+def test_every_shipped_file_is_listed_with_its_hash():
+    folder = resources.files("meshes")
+    page = (folder / "README.md").read_text(encoding="utf-8")
+    shipped = [p for p in folder.iterdir() if p.name.endswith((".step", ".msh"))]
+    assert shipped
+    assert all(p.name in page and content_hash(p) in page for p in shipped)

@@ -153,19 +153,23 @@ def test_the_coast_flank_is_the_drive_flank_of_the_pair_in_the_mirror(laws):
 
 
 def test_exchange_of_pinion_and_wheel_gives_the_same_law_backwards(laws):
-    """With the wheel as driver the same flanks carry when it turns the other way, about the pinion's +y: y stays."""
+    """With the wheel as driver the same flanks carry when it turns the other way, about the pinion's +y: y stays.
+
+    Both laws interpolate on their own grid of positions, hence the tolerance.
+    """
     turned = GearPair(pinion=PAIR.wheel, wheel=PAIR.pinion)
     swapped = PairModifications(pinion=ALL.wheel, wheel=ALL.pinion, misalignment=ALL.misalignment)
     one = modified_law(laws[0], PAIR, ALL)
     two = modified_law(Plane(refinement=0.5).laws(turned)[0], turned, swapped)
     cycle = np.linspace(0, 1, 40, endpoint=False) + 0.011
     first, second = evaluate_law(one, cycle, 2e-5, 2e-4), evaluate_law(two, -cycle, 2e-5, 2e-4)
-    assert second.force == pytest.approx(first.force, rel=1e-4)
-    assert second.moment == pytest.approx(first.moment, rel=1e-3)
+    assert second.force == pytest.approx(first.force, rel=5e-4)
+    assert second.moment == pytest.approx(first.moment, abs=5e-3 * np.abs(first.moment).max())
 
 
 def test_as_the_load_goes_to_zero_the_error_is_the_geometric_one():
-    law = modified_law(Plane(refinement=0.5).laws(SPUR)[0], SPUR, only("pinion", tip_relief=Relief(amount=1e-5, length=2e-3), profile_crowning=3e-6))  # fmt: skip
+    shape = only("pinion", tip_relief=Relief(amount=1e-5, length=2e-3), profile_crowning=3e-6)
+    law = modified_law(Plane(refinement=0.5).laws(SPUR)[0], SPUR, shape)
     cycle = np.linspace(0, 1, 50, endpoint=False)
     xi = law.position_start + law.position_step * np.arange(law.gap.size)
     finite = np.isfinite(law.gap)

@@ -13,7 +13,7 @@ from fem.contact.plane import Plane, PlaneError
 from fem.contact.teeth import tooth_terms
 from fem.gears.geometry import Gear, GearPair
 from fem.gears.sector import sector_mesh
-from fem.plane_elasticity import shape_functions, stiffness
+from fem.plane_elasticity import shape_functions
 
 YOUNG, POISSON = 206e9, 0.3
 
