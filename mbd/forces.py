@@ -28,6 +28,7 @@ import numpy as np
 from numba import njit
 
 from fem.contact.evaluate import evaluate, law_tables
+from fem.contact.kernel import evaluate_two
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import least_clearance
 from mbd.elements import Extra, extra_forces, extra_work
@@ -171,18 +172,37 @@ def _rope_constants(machine: Machine, ratios: dict[str, float]) -> dict[str, np.
     }
 
 
+@njit(nogil=True, error_model="numpy", inline="always")
+def touches(table, k, delta, psi):
+    """False if flank k is clear of contact everywhere."""
+    return delta - table.backlash[k] + abs(psi) * table.reach[k] > table.floor[k]
+
+
 @njit(nogil=True, error_model="numpy")
 def flank(table, k, angle, rotation, delta, psi):
     """What `evaluate` returns for flank k at the motor angle and the elastic rotation of its driving gear (rad)."""
-    approach = delta - table.backlash[k]
-    if approach + abs(psi) * table.reach[k] <= table.floor[k]:
+    if not touches(table, k, delta, psi):
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    i = k // 2
+    approach, i = delta - table.backlash[k], k // 2
     cycle = table.cycle_start[i] + table.cycle_rate[i] * (table.ratio[i] * angle + rotation)
     at, teeth = table.clearance_at[k], table.teeth[k]
     pinion = table.clearances[at[0] : at[0] + teeth[0]]
     wheel = table.clearances[at[1] : at[1] + teeth[1]]
     return evaluate(table.laws[k], cycle, approach, psi, pinion, wheel)
+
+
+@njit(nogil=True, error_model="numpy")
+def flank_and_before(table, k, angle, rotation, delta, psi, before, frozen):
+    """`flank` without dU/dc, and into ``frozen`` (6,) the same at the rows ``before`` and the same mesh cycle."""
+    i, b = k // 2, table.backlash[k]
+    cycle = table.cycle_start[i] + table.cycle_rate[i] * (table.ratio[i] * angle + rotation)
+    at, teeth = table.clearance_at[k], table.teeth[k]
+    pinion = table.clearances[at[0] : at[0] + teeth[0]]
+    wheel = table.clearances[at[1] : at[1] + teeth[1]]
+    f, m, energy, f_d, f_p, m_p, frozen[0], frozen[1], frozen[2], frozen[3], frozen[4], frozen[5] = evaluate_two(
+        table.laws[k], cycle, delta - b, psi, before[2 * k] - b, before[2 * k + 1], pinion, wheel
+    )
+    return f, m, energy, f_d, f_p, m_p
 
 
 @njit(nogil=True, error_model="numpy")
@@ -192,18 +212,28 @@ def rope_stiffness(table, j, angle):
 
 
 @njit(nogil=True, error_model="numpy")
-def row_forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log):
+def row_forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log, before, frozen):
     """Residual forces at row displacements u and rates v, motor angle and speed (rad, rad/s); fills force, slopes, log.
 
     ``slope_u[r]`` and ``slope_v[r]`` hold d force[r] with respect to the first and second row of r's element.
     ``held`` (flank,) is the stiffness that the damping takes, where it is not negative, instead of the current one.
+    If the rows ``before`` of the last instant are given (else empty), ``frozen`` (flank, 6) takes F, M, U, dF/d delta,
+    dF/d psi, dM/d psi there at the present mesh cycle, for `parametric_work`.
     """
     n_flank = len(table.tau)
     n_rope = len(table.rope_ea)
     n_force = 2 * n_flank + n_rope + len(table.extra.pattern)
     for k in range(n_flank):
         a = 2 * k
-        f, m, energy, f_d, f_p, m_p, _ = flank(table, k, angle, u[n_force + k // 2], u[a], u[a + 1])
+        f, m, energy, f_d, f_p, m_p = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        if len(before) == 0:
+            f, m, energy, f_d, f_p, m_p, _ = flank(table, k, angle, u[n_force + k // 2], u[a], u[a + 1])
+        elif touches(table, k, u[a], u[a + 1]) or touches(table, k, before[a], before[a + 1]):
+            f, m, energy, f_d, f_p, m_p = flank_and_before(
+                table, k, angle, u[n_force + k // 2], u[a], u[a + 1], before, frozen[k]
+            )
+        else:
+            frozen[k, :] = 0.0
         k0, kp0, tau = table.stiffness[k, 0], table.stiffness[k, 1], table.tau[k]
         total, moment = 0.0, 0.0
         slope_u[a, 0], slope_u[a, 1] = k0, 0.0
@@ -280,22 +310,25 @@ def follow_tangent(table, angle, before, u, v, force, log):
 
 
 @njit(nogil=True, error_model="numpy")
-def parametric_work(table, before, after, u_before, u_after, log_before, log_after):
-    """Fill the last three log columns of the step from motor angle ``before`` to ``after`` (rad)."""
+def parametric_work(table, before, after, u_before, u_after, log_before, log_after, frozen):
+    """Fill the last three log columns of the step from motor angle ``before`` to ``after`` (rad); ``frozen`` (flank, 6)
+    are the flanks at the new cycle and the old rows."""
     n_flank = len(table.tau)
     n_rope = len(table.rope_ea)
-    n_force = 2 * n_flank + n_rope + len(table.extra.pattern)
     for k in range(n_flank):
-        a, c = 2 * k, n_force + k // 2
+        a = 2 * k
         log_after[k, 7], log_after[k, 8], log_after[k, 9] = 0.0, 0.0, 0.0
         if log_before[k, 2] > 0.0 or log_after[k, 2] > 0.0:
             delta, psi = u_before[a], u_before[a + 1]
             d, p = u_after[a] - delta, u_after[a + 1] - psi
-            f, m, energy, f_d, f_p, m_p, _ = flank(table, k, after, u_after[c], delta, psi)
-            f_d, f_p, m_p = f_d - log_before[k, 4], f_p - log_before[k, 5], m_p - log_before[k, 6]
-            push, turn = f - log_before[k, 0], m - log_before[k, 1]
+            f_d, f_p, m_p = (
+                frozen[k, 3] - log_before[k, 4],
+                frozen[k, 4] - log_before[k, 5],
+                frozen[k, 5] - log_before[k, 6],
+            )
+            push, turn = frozen[k, 0] - log_before[k, 0], frozen[k, 1] - log_before[k, 1]
             twice = f_d * d * d + 2.0 * f_p * d * p + m_p * p * p
-            log_after[k, 7] = energy - log_before[k, 2] + 0.5 * (push * d + turn * p) + twice / 12.0
+            log_after[k, 7] = frozen[k, 2] - log_before[k, 2] + 0.5 * (push * d + turn * p) + twice / 12.0
             log_after[k, 8], log_after[k, 9] = push, turn
     for j in range(n_rope):
         r = 2 * n_flank + j

@@ -128,7 +128,20 @@ def tangent(system: System, state: State) -> Tangent:
     u, force = system.all_rows @ state.displacement, np.zeros(m)
     slope_u, slope_v = np.zeros((m, WIDTH)), np.zeros((m, WIDTH))
     held = np.full(n_flank, -1.0)
-    row_forces(table, state.motor_angle, state.motor_speed, u, np.zeros(m), held, force, slope_u, slope_v, log)
+    row_forces(
+        table,
+        state.motor_angle,
+        state.motor_speed,
+        u,
+        np.zeros(m),
+        held,
+        force,
+        slope_u,
+        slope_v,
+        log,
+        np.zeros(0),
+        np.zeros((0, 6)),
+    )
     forces = log[: n_flank // 2 * 2, 0].reshape(-1, 2)
     for i, mesh in enumerate(system.machine.meshes):
         if forces[i].max() <= LEAST_LOAD * table.scale[4 * i]:

@@ -69,12 +69,12 @@ def residual_size(force, target, scale):
 
 
 @njit(nogil=True, error_model="numpy")
-def iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance, near, limit, quality):
+def iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance, near, limit, quality, before, frozen):
     """Iterate on ``force`` (in: guess, out: solution); returns the iterations used, or -1 without convergence.
 
-    ``angle`` and ``speed`` of the motor (rad, rad/s); residuals in units of the scale of the forces: below ``tolerance``
-    the guess is taken, from below ``near`` one more step is, above ``limit`` nothing is. ``quality`` (1,) takes the
-    residual of the guess.
+    ``angle`` and ``speed`` of the motor (rad, rad/s); residuals in units of the scale of the forces: below
+    ``tolerance`` the guess is taken, from below ``near`` one more step is, above ``limit`` nothing is. ``quality`` (1,)
+    takes the residual of the guess. ``before`` and ``frozen`` as in `mbd.forces.row_forces`.
     """
     n_flank = len(table.tau)
     guess, held = force.copy(), np.full(n_flank, -1.0)
@@ -86,7 +86,10 @@ def iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance
             first = len(force)  # the rows that are observed only
             for k in range(n_flank):
                 held[k] = flank(table, k, angle, u[first + k // 2], u[2 * k], u[2 * k + 1])[3]
-        used = newton(table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance, near, limit, quality)
+        used = newton(
+            table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance, near, limit, quality, before,
+            frozen,
+        )  # fmt: skip
         if used >= 0:
             return total + used
         if quality[0] > limit:
@@ -96,7 +99,10 @@ def iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance
 
 
 @njit(nogil=True, error_model="numpy")
-def newton(table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance, near, limit, quality):
+def newton(
+    table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance, near, limit, quality, before,
+    frozen,
+):  # fmt: skip
     """`iterate` with the damping stiffnesses ``held`` (flank,), see `mbd.forces.row_forces`."""
     m = len(force)
     n_flank = len(table.tau)
@@ -104,15 +110,15 @@ def newton(table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tole
     slope_u, slope_v = np.zeros((m, WIDTH)), np.zeros((m, WIDTH))
     size = np.inf
     for iteration in range(MAX_ITERATIONS + 1):
-        before, part = size, 1.0
+        last, part = size, 1.0
         for _ in range(MAX_HALVINGS):
             for r in range(m):
                 trial[r] = force[r] + part * step[r]
             move_rows(u_p, g_u, trial, u)
             move_rows(v_p, g_v, trial, v)
-            row_forces(table, angle, speed, u, v, held, target, slope_u, slope_v, log)
+            row_forces(table, angle, speed, u, v, held, target, slope_u, slope_v, log, before, frozen)
             size = residual_size(trial, target, table.scale)
-            if size < before:
+            if size < last:
                 break
             part *= 0.5
         copy_to(force, trial)
@@ -148,30 +154,30 @@ def newton_step(n_flank, pattern, g_u, g_v, slope_u, slope_v, step):
     """
     m = len(step)
     first = m - len(pattern)
-    active, moves, n = np.empty(m, dtype=np.int64), np.zeros(m, dtype=np.bool_), 0
+    active, n = np.empty(m, dtype=np.int64), 0
+    pushed, n_pushed = np.empty(m, dtype=np.int64), 0  # rows that move by a given force
     for r in range(m):
-        for k in range(WIDTH):
-            if slope_u[r, k] != 0.0 or slope_v[r, k] != 0.0:
-                active[n], moves[r] = r, True
-                n += 1
-                break
-    matrix, right, line = np.empty((n, n)), np.empty(n), np.empty(m)
+        moves, width = False, 2 if r < first else WIDTH
+        for k in range(width):
+            moves = moves or slope_u[r, k] != 0.0 or slope_v[r, k] != 0.0
+        if moves:
+            active[n] = r
+            n += 1
+        elif step[r] != 0.0:
+            pushed[n_pushed] = r
+            n_pushed += 1
+    matrix, right = np.zeros((n, n)), np.empty(n)
     for i in range(n):
         r = active[i]
-        for c in range(m):
-            line[c] = 0.0
-        for k in range(WIDTH):
+        right[i] = step[r]
+        for k in range(2 if r < first else WIDTH):
             su, sv = slope_u[r, k], slope_v[r, k]
             if su != 0.0 or sv != 0.0:
                 a = pattern[r - first, k] if r >= first else partner(r, n_flank)[k]
-                for c in range(m):
-                    line[c] += su * g_u[a, c] + sv * g_v[a, c]
-        right[i] = step[r]
-        for c in range(m):
-            if step[c] != 0.0 and not moves[c]:
-                right[i] += line[c] * step[c]
-        for j in range(n):
-            matrix[i, j] = -line[active[j]]
+                for j in range(n):
+                    matrix[i, j] -= su * g_u[a, active[j]] + sv * g_v[a, active[j]]
+                for j in range(n_pushed):
+                    right[i] += (su * g_u[a, pushed[j]] + sv * g_v[a, pushed[j]]) * step[pushed[j]]
         matrix[i, i] += 1.0
     if not solve_dense(matrix, right):
         return False
@@ -195,12 +201,21 @@ def _compiled(digest: int) -> tuple[Callable, Callable]:
     def solve(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
         if digest < 0:  # part of the key under which the compiled code is stored
             return -1
-        return iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance, 0.0, np.inf, np.empty(1))
+        return iterate(
+            table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance, 0.0, np.inf, np.empty(1), np.empty(0),
+            np.empty((0, 6)),
+        )  # fmt: skip
 
     @njit(cache=True, nogil=True, error_model="numpy")
     def work(table, before, after, u_before, u_after, log_before, log_after):
         if digest >= 0:
-            parametric_work(table, before, after, u_before, u_after, log_before, log_after)
+            frozen, observed = np.zeros((len(table.tau), 6)), len(u_after) - len(table.ratio)
+            for k in range(len(table.tau)):
+                turned = u_after[observed + k // 2]
+                f, m, energy, f_d, f_p, m_p, _ = flank(table, k, after, turned, u_before[2 * k], u_before[2 * k + 1])
+                frozen[k, 0], frozen[k, 1], frozen[k, 2] = f, m, energy
+                frozen[k, 3], frozen[k, 4], frozen[k, 5] = f_d, f_p, m_p
+            parametric_work(table, before, after, u_before, u_after, log_before, log_after, frozen)
 
     return solve, work
 

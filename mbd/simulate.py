@@ -21,7 +21,9 @@ from mbd.trajectory import Trajectory
 
 logger = logging.getLogger(__name__)
 
-STEPS_PER_PERIOD = 8  # of the highest mesh mode, for the default step
+STEPS_PER_PERIOD = 3  # of the highest mesh mode, for the default step
+# error of the filtered accelerations, sample by sample, per `Integrator.force_change`: 3 to 9 for steps of 10 to 50 us
+ERROR_PER_CHANGE = 6.0
 BLOCK_STATES = 400_000  # numbers per block of states: memory does not grow with the run
 Progress = Callable[[float], None]
 
@@ -30,7 +32,7 @@ Progress = Callable[[float], None]
 class Settings:
     """Length (s) and output rate (Hz) of a run; ``step`` (s) is rounded down to a whole part of the output interval.
 
-    ``step`` None takes 8 steps per period of the highest mesh mode. ``integrator`` is a name of METHODS.
+    ``step`` None takes 3 steps per period of the highest mesh mode. ``integrator`` is a name of METHODS.
     """
 
     end: float
@@ -101,7 +103,7 @@ def _simulate(system: System, settings: Settings, progress: Progress | None, sta
             progress(done / books.steps)
     counters = integrator.counters | books.events()
     logger.info("simulated %d steps of %.3g s: %s", done, step, counters)
-    return _trajectory(system, settings, step, recorder, books, counters)
+    return _trajectory(system, settings, integrator, step, recorder, books, counters)
 
 
 def _advance(
@@ -126,8 +128,9 @@ def _feed(block: Block, first: int, recorder: Recorder, books: Books) -> None:
 
 
 def _trajectory(
-    system: System, settings: Settings, step: float, recorder: Recorder, books: Books, counters: dict[str, int]
-) -> Trajectory:
+    system: System, settings: Settings, integrator: Integrator, step: float, recorder: Recorder, books: Books,
+    counters: dict[str, int],
+) -> Trajectory:  # fmt: skip
     rows, profile = system.channels, system.machine.profile
     time = np.arange(settings.n_samples) / settings.output_rate
     values = recorder.values + np.outer(rows.rigid[:, 0], profile.angle(time))
@@ -140,6 +143,7 @@ def _trajectory(
         channel_units=rows.units,
         values=values,
         step=step,
+        step_error=ERROR_PER_CHANGE * integrator.force_change,
         output_rate=settings.output_rate,
         pass_band=PASS_SHARE * settings.output_rate,
         counter_names=tuple(counters),

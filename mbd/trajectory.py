@@ -19,6 +19,7 @@ class Trajectory(Record):
     channel_units: tuple[str, ...] = names("channel")
     values: np.ndarray = array("channel", "time", units="per channel")
     step: float = scalar(units="s")
+    step_error: float = scalar(units="1")  # estimated error of accelerations by the step, 0: no estimate
     output_rate: float = scalar(units="Hz")
     pass_band: float = scalar(units="Hz")  # flat up to here; above output_rate - pass_band removed
     counter_names: tuple[str, ...] = names("counter")

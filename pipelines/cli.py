@@ -150,6 +150,9 @@ def _modes(sub: argparse.ArgumentParser) -> None:
     _work(sub)
     sub.add_argument("--up-to", metavar="HZ", type=_positive, default=10e3, help="highest frequency (default 10000)")
     sub.add_argument("--cycle", metavar="C", type=_number, help="mesh cycle of stage 1 (default: that of the start)")
+    sub.add_argument(
+        "--speed", type=_number, default=0.0, metavar="RPM", help="motor speed: losses, gyroscopic moments (default 0)"
+    )
 
 
 def _converge(sub: argparse.ArgumentParser) -> None:

@@ -61,7 +61,7 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
                     f"{place}: the {name} is nearly pointed, its tip is {gear.tip_thickness * 1000:.3f} mm thick "
                     f"({gear.tip_thickness / gear.normal_module:.2f} m_n; usual at least {THIN_TIP} m_n)"
                 )
-            if gear.web_offset and stage.mesh.model in ("plane", "iso", "energy"):
+            if gear.web_offset and stage.mesh.model in ("plane", "iso", "energy", "solid"):
                 yield (
                     f"{place}.{name}.web_offset_mm: the rung {stage.mesh.model} sees the web in the section only; its "
                     "offset changes nothing there"

@@ -104,6 +104,7 @@ def make_response(scene: Scene, machine: Machine, trajectory: Trajectory) -> xar
             "teeth": json.dumps([[stage.pinion_teeth, stage.wheel_teeth] for stage in scene.stages]),
             "integrator": trajectory.integrator,
             "step_s": trajectory.step,
+            "step_error": trajectory.step_error,
             "pass_band_Hz": trajectory.pass_band,
             "counters": json.dumps(dict(zip(trajectory.counter_names, map(int, trajectory.counters), strict=True))),
             "energy_books_J": json.dumps(books),

@@ -14,12 +14,23 @@ with N the influence function of 1 - a^2 d^2/dy^2 with free ends. The terms are 
    that position (Galerkin projection on even loads), and c_n, >= 0, likewise.
 
 All terms are positive semidefinite, so the law is convex whatever the record.
+
+Loss against the direct solution on the dense record (z 20/55, m_n 2 mm, 30 to 300 N/mm, level and tilted by 0.3 and
+0.12 mrad; 16 positions of a cycle):
+
+    pair              mean stiffness   e peak-to-peak   tilt stiffness   centroid   largest e, missing tooth
+    beta 12, b 12          0.1 %          -1 to +3 %        +1.2 %       0.02 mm          +3.5 %
+    beta 15, b 30          0.15 %         +2 to +4 %        +2.8 %       0.16 mm          +0.2 %
+    spur, b 12             0.04 %         -1.5 to 0 %       +0.03 %      0.02 mm           0.01 %
+
+Without E_01 the largest error of e at beta 12 is 1.1 instead of 0.35 % and the centroid is off by 0.14 mm; independent
+slices (rung `plane`) are 13 % too stiff in the mean, and 39 % (b 12) and 25 % (b 30) too soft in tilt.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -27,27 +38,14 @@ from scipy.optimize import least_squares
 from fem.contact.frame import flank_frame
 from fem.contact.law import MeshLaw
 from fem.contact.plane import Plane
+from fem.contact.solid_compliance import ContactCompliance
 from fem.gears.geometry import GearPair
 
 KNOTS = 16  # per base pitch, of the fitted tables
-SMALLEST = 0.02  # of the mean compliance of a slice: floor of C(xi)
+SMALLEST = 1e-3  # of the largest spread compliance: floor of C(xi)
 
 
-class FaceCompliance(Protocol):
-    """What is read of a record of compliances between all pairs and slices; axes as named there."""
-
-    position: np.ndarray  # (cycle,), c'
-    pair: np.ndarray  # (pair,) numbers p, xi = c' - p + cycle_shift
-    face: np.ndarray  # (slice,), rising with the cycle shift
-    slice_width: np.ndarray
-    cycle_shift: np.ndarray
-    compliance: np.ndarray  # (cycle, pair, slice, pair, slice), m/N
-    contact_slope: float
-    gap: np.ndarray  # (cycle, pair, slice)
-    depth: float  # to which the Hertz term is counted, m
-
-
-def condense(record: FaceCompliance, pair: GearPair, flank: str, plane: Plane, model: str = "solid") -> MeshLaw:
+def condense(record: ContactCompliance, pair: GearPair, flank: str, plane: Plane, model: str = "solid") -> MeshLaw:
     """The law of one flank; `plane` gives the path of contact and the positions of the tables."""
     path = plane.path(pair)
     slope, cosine = record.contact_slope, math.cos(pair.base_helix_angle)
@@ -68,7 +66,7 @@ def condense(record: FaceCompliance, pair: GearPair, flank: str, plane: Plane, m
     )
 
 
-def fit_terms(record: FaceCompliance, xi: np.ndarray) -> dict[str, Any]:
+def fit_terms(record: ContactCompliance, xi: np.ndarray) -> dict[str, Any]:
     """The fields of the law that come from the record, tables at the positions xi."""
     places = record.position[:, None, None] - record.pair[:, None] + record.cycle_shift
     here = np.isfinite(record.gap)
@@ -91,13 +89,16 @@ def fit_terms(record: FaceCompliance, xi: np.ndarray) -> dict[str, Any]:
                 coupled.append(rest[c, p, :, p + 1][np.ix_(both, both)] @ w[both])
                 coupled_at.append(places[c, p, both])
     table = _table(np.concatenate(local_at), np.concatenate(local), xi)
-    mean = float(np.mean(np.concatenate(local)))
     g = np.polynomial.polynomial.polyval(np.clip(xi, places[here].min(), places[here].max()), shape)
+    spread = g**2
+    if spread.any():  # what the spread part overshoots is taken from it, so that even loads keep their displacement
+        short = np.maximum(SMALLEST * spread.max() - table, 0.0)
+        table, spread = table + short, np.maximum(spread - short, 0.0)
     shared = _table(np.concatenate(coupled_at), np.concatenate(coupled), xi) if coupled else np.zeros(xi.size)
     return {
-        "compliance": np.maximum(table, SMALLEST * abs(mean)),
+        "compliance": table,
         "coupling": np.maximum(shared, 0.0)[None, :],
-        "spread_compliance": g**2,
+        "spread_compliance": spread,
         "spread_length": length,
         "body_compliance": float(body[0, 0]),
         "skew_compliance": float(body[0, 1]) * (1.0 - 1e-12),
@@ -105,7 +106,7 @@ def fit_terms(record: FaceCompliance, xi: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _common(record: FaceCompliance, here: np.ndarray) -> np.ndarray:
+def _common(record: ContactCompliance, here: np.ndarray) -> np.ndarray:
     """E (2, 2) from the blocks of different pairs, positive semidefinite."""
     rows, values = [], []
     sums, product = np.add.outer(record.face, record.face), np.multiply.outer(record.face, record.face)

@@ -16,8 +16,9 @@ Coupling of the slices along the face, none by default, takes from x
     sqrt(D(xi)) v_p(y) + E_0 F + E_01 (M + F y) + E_1 M y
     v_p - a^2 v_p'' = sqrt(D) fraction f_p,   v_p' = 0 at both ends of the face
 
-D is the compliance of tooth bending that spreads along the face over the length a: an elastic foundation whose influence
-decays like exp(-|y - y'|/a) and doubles at a free end, the moment image of Wellauer & Seireg (1960, J. Eng. Ind. 82).
+D is the compliance of tooth bending that spreads along the face over the length a: an elastic foundation whose
+influence decays like exp(-|y - y'|/a) and doubles at a free end, the moment image of Wellauer & Seireg (1960, J. Eng.
+Ind. 82).
 E_0 is the wind-up, E_1 the tilt of the bodies, E_01 what a helix adds between the two; all pairs share them.
 
 Shapes along the flank are gaps, positive where material is missing: gap(xi) holds the profile of both gears and the

@@ -15,7 +15,9 @@ Contract
 7. ``counters`` has "steps" (whole ones), "cuts" (instants beyond the whole steps) and "iterations" (Newton solves).
 8. ``flow`` is the `Flow` that the states follow exactly under the held forces of the blocks (the energy books are then
    exact integrals of it), or None (they are sums over the instants).
-9. The same input gives the same bits; nothing depends on how steps are cut into blocks.
+9. ``force_change`` is the RMS over the steps of the residual of the forces extrapolated to their end, in units of the
+   scale of the forces: a measure of the error of the step. 0 for a method that does not extrapolate.
+10. The same input gives the same bits; nothing depends on how steps are cut into blocks.
 """
 
 from __future__ import annotations
@@ -77,6 +79,7 @@ class Integrator(Protocol):
     inverse_mass: np.ndarray
     flow: Flow | None
     counters: dict[str, int]
+    force_change: float
 
     def start(self, state: State) -> Block:
         """Set the state at t = 0."""

@@ -41,7 +41,7 @@ def hold(eigenvalues: np.ndarray, step: float, instants: tuple[float, ...] = QUA
 
 
 def phi_functions(z: np.ndarray, highest: int) -> np.ndarray:
-    """phi_0 .. phi_highest (k, z) at complex ``z``; by their series near 0, where phi_(k+1) = (phi_k - 1/k!)/z cancels."""
+    """phi_0 .. phi_highest (k, z), complex; by their series near 0, where phi_(k+1) = (phi_k - 1/k!)/z cancels."""
     small = abs(z) < SERIES_BELOW
     near, far = np.where(small, z, 0.0), np.where(small, 1.0, z)
     series = np.zeros((highest + 1, *np.shape(z)), dtype=complex)

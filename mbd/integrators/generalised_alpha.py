@@ -31,7 +31,7 @@ DEFAULT_RADIUS = 0.9
 class GeneralisedAlpha:
     """Integrator (see `mbd.integrators.base`); the state is (q, v)."""
 
-    flow = None
+    flow, force_change = None, 0.0
 
     def __init__(self, system: System, step: float, radius: float = DEFAULT_RADIUS) -> None:
         if not 0.0 <= radius <= 1.0:
@@ -63,8 +63,8 @@ class GeneralisedAlpha:
         still = np.zeros((len(self._rows), len(self._forces)))
         v = system.rows @ self._v
         used = solve_rows(
-            system.table, self._angle, state.motor_speed, self._rows.copy(), v.copy(), still, still[: len(v)].copy(), self._forces,
-            self._rows, v, self._log, TOLERANCE,
+            system.table, self._angle, state.motor_speed, self._rows.copy(), v.copy(), still,
+            still[: len(v)].copy(), self._forces, self._rows, v, self._log, TOLERANCE,
         )  # fmt: skip
         if used < 0:
             raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")

@@ -60,6 +60,7 @@ class ModalIntegrator:
         self.displacement, self.velocity = basis @ _real_rows(moved), basis @ _real_rows(vectors[n:] * rotation)
         self.inverse_mass = basis @ basis.T
         self.counters = {"steps": 0, "cuts": 0, "iterations": 0}
+        self.force_change = 0.0
         self._system, self._step, self._time = system, step, 0.0
         to_modal = basis.T @ system.mass
         self._from_displacement = inverse[:, :n] @ (omega[:, None] * to_modal)
@@ -83,8 +84,8 @@ class ModalIntegrator:
         still = np.zeros((len(u), m))
         forces = state.forces.copy()
         used = solve_rows(
-            table, state.motor_angle, state.motor_speed, u, v, still, still[:m].copy(), forces, u.copy(), v.copy(), log[0],
-            TOLERANCE,
+            table, state.motor_angle, state.motor_speed, u, v, still, still[:m].copy(), forces, u.copy(), v.copy(),
+            log[0], TOLERANCE,
         )  # fmt: skip
         if used < 0:
             raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")
@@ -98,6 +99,7 @@ class ModalIntegrator:
             motor=np.array([state.motor_angle, state.motor_speed]),
             rows=u.copy(),
             log=log[0].copy(),
+            changes=np.zeros(2),
         )
         states, clock = eta[None].copy(), np.array([[0.0, state.motor_angle, state.motor_speed, 0.0]])
         holds = np.zeros((1, past, m))
@@ -143,6 +145,7 @@ class ModalIntegrator:
         self.counters["steps"] += now - done
         self.counters["cuts"] += used - (now - done)
         self.counters["iterations"] += iterations
+        self.force_change = float(np.sqrt(memory.changes[0] / memory.changes[1]))
         whole = block.whole[done:now]
         return Block(*(x[:used] for x in block))._replace(whole=whole), now
 

@@ -49,6 +49,7 @@ class Memory(NamedTuple):
     motor: np.ndarray  # (2,) angle, speed
     rows: np.ndarray  # (m + mesh,)
     log: np.ndarray  # (element, column)
+    changes: np.ndarray  # (2,) sum of the squared residuals of the guesses, and of ones
 
 
 @njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
@@ -88,10 +89,10 @@ def _add_product(target, weight, push):
 @njit(nogil=True, error_model="numpy")
 def _kink(before, after, n_contact):
     """True if one of the first elements, flanks and ropes, touched or let go."""
+    changed = False
     for k in range(n_contact):
-        if (before[k, 0] > 0.0) != (after[k, 0] > 0.0):
-            return True
-    return False
+        changed = changed or (before[k, 0] > 0.0) != (after[k, 0] > 0.0)
+    return changed
 
 
 @njit(nogil=True, error_model="numpy")
@@ -122,7 +123,7 @@ def _choose_hold(counts, level, n_past):
 def _remember(constants, memory, hold, level, n_contact, eta, force, row_values, log, held):
     """Finish the step: its own part of the state, the polynomials of the forces, and the memory."""
     _, _, _, weights, powers, _, _, enter, _, _, _ = constants
-    state, forces, pushes, past, counts, _, rows, last_log = memory
+    state, forces, pushes, past, counts, _, rows, last_log, _ = memory
     n_past = len(pushes)
     for s in range(n_past - 1, 0, -1):
         for j in range(len(eta)):
@@ -156,12 +157,12 @@ def _compiled(digest: int) -> Callable:
         if digest < 0:  # part of the key under which the compiled code is stored
             return -1, 0, 0, False
         length, growth, rate, weights, _, load, ramp, enter, rows, g_u, g_v = constants
-        state, past_forces, pushes, past, counts, motor, last_rows, last_log = memory
+        state, past_forces, pushes, past, counts, motor, last_rows, last_log, changes = memory
         states, _, forces, row_values, log, clock, whole, holds = block
         m, n_rows, n_past, finest = len(enter), len(rows), len(pushes), len(length) - 1
         units = QUARTERS**finest
         u_p, v_p, v, guess = np.empty(n_rows), np.empty(m), np.empty(m), np.empty(m)
-        moving, quality = np.empty(len(state)), np.zeros(1)
+        moving, quality, frozen = np.empty(len(state)), np.zeros(1), np.zeros((len(table.tau), 6))
         iterations, n, n_contact = 0, 0, len(table.tau) + len(table.rope_ea)
         for i in range(first, len(angles)):
             if n + units > len(states):
@@ -188,7 +189,7 @@ def _compiled(digest: int) -> Callable:
                 _extrapolate(past_forces, past, counts[0], length[level], guess)
                 used = iterate(
                     table, angle, speed, u_p, v_p, g_u[level, hold], g_v[level, hold], guess, row_values[n], v, log[n],
-                    tolerance, NEAR, ROUGH if level < finest else np.inf, quality,
+                    tolerance, NEAR, ROUGH if level < finest else np.inf, quality, last_rows, frozen,
                 )  # fmt: skip
                 if level < finest and (used < 0 or _kink(last_log, log[n], n_contact)):
                     counts[1] += 1
@@ -196,12 +197,13 @@ def _compiled(digest: int) -> Callable:
                 if used < 0:
                     return i, n, iterations, True
                 iterations += used
-                parametric_work(table, motor[0], angle, last_rows, row_values[n], last_log, log[n])
+                parametric_work(table, motor[0], angle, last_rows, row_values[n], last_log, log[n], frozen)
                 for r in range(m):
                     forces[n, r] = guess[r]
                 clock[n, 0], clock[n, 1], clock[n, 2], clock[n, 3] = length[level], angle, speed, a
                 _remember(constants, memory, hold, level, n_contact, eta, guess, row_values[n], log[n], holds[n])
                 motor[0], motor[1] = angle, speed
+                changes[0], changes[1] = changes[0] + quality[0] ** 2, changes[1] + 1.0
                 position += own
                 n += 1
                 if level > 0 and position % (QUARTERS * own) == 0 and quality[0] < SMOOTH:

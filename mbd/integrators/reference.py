@@ -28,7 +28,7 @@ ATOL = 1e-13  # mass-normalised coordinates
 class Reference:
     """Integrator (see `mbd.integrators.base`) that takes as many inner steps per step as its tolerance needs."""
 
-    flow = None
+    flow, force_change = None, 0.0
 
     def __init__(self, system: System, step: float, method: str = "DOP853") -> None:
         basis, n = system.basis, len(system.frequencies)
@@ -54,8 +54,8 @@ class Reference:
         forces, self._rows, self._log = self._forces(self._x, self._angle, state.motor_speed)
         clock = np.array([[0.0, self._angle, state.motor_speed, 0.0]])
         return Block(
-            self._x[None], self._x[None], forces[None], self._rows[None], self._log[None], clock, np.zeros(1, dtype=int),
-            np.zeros((1, 0, len(forces))),
+            self._x[None], self._x[None], forces[None], self._rows[None], self._log[None], clock,
+            np.zeros(1, dtype=int), np.zeros((1, 0, len(forces))),
         )  # fmt: skip
 
     def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:

@@ -31,11 +31,10 @@ def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw]) -
     from pipelines.parts import mesh_inputs
     from pipelines.response import wanted_channels
 
-    scene = spec.scene
+    scene, table = spec.scene, spec.scene.simulation
     layout = lay_out(scene)
     train = machine(scene, layout, mesh_inputs(scene, layout, list(laws)))
-    system = assemble(train, body, wanted_channels(scene, train))
-    table = scene.simulation
+    system = assemble(train, body, wanted_channels(scene, train), table.band_Hz)
     settings = Settings(
         end=table.end_s,
         output_rate=table.output_rate_Hz,

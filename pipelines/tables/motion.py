@@ -106,8 +106,11 @@ class SimulationTable(Table):
     end_s: Annotated[Number, Field(gt=0, le=3600, description="simulated time")]
     output_rate_Hz: Annotated[Number, Field(gt=0, le=200000, description="after the anti-alias filter")] = 10000.0
     step_us: Annotated[Number, Field(gt=0, le=1000, description="rounded down to a whole part of the output step")] = (
-        10.0
+        33.4
     )
+    band_Hz: Annotated[
+        Number, Field(ge=1000, description="modes of the whole machine above it are kept by their static response only")
+    ] = 20000.0
     integrator: Annotated[
         Literal["exponential", "trapezoidal", "generalised-alpha"], Field(description="see docs/choosing-a-rung.md")
     ] = "exponential"

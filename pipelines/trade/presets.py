@@ -12,26 +12,27 @@ from pipelines.scene import Scene
 from pipelines.scene_file import LoadedScene, changed, load_scene
 from pipelines.scene_file import Settings as Given
 from pipelines.tables.casing import CraigBamptonCasingTable, StaticCasingTable
-from pipelines.tables.gears import IsoMesh
+from pipelines.tables.gears import PlaneMesh
 
 Settings = dict[str, object]
 
-# refinement of the gear meshes, slices; element size and band of the casing relative to the scene; step in us
-_LEVELS: dict[str, tuple[float, int, float, float, float]] = {
-    "draft": (0.7, 11, 1.5, 0.6, 20.0),
-    "standard": (1.0, 15, 1.0, 1.0, 10.0),
-    "reference": (1.4, 31, 0.8, 1.3, 5.0),
+# refinement of the gear meshes, slices; element size and band of the casing relative to the scene; step in us and band
+# in Hz of the time integration
+_LEVELS: dict[str, tuple[float, int, float, float, float, float]] = {
+    "draft": (0.7, 11, 1.5, 0.6, 50.0, 6000.0),
+    "standard": (1.0, 15, 1.0, 1.0, 33.4, 20000.0),
+    "reference": (1.4, 31, 0.8, 1.3, 10.0, 20000.0),
 }
 PRESETS = tuple(_LEVELS)
 
 
 def preset_settings(scene: Scene, preset: str) -> Settings:
     """The values a preset sets, by path; `standard` is what a scene says that says nothing of its own."""
-    refinement, slices, size, band, step = _LEVELS[preset]
-    settings: Settings = {"simulation.step_us": step}
+    refinement, slices, size, band, step, kept = _LEVELS[preset]
+    settings: Settings = {"simulation.step_us": step, "simulation.band_Hz": kept}
     for number, stage in enumerate(scene.stages, 1):
         settings[f"stages.{number}.mesh.slices"] = slices
-        if not isinstance(stage.mesh, IsoMesh):
+        if isinstance(stage.mesh, PlaneMesh):
             settings[f"stages.{number}.mesh.refinement"] = refinement
     if isinstance(scene.casing, StaticCasingTable | CraigBamptonCasingTable):
         settings["casing.element_size_mm"] = scene.casing.element_size_mm * size
