@@ -126,14 +126,14 @@ def semidefinite(where: str, matrix: np.ndarray) -> None:
     skew = float(abs(matrix - matrix.T).max())
     if skew > 1e-9 * size:
         raise MachineError(
-            f"{where}: is not symmetric (cross terms differ by {skew:.3g}); circulatory terms, as of an oil film, follow "
+            f"{where}: is not symmetric (cross terms differ by {skew:.3g}); circulatory terms, of an oil film, follow "
             "no potential and are not modelled. Give the symmetric part."
         )
     scale = np.sqrt(np.maximum(np.diag(matrix), np.finfo(float).tiny))
     lowest = float(np.linalg.eigvalsh(matrix / np.outer(scale, scale)).min()) if size else 0.0
     if lowest < -1e-9:
         raise MachineError(
-            f"{where}: is indefinite (lowest eigenvalue {lowest:.3g} of the matrix scaled to a unit diagonal). Lower the "
+            f"{where}: is indefinite (lowest eigenvalue {lowest:.3g} of the matrix scaled to unit diagonal). Lower the "
             "cross terms below the root of the product of their diagonal terms."
         )
 

@@ -50,7 +50,7 @@ def check_coaxial(joint: ShaftCoupling, first: ShaftSpec, second: ShaftSpec) -> 
     off = math.hypot(first.x - second.x, first.z - second.z)
     if off > COAXIAL:
         raise MachineError(
-            f"coupling {joint.name}: the axes of {first.name} and {second.name} are {off * 1e3:.3f} mm apart; a coupling "
+            f"coupling {joint.name}: axes of {first.name} and {second.name} are {off * 1e3:.3f} mm apart; a coupling "
             "joins shafts on one axis."
         )
     if first.sense != second.sense:

@@ -10,6 +10,7 @@ parametric work of the step (mean of dU/d angle times the turned angle) and, in 
 times the rolling rate of its rows per motor angle: the rows of losses, brake and ground move while the machine rolls.
 """
 
+# ruff: noqa: SIM109 - compiled code compares numbers, it does not build tuples
 from __future__ import annotations
 
 from typing import NamedTuple

@@ -72,12 +72,12 @@ class RollingElements:
         room = self.pitch_diameter * math.sin(math.pi / self.count)
         if self.diameter > room:
             raise MachineError(
-                f"rolling elements: {self.count} of diameter {self.diameter * 1e3:.3f} mm overlap on the pitch diameter "
+                f"rolling elements: {self.count} of diameter {self.diameter * 1e3:.3f} mm overlap on pitch diameter "
                 f"{self.pitch_diameter * 1e3:.3f} mm; at most {room * 1e3:.3f} mm fit."
             )
         if abs(self.contact_angle) >= math.radians(75):
             raise MachineError(
-                f"rolling elements: contact angle {math.degrees(self.contact_angle):.3g} deg must be below 75 deg; thrust "
+                f"rolling elements: contact angle {math.degrees(self.contact_angle):.3g} deg must be below 75; thrust "
                 "bearings are not modelled."
             )
         if self.kind == "roller":
@@ -161,7 +161,7 @@ def element_values(elements: RollingElements, rate: float, damping_time: float) 
 
 
 def reference_load(elements: RollingElements) -> float:
-    """Radial load (N), ``REFERENCE_SHARE`` of the usual static capacity: 12 MPa Z D^2 of balls, 44 MPa Z D l of rollers."""
+    """Radial load (N), a small share of the static capacity: 12 MPa Z D^2 of balls, 44 MPa Z D l of rollers."""
     across = elements.diameter if elements.kind == "ball" else elements.length
     capacity = (12e6 if elements.kind == "ball" else 44e6) * elements.count * elements.diameter * across
     return REFERENCE_SHARE * capacity * math.cos(elements.contact_angle)

@@ -6,9 +6,9 @@ With the slopes S_u = d lambda/du, S_v = d lambda/du' of the residual forces on 
 
 the tangent stiffness of every flank at its force, the ropes at their length, damping as in the time step. Bearings,
 shafts, couplings and casing are linear already. Eigenvalues lambda come in the modal basis of the system, which the
-time step uses as well. At a motor speed the state is the rest in the rolling frame at mesh cycle, cage angle and rope length
-of t = 0: C_t then holds the gyroscopic moments Omega G (all of them, where the time step keeps the strongest planes) and
-K_t the friction that follows the tooth forces, which is not symmetric.
+time step uses as well. At a motor speed the state is the rest in the rolling frame at mesh cycle, cage angle and rope
+length of t = 0: C_t then holds the gyroscopic moments Omega G (all of them, where the time step keeps the strongest
+planes) and K_t the friction that follows the tooth forces, which is not symmetric.
 
 The vibration also turns the gears and so shifts the mesh cycle, which changes F at frozen delta. The time step has this
 without its counterpart, a torque dU/dc, so that K_t would be asymmetric. It is left out: in the scene `minimal` and the
@@ -219,8 +219,8 @@ def linear_modes(
 def _eigen(system: System, small: Tangent) -> tuple[np.ndarray, np.ndarray, int]:
     """lambda (mode,) with Im > 0 by rising |lambda|, shapes (coordinate, mode), number of overdamped motions.
 
-    In the undamped tangent modes the state (omega p, p') has the matrix [[0, omega], [-omega - N/omega, -C]], N the part of
-    the stiffness that is not symmetric.
+    In the undamped tangent modes the state (omega p, p') has the matrix [[0, omega], [-omega - N/omega, -C]], N the
+    part of the stiffness that is not symmetric.
     """
     reduced = system.basis.T @ small.stiffness @ system.basis
     even = 0.5 * (reduced + reduced.T)

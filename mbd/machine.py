@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from mbd.bearings import BearingSpec
 from mbd.checks import MachineError, finite, known, unique
 from mbd.couplings import ShaftCoupling, check_coaxial
 from mbd.drive import CouplingSpec, SpeedProfile
 from mbd.gear_mesh import MeshSpec, mesh_rows
-from mbd.load import Load
+from mbd.load import Load, Rope
 from mbd.losses import Brake, Losses, NoLosses
 from mbd.shafts import ShaftSpec
 from mbd.train import Link, shaft_ratios
@@ -47,7 +49,7 @@ class Machine:
         unique("shafts", shafts)
         unique("bearings", [b.name for b in self.bearings])
         unique("meshes", [m.name for m in self.meshes])
-        unique("couplings", [c.name for c in (*self.couplings, *self.shaft_couplings)])
+        unique("couplings", [c.name for c in self.couplings] + [j.name for j in self.shaft_couplings])
         finite("gravity", self.gravity)
         if not self.couplings:
             raise MachineError("machine: no motor coupling; at least one must hold the input shaft.")
@@ -103,3 +105,18 @@ class Machine:
         links = [Link(f"mesh {m.name}", m.driving, m.driven, m.ratio) for m in self.meshes]
         links += [Link(f"coupling {j.name}", *j.shafts, 1.0) for j in self.shaft_couplings]
         return shaft_ratios([s.name for s in self.shafts], links, self.couplings[0].shaft)
+
+    def check_rope(self, end: float) -> None:
+        """Raise MachineError if the drums would wind more rope than there is before ``end`` (s)."""
+        load = self.load
+        if not isinstance(load, Rope) or not load.follow_length:
+            return
+        corners = self.profile.times[(self.profile.times > 0.0) & (self.profile.times < end)]
+        times = np.concatenate([np.linspace(0.0, end, 1001), corners])
+        wound = load.travel_per_radian * self.ratios()[load.shaft] * self.profile.angle(times)
+        if wound.max() >= load.length:
+            when = times[wound >= load.length].min()
+            raise MachineError(
+                f"rope: its {load.length:.4g} m are wound up at t = {when:.4g} s (by {end:.4g} s the drums would take "
+                f"{wound.max():.4g} m). Start with a longer rope, or lift less."
+            )

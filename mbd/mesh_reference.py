@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -125,7 +126,7 @@ def sliding_shares(law: MeshLaw, force: float) -> np.ndarray:
 
 def _one_slice(law: MeshLaw, s: int) -> MeshLaw:
     """The law of slice ``s`` alone."""
-    changes = {
+    changes: dict[str, Any] = {
         field.name: np.take(getattr(law, field.name), [s], axis=field.metadata["dims"].index("slice"))
         for field in fields(law)
         if "slice" in field.metadata.get("dims", ())

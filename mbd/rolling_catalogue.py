@@ -70,5 +70,5 @@ def by_designation(name: str) -> RollingElements:
             contact_angle=math.radians(angle), length=length / 1000,
         )  # fmt: skip
     raise MachineError(
-        f"bearing designation {name!r}: is not in the catalogue ({', '.join(designations())}). Give the geometry instead."
+        f"bearing designation {name!r}: not in the catalogue ({', '.join(designations())}). Give its geometry instead."
     )

@@ -207,7 +207,7 @@ def beam_element(spec: ShaftSpec, section: Section, length: float) -> tuple[np.n
 
 
 def rotary_inertia(spec: ShaftSpec, nodes: np.ndarray) -> list[tuple[int, np.ndarray]]:
-    """First coordinate and rotary inertia (4, 4) over (v1, theta1, v2, theta2) of every element, kg m2 and consistent."""
+    """First coordinate and rotary inertia (4, 4) over (v1, theta1, v2, theta2) of every element, SI."""
     found = []
     for e in range(len(nodes) - 1):
         section, length = section_at(spec, nodes, e), float(nodes[e + 1] - nodes[e])

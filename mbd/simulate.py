@@ -78,13 +78,14 @@ def simulate(
 
     Raises
     ------
-    EquilibriumError, StepError : with the reason
+    EquilibriumError, StepError, MachineError (rope wound up) : with the reason
     """
     with threadpool_limits(limits=1):  # small matrices: a second thread only waits
         return _simulate(system, settings, progress, start)
 
 
 def _simulate(system: System, settings: Settings, progress: Progress | None, start: State | None) -> Trajectory:
+    system.machine.check_rope(settings.end)
     every = steps_per_sample(system, settings)
     step = 1 / (settings.output_rate * every)
     integrator = METHODS[settings.integrator](system, step)

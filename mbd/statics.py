@@ -52,8 +52,14 @@ def equilibrium(system: System, speed: float = 0.0) -> State:
     m = len(system.rows)
     free = rows @ (response @ constant)
     flexibility = rows @ response @ system.rows.T
+    carried = list(nominal_forces(system.machine).values())
     if idle(system.machine.load):
-        forces, log = _touching(system, free, flexibility, speed)
+        forces, log = _touching(system, free, flexibility, speed, np.arange(len(carried)), np.zeros(m))
+    elif 0.0 in carried:  # branches that carry nothing
+        start, (at, goal) = np.zeros(m), _pressed(system, free)
+        start[at] = np.linalg.solve(flexibility[np.ix_(at, at)], goal - free[at])
+        resting = np.flatnonzero(np.array(carried) == 0.0)
+        forces, log = _touching(system, free, flexibility, speed, resting, start)
     else:
         forces, log = _loaded(system, free, flexibility, speed)
     q = response @ (constant + system.rows.T @ forces)
@@ -93,6 +99,7 @@ def _loaded(system: System, free: np.ndarray, flexibility: np.ndarray, speed: fl
     u, v, still = np.zeros(len(free)), np.zeros(len(free)), np.zeros(len(free))
     at, goal = _pressed(system, free)
     force[at] = np.linalg.solve(flexibility[np.ix_(at, at)], goal - free[at])
+    _swung(system, force)
     used = solve_rows(
         system.table, 0.0, speed, free, still, flexibility, np.zeros_like(flexibility), force, u, v, log, TOLERANCE
     )
@@ -104,6 +111,28 @@ def _loaded(system: System, free: np.ndarray, flexibility: np.ndarray, speed: fl
             "Lower the load, or start where teeth are in mesh (mesh phase at the start)."
         )
     return force, log
+
+
+def _swung(system: System, force: np.ndarray) -> None:
+    """Set the residual forces of pendulum ropes to those of the held container on drums that stand: a first guess."""
+    load = system.machine.load
+    if not isinstance(load, RopePendulum):
+        return
+    along = np.array([math.tan(load.sway[0]), math.tan(load.sway[1]), 1.0])
+    along /= np.linalg.norm(along)
+    tension = load.container_mass * system.machine.gravity * along[2] / len(load.drums)
+    distance = load.length * (1 + tension / load.stiffness_times_length)
+    place = {
+        "stretch": (distance * along[2] - load.length, 2),
+        "x": (distance * along[0], 0),
+        "y": (distance * along[1], 1),
+    }
+    first = len(system.rows) - len(system.table.extra.pattern)
+    for r, name in enumerate(system.row_names):
+        owner, _, rest = name.partition(":")
+        if owner == "rope":
+            displacement, axis = place[rest.partition(":")[2]]
+            force[r] = system.table.extra.stiffness[r - first] * displacement - tension * along[axis]
 
 
 def _pressed(system: System, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -123,29 +152,33 @@ def _pressed(system: System, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.array(rows, dtype=int), np.array(found)
 
 
-def _touching(system: System, free: np.ndarray, flexibility: np.ndarray, speed: float) -> tuple[np.ndarray, np.ndarray]:
-    """Forces that the linear reference needs to hold every drive flank at delta_0: with them the real force is zero.
+def _touching(
+    system: System, free: np.ndarray, flexibility: np.ndarray, speed: float, resting: np.ndarray, start: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Forces that the linear reference needs to hold the drive flanks of the ``resting`` meshes at delta_0: with them
+    the real force is zero.
 
     Without contact lambda_psi = k_psi psi cancels the tilt reference and lambda_delta holds the approach; all other
-    rows carry their own forces (Newton).
+    rows carry their own forces (Newton from ``start``).
     """
     machine, table, m = system.machine, system.table, len(system.rows)
-    drive = np.arange(len(machine.meshes)) * 4
-    force, u, still = np.zeros(m), free.copy(), np.zeros(m)
+    drive = 4 * resting
+    force, still = start.copy(), np.zeros(m)
+    u = free + flexibility @ force
     log, held = np.zeros((element_count(table), len(LOG_COLUMNS))), np.full(len(table.tau), -1.0)
     for _ in range(ROUNDS):
         right, slope_u, slope_v = np.zeros(m), np.zeros((m, WIDTH)), np.zeros((m, WIDTH))
         row_forces(table, 0.0, speed, u, still, held, right, slope_u, slope_v, log, np.zeros(0), np.zeros((0, 6)))
         slope = slope_matrix(slope_u, table)
         slope[drive], slope[drive + 1] = 0.0, 0.0
-        slope[drive + 1, drive + 1] = table.stiffness[::2, 1]
-        right[drive + 1] = table.stiffness[::2, 1] * u[drive + 1]
+        slope[drive + 1, drive + 1] = table.stiffness[2 * resting, 1]
+        right[drive + 1] = table.stiffness[2 * resting, 1] * u[drive + 1]
         right += slope @ (free[:m] - u[:m])
         matrix = np.eye(m) - slope @ flexibility[:m]
-        for i, mesh in enumerate(machine.meshes):
-            cycle = table.cycle_start[i] + table.cycle_rate[i] * u[m + i]
-            right[drive[i]] = -free[drive[i]] + touching_approach(
-                mesh.drive, cycle, mesh.drive_clearance_pinion, mesh.drive_clearance_wheel, u[drive[i] + 1]
+        for i, row in zip(resting, drive, strict=True):
+            mesh, cycle = machine.meshes[i], table.cycle_start[i] + table.cycle_rate[i] * u[m + i]
+            right[row] = -free[row] + touching_approach(
+                mesh.drive, cycle, mesh.drive_clearance_pinion, mesh.drive_clearance_wheel, u[row + 1]
             )
         matrix[drive] = flexibility[drive]
         new = np.linalg.solve(matrix, right)
@@ -155,8 +188,9 @@ def _touching(system: System, free: np.ndarray, flexibility: np.ndarray, speed: 
             break
     else:
         raise EquilibriumError(
-            f"equilibrium at t = 0 without load: still moves by {moved:.3g} of the force scale after {ROUNDS} rounds. "
-            "Give the machine a load, or bearings without clearance."
+            f"equilibrium at t = 0 with a mesh at rest: still moves by {moved:.3g} of the force scale after {ROUNDS} "
+            "rounds. Give the machine a load, or bearings without clearance."
         )
-    log[:, :] = 0.0
+    for i in resting:
+        log[2 * i : 2 * i + 2] = 0.0
     return force, log

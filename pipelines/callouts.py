@@ -31,7 +31,7 @@ def gear_figure(picture: Picture, curve: StiffnessPlot | None, names: Mapping[st
     else:
         left, right = figure.subplots(1, 2, width_ratios=[1.05, 1])
         draw_stiffness(right, curve)
-    box = _show(left, picture)
+    box = show(left, picture)
     for place, name in names.items():
         if place not in picture.places:
             continue
@@ -58,7 +58,7 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
     """The casing, every key point named at the side of the picture: yellow ground, red bearing, green sensor."""
     figure = new_figure(7.0, 11.5)
     axes = figure.subplots()
-    left, right, top, bottom = _show(axes, picture)
+    left, right, top, bottom = show(axes, picture)
     points = {name: place for name, place in picture.places.items() if name.startswith(KINDS)}
     middle = float(np.median([column for column, _ in points.values()])) if points else 0.0
     margin = 0.03 * (right - left)
@@ -81,7 +81,7 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
                 annotation_clip=False,
                 arrowprops={"arrowstyle": "-", "color": colour, "lw": 0.9, "shrinkB": 3},
             )
-    _draw_axes(axes, picture, (right - 0.06 * (right - left), bottom))
+    draw_axes(axes, picture, (right - 0.06 * (right - left), bottom))
     width = 0.16 * (right - left)
     axes.set_xlim(left - width, right + width)
     axes.set_ylim(bottom + LABEL_HEIGHT, top - LABEL_HEIGHT)
@@ -108,10 +108,12 @@ def spread(wanted: Sequence[float], distance: float) -> list[float]:
     return [mean + i * distance for i, mean in enumerate(means)]
 
 
-def _show(axes: Axes, picture: Picture) -> tuple[float, float, float, float]:
-    """Draw the picture without its white border; returns left, right, top, bottom of what is left, in pixels."""
+def show(axes: Axes, picture: Picture, *, whole: bool = False) -> tuple[float, float, float, float]:
+    """Draw the picture, `whole` or without its white border; left, right, top, bottom of what is shown, in pixels."""
     axes.imshow(picture.image, interpolation="bilinear")
     axes.set_axis_off()
+    if whole:
+        return 0.0, float(picture.image.shape[1]), 0.0, float(picture.image.shape[0])
     ink = np.any(picture.image < 250, axis=2)
     rows, columns = np.flatnonzero(ink.any(axis=1)), np.flatnonzero(ink.any(axis=0))
     if rows.size == 0:
@@ -123,7 +125,7 @@ def _show(axes: Axes, picture: Picture) -> tuple[float, float, float, float]:
     return box
 
 
-def _draw_axes(axes: Axes, picture: Picture, corner: tuple[float, float]) -> None:
+def draw_axes(axes: Axes, picture: Picture, corner: tuple[float, float]) -> None:
     """The global directions as arrows from a corner of the picture (column, row)."""
     shift = np.array(corner) - np.array(picture.places["origin"])
     for axis in AXES:

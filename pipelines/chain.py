@@ -1,6 +1,7 @@
 """The stages of a scene: which part of it each one reads, and what it takes.
 
-    law_1 .. law_n                          one per gear pair; equal pairs share one
+    sound_law_i -> law_i                    one per gear pair; equal pairs share one; law_i alone where the flanks are
+                                            neither modified nor damaged (a missing tooth is no damage here)
     casing mesh -> casing modes -> casing   finite elements only for the rungs static and craig-bampton
     simulate -> response                    a missing tooth, deviations, drive and load enter here
 
@@ -19,10 +20,11 @@ from fem.materials import Material
 from mbd.bearings import BEARING_AXES
 from pipelines.derived import bearing_points, derive
 from pipelines.errors import Problem, SceneError
+from pipelines.flanks import common_wear, damaged_teeth
 from pipelines.layout import Layout
 from pipelines.machine import bearing_specs
 from pipelines.scene import Scene
-from pipelines.stages import Stage
+from pipelines.stages import Graph, Stage
 from pipelines.tables.analysis import DiagnosisTable
 from pipelines.tables.base import MaterialTable
 from pipelines.tables.casing import (
@@ -62,7 +64,7 @@ def scene_stages(scene: Scene, source: str) -> list[Stage]:
     layout = checked_layout(scene, source)
     laws = _law_stages(scene, layout)
     casing = _casing_stages(scene, layout, source)
-    takes = tuple(law.name for law in laws)
+    takes = tuple(law.name for law in laws if law.name.startswith("law_"))
     return [
         *laws,
         *casing,
@@ -87,16 +89,24 @@ def scene_stages(scene: Scene, source: str) -> list[Stage]:
 
 
 def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
-    from pipelines.building import laws
+    from pipelines.building import flanks, laws
 
     stages = []
     facts = derive(scene, layout).stages
     for number, (table, pair, fact) in enumerate(zip(scene.stages, layout.pairs, facts, strict=True), 1):
         mesh = table.mesh
         refinement = 0.0 if isinstance(mesh, IsoMesh) else mesh.refinement
+        added = flanks.FlanksSpec(
+            pair=replace(pair, backlash_allowance=0.0),
+            modifications=layout.modifications[number - 1],
+            pinion_damage=tuple(damaged_teeth(scene, number, "pinion").values()),
+            wheel_damage=tuple(damaged_teeth(scene, number, "wheel").values()),
+            pinion_wear=common_wear(scene, number, "pinion"),
+            wheel_wear=common_wear(scene, number, "wheel"),
+        )
         stages.append(
             Stage(
-                name=f"law_{number}",
+                name=f"law_{number}" if added.empty else f"sound_law_{number}",
                 kind="law",
                 build=laws.build,
                 spec=laws.law_spec(pair, mesh.model, mesh.slices, refinement, fact.line_load),
@@ -105,6 +115,17 @@ def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
                 seconds=0.0 if isinstance(mesh, IsoMesh) else 8.0,
             )
         )
+        if not added.empty:
+            stages.append(
+                Stage(
+                    name=f"law_{number}",
+                    kind="flanks",
+                    build=flanks.build,
+                    spec=added,
+                    takes=(f"sound_law_{number}",),
+                    libraries=("numpy", "scipy"),
+                )
+            )
     return stages
 
 
@@ -172,13 +193,35 @@ def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
             spec=body.ElasticSpec(
                 sensors=box.sensors,
                 damping=table.damping_ratio,
-                mounts=_mounts(table),
+                mounts=casing_mounts(scene),
                 limit=MODES_OVER_BAND * band if band else None,
                 frequency_error=getattr(table, "frequency_error", None),
             ),
             takes=("casing modes",),
         ),
     ]
+
+
+def casing_error_stage(graph: Graph, band: float) -> Stage:
+    """The comparison of a scene's elastic casing with its full model up to a band (Hz)."""
+    from pipelines.building import casing_error
+
+    body = graph.stages["casing"].spec
+    return Stage(
+        name="casing error",
+        kind="casing-error",
+        build=casing_error.build,
+        spec=casing_error.CasingErrorSpec(
+            modes=graph.stages["casing modes"].spec,
+            band=band,
+            sensors=body.sensors,
+            damping=body.damping,
+            mounts=body.mounts,
+        ),
+        takes=("casing mesh", "casing modes", "casing"),
+        libraries=("numpy", "scipy", "pymetis"),
+        seconds=40.0,
+    )
 
 
 def loaded_axes(scene: Scene) -> dict[str, tuple[str, ...]]:
@@ -189,9 +232,10 @@ def loaded_axes(scene: Scene) -> dict[str, tuple[str, ...]]:
     }
 
 
-def _mounts(table: ElasticBase) -> tuple[tuple[float, float, float], ...] | None:
-    """Stiffness of the feet in N/m, None on fixed ground."""
-    if table.ground == "fixed":
+def casing_mounts(scene: Scene) -> tuple[tuple[float, float, float], ...] | None:
+    """Stiffness of the feet of an elastic casing in N/m, None on fixed ground."""
+    table = scene.casing
+    if not isinstance(table, ElasticBase) or table.ground == "fixed":
         return None
     return tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um)
 

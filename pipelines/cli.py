@@ -106,6 +106,23 @@ def _work(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
 
 
+def _casing(sub: argparse.ArgumentParser) -> None:
+    _work(sub)
+    sub.add_argument(
+        "--error-check",
+        action="store_true",
+        help="compare frequencies and responses with the full model; costs about as much as the reduction",
+    )
+    sub.add_argument(
+        "--export",
+        metavar="FILE",
+        action="append",
+        default=[],
+        help="write the reduced casing as .h5, .mat or .uff (modal test), or its modes as .vtu; repeatable",
+    )
+    sub.add_argument("--modes", metavar="N", type=_count, default=20, help="rows of the table of modes (default 20)")
+
+
 def _out(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--out", metavar="FOLDER", help="result folder instead of ./runs/<scene>/<timestamp>")
 
@@ -133,6 +150,9 @@ def _modes(sub: argparse.ArgumentParser) -> None:
     _work(sub)
     sub.add_argument("--up-to", metavar="HZ", type=_positive, default=10e3, help="highest frequency (default 10000)")
     sub.add_argument("--cycle", metavar="C", type=_number, help="mesh cycle of stage 1 (default: that of the start)")
+    sub.add_argument(
+        "--speed", type=_number, default=0.0, metavar="RPM", help="motor speed: losses, gyroscopic moments (default 0)"
+    )
 
 
 def _converge(sub: argparse.ArgumentParser) -> None:
@@ -176,6 +196,9 @@ def _inspect(sub: argparse.ArgumentParser) -> None:
     _work(sub)
     sub.add_argument("--out", metavar="FOLDER", default=".", help="folder for the pictures (default: here)")
     sub.add_argument("--stage", type=_count, metavar="N", default=1, help="gear stage to show (default 1)")
+    sub.add_argument(
+        "--casing-mode", type=_count, metavar="N", help="instead, natural mode N of the casing: PNG, GIF and HTML"
+    )
 
 
 def _export(sub: argparse.ArgumentParser) -> None:
@@ -236,7 +259,7 @@ _ARGUMENTS = {
     "check": _scene,
     "explain": _scene,
     "gears": _work,
-    "casing": _work,
+    "casing": _casing,
     "modes": _modes,
     "converge": _converge,
     "tradeoff": _tradeoff,

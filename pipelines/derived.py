@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from mbd.machine import STANDARD_GRAVITY
 from mbd.train import power_flow
+from pipelines.flank_checks import flank_warnings
 from pipelines.layout import Layout
 from pipelines.scene import Scene
 from pipelines.tables.motion import RopeTable
@@ -169,6 +170,7 @@ def _warnings(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterato
             )
         if facts.backlash < 0.02e-3 and scene.load.container_kg > 0:
             yield f"{place}: backlash {facts.backlash * 1e6:.1f} um is small; both flanks may touch under deviations"
+    yield from flank_warnings(scene, layout, stages)
     if scene.simulation.output_rate_Hz < 10 * stages[0].mesh_frequency:
         yield (
             f"simulation.output_rate_Hz = {scene.simulation.output_rate_Hz:g} holds fewer than 5 harmonics of the mesh "

@@ -6,15 +6,20 @@ Units are converted here and nowhere else, by division by exact integers.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fem.gears.geometry import Gear, GearPair, GeometryError, Rack
+from fem.gears.modifications import PairModifications, check_modifications
 from fem.materials import Material
 from pipelines.errors import Problem, SceneError
+from pipelines.flanks import lifting_sense, modifications
 from pipelines.scene import Scene
 from pipelines.tables.base import MaterialTable
+from pipelines.tables.gear_details import GearTable
 from pipelines.tables.gears import StageTable
 from pipelines.train import place_shafts, stage_shafts
+
+USUAL_BACKLASH_UM = 80.0  # where a scene says nothing of centre distance, allowances or backlash
 
 
 def material(name: str, table: MaterialTable) -> Material:
@@ -27,45 +32,79 @@ def material(name: str, table: MaterialTable) -> Material:
     )
 
 
-def gear_pair(stage: StageTable, steel: Material) -> GearPair:
-    """The gear pair of a stage, in SI. Raises GeometryError with the reason when the gears do not work."""
-    rack = Rack(
-        addendum=stage.rack_addendum,
-        dedendum=stage.rack_dedendum,
-        tip_radius=stage.rack_tip_radius,
-        pressure_angle=math.radians(stage.pressure_angle_deg),
-    )
-    wheel_hand = "left" if stage.pinion_hand == "right" else "right"
+def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
+    """The gear pair of a stage, in SI; `sense` is the lifting sense of its pinion, +1 about +y.
 
-    def gear(teeth: int, shift: float, bore: float, hand: str) -> Gear:
-        return Gear(
-            teeth=teeth,
-            normal_module=stage.module_mm / 1000,
-            helix_angle=math.radians(stage.helix_angle_deg),
-            face_width=stage.face_width_mm / 1000,
-            profile_shift=shift,
-            rack=rack,
-            bore_radius=bore / 2000,
-            hand=hand,
-        )
+    The face coordinate of a pair points along the rotation of its pinion in lifting, so that ends of the face change
+    places where the sense is -1. A backlash that is given is the whole of it.
 
-    return GearPair(
-        pinion=gear(stage.pinion_teeth, stage.pinion_profile_shift, stage.pinion_bore_mm, stage.pinion_hand),
-        wheel=gear(stage.wheel_teeth, stage.wheel_profile_shift, stage.wheel_bore_mm, wheel_hand),
-        backlash_allowance=stage.backlash_um / 1_000_000,
+    Raises
+    ------
+    GeometryError : the gears do not work, with the reason; less backlash than centre distance and allowances leave
+    """
+    pinion_hand = stage.pinion_hand
+    pair = GearPair(
+        pinion=_gear(stage, "pinion", pinion_hand, sense),
+        wheel=_gear(stage, "wheel", "left" if pinion_hand == "right" else "right", sense),
+        centre_distance=None if stage.centre_distance_mm is None else stage.centre_distance_mm / 1000,
         pinion_material=steel,
         wheel_material=steel,
+    )
+    given = stage.centre_distance_mm is not None or stage.pinion.thickness_allowance_um or stage.wheel.thickness_allowance_um
+    wanted = stage.backlash_um if stage.backlash_um is not None else None if given else USUAL_BACKLASH_UM
+    if wanted is None:
+        return pair
+    if not given:  # exactly, without the rounding of the centre distance
+        return replace(pair, centre_distance=None, backlash_allowance=wanted / 1_000_000)
+    if wanted / 1_000_000 < pair.backlash - 1e-9:
+        raise GeometryError(
+            f"{pair.label}: backlash_um = {wanted:g} is less than the {pair.backlash * 1e6:.1f} um that centre distance "
+            "and thickness allowances leave: raise it, leave it out, or reduce the centre distance"
+        )
+    return replace(pair, backlash_allowance=wanted / 1_000_000 - pair.backlash)
+
+
+def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
+    table: GearTable = getattr(stage, name)
+
+    def rack_value(key: str) -> float:
+        own: float | None = getattr(table, key)
+        return float(getattr(stage, key)) if own is None else own
+
+    rack = Rack(
+        addendum=rack_value("rack_addendum"),
+        dedendum=rack_value("rack_dedendum"),
+        tip_radius=rack_value("rack_tip_radius"),
+        pressure_angle=math.radians(stage.pressure_angle_deg),
+    )
+    return Gear(
+        teeth=getattr(stage, f"{name}_teeth"),
+        normal_module=stage.module_mm / 1000,
+        helix_angle=math.radians(stage.helix_angle_deg),
+        face_width=stage.face_width_mm / 1000,
+        profile_shift=getattr(stage, f"{name}_profile_shift"),
+        rack=rack,
+        bore_radius=getattr(stage, f"{name}_bore_mm") / 2000,
+        tip_alteration=table.tip_alteration_mm / 1000,
+        hand=hand,
+        thickness_allowance=table.thickness_allowance_um / 1_000_000,
+        tip_chamfer=table.tip_chamfer_mm / 1000,
+        tip_rounding=table.tip_rounding_mm / 1000,
+        rim_thickness=None if table.rim_thickness_mm is None else table.rim_thickness_mm / 1000,
+        web_thickness=None if table.web_thickness_mm is None else table.web_thickness_mm / 1000,
+        web_offset=sense * table.web_offset_mm / 1000,
     )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """Where the gears and shafts of a scene are: pairs by stage; axes (x, z) in m, senses and speeds by shaft.
+    """Where the gears and shafts of a scene are: pairs and flank modifications by stage; axes (x, z) in m, senses and speeds by shaft.
 
     Shafts are numbered from 0. Ratios of speeds are over that of shaft ``driven``, which the motors turn.
     """
 
     pairs: tuple[GearPair, ...]
+    modifications: tuple[PairModifications, ...]
     axes: tuple[tuple[float, float], ...]
     senses: tuple[int, ...]  # lifting rotation about +y or -y; that of the first shaft is +1
     shaft_ratios: tuple[float, ...]  # speed of each shaft over that of the motors
@@ -87,10 +126,13 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
     SceneError : gears that do not work, a train that does not hang together, all of it listed
     """
     steel = material("gear steel", scene.gear_material)
-    pairs, problems = [], []
+    pairs, flanks, problems = [], [], []
     for number, stage in enumerate(scene.stages, 1):
+        sense = lifting_sense(scene, number)
         try:
-            pairs.append(gear_pair(stage, steel))
+            pairs.append(gear_pair(stage, steel, sense))
+            flanks.append(modifications(stage, sense))
+            check_modifications(pairs[-1], flanks[-1])
         except GeometryError as error:
             problems.append(Problem(f"stages.{number}", str(error)))
     if problems:
@@ -101,6 +143,7 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
     driven = (scene.drive.shaft or 1) - 1
     return Layout(
         pairs=tuple(pairs),
+        modifications=tuple(flanks),
         axes=tuple((place.x, place.z) for place in places),
         senses=tuple(place.sense for place in places),
         shaft_ratios=tuple(place.speed / places[driven].speed for place in places),

@@ -55,7 +55,7 @@ def gear_disk(name: str, y: float, gear: Gear, density: float) -> Disk:
 
 def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
     density = scene.gear_material.density_kg_m3
-    found = []
+    found: list[Disk] = []
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True)):
         y = stage.position_mm / 1000
         for name, gear, place in zip(

@@ -109,7 +109,7 @@ def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Pic
         points, quads = gear_surface(outline, bores[gear], twists[gear], view.face_width)
         arrays[f"{gear}_points"], arrays[f"{gear}_quads"] = points + shifts[gear], quads
         places[gear] = front + shifts[gear]
-    return _render("gears", "gear pair", arrays, places, size, (0.25, -0.4, 1.0), (0.0, 1.0, 0.0), 1.3)
+    return _single(_render("gears", "gear pair", arrays, places, size, (0.25, -0.4, 1.0), (0.0, 1.0, 0.0), 1.3))
 
 
 def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Picture | LeftOut:
@@ -125,7 +125,19 @@ def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Pict
     length = 0.12 * float(np.linalg.norm(np.ptp(arrays["nodes"], axis=0)))
     places = {name: np.asarray(place, dtype=float) for name, place in view.points.items()}
     places |= {"origin": low} | {axis: low + length * np.eye(3)[i] for i, axis in enumerate("xyz")}
-    return _render("casing", "casing", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.1)
+    return _single(_render("casing", "casing", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.1))
+
+
+def render_mode(
+    nodes: np.ndarray, triangles: np.ndarray, shape: np.ndarray, frames: int, size: tuple[int, int] = (1100, 750)
+) -> list[Picture] | LeftOut:
+    """A period of a mode in `frames` pictures; the largest displacement is drawn as 5 % of the body's diagonal."""
+    diagonal, low = float(np.linalg.norm(np.ptp(nodes, axis=0))), nodes.min(axis=0)
+    arrays = {"nodes": nodes, "triangles": triangles, "shape": shape, "reach": np.array(0.05 * diagonal)}
+    places = {"origin": low} | {axis: low + 0.1 * diagonal * np.eye(3)[i] for i, axis in enumerate("xyz")}
+    return _render(
+        "mode", "casing mode", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.1, frames=frames
+    )
 
 
 def _render(
@@ -137,12 +149,13 @@ def _render(
     direction: tuple[float, float, float],
     up: tuple[float, float, float],
     zoom: float,
-) -> Picture | LeftOut:
+    frames: int = 1,
+) -> list[Picture] | LeftOut:
     with tempfile.TemporaryDirectory(prefix="gearcase-") as folder:
         job: dict[str, Any] = {
             "kind": kind,
             "arrays": str(Path(folder) / "arrays.npz"),
-            "image": str(Path(folder) / "picture.png"),
+            "images": [str(Path(folder) / f"picture_{number}.png") for number in range(frames)],
             "pixels": str(Path(folder) / "pixels.json"),
             "size": list(size),
             "direction": list(direction),
@@ -154,13 +167,18 @@ def _render(
         job_path = Path(folder) / "job.json"
         job_path.write_text(json.dumps(job), encoding="utf-8")
         failure = _run_child(job_path)
-        if failure is None and not (Path(job["image"]).exists() and Path(job["pixels"]).exists()):
+        if failure is None and not all(Path(file).exists() for file in (*job["images"], job["pixels"])):
             failure = "the renderer wrote no picture"
         if failure is not None:
             reason = f"The picture of the {name} is left out: {failure}. {_remedy(failure)}"
             log.warning("%s", reason)
             return LeftOut(reason=reason)
-        return Picture(image=_read_image(job["image"]), places=json.loads(Path(job["pixels"]).read_text("utf-8")))
+        pixels = json.loads(Path(job["pixels"]).read_text("utf-8"))
+        return [Picture(image=_read_image(file), places=pixels) for file in job["images"]]
+
+
+def _single(pictures: list[Picture] | LeftOut) -> Picture | LeftOut:
+    return pictures if isinstance(pictures, LeftOut) else pictures[0]
 
 
 def _run_child(job: Path) -> str | None:

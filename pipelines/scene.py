@@ -18,7 +18,8 @@ from pipelines.tables.casing import (
     FlexibleBase,
     SensorTable,
 )
-from pipelines.tables.gears import DeviationTable, FaultTable, StageTable
+from pipelines.tables.faults import FaultTable
+from pipelines.tables.gears import DeviationTable, StageTable
 from pipelines.tables.housing import HousingTable
 from pipelines.tables.losses import LossModel, NoLosses
 from pipelines.tables.motion import DriveTable, LoadModel, SimulationTable
@@ -78,15 +79,17 @@ class Scene(Table):
             yield f"sensors: {name} is given {names.count(name)} times"
 
     def _shaft_numbers(self):
-        named = [(f"stages.{n}", pair) for n, pair in enumerate(stage_shafts(self.stages), 1)]
+        named: list[tuple[str, tuple[int, ...]]] = [
+            (f"stages.{n}", pair) for n, pair in enumerate(stage_shafts(self.stages), 1)
+        ]
         named += [(f"couplings.{n}.shafts", tuple(s - 1 for s in c.shafts)) for n, c in enumerate(self.couplings, 1)]
         named += [(f"disks.{n}.shaft", (disk.shaft - 1,)) for n, disk in enumerate(self.disks, 1)]
         named += [("drive.shaft", ((self.drive.shaft or 1) - 1,))]
         named += [("load.shaft", ((self.load.shaft or len(self.shafts)) - 1,))]
         for path, shafts in named:
-            for shaft in shafts:
-                if not 0 <= shaft < len(self.shafts):
-                    yield f"{path}: there is no shaft {shaft + 1}; {len(self.shafts)} are given"
+            for place in shafts:
+                if not 0 <= place < len(self.shafts):
+                    yield f"{path}: there is no shaft {place + 1}; {len(self.shafts)} are given"
             if len(shafts) == 2 and shafts[0] == shafts[1]:
                 yield f"{path}: both ends are on shaft {shafts[0] + 1}"
         if isinstance(self.casing, FlexibleBase):
@@ -94,7 +97,7 @@ class Scene(Table):
                 carried = len(shaft.bearing_positions_mm) - shaft.bearing_supports.count("ground")
                 if carried != 2:
                     yield (
-                        f"shafts.{number}: the housing carries {carried} of its bearings, it has bores for two; support "
+                        f"shafts.{number}: the housing carries {carried} of its bearings and has bores for two; carry "
                         "the others by the ground (bearing_supports)"
                     )
 
@@ -105,15 +108,17 @@ class Scene(Table):
                 continue
             stage = self.stages[fault.stage - 1]
             teeth = stage.pinion_teeth if fault.gear == "pinion" else stage.wheel_teeth
-            if fault.tooth >= teeth:
+            if fault.tooth is not None and fault.tooth >= teeth:
                 yield f"faults.{number}.tooth = {fault.tooth}: the {fault.gear} has teeth 0 to {teeth - 1}"
         if self.diagnosis.stage > len(self.stages):
             yield f"diagnosis.stage = {self.diagnosis.stage}: there are {len(self.stages)} stages"
         if self.sensors and self.diagnosis.sensor not in {sensor.name for sensor in self.sensors}:
             yield f"diagnosis.sensor = {self.diagnosis.sensor!r}: not among the sensors of the scene"
-        teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in self.faults]
+        teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in self.faults if fault.tooth is not None]
         for stage_number, gear, tooth in sorted({hit for hit in teeth_hit if teeth_hit.count(hit) > 1}):
-            yield f"faults: tooth {tooth} of the stage {stage_number} {gear} is given more than once"
+            kinds = [f.kind for f in self.faults if (f.stage, f.gear, f.tooth) == (stage_number, gear, tooth)]
+            if len(set(kinds)) < len(kinds) or "missing-tooth" in kinds:
+                yield f"faults: tooth {tooth} of the stage {stage_number} {gear} is given more than once"
         if isinstance(self.diagnosis.envelope_band_Hz, tuple):
             low, high = self.diagnosis.envelope_band_Hz
             if not low < high < self.simulation.output_rate_Hz / 2:

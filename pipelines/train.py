@@ -56,6 +56,19 @@ def stage_shafts(stages: Sequence[StageTable]) -> list[tuple[int, int]]:
     ]
 
 
+def shaft_senses(count: int, stages: Sequence[StageTable], couplings: Sequence[CouplingTable]) -> list[int]:
+    """Lifting sense of every shaft, +1 about +y as the first: meshes reverse it, couplings keep it; +1 out of reach."""
+    links = [(one, other, -1) for one, other in stage_shafts(stages)]
+    links += [(table.shafts[0] - 1, table.shafts[1] - 1, 1) for table in couplings]
+    senses = {0: 1}
+    while True:
+        ready = next((link for link in links if (link[0] in senses) != (link[1] in senses)), None)
+        if ready is None:
+            return [senses.get(shaft, 1) for shaft in range(count)]
+        one, other, turn = ready if ready[0] in senses else (ready[1], ready[0], ready[2])
+        senses[other] = senses[one] * turn
+
+
 def place_shafts(
     count: int, stages: Sequence[StageTable], pairs: Sequence[GearPair], couplings: Sequence[CouplingTable]
 ) -> tuple[list[Place], list[Problem]]:
@@ -107,7 +120,7 @@ def _loop(step: _Step, place: Place, known: Place, shaft: int) -> list[Problem]:
         problems.append(
             Problem(
                 step.path,
-                f"closes a loop that does not meet: the axis of shaft {shaft + 1} is {off * 1000:.3f} mm beside the place "
+                f"closes a loop that does not meet: the axis of shaft {shaft + 1} is {off * 1000:.3f} mm off the place "
                 f"that the rest of the loop gives it (x {known.x * 1000:.3f}, z {known.z * 1000:.3f} mm)",
                 "Change direction_deg or profile shifts",
             )

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from pipelines.collisions import find_collisions
 from pipelines.errors import Problem, SceneError
+from pipelines.flank_checks import bad_flanks
 from pipelines.layout import Layout, lay_out
 from pipelines.scene import Scene
 from pipelines.tables.casing import FlexibleBase
@@ -23,7 +24,7 @@ def checked_layout(scene: Scene, source: str) -> Layout:
     SceneError : everything that does not fit, at once
     """
     layout = lay_out(scene, source)
-    problems: list[Problem] = list(find_collisions(scene, layout))
+    problems: list[Problem] = [*find_collisions(scene, layout), *bad_flanks(scene, layout)]
     if isinstance(scene.casing, FlexibleBase):
         from pipelines.housing import housing
 

@@ -27,10 +27,14 @@ def main(job_path: str) -> None:
         arrays = {name: stored[name] for name in stored.files}
     plotter: Any = pyvista.Plotter(off_screen=True, window_size=job["size"])
     plotter.set_background("white")
-    {"gears": draw_gears, "casing": draw_casing}[job["kind"]](plotter, arrays)
+    moving = {"gears": draw_gears, "casing": draw_casing, "mode": draw_mode}[job["kind"]](plotter, arrays)
     look_at(plotter, job["direction"], job["up"], job["zoom"])
     plotter.enable_anti_aliasing("ssaa")
-    plotter.screenshot(job["image"])
+    for number, image in enumerate(job["images"]):
+        if moving is not None:
+            mesh, rest, shape = moving
+            mesh.points = rest + shape * np.sin(2 * np.pi * number / len(job["images"]))
+        plotter.screenshot(image)
     pixels = {name: pixel(plotter, place) for name, place in job["places"].items()}
     Path(job["pixels"]).write_text(json.dumps(pixels), encoding="utf-8")
 
@@ -58,6 +62,22 @@ def draw_casing(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
     for kind, colour in COLOURS.items():
         for centre in arrays[f"{kind}_points"]:
             plotter.add_mesh(pyvista.Sphere(radius=radius, center=centre), color=colour, ambient=0.35)
+
+
+def draw_mode(plotter: Any, arrays: dict[str, np.ndarray]) -> tuple[pyvista.PolyData, np.ndarray, np.ndarray]:
+    """A body coloured by the amplitude of its displacement, its edges at rest behind it; surface, place and shape."""
+    triangles = arrays["triangles"]
+    cells = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
+    mesh = pyvista.PolyData(arrays["nodes"].copy(), cells)
+    mesh["amplitude"] = np.linalg.norm(arrays["shape"], axis=1)
+    edges = mesh.extract_feature_edges(FEATURE_ANGLE, boundary_edges=False, manifold_edges=False)
+    if edges.n_cells:
+        plotter.add_mesh(edges.copy(), color="#9aa4ad", line_width=1.0)
+    plotter.add_mesh(mesh, scalars="amplitude", cmap="viridis", clim=(0.0, 1.0), show_scalar_bar=False)
+    reach = float(arrays["reach"])
+    low, high = arrays["nodes"].min(axis=0) - reach, arrays["nodes"].max(axis=0) + reach
+    plotter.add_mesh(pyvista.Box((low[0], high[0], low[1], high[1], low[2], high[2])), opacity=0.0)  # keeps the view
+    return mesh, arrays["nodes"], reach * arrays["shape"]
 
 
 def surface(points: np.ndarray, faces: np.ndarray) -> pyvista.PolyData:

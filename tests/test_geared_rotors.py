@@ -26,7 +26,21 @@ SPEED = 1500 / 60 * 2 * math.pi
 
 # Friswell, Penny, Garvey & Lees (2010), Dynamics of Rotating Machines: generator and turbine, a spur pair between them,
 # at 1500 rev/min of the generator (data and results also in the tutorial on multi-rotors of petrobras/ross)
-PUBLISHED = [11.641, 12.284, 17.268, 18.458, 23.956, 37.681, 49.889, 50.861, 56.248, 57.752, 59.188, 63.113, 74.203]  # Hz
+PUBLISHED = [
+    11.641,
+    12.284,
+    17.268,
+    18.458,
+    23.956,
+    37.681,
+    49.889,
+    50.861,
+    56.248,
+    57.752,
+    59.188,
+    63.113,
+    74.203,
+]  # Hz
 
 
 def stepped(lengths, diameters, start):
@@ -44,7 +58,9 @@ def journal(name, shaft, y, horizontal, vertical, damping=3e3):
     """Stiff along the shaft, so that axial motion stays above the published modes."""
     return BearingSpec(
         name=name, shaft=shaft, y=y, stiffness_x=horizontal, stiffness_z=vertical, stiffness_axial=1e10,
-        damping=tuple(tuple(damping * (i == j and a in ("ux", "uz")) for j in range(5)) for i, a in enumerate(BEARING_AXES)),
+        damping=tuple(
+            tuple(damping * (i == j and a in ("ux", "uz")) for j in range(5)) for i, a in enumerate(BEARING_AXES)
+        ),
     )  # fmt: skip
 
 
@@ -92,5 +108,81 @@ def test_published_frequencies_of_a_geared_pair_of_rotors():
     system = assemble(turbine_set(), no_casing(), band=np.inf)
     found = linear_modes(system, up_to=90.0, speed=SPEED).frequencies
     found = found[found > 1.0]  # the weak coupling lets the whole set turn
-    print(np.round(found,3), np.round(found[:13]/PUBLISHED-1,5))
     np.testing.assert_allclose(found[: len(PUBLISHED)], PUBLISHED, rtol=1e-3)
+
+
+def overhung(speed):
+    """A disk on a shaft so stiff that it tilts as a whole on two tilt springs."""
+    shaft = ShaftSpec(
+        name="rotor", x=0.0, z=0.0, sense=1, damping_time=0.0, model="torsion",
+        sections=(Section(y_start=-0.01, y_end=0.01, outer_diameter=0.02),),
+        disks=(disk("disk", 0.0, 20.0, 0.1, 0.18),),
+    )  # fmt: skip
+    bearing = BearingSpec(
+        name="bearing", shaft="rotor", y=0.0, stiffness_x=1e9, stiffness_z=1e9, stiffness_axial=1e9,
+        stiffness_tilt_x=4e3, stiffness_tilt_z=4e3, damping_time=0.0, support="ground",
+    )  # fmt: skip
+    return Machine(
+        shafts=(shaft,), bearings=(bearing,), meshes=(), gyroscopic=True, gravity=0.0,
+        couplings=(CouplingSpec(name="motor", shaft="rotor", y=0.0, stiffness=1e3),),
+        profile=SpeedProfile(times=np.zeros(1), speeds=np.array([speed])),
+        load=StaticTorque(shaft="rotor", drums=(0.0,), torque=1.0),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("speed", [0.0, 100.0, -100.0])
+def test_a_tilting_disk_whirls_at_the_two_frequencies_of_the_formula(speed):
+    """J_d w^2 -+ J_p Omega w - k = 0: forward whirl rises, backward whirl falls."""
+    found = linear_modes(assemble(overhung(speed), no_casing(), band=np.inf), up_to=100.0, speed=speed).frequencies
+    diametral, polar, k = 0.1, 0.18, 4e3  # the shaft itself weighs 50 g
+    spin = polar * abs(speed)
+    expected = [(math.sqrt(spin**2 + 4 * diametral * k) + s * spin) / (4 * math.pi * diametral) for s in (-1, 1)]
+    for value in expected:
+        assert abs(found / value - 1).min() < 1e-4
+
+
+def test_the_time_step_whirls_as_the_linearised_view():
+    """Free motion at speed: the two tilt frequencies appear in the tilts, and nothing is lost."""
+    speed, rate = 100.0, 4000.0
+    system = assemble(overhung(speed), no_casing(), band=np.inf, channels=("bearing:fx",))
+    assert system.gyroscopic_left_out < 1e-3
+    state = equilibrium(system, speed)
+    tilt = system.layout.axis_row("rotor", 0.0, 3)
+    push = np.linalg.solve(system.mass, tilt)
+    start = dataclasses.replace(state, velocity=1e-3 * push / (tilt @ push))
+    run = simulate(system, Settings(end=0.3, output_rate=rate, step=2e-5), start=start)
+    assert abs(run.book("total", "residual")) < 1e-6 * max(run.book("total", "scale"), 1.0)
+    kinetic = 0.5 * start.velocity @ system.mass @ start.velocity
+    stored = sum(run.book(part, "stored") for part in run.book_parts if part != "total")
+    assert abs(stored) < 1e-3 * kinetic  # it goes back and forth between tilts and springs
+    bearing = run.channel("bearing:fx")
+    assert np.isfinite(bearing).all()
+
+
+def test_distributed_gyroscopic_moments_are_those_of_the_whole_body():
+    """A rigid tilt of a shaft: G sums to its polar inertia, whatever the elements."""
+    section = (Section(y_start=-0.2, y_end=0.2, outer_diameter=0.06, inner_diameter=0.02),)
+    spec = ShaftSpec(name="s", x=0.0, z=0.0, sense=1, sections=section, element_length=0.05)
+    nodes = shaft_nodes(spec)
+    matrix = gyroscopic_matrix(spec, nodes)
+    tilt = np.zeros((len(nodes), 6, 2))
+    tilt[:, 3, 0] = tilt[:, 5, 1] = 1.0
+    tilt[:, 2, 0], tilt[:, 0, 1] = nodes, -nodes
+    whole = tilt.reshape(-1, 2).T @ matrix @ tilt.reshape(-1, 2)
+    polar = spec.density * math.pi / 32 * (0.06**4 - 0.02**4) * 0.4
+    np.testing.assert_allclose(whole, [[0.0, -polar], [polar, 0.0]], rtol=1e-9, atol=1e-12 * polar)
+    assert abs(matrix + matrix.T).max() == 0.0
+    assert abs(np.diag(shaft_matrices(spec, nodes)[0])).min() > 0.0
+
+
+def test_the_strongest_planes_rebuild_a_skew_matrix():
+    random = np.random.default_rng(3)
+    turn = linalg.qr(random.standard_normal((9, 9)))[0]
+    skew = np.zeros((9, 9))
+    for i, g in zip((0, 2, 4), (5.0, -2.0, 1e-3), strict=True):
+        skew[i, i + 1], skew[i + 1, i] = g, -g
+    a, b, g, left = planes(turn @ skew @ turn.T, kept=0.999)
+    assert len(g) == 2
+    assert left == pytest.approx(1e-3 / math.hypot(5.0, 2.0), rel=1e-2)
+    rebuilt = sum(s * (np.outer(x, y) - np.outer(y, x)) for x, y, s in zip(a, b, g, strict=True))
+    assert abs(rebuilt - turn @ skew @ turn.T).max() < 2e-3

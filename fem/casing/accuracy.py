@@ -5,7 +5,7 @@ with every mode up to a limit well above the band, each with its damping, and wi
 powers of K^-1 M that act on the loads (hybrid expansion):
 
     H(w) = sum_k c phi_k phi_k^T b / (w_k^2 - w^2 + 2 i zeta_k w_k w)
-           + sum_p w^(2p) [ c (K^-1 M)^p K^-1 b - sum_k c phi_k phi_k^T b / w_k^(2p+2) ],   p = 0 .. P - 1
+           + sum_p w^(2p) c (Q K^-1 M)^p Q K^-1 b,   p = 0 .. P - 1,   Q = 1 - sum_k phi_k phi_k^T M
 
 What is left out of the second sum is (w/w_next)^(2P) of it, 4e-3 at the end of the band for P = 7 and modes to 1.5
 times the band, and the damping of modes beyond the limit (at most 2.4 zeta of their share). The same modes give the
@@ -184,12 +184,12 @@ def full_response(
     """
     square = 1.0 / theta
     left, right = readings @ phi, (loads @ phi).T
-    X = solve(loads.T.toarray())
-    rest = []
-    for power in range(_POWERS):
-        rest.append(readings @ X - (left * theta ** (power + 1)) @ right)
-        if power + 1 < _POWERS:
-            X = solve(M @ X)
+    X, rest = loads.T.toarray(), []
+    for _ in range(_POWERS):
+        X = solve(X)
+        X -= phi @ (phi.T @ (M @ X))  # before the powers of the lowest modes drown what lies beyond
+        rest.append(readings @ X)
+        X = M @ X
     out = np.empty((len(frequencies), readings.shape[0], loads.shape[0]), complex)
     for number, omega in enumerate(2.0 * math.pi * frequencies):
         modal = left / (square - omega**2 + 2j * zeta * np.sqrt(square) * omega)

@@ -102,23 +102,26 @@ class CheckUp(Record):
         x, y, z = self.centre
         lines.append(f"  mass {self.mass:.6g} kg, centre of gravity ({x:.6g}, {y:.6g}, {z:.6g}) m")
         lines.append("  inertia about it (kg m2): " + "; ".join(" ".join(f"{v:.5g}" for v in r) for r in self.inertia))
-        lines.append("  grounded modes: Hz, effective mass in x y z in percent of the movable mass")
-        share = 100.0 * self.effective_mass[:, :3] / self.movable[:3]
-        for number in range(min(n_modes, len(self.frequencies))):
-            line = f"    {number + 1:3d} {self.frequencies[number]:10.2f}  " + " ".join(
-                f"{v:6.2f}" for v in share[number]
-            )
-            if number < len(self.full_frequencies):
-                line += f"   full model {self.full_frequencies[number]:10.2f} ({self.frequency_error[number]:+.1e})"
-            lines.append(line)
-        total = " ".join(f"{v:6.2f}" for v in share.sum(axis=0))
-        lines.append(f"    all {len(self.frequencies)} modes   {total}")
+        if n_modes:
+            lines += self._mode_lines(n_modes)
         if len(self.full_frequencies):
             lines.append(
                 f"  {len(self.full_frequencies)} frequencies to {self.full_frequencies[-1]:.1f} Hz: "
                 f"largest error {self.frequency_error.max():.2e}, smallest {self.frequency_error.min():.2e}"
             )
         return "\n".join(lines)
+
+    def _mode_lines(self, n_modes: int) -> list[str]:
+        lines = ["  grounded modes: Hz, effective mass in x y z in percent of the movable mass"]
+        share = 100.0 * self.effective_mass[:, :3] / self.movable[:3]
+        for number in range(min(n_modes, len(self.frequencies))):
+            words = " ".join(f"{v:6.2f}" for v in share[number])
+            line = f"    {number + 1:3d} {self.frequencies[number]:10.2f}  {words}"
+            if number < len(self.full_frequencies):
+                line += f"   full model {self.full_frequencies[number]:10.2f} ({self.frequency_error[number]:+.1e})"
+            lines.append(line)
+        total = " ".join(f"{v:6.2f}" for v in share.sum(axis=0))
+        return [*lines, f"    all {len(self.frequencies)} modes   {total}"]
 
 
 def check_up(casing: GroundedCasing, reduction: Reduction, *, full_band: float | None = None) -> CheckUp:

@@ -85,6 +85,10 @@ def law_tables(law: MeshLaw) -> np.ndarray:
         ),
         (law.compliance.min() <= 0.0, f"smallest compliance is {law.compliance.min():.4g} m2/N; it must be > 0"),
         (softest < 0.0, f"smallest compliance of a tooth variant is {softest:.4g} m2/N; it must be >= 0"),
+        (
+            min(law.spread_compliance.min(), law.spread_length, law.body_compliance, law.tilt_compliance) < 0.0,
+            "a compliance or the length of the coupling along the face is negative",
+        ),
         (law.contact_slope < 0.0, f"contact_slope is {law.contact_slope:.4g} m2/N; it must be >= 0"),
         (law.fraction.min() < 0.0 or law.fraction.max() > 1.0, "fraction leaves [0, 1]"),
         (np.isneginf(law.gap).any(), "gap is -inf somewhere; give m or +inf"),

@@ -14,50 +14,23 @@ import numpy as np
 from numba import njit
 
 from fem.contact import lanes, slices
+from fem.contact.face import evaluate_coupled
+from fem.contact.near import pairs_near
 from fem.contact.packing import (
     BLOCKS,
-    FIRST_SHIFT,
+    COUPLED,
     LANES,
     LARGEST_NEAR,
-    LAST_SHIFT,
     OFFSET,
-    PER_STEP,
-    POSITIONS,
     ROWS_PER_BLOCK,
     SIGN,
     SLICE_ROWS,
     SLOPE,
-    START,
-    WHEEL_OFFSET,
     WIDTH,
     Y,
 )
 
 _options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
-
-
-@njit(**_options)
-def pairs_near(tables, own_cycle, pinion, wheel, near):
-    """Pairs with both teeth that may touch somewhere on the face, rows of `near` in rising order; their number."""
-    sign = 1 if tables[SIGN] > 0.0 else -1
-    z1, z2 = pinion.shape[0], wheel.shape[0]
-    start, span = tables[START], (tables[POSITIONS] - 1.0) / tables[PER_STEP]
-    first = math.ceil(own_cycle + tables[FIRST_SHIFT] - start - span)
-    last = min(math.floor(own_cycle + tables[LAST_SHIFT] - start), first + LARGEST_NEAR - 1)
-    i, j = (sign * first) % z1, (sign * first + int(tables[WHEEL_OFFSET])) % z2
-    n = 0
-    for p in range(first, last + 1):
-        h = pinion[i, 0] + wheel[j, 0]
-        if h < math.inf:
-            near[n, lanes.NUMBER], near[n, lanes.CLEARANCE] = p, h
-            for k in range(1, 5):
-                near[n, lanes.CLEARANCE + k] = pinion[i, k] + wheel[j, k]
-            near[n, lanes.PINION_VARIANT], near[n, lanes.WHEEL_VARIANT] = pinion[i, 5], wheel[j, 5]
-            n += 1
-        i, j = i + sign, j + sign
-        i, j = i - z1 if i >= z1 else i, j - z2 if j >= z2 else j
-        i, j = i + z1 if i < 0 else i, j + z2 if j < 0 else j
-    return n
 
 
 @njit(**_options, forceinline=True)
@@ -73,6 +46,8 @@ def settle(slope, work, bits):
 def evaluate_flank(tables, cycle, delta, psi, pinion, wheel, pair_force):
     """Sum over the blocks; adds each pair's force to pair_force[p - floor(c') + size // 2] where that exists."""
     force = moment = energy = k = mixed = tilt = rate = 0.0
+    if tables[COUPLED] > 0.0:
+        return evaluate_coupled(tables, cycle, delta, psi, pinion, wheel, pair_force)
     own_cycle = tables[SIGN] * cycle + tables[OFFSET]
     work = np.empty((lanes.TOTAL + LARGEST_NEAR // 2, LANES))
     bits = work.view(np.int64)
@@ -107,6 +82,11 @@ def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
     F, M, U, dF/d delta, dF/d psi, dM/d psi of the first state, then the same of the second
     """
     states = (delta, psi, delta_0, psi_0)
+    none = np.empty(0)
+    if tables[COUPLED] > 0.0:
+        f0, m0, u0, a0, b0, c0, _ = evaluate_coupled(tables, cycle, delta, psi, pinion, wheel, none)
+        f1, m1, u1, a1, b1, c1, _ = evaluate_coupled(tables, cycle, delta_0, psi_0, pinion, wheel, none)
+        return f0, m0, u0, a0, b0, c0, f1, m1, u1, a1, b1, c1
     own_cycle = tables[SIGN] * cycle + tables[OFFSET]
     work = np.empty((lanes.TOTAL + LARGEST_NEAR // 2, LANES))
     bits = work.view(np.int64)
@@ -114,7 +94,6 @@ def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
     n_near = pairs_near(tables, own_cycle, pinion, wheel, near)
     slope = tables[SLOPE]
     f0 = m0 = u0 = a0 = b0 = c0 = f1 = m1 = u1 = a1 = b1 = c1 = 0.0
-    none = np.empty(0)
     for block in range(int(tables[BLOCKS])):
         if not lanes.gather(tables, block, own_cycle, states, near, n_near, work):
             continue
@@ -154,12 +133,14 @@ def rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_for
     """The sums of the slices that `lanes` left over, and their shares."""
     force = moment = energy = k = mixed = tilt = rate = 0.0
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
-    own = np.empty((slices.TOTAL, slices.MAX_PAIRS))
+    own, none = np.empty((slices.TOTAL, slices.MAX_PAIRS)), np.zeros(LARGEST_NEAR)
     for s in range(LANES):
         if work[lanes.RARE, s] == 0.0:
             continue
         y, w = tables[base + Y * LANES + s], tables[base + WIDTH * LANES + s]
-        n, load, stiff, stored, along = slices.solve_slice(tables, block, s, own_cycle, delta, psi, near, n_near, own)
+        n, load, stiff, stored, along = slices.solve_slice(
+            tables, block, s, own_cycle, delta, psi, near, n_near, none, own
+        )
         force, moment, energy, rate = force + w * load, moment + w * load * y, energy + w * stored, rate + w * along
         k, mixed, tilt = k + w * stiff, mixed + w * stiff * y, tilt + w * stiff * y * y
         for p in range(n if pair_force.size > 0 else 0):

@@ -11,6 +11,14 @@ C holds tooth and body compliance, A and B the Hertz line contact, c_n the compl
 (tabulated at the xi of the pair that is ahead, i.e. of the smaller p). F = sum fraction f width,
 M = sum fraction f width y. U is the strain energy, so F = dU/d delta, M = dU/d psi.
 
+Coupling of the slices along the face, none by default, takes from x
+
+    sqrt(D(xi)) v_p(y) + E_0 F + E_1 M y,      v_p - a^2 v_p'' = sqrt(D) fraction f_p,   v_p' = 0 at both ends of the face
+
+D is the compliance of tooth bending that spreads along the face over the length a (an elastic foundation whose influence
+decays like exp(-|y - y'|/a) and doubles at a free end: the moment image of Wellauer & Seireg, 1960, J. Eng. Ind. 82),
+E_0 and E_1 the wind-up and the tilt of the bodies, common to all pairs.
+
 Shapes along the flank are gaps, positive where material is missing: gap(xi) holds the profile of both gears and the
 gap of the tip edges, lead_gap(y) their lead; the sum of the two is exact for every modification but a twisted flank.
 h_p is what the two teeth of the pair bring of their own, see `fem.contact.teeth`. A damaged tooth is a variant: a table
@@ -57,6 +65,10 @@ class MeshLaw(Record):
     pinion_teeth: int = integer()
     wheel_teeth: int = integer()
     wheel_tooth_offset: int = integer()  # pair p: pinion tooth cycle_sign*p, wheel tooth cycle_sign*p + this
+    spread_compliance: np.ndarray = _sound("position", units="m2/N")  # D, of tooth bending that spreads along the face
+    spread_length: float = dataclasses.field(default=0.0, metadata=scalar(units="m").metadata)  # a
+    body_compliance: float = dataclasses.field(default=0.0, metadata=scalar(units="m/N").metadata)  # E_0, wind-up
+    tilt_compliance: float = dataclasses.field(default=0.0, metadata=scalar(units="1/(N m)").metadata)  # E_1, tilt
     lead_gap: np.ndarray = _sound("slice", units="m")
     pinion_variant_compliance: np.ndarray = _sound("pinion_variant", "slice", "position", units="m2/N")  # >= 0
     pinion_variant_gap: np.ndarray = _sound("pinion_variant", "slice", "position", units="m", infinite=True)
@@ -67,6 +79,6 @@ class MeshLaw(Record):
         slices, positions = np.size(self.face_coordinate), np.size(self.compliance)
         for field in dataclasses.fields(self):
             if field.default is None and getattr(self, field.name) is None:
-                shape = (slices,) if field.name == "lead_gap" else (0, slices, positions)
-                object.__setattr__(self, field.name, np.zeros(shape))
+                shape = {"lead_gap": (slices,), "spread_compliance": (positions,)}
+                object.__setattr__(self, field.name, np.zeros(shape.get(field.name, (0, slices, positions))))
         super().__post_init__()

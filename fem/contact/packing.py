@@ -4,7 +4,8 @@ All laws share this one compiled type, whatever they hold, so a machine keeps th
 header follow
 
     slices    per block of LANES slices: rows y, width, shift, y / b, lead gap, [least shift, largest shift]
-    grid      per cell of the position grid: C, dC, B, dB, gap, dgap, phi, dphi, c_1, dc_1, c_2, ... at its lower end
+    grid      per cell of the position grid: C, dC, B, dB, gap, dgap, phi, dphi, c_1, dc_1, c_2, ..., sqrt(D), change,
+              at its lower end
     variants  per damaged tooth form and slice: what it adds to C and to the gap at the grid points
               (pinion forms, then wheel forms; each (2, slice, position))
 
@@ -26,7 +27,8 @@ SLICES, POSITIONS, BLOCKS, REACH = range(4)
 SIGN, OFFSET, START, PER_STEP = range(4, 8)
 SLOPE, PULLS, WHEEL_OFFSET, FIRST_SHIFT, LAST_SHIFT = range(8, 13)
 GRID, CELL, VARIANTS, WHEEL_VARIANTS = range(13, 17)
-SLICE_ROWS = 20  # where the rows of the slices begin
+COUPLED, LENGTH, BODY, TILT = range(17, 21)
+SLICE_ROWS = 24  # where the rows of the slices begin
 ROWS_PER_BLOCK = 6
 Y, WIDTH, SHIFT, PART, LEAD, RANGE = range(6)
 C, B, GAP, PHI, NEXT = 0, 2, 4, 6, 8  # columns of the grid; each is followed by its change over the cell
@@ -63,6 +65,9 @@ def pack(law: MeshLaw) -> np.ndarray:
     header[SLOPE], header[WHEEL_OFFSET] = law.contact_slope, law.wheel_tooth_offset
     header[PULLS] = float(law.coupling.size > 0 and law.coupling.min() < 0.0)
     header[FIRST_SHIFT], header[LAST_SHIFT] = law.cycle_shift.min(), law.cycle_shift.max()
+    spread = law.spread_length > 0.0 and law.spread_compliance.max() > 0.0
+    header[COUPLED] = float(spread or law.body_compliance > 0.0 or law.tilt_compliance > 0.0)
+    header[[LENGTH, BODY, TILT]] = law.spread_length if spread else 0.0, law.body_compliance, law.tilt_compliance
     header[GRID], header[CELL] = SLICE_ROWS + rows.size, grid.shape[1]
     header[VARIANTS] = header[GRID] + grid.size
     header[WHEEL_VARIANTS] = header[VARIANTS] + variants[0].size
@@ -74,7 +79,7 @@ def _cells(law: MeshLaw) -> np.ndarray:
     closed = ~(np.isfinite(law.gap[:-1]) & np.isfinite(law.gap[1:]))
     gap = np.where(np.isfinite(law.gap), law.gap, 0.0)
     columns = []
-    for table in (law.compliance, law.contact_offset, gap, law.fraction, *law.coupling):
+    for table in (law.compliance, law.contact_offset, gap, law.fraction, *law.coupling, np.sqrt(law.spread_compliance)):
         columns += [table[:-1].copy(), np.diff(table)]
     for column in (PHI, PHI + 1):
         columns[column][closed] = 0.0

@@ -152,23 +152,9 @@ class Plane:
 
     def tables(self, pair: GearPair, path: PathPoints) -> PairCompliance:
         """Compliances of one slice at the positions of `path`."""
-        depth = pair.pinion.normal_module
-        half_width = self.patch * depth
         reach = max(1, math.ceil((len(path.xi) - 1) / self.positions) - 1)
         rings = self.rings(pair, reach)
-        patches = [
-            ring.patches((radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius), half_width)
-            for ring, gear, radius in zip(
-                rings, (pair.pinion, pair.wheel), (path.pinion_radius, path.wheel_radius), strict=True
-            )
-        ]
-        weights = [weight for weight, _ in patches]
-        cosine = math.cos(pair.base_helix_angle)
-        materials = (pair.pinion_material, pair.wheel_material)
-        own = np.zeros(len(path.xi))
-        for (weight, used), ring, material in zip(patches, rings, materials, strict=True):
-            own += np.einsum("pi,ij,pj->p", weight, ring.matrix[0], weight)
-            own += 2 / (math.pi * material.plane_strain_modulus * cosine) * np.log(used / depth)
+        weights, own = self.own_compliance(pair, path, rings)
         coupling = np.zeros((reach, len(path.xi)))
         here = np.arange(len(path.xi))
         for n in range(1, reach + 1):
@@ -177,15 +163,33 @@ class Plane:
             # of the pinion and tooth +n of the wheel counted towards the loaded flank
             for weight, ring, tooth in zip(weights, rings, (-n, n), strict=True):
                 coupling[n - 1] += np.einsum("pi,ij,pj->p", weight[behind], ring.matrix[tooth], weight)
+        slope, offset = self.contact_terms(pair, path)
+        return PairCompliance(compliance=own, coupling=coupling, contact_slope=slope, contact_offset=offset)
+
+    def contact_terms(self, pair: GearPair, path: PathPoints) -> tuple[float, np.ndarray]:
+        """A (m2/N) and B (position,) of the Hertz term."""
+        depth, cosine = pair.pinion.normal_module, math.cos(pair.base_helix_angle)
+        materials = (pair.pinion_material, pair.wheel_material)
         reduced = 1.0 / sum(1.0 / material.plane_strain_modulus for material in materials)
-        slope = 1.0 / (math.pi * reduced * cosine)
         radius = self.contact_radius(pair, path) / cosine
-        return PairCompliance(
-            compliance=own,
-            coupling=coupling,
-            contact_slope=slope,
-            contact_offset=0.5 + np.log(depth**2 * math.pi * reduced / (4 * radius)),
-        )
+        return 1.0 / (math.pi * reduced * cosine), 0.5 + np.log(depth**2 * math.pi * reduced / (4 * radius))
+
+    def own_compliance(
+        self, pair: GearPair, path: PathPoints, rings: tuple[FlankCompliance, FlankCompliance]
+    ) -> tuple[list[np.ndarray], np.ndarray]:
+        """Patch weights (position, node) of pinion and wheel, and C (position,) in m2/N; any positions will do."""
+        depth = pair.pinion.normal_module
+        cosine = math.cos(pair.base_helix_angle)
+        gears, materials = (pair.pinion, pair.wheel), (pair.pinion_material, pair.wheel_material)
+        radii = (path.pinion_radius, path.wheel_radius)
+        weights, own = [], np.zeros(len(path.xi))
+        for ring, gear, material, radius in zip(rings, gears, materials, radii, strict=True):
+            arc = (radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius)
+            weight, used = ring.patches(arc, self.patch * depth)
+            own += np.einsum("pi,ij,pj->p", weight, ring.matrix[0], weight, optimize=True)
+            own += 2 / (math.pi * material.plane_strain_modulus * cosine) * np.log(used / depth)
+            weights.append(weight)
+        return weights, own
 
     def rings(self, pair: GearPair, reach: int) -> tuple[FlankCompliance, FlankCompliance]:
         """Flank compliances of pinion and wheel."""

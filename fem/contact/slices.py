@@ -62,9 +62,12 @@ _options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"
 
 
 @njit(**_options)
-def solve_slice(tables, block, lane, own_cycle, delta, psi, near, n_near, work):
-    """Solve one slice; returns its number of pairs and, per unit width, load, stiffness, energy, d(energy)/d xi."""
-    n = _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, work)
+def solve_slice(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, work):
+    """Solve one slice; returns its number of pairs and, per unit width, load, stiffness, energy, d(energy)/d xi.
+
+    relief (n_near,) m is taken off the approach of each near pair.
+    """
+    n = _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, work)
     slope = tables[SLOPE]
     _loads(n, slope, work)
     load = stiffness = energy = rate = 0.0
@@ -92,7 +95,7 @@ def solve_slice(tables, block, lane, own_cycle, delta, psi, near, n_near, work):
 
 
 @njit(**_options)
-def _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, work):
+def _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, work):
     """Columns of the pairs of one slice, in rising order of p; returns their number."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES + lane
     here = own_cycle + tables[base + SHIFT * LANES]
@@ -103,6 +106,7 @@ def _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, work):
     n = 0
     for m in range(n_near):
         x, k, u = approach_of(tables, here, approach, tables[base + PART * LANES], near, m)
+        x -= relief[m]
         if not x > lowest:
             continue
         fill(tables, 0, n, x, k, u, here, near, m, work)
@@ -124,6 +128,18 @@ def _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, work):
         if n == MAX_PAIRS:
             break
     return n
+
+
+@njit(**_options)
+def slice_stiffness(n, slope, work, stiffness):
+    """d(phi_p f_p) / d(approach of pair q) of a solved slice, into stiffness (n, n)."""
+    for q in range(n):
+        for p in range(n):
+            work[REST, p] = 1.0 if p == q else 0.0
+            work[SYSTEM + p, p] = work[COMPLIANCE, p] + slope * max(work[DEPTH, p] - work[LOG, p] - 1.0, 0.0)
+        _solve_system(n, work)
+        for p in range(n):
+            stiffness[p, q] = work[FRACTION, p] * work[REST, p]
 
 
 @njit(**_options)

@@ -5,6 +5,13 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipelines.pictures import LeftOut
+
+if TYPE_CHECKING:
+    from pipelines.build import Outcome
+    from pipelines.scene import Scene
 
 
 def main(options: argparse.Namespace) -> int:
@@ -16,7 +23,7 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.derived import derive
     from pipelines.errors import InputError
     from pipelines.layout import lay_out
-    from pipelines.pictures import LeftOut, Picture
+    from pipelines.pictures import Picture
     from pipelines.study import plan_study
     from pipelines.terminal import shown_progress
     from pipelines.trade.presets import load_asked
@@ -28,13 +35,22 @@ def main(options: argparse.Namespace) -> int:
     graph = plan_study(loaded, with_control=False, both_loads=False).graph
     laws = [f"law_{number}" for number in range(1, len(scene.stages) + 1)]
     meshed = "casing mesh" in graph.stages
+    elastic = "casing modes" in graph.stages
     wanted = [*laws, *(["casing"] if meshed else [])]
+    if options.casing_mode:
+        wanted = ["casing modes", "casing mesh"] if elastic else ["casing"]
     with shown_progress(len(graph.needed(wanted).stages), quiet=options.quiet) as observer:
         outcome = run_graph(graph, Cache(), wanted, observer=observer, processes=options.processes)
-    layout = lay_out(scene)
-    curves = reporting.stiffness_plots(scene, layout, derive(scene, layout), [outcome.value(name) for name in laws])
     folder = Path(options.out)
     folder.mkdir(parents=True, exist_ok=True)
+    if options.casing_mode:
+        if not elastic:
+            raise InputError(f"--casing-mode: a {scene.casing.model} casing has no elastic modes")
+        found = casing_mode_files(outcome, scene, options.casing_mode, folder)
+        sys.stdout.write(f"{found.reason}\n" if isinstance(found, LeftOut) else "".join(f"{f}\n" for f in found))
+        return 0
+    layout = lay_out(scene)
+    curves = reporting.stiffness_plots(scene, layout, derive(scene, layout), [outcome.value(name) for name in laws])
     gears = reporting.gear_picture(scene, layout, stage)
     pictures: dict[str, Picture | LeftOut | None] = {f"gears_{stage}.png": gears}
     if meshed:
@@ -52,3 +68,26 @@ def main(options: argparse.Namespace) -> int:
     if not meshed:
         sys.stdout.write(f"casing {scene.casing.model}: no mesh to show\n")
     return 0
+
+
+def casing_mode_files(outcome: Outcome, scene: Scene, number: int, folder: Path) -> list[Path] | LeftOut:
+    """Still, film and page of a natural mode of the casing in its ground; InputError beyond the last one."""
+    from fem.casing.modes import natural_modes
+    from pipelines.casing_export import mode_shapes
+    from pipelines.chain import casing_mounts
+    from pipelines.errors import InputError
+    from pipelines.mode_pictures import ModeView, write_mode
+
+    modes, mesh = outcome.value("casing modes")[0], outcome.value("casing mesh")
+    natural = natural_modes(modes, casing_mounts(scene))
+    if number > len(natural.frequencies):
+        raise InputError(f"--casing-mode {number}: the reduced casing has {len(natural.frequencies)} modes")
+    view = ModeView(
+        title=f"Casing of {scene.title}",
+        number=number,
+        frequency=float(natural.frequencies[number - 1]),
+        nodes=mesh.nodes,
+        facets=mesh.facets,
+        shape=mode_shapes(modes, natural, [number - 1])[0],
+    )
+    return write_mode(view, folder)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from typing import TYPE_CHECKING
 
@@ -42,7 +43,7 @@ def main(options: argparse.Namespace) -> int:
     train = turned(train, angle)
     band = max(DEFAULT_BAND, 2 * options.up_to)
     system = assemble(train, outcome.value("casing"), wanted_channels(scene, train), band)
-    modes = linear_modes(system, up_to=options.up_to)
+    modes = linear_modes(system, up_to=options.up_to, speed=options.speed / 60 * 2 * math.pi)
     cycle = train.meshes[0].cycle_at_start
     title = f"{loaded.name}: small motion about the loaded rest, mesh cycle {cycle:.4g} of stage 1"
     sys.stdout.write(mode_table(title, modes).to_text() + "\n")

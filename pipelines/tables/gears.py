@@ -1,4 +1,4 @@
-"""Tables of the gear pairs: stages with their mesh rungs, deviations and faults."""
+"""Tables of the gear pairs: stages with their mesh rungs, and deviations."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from pipelines.tables.base import Flag, Number, Table, Whole
+from pipelines.tables.base import Flag, Number, Positive, Table, Whole
+from pipelines.tables.gear_details import GearTable, MisalignmentTable
 
 
 class IsoMesh(Table):
@@ -50,9 +51,22 @@ class StageTable(Table):
     rack_addendum: Annotated[Number, Field(gt=0.5, le=1.6, description="in modules")] = 1.0
     rack_dedendum: Annotated[Number, Field(gt=0.8, le=2.0, description="in modules")] = 1.25
     rack_tip_radius: Annotated[Number, Field(gt=0, le=0.5, description="in modules")] = 0.38
-    backlash_um: Annotated[Number, Field(ge=0, le=5000, description="transverse backlash along the line of action")] = (
-        80
-    )
+    centre_distance_mm: Annotated[
+        Positive | None,
+        Field(description="working centre distance; left out: free of backlash by the profile shifts"),
+    ] = None
+    backlash_um: Annotated[
+        Number | None,
+        Field(
+            ge=0,
+            le=5000,
+            description="transverse backlash along the line of action; left out: what centre distance and thickness "
+            "allowances leave, 80 where neither is given",
+        ),
+    ] = None
+    pinion: GearTable = GearTable()
+    wheel: GearTable = GearTable()
+    misalignment: MisalignmentTable = MisalignmentTable()
     position_mm: Annotated[Number, Field(description="mid face along the shafts (y)")] = 0.0
     direction_deg: Annotated[
         Number, Field(ge=-180, le=180, description="direction from pinion axis to wheel axis: 0 is +x, 90 is up")
@@ -65,17 +79,12 @@ class StageTable(Table):
 
 
 class DeviationTable(Table):
-    """Seeded cumulative pitch deviations of every tooth within the tolerances of ISO 1328-1."""
+    """Seeded deviations of every tooth within the tolerances of ISO 1328-1."""
 
     enabled: Annotated[Flag, Field(description="false: error-free gears")] = True
     iso_grade: Annotated[Whole, Field(ge=1, le=11, description="flank tolerance class of ISO 1328-1:2013")] = 5
     seed: Annotated[Whole, Field(ge=0, le=2**31, description="same seed, same deviations")] = 1
-
-
-class FaultTable(Table):
-    """One damaged tooth."""
-
-    kind: Annotated[Literal["missing-tooth"], Field(description="what is wrong with the tooth")]
-    stage: Annotated[Whole, Field(ge=1, description="number of the stage")]
-    gear: Annotated[Literal["pinion", "wheel"], Field(description="gear of that stage")]
-    tooth: Annotated[Whole, Field(ge=0, description="number of the tooth; 0 is in contact at the pitch point at c = 0")]
+    include: Annotated[
+        tuple[Literal["pitch", "profile", "helix"], ...],
+        Field(description="which deviations: cumulative pitch, profile (slope and form), helix (slope and form)"),
+    ] = ("pitch",)

@@ -1,0 +1,120 @@
+"""Natural frequencies of the rig's casing by CalculiX and by gearcase on one mesh: python -m benchmarks.peers.calculix_frequency
+
+Ten-node tetrahedra of the shipped housing with straight edges, every node of the feet held, bearings free, all modes to 7.5 kHz. Both do
+all from the mesh to the modes: assembly, factorisation, eigensolution; CalculiX also reads its deck.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.clock import conditions, timed
+from benchmarks.peers import ccx
+from benchmarks.rig import casing_parts, casing_rung, read
+from fem.casing.grounded import ground_casing
+from fem.casing.mesh import CasingMesh
+from fem.casing.reduction import Reduction, reduce_body
+from fem.casing.rungs import CraigBamptonCasing
+from fem.elasticity import EDGES
+from fem.materials import Material
+
+RESULTS = Path(__file__).resolve().parent.parent / "results" / "calculix_frequency.json"
+HIGHEST = 7500.0  # Hz
+
+
+def deck(mesh: CasingMesh, material: Material, count: int) -> str:
+    """The input of CalculiX for `count` modes; N, m, kg. C3D10 numbers its nodes as the library does."""
+    held = np.unique(np.concatenate([mesh.patch(name).ravel() for name in mesh.patches("ground_")]))
+    lines = ["*NODE, NSET=ALL"]
+    lines += [f"{i},{x:.10g},{y:.10g},{z:.10g}" for i, (x, y, z) in enumerate(mesh.nodes, 1)]
+    lines += ["*ELEMENT, TYPE=C3D10, ELSET=CASING"]
+    lines += [f"{i}," + ",".join(map(str, nodes)) for i, nodes in enumerate(mesh.elements + 1, 1)]
+    lines += ["*MATERIAL, NAME=IRON", "*ELASTIC", f"{material.elastic_modulus:.12g},{material.poisson_ratio:.12g}"]
+    lines += ["*DENSITY", f"{material.density:.12g}", "*SOLID SECTION, ELSET=CASING, MATERIAL=IRON"]
+    lines += ["*BOUNDARY", *(f"{node + 1},1,3" for node in held)]
+    lines += ["*STEP", "*FREQUENCY, STORAGE=NO", f"{count}", "*END STEP"]
+    return "\n".join(lines) + "\n"
+
+
+def straightened(mesh: CasingMesh) -> CasingMesh:
+    """The mesh with its mid-side nodes in the middle of their edges: CalculiX refuses some of the curved elements."""
+    nodes = mesh.nodes.copy()
+    for column, (a, b) in enumerate(EDGES, 4):
+        nodes[mesh.elements[:, column]] = (nodes[mesh.elements[:, a]] + nodes[mesh.elements[:, b]]) / 2.0
+    return replace(mesh, nodes=nodes, curved=0)
+
+
+def ours(mesh: CasingMesh, material: Material) -> Reduction:
+    """All modes to HIGHEST with the feet held."""
+    casing = ground_casing(mesh, material, interfaces=())
+    return reduce_body(casing.interface, casing.K_free, casing.M_free, highest=HIGHEST)
+
+
+def measure(element_size: float | None = None) -> dict[str, Any]:
+    """Frequencies and seconds of both."""
+    scene, layout = read()
+    box, iron = casing_parts(scene, layout)
+    rung = casing_rung(scene)
+    assert isinstance(rung, CraigBamptonCasing)
+    if element_size is not None:
+        rung = CraigBamptonCasing(band=rung.band, element_size=element_size, damping_ratio=rung.damping_ratio)
+    mesh = straightened(rung.mesh(box))
+    taken, reduction = timed(lambda: ours(mesh, iron), repeats=1)
+    with tempfile.TemporaryDirectory(prefix="gearcase-calculix-") as folder:
+        path = Path(folder) / "casing.inp"
+        path.write_text(deck(mesh, iron, reduction.n_fixed), encoding="utf-8")
+        wall, processor = ccx.run(path)
+        theirs = frequencies(path.with_suffix(".dat"))
+    deviation = reduction.frequencies[: theirs.size] / theirs - 1.0
+    return {
+        "program": f"CalculiX {ccx.version()}, SPOOLES, ARPACK",
+        "conditions": conditions(),
+        "unknowns": 3 * len(mesh.nodes),
+        "modes": int(theirs.size),
+        "gearcase": taken,
+        "calculix": {"seconds": wall, "cpu_seconds": processor},
+        "ratio": processor / taken["cpu_seconds"],
+        "largest_deviation": float(np.abs(deviation).max()),
+        "first_Hz": float(theirs[0]),
+        "last_Hz": float(theirs[-1]),
+    }
+
+
+def frequencies(result: Path) -> np.ndarray:
+    """Hz, from the table of eigenvalues in a .dat file: mode, eigenvalue, rad/s, Hz, imaginary part."""
+    rows = []
+    for line in result.read_text(encoding="utf-8").partition("P A R T I C I P A T I O N")[0].splitlines():
+        words = line.split()
+        if len(words) == 5 and words[0].isdigit():
+            rows.append(float(words[3]))
+    if not rows:
+        raise ccx.PeerFailed("CalculiX wrote no table of eigenvalues")
+    return np.array(rows)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Measure and write."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.peers.calculix_frequency")
+    parser.add_argument("--element-size-mm", type=float, help="another element size than that of the scene")
+    chosen = parser.parse_args(arguments).element_size_mm
+    try:
+        found = measure(None if chosen is None else chosen / 1000.0)
+    except ccx.PeerMissing as error:
+        print(f"skipped: {error}")
+        return 1
+    if chosen is None:
+        RESULTS.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    print(json.dumps({key: value for key, value in found.items() if key != "conditions"}, indent=1))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

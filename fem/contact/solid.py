@@ -1,0 +1,68 @@
+"""Rung `solid`: finite elements in space of both toothed wheels, whole rings with free end faces, and contact on them.
+
+Twenty-seven-node hexahedra over the face; one sector of each wheel is condensed and closed to the ring exactly
+(`fem.contact.solid_ring`). The compliances between all contact places are kept (`fem.contact.solid_compliance`): what a
+load does to its neighbours along the face, to the tooth pairs before and after it, and at the ends of the face. Loads,
+tilts, reliefs, missing teeth and both flanks are solutions on this one tensor (`fem.contact.solid_contact`).
+
+Range: bodies of constant section with the end faces free; a web enters as an equivalent ring whose modulus is reduced
+by its part of the face, as in `plane`. Narrow slices: the Hertz contact should stay narrower than a slice.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from fem.contact.frame import RungError
+from fem.contact.plane import Plane
+from fem.contact.solid_compliance import ContactCompliance, contact_compliance
+from fem.gears.geometry import GearPair
+
+SECTION = 0.25  # section refinement against that of `sector_mesh`: 0.2 m_n along the flank
+PATCH = 0.2  # half-width of the patches, in m_n
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solid:
+    """3-D FE of both toothed wheels and contact along the whole face.
+
+    Parameters
+    ----------
+    n_slices : slices of equal width over the face
+    refinement : divides all element sizes of section and face and the patches (1: 0.2 m_n along the flank, two slices
+        for each element along the face)
+    positions : mesh positions per cycle
+    largest_gap : no-load gap up to which tip-edge contact is followed, in m_n, see `Plane`
+    """
+
+    model: Literal["solid"] = "solid"
+    n_slices: int = 15
+    refinement: float = 1.0
+    positions: int = 32
+    largest_gap: float = 0.05
+
+    def __post_init__(self) -> None:
+        limits = {"n_slices": (3, 101), "refinement": (0.6, 3.0), "positions": (8, 512), "largest_gap": (0.001, 0.08)}
+        for name, (low, high) in limits.items():
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise RungError(f"rung solid: {name} is {value!r}; give a value in [{low}, {high}]")
+
+    @property
+    def axial_elements(self) -> int:
+        """Elements along the face."""
+        return max(4, math.ceil(self.refinement * 8 / 15 * self.n_slices - 1e-9))
+
+    def compliance(self, pair: GearPair) -> ContactCompliance:
+        """Compliances between all contact places of the pair, for both flanks."""
+        return contact_compliance(
+            pair,
+            n_slices=self.n_slices,
+            positions=self.positions,
+            section_refinement=SECTION * self.refinement,
+            axial_elements=self.axial_elements,
+            plane=Plane(refinement=max(1.0, self.refinement), largest_gap=self.largest_gap),
+            patch=PATCH / self.refinement,
+        )

@@ -1,0 +1,49 @@
+"""Stage `casing error`: the reduced casing against the full model. Built only when it is asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem.casing.housing import Sensor
+from pipelines.building.casing_modes import CasingModesSpec
+
+if TYPE_CHECKING:
+    from fem.casing.accuracy import ErrorStatement
+    from fem.casing.body import ReducedBody
+    from fem.casing.checkup import CheckUp
+    from fem.casing.damping import DampingRatio
+    from fem.casing.mesh import CasingMesh
+    from fem.casing.modes import CasingModes
+
+
+@dataclass(frozen=True, kw_only=True)
+class CasingErrorSpec:
+    """How the casing was reduced, and what is compared: band (Hz), sensors, damping, mounts (N/m)."""
+
+    modes: CasingModesSpec
+    band: float
+    sensors: tuple[Sensor, ...]
+    damping: DampingRatio
+    mounts: tuple[tuple[float, float, float], ...] | None
+
+
+def build(
+    spec: CasingErrorSpec, mesh: CasingMesh, modes: tuple[CasingModes, CheckUp], body: ReducedBody
+) -> ErrorStatement:
+    """The error statement."""
+    from fem.casing.accuracy import state_error
+    from fem.casing.grounded import ground_casing
+
+    given = spec.modes
+    casing = ground_casing(
+        mesh, given.material, interfaces=given.interfaces, ground=given.ground, coupling=given.coupling
+    )
+    return state_error(
+        casing,
+        body,
+        band=spec.band,
+        sensors=spec.sensors,
+        damping=spec.damping,
+        springs=modes[0].springs(spec.mounts),
+    )

@@ -1,0 +1,229 @@
+"""Trains of any shape: branches, closed loops, couplings, motors on two shafts, cross terms; scenes."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from mbd_rigs import no_casing, rigid_casing, train
+
+from mbd.bearings import BEARING_AXES, BearingSpec, rigid_bearing, springs
+from mbd.checks import MachineError
+from mbd.couplings import ShaftCoupling
+from mbd.linearised import linear_modes
+from mbd.mesh_reference import nominal_forces
+from mbd.simulate import Settings, simulate
+from mbd.statics import equilibrium
+from mbd.system import assemble, natural_frequencies
+from mbd.train import Link, power_flow, shaft_ratios
+from pipelines.errors import SceneError
+from pipelines.layout import lay_out
+from pipelines.scene_file import load_scene
+from pipelines.validity import checked_layout
+
+
+def needed(machine):
+    load = machine.load
+    return load.torque * len(load.drums) * machine.ratios()[load.shaft]
+
+
+def test_ratios_are_found_along_links_in_both_directions():
+    links = [Link("a", "s1", "s2", 0.5), Link("b", "s3", "s2", 0.25), Link("c", "s3", "s4", 1.0)]
+    assert shaft_ratios(("s1", "s2", "s3", "s4"), links, "s1") == {"s1": 1.0, "s2": 0.5, "s3": 2.0, "s4": 2.0}
+
+
+def test_a_loop_closes_if_the_ratios_agree_and_locks_otherwise():
+    links = [Link("a", "s1", "s2", 0.5), Link("b", "s2", "s3", 0.5), Link("c", "s1", "s3", 0.25)]
+    assert shaft_ratios(("s1", "s2", "s3"), links, "s1")["s3"] == 0.25
+    with pytest.raises(MachineError, match="would lock"):
+        shaft_ratios(("s1", "s2", "s3"), [*links[:2], Link("c", "s1", "s3", 0.26)], "s1")
+    with pytest.raises(MachineError, match="s4: no mesh, coupling or motor"):
+        shaft_ratios(("s1", "s2", "s3", "s4"), links, "s1")
+
+
+def test_power_flows_to_the_load_and_splits_alike_over_equal_paths():
+    assert power_flow(3, [(0, 1), (0, 2)], [0], 1).tolist() == [1.0, 0.0, 1.0]  # a branch that carries nothing
+    split = power_flow(4, [(0, 1), (0, 2), (1, 3), (2, 3)], [0], 3)
+    np.testing.assert_allclose(split, [0.5, 0.5, 0.5, 0.5, 1.0], atol=1e-12)
+    np.testing.assert_allclose(power_flow(3, [(0, 2), (1, 2)], [0, 1], 2), 0.5, atol=1e-12)
+
+
+def mirrored():
+    """Shaft 1 drives shaft 2 at +x and, by a twin pair, shaft 3 at -x; the load hangs on shaft 2."""
+    machine = train(1)
+    driven, mesh = machine.shafts[1], machine.meshes[0]
+    twin = dataclasses.replace(driven, name="shaft_3", x=-driven.x)
+    second = dataclasses.replace(mesh, name="stage_2", driven="shaft_3")
+    bearings = [
+        dataclasses.replace(b, name=f"extra_{b.name}", shaft="shaft_3")
+        for b in machine.bearings
+        if b.shaft == "shaft_2"
+    ]
+    return dataclasses.replace(
+        machine,
+        shafts=(*machine.shafts, twin),
+        meshes=(mesh, second),
+        bearings=(*machine.bearings, *bearings),
+    )
+
+
+def test_a_branch_without_load_leaves_the_torque_of_the_other_alone():
+    machine = mirrored()
+    system = assemble(machine, no_casing())
+    state = equilibrium(system)
+    assert state.motor_torque == pytest.approx(needed(machine), rel=1e-9)
+    assert nominal_forces(machine)["stage_2"] == 0.0
+    assert state.mesh_force[1] < 1e-6 * state.mesh_force[0]
+    run = simulate(system, Settings(end=0.02, output_rate=5e3, step=1e-5))
+    assert np.isfinite(run.values).all()
+    assert abs(run.book("total", "residual")) < 2e-6 * run.book("total", "scale")
+
+
+def test_two_motors_on_two_shafts_share_one_wheel():
+    """Two pinions, each with its motor, on one wheel: by symmetry both carry half of the load."""
+    machine = train(1, model="torsion", gravity=0.0)
+    pinion, mesh = machine.shafts[0], machine.meshes[0]
+    twin = dataclasses.replace(pinion, name="shaft_3", x=2 * machine.shafts[1].x)
+    bearings = [
+        dataclasses.replace(b, name=f"extra_{b.name}", shaft="shaft_3")
+        for b in machine.bearings
+        if b.shaft == "shaft_1"
+    ]
+    motors = [dataclasses.replace(c, name=f"twin_{c.name}", shaft="shaft_3") for c in machine.couplings]
+    machine = dataclasses.replace(
+        machine,
+        shafts=(*machine.shafts, twin),
+        meshes=(mesh, dataclasses.replace(mesh, name="stage_2", driving="shaft_3")),
+        bearings=(*machine.bearings, *bearings),
+        couplings=(*machine.couplings, *motors),
+    )
+    state = equilibrium(assemble(machine, no_casing()))
+    assert state.motor_torque == pytest.approx(needed(machine), rel=1e-9)
+    np.testing.assert_allclose(state.mesh_force, state.mesh_force.mean(), rtol=1e-6)
+
+
+def test_a_coupling_between_shafts_winds_up_by_its_torque():
+    machine = train(1)
+    drum_shaft = machine.shafts[1]
+    end = dataclasses.replace(drum_shaft, name="shaft_3", disks=())
+    bearings = [
+        dataclasses.replace(b, name=f"extra_{b.name}", shaft="shaft_3")
+        for b in machine.bearings
+        if b.shaft == "shaft_2"
+    ]
+    stiffness = 5e3
+    joint = ShaftCoupling(
+        name="coupling_1",
+        shafts=("shaft_2", "shaft_3"),
+        y=(0.2, -0.2),
+        torsional_stiffness=stiffness,
+        damping_time=1e-5,
+    )
+    machine = dataclasses.replace(
+        machine, shafts=(*machine.shafts, end), bearings=(*machine.bearings, *bearings), shaft_couplings=(joint,),
+        load=dataclasses.replace(machine.load, shaft="shaft_3"),
+    )  # fmt: skip
+    system = assemble(machine, no_casing())
+    state = equilibrium(system)
+    lay = system.layout
+    twist = (lay.angle_row("shaft_2", 0.2) - lay.angle_row("shaft_3", -0.2)) @ state.displacement
+    assert state.motor_torque == pytest.approx(needed(machine), rel=1e-9)
+    assert stiffness * twist == pytest.approx(2 * machine.load.torque, rel=1e-7)
+    modes = linear_modes(system, up_to=2e3)
+    assert modes.share("coupling_1").max() > 0.2
+    with pytest.raises(MachineError, match="mm apart"):
+        dataclasses.replace(machine, shafts=(*machine.shafts[:2], dataclasses.replace(end, x=end.x + 1e-3)))
+
+
+def test_cross_terms_turn_the_axes_of_a_bearing():
+    """A bearing that is stiff along 30 degrees: K = R diag(k) R^T; its springs rebuild K."""
+    angle, k = math.radians(30), (4e7, 1e7)
+    c, s = math.cos(angle), math.sin(angle)
+    xx, zz, xz = k[0] * c * c + k[1] * s * s, k[0] * s * s + k[1] * c * c, (k[0] - k[1]) * c * s
+    bearing = BearingSpec(name="b", shaft="shaft_1", y=0.0, stiffness_x=xx, stiffness_z=zz, stiffness_axial=2e7,
+                          cross=(("ux", "uz", xz),), damping_time=0.0, support="ground")  # fmt: skip
+    rows, stiffness = springs(bearing.stiffness_matrix)
+    np.testing.assert_allclose(rows.T @ np.diag(stiffness) @ rows, bearing.stiffness_matrix, atol=1e-6 * k[0])
+    base = train(1)
+    both = [
+        dataclasses.replace(bearing, name=b.name, shaft=b.shaft, y=b.y, support="casing", damping_time=1e-5)
+        for b in base.bearings
+    ]
+    run = dataclasses.replace(base, bearings=tuple(both))
+    found = simulate(assemble(run, rigid_casing(run)), Settings(end=0.02, output_rate=5e3, step=1e-5))
+    for b in both:
+        assert abs(found.book(b.name, "residual")) <= 0.01 * found.book(b.name, "scale")
+    for wrong, message in (((("ux", "uz", 1e9),), "indefinite"), ((("ux", "ux", 1.0),), "two of")):
+        with pytest.raises(MachineError, match=message):
+            dataclasses.replace(bearing, cross=wrong)
+    skew = np.zeros((5, 5))
+    skew[0, 2] = 1e3
+    with pytest.raises(MachineError, match="not symmetric"):
+        dataclasses.replace(bearing, damping=tuple(map(tuple, skew)))
+
+
+def test_damping_of_its_own_axes_is_booked():
+    matrix = np.diag([2e3, 1e3, 3e3, 0.0, 0.0])
+    matrix[0, 2] = matrix[2, 0] = 1e3
+    base = train(1)
+    bearings = tuple(dataclasses.replace(b, damping=tuple(map(tuple, matrix))) for b in base.bearings)
+    run = simulate(
+        assemble(dataclasses.replace(base, bearings=bearings), no_casing()),
+        Settings(end=0.03, output_rate=5e3, step=1e-5),
+    )
+    for b in bearings:
+        assert run.book(b.name, "dissipated") > 0.0
+        assert abs(run.book(b.name, "residual")) <= 0.01 * run.book(b.name, "scale")
+
+
+def test_rigid_bearings_are_the_limit_of_stiff_ones():
+    base = train(1, torque=300.0)
+
+    def lowest(make):
+        machine = dataclasses.replace(base, bearings=tuple(make(b) for b in base.bearings))
+        return natural_frequencies(assemble(machine, no_casing()))[:6]
+
+    def stiff(k):
+        return lambda b: dataclasses.replace(
+            b, stiffness_x=k, stiffness_z=k, stiffness_axial=k, stiffness_tilt_x=0.0, stiffness_tilt_z=0.0
+        )
+
+    rigid = lowest(lambda b: rigid_bearing(b.name, b.shaft, b.y))
+    errors = [abs(lowest(stiff(k)) / rigid - 1).max() for k in (1e10, 1e11)]
+    assert errors[1] < 1e-3
+    assert errors[0] / errors[1] == pytest.approx(10.0, rel=0.3)  # 1/k: at 1e12 another tenth
+    assert BEARING_AXES[:3] == ("ux", "uy", "uz")
+
+
+SPLIT = {
+    "stages.2.pinion_shaft": 1, "stages.2.wheel_shaft": 3, "stages.2.pinion_teeth": 20, "stages.2.wheel_teeth": 55,
+    "stages.2.module_mm": 2.0, "stages.2.face_width_mm": 12.0, "stages.2.pinion_bore_mm": 25.0,
+    "stages.2.wheel_bore_mm": 35.0, "stages.2.position_mm": 60.0, "stages.2.direction_deg": 180.0,
+    "stages.3.pinion_shaft": 2, "stages.3.wheel_shaft": 4,
+}  # fmt: skip
+
+
+def test_a_scene_with_a_branch_on_the_input_shaft():
+    scene = load_scene("rig-healthy", SPLIT | {"casing.model": "none", "sensors": []}).scene
+    layout = lay_out(scene)
+    assert layout.pair_shafts == ((0, 1), (0, 2), (1, 3))
+    assert layout.senses == (1, -1, -1, 1)
+    assert layout.axes[2][0] == pytest.approx(-layout.axes[1][0])
+    assert layout.shaft_ratios[2] == pytest.approx(20 / 55)
+    assert layout.ratio == pytest.approx(55 / 20 * 65 / 22)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"stages.2.pinion_shaft": 2, "stages.2.wheel_shaft": 1}, "closes a loop that locks"),
+        ({"stages.3.wheel_shaft": 2, "stages.3.pinion_shaft": 3}, "connects shaft 4"),
+        ({"stages.1.wheel_shaft": 9}, "there is no shaft 9"),
+        ({"stages.1.wheel_shaft": 1}, "both ends are on shaft 1"),
+        ({"shafts.1.bearing_positions_mm": [-135.0, 0.0, 135.0]}, "bearing_supports"),
+        ({"load.shaft": 7}, "there is no shaft 7"),
+    ],
+)
+def test_contradictory_trains_are_refused(changes, message):
+    with pytest.raises(SceneError, match=message):
+        checked_layout(load_scene("rig-healthy", changes).scene, "scene")
