@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 SYSTEM_PACKAGES := python3 python3-venv libglu1-mesa libgl1 libegl1 libosmesa6 libxcursor1 libxft2 libxinerama1 \
 	libgomp1 libfontconfig1 libxrender1
 
-.PHONY: run test test-all lint bench system clean
+.PHONY: run test test-all lint bench peers system clean
 
 run: $(BIN)/.installed
 	$(BIN)/gearcase run rig-missing-tooth
@@ -24,6 +24,14 @@ lint: $(BIN)/.installed-dev
 
 bench: $(BIN)/.installed-dev
 	$(BIN)/python -m benchmarks
+
+# Programs to compare with, in an environment of their own; CalculiX is a Debian package (calculix-ccx).
+peers: .peers/.installed
+
+.peers/.installed: benchmarks/peers/requirements.txt | system
+	$(PYTHON) -m venv .peers
+	.peers/bin/python -m pip install --quiet --disable-pip-version-check --requirement benchmarks/peers/requirements.txt
+	touch $@
 
 # Installs the Debian packages that are missing: as root by itself, otherwise it prints the one line to type.
 system:

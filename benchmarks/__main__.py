@@ -1,8 +1,9 @@
 """Measures gearcase on the shipped scenes: python -m benchmarks [PART ...].
 
-Every part runs in a process of its own, on one thread. Writes benchmarks/results/latest.json, docs/benchmarks.md and
-the measured tables of docs/choosing-a-rung.md. Parts named on the command line are measured again, the others are
-taken over from the last result; a part that needs what another leaves behind measures that one, too.
+Every part runs in a process of its own, on one thread. Writes benchmarks/results/latest.json (each of the other
+programs its own file beside it), docs/benchmarks.md and the measured tables of docs/choosing-a-rung.md. Parts named
+on the command line are measured again, the others are taken over from the last result; a part that needs what another
+leaves behind measures that one, too.
 """
 
 from __future__ import annotations
@@ -33,16 +34,26 @@ NEEDS = {
 }
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 LIMIT = 900  # s for one part
+PEERS: dict[str, tuple[str, ...]] = {  # other programs, with the arguments of their measurement
+    "calculix_contact": ("--compare",),  # its own figures take hours: python -m benchmarks.peers.calculix_contact
+    "calculix_frequency": (),
+    "exudyn_mesh": (),
+    "scipy_mesh": (),
+    "ross_stiffness": (),
+    "floor": (),
+}
+PEER_LIMIT = 3600  # s for one of them
+KNOWN = (*PARTS, *PEERS)
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Measure, write, and say on the screen how far it is; 1 if a part was skipped."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Measure gearcase on the shipped scenes.")
-    parser.add_argument("part", nargs="*", help=f"all if none is given: {', '.join(PARTS)}")
+    parser.add_argument("part", nargs="*", help=f"all if none is given: {', '.join(KNOWN)}")
     chosen = parser.parse_args(arguments).part
-    if unknown := [name for name in chosen if name not in PARTS]:
-        parser.error(f"unknown part {', '.join(unknown)}; known: {', '.join(PARTS)}")
-    wanted = set(chosen or PARTS)
+    if unknown := [name for name in chosen if name not in KNOWN]:
+        parser.error(f"unknown part {', '.join(unknown)}; known: {', '.join(KNOWN)}")
+    wanted = set(chosen or KNOWN)
     wanted |= {need for name in tuple(wanted) for need in NEEDS.get(name, ())}
     old = json.loads(RESULTS.read_text(encoding="utf-8"))["parts"] if RESULTS.exists() else {}
     parts: dict[str, Any] = {}
@@ -53,13 +64,16 @@ def main(arguments: list[str] | None = None) -> int:
             if name in wanted:
                 found = parts[name]
                 print(f"{name}: {found.get('skipped') or round(found['part_seconds'], 1)}", flush=True)
+    for name in PEERS:
+        if name in wanted:
+            print(f"{name}: {beside(name)}", flush=True)
     seconds = time.perf_counter() - start
     result = {"conditions": conditions(), "parts": parts}
     RESULTS.parent.mkdir(exist_ok=True)
     RESULTS.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     page.write(result, ROOT / "docs")
     print(f"{seconds:.0f} s; see docs/benchmarks.md")
-    return int(any("skipped" in parts[name] for name in wanted))
+    return int(any("skipped" in parts[name] for name in wanted & PARTS.keys()))
 
 
 def measured(name: str, folder: Path) -> dict[str, Any]:
@@ -74,6 +88,21 @@ def measured(name: str, folder: Path) -> dict[str, Any]:
     if done.returncode or not lines:
         return {"skipped": f"its process ended with code {done.returncode}"}
     return json.loads(lines[-1])
+
+
+def beside(name: str) -> str:
+    """Measure a peer, which writes its own result; what it said if it was skipped, else how long it took."""
+    command, start = [sys.executable, "-m", f"benchmarks.peers.{name}", *PEERS[name]], time.perf_counter()
+    environment = os.environ | dict.fromkeys(THREADS, "1")
+    try:
+        done = subprocess.run(
+            command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True, timeout=PEER_LIMIT, check=False
+        )
+    except subprocess.TimeoutExpired:
+        return f"not finished after {PEER_LIMIT} s"
+    if done.returncode:
+        return next((line for line in done.stdout.splitlines() if "skipped" in line), f"ended with {done.returncode}")
+    return f"{time.perf_counter() - start:.1f}"
 
 
 if __name__ == "__main__":

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+from benchmarks.markdown import markdown
+from benchmarks.peers_page import sections as peer_sections
 
 BEGIN, END = "<!-- measured: {} -->", "<!-- end of measured -->"
 
@@ -73,7 +76,7 @@ def benchmarks_page(result: dict[str, Any]) -> str:
     ]
     for title, lead, name, table in sections:
         text += [f"## {title}", *([lead] if lead else []), _part(parts, name, table)]
-    return "\n\n".join(text) + "\n"
+    return "\n\n".join(text + peer_sections()) + "\n"
 
 
 def conditions_text(found: dict[str, Any]) -> str:
@@ -92,12 +95,6 @@ def _part(parts: dict[str, Any], name: str, table: Callable[[list[dict[str, Any]
     if "skipped" in found:
         return f"Not measured: {found['skipped']}"
     return f"{table(found['rows'])}\n\nPeak memory of this part: {found['peak_MB']:.0f} MB."
-
-
-def markdown(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A Markdown table."""
-    lines = [headers, ["---"] * len(headers), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def _seconds(row: dict[str, Any]) -> str:

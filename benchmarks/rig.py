@@ -9,6 +9,7 @@ from typing import Any
 from fem.casing.body import ReducedBody
 from fem.casing.housing import Housing
 from fem.casing.rungs import CraigBamptonCasing, NoCasing, RigidCasing, StaticCasing
+from fem.contact.energy import Energy
 from fem.contact.iso import Iso
 from fem.contact.law import MeshLaw
 from fem.contact.plane import Plane
@@ -24,7 +25,7 @@ from pipelines.response import wanted_channels
 from pipelines.scene import Scene
 from pipelines.scene_file import load_scene
 from pipelines.tables.casing import NoCasingTable, RigidCasingTable
-from pipelines.tables.gears import IsoMesh
+from pipelines.tables.gears import EnergyMesh, IsoMesh
 
 SCENE = "rig-healthy"
 RAMP = {"drive.times_s": [0.0, 0.05, 5.0], "drive.speeds_rpm": [0.0, 900.0, 900.0]}  # so that a short run moves
@@ -52,6 +53,8 @@ def stage_law(scene: Scene, layout: Layout, stage: int) -> Laws:
     if isinstance(table, IsoMesh):
         rung = Iso(n_slices=table.slices, line_load=derive(scene, layout).stages[stage].line_load or None)
         return rung.law(pair, "drive"), rung.law(pair, "coast")
+    if isinstance(table, EnergyMesh):
+        return Energy(n_slices=table.slices).laws(pair)
     return plane_law(pair, table.slices, table.refinement)
 
 
@@ -77,9 +80,9 @@ def casing_rung(scene: Scene) -> RigidCasing | StaticCasing | CraigBamptonCasing
             damping_ratio=table.damping_ratio,
         )
     if table.model == "static":
-        return StaticCasing(element_size=table.element_size_mm / 1000, damping_ratio=table.damping_ratio)
+        return StaticCasing(element_size=table.element_size_mm / 1000, damping=table.damping_ratio)
     return CraigBamptonCasing(
-        band=table.band_Hz, element_size=table.element_size_mm / 1000, damping_ratio=table.damping_ratio
+        band=table.band_Hz, element_size=table.element_size_mm / 1000, damping=table.damping_ratio
     )
 
 

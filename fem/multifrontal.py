@@ -25,7 +25,7 @@ from scipy.linalg.lapack import dpotrf, dtrtri
 from fem.elimination import Elimination
 
 _STRIP = 64  # columns of an indefinite front eliminated at once
-_SMALL = 1e-11  # eigenvalue of a strip over its largest: below it the sign is not to be trusted
+_SMALL = 1e-11  # eigenvalue of a strip over its largest diagonal entry: below it the sign is not to be trusted
 
 
 class NotDefiniteError(ValueError):
@@ -102,7 +102,7 @@ def count_negative(plan: Elimination, A: sp.spmatrix, rows: sp.spmatrix) -> int:
     """
     loads = np.ascontiguousarray(sp.csr_matrix(rows)[:, plan.order].T.toarray())
     schur = np.zeros((rows.shape[0], rows.shape[0]))
-    negative = 0
+    negative, scale = 0, abs(A.diagonal())[plan.order]
 
     def eliminate(number: int, A: np.ndarray, B: np.ndarray, C: np.ndarray) -> np.ndarray:
         nonlocal negative, schur
@@ -122,8 +122,8 @@ def count_negative(plan: Elimination, A: sp.spmatrix, rows: sp.spmatrix) -> int:
         for start in range(0, k, _STRIP):
             strip = slice(start, min(start + _STRIP, k))
             value, vector = la.eigh(front[strip, strip])
-            if abs(value).min() < _SMALL * abs(value).max():
-                raise NearlySingularError(f"pivot {value[abs(value).argmin()]:.3g} against {abs(value).max():.3g}")
+            if abs(value).min() <= _SMALL * (size := scale[first + strip.start : first + strip.stop].max()):
+                raise NearlySingularError(f"pivot {value[abs(value).argmin()]:.3g} against {size:.3g}")
             negative += int((value < 0.0).sum())
             turned, load = front[strip.stop :, strip] @ vector, vector.T @ own[strip]
             scaled = turned / value

@@ -32,7 +32,7 @@ class CondensationError(RuntimeError):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Ties:
-    """Displacement of tied nodes: u_component(node, z) = sum_ij across[node, i] along[z, j] q[side, component, i, j]."""
+    """Displacement of tied nodes: u_c(node, z) = sum_ij across[node, i] along[z, j] q[side, c, i, j]."""
 
     side: np.ndarray  # (section nodes,) 0 .. sides - 1, -1 where not tied
     across: np.ndarray  # (section nodes, functions), 0 where not tied

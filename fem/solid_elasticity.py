@@ -36,7 +36,7 @@ class SectionBlocks:
     axial: np.ndarray
 
     def turned(self, frames: np.ndarray) -> SectionBlocks:
-        """The same in other components: frames (elements, 9, 3, 3) hold the new unit vectors of each node as columns."""
+        """The same in other components: frames (elements, 9, 3, 3) hold the new unit vectors as columns."""
         count = len(frames)
         turn = np.zeros((count, 9, 3, 9, 3))
         for a in range(9):

@@ -11,11 +11,11 @@ from matplotlib.lines import Line2D
 
 from pipelines.pictures import KINDS, Picture
 from pipelines.plots import FAULTY, StiffnessPlot, draw_stiffness, new_figure
+from pipelines.view_colours import POINTS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-COLOURS = {"ground": "#f2c200", "bearing": "#c8281e", "sensor": "#2e9e44"}
 AXES = ("x", "y", "z")
 LABEL_HEIGHT = 34.0  # picture rows a label takes
 
@@ -70,7 +70,7 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
         chosen.sort(key=lambda name: points[name][1])
         rows = spread([points[name][1] for name in chosen], LABEL_HEIGHT)
         for name, row in zip(chosen, rows, strict=True):
-            colour = COLOURS[name.split("_")[0]]
+            colour = POINTS[name.split("_")[0]]
             axes.annotate(
                 name,
                 points[name],
@@ -87,8 +87,7 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
     axes.set_ylim(bottom + LABEL_HEIGHT, top - LABEL_HEIGHT)
     counts = {kind: sum(name.startswith(kind) for name in points) for kind in KINDS}
     handles = [
-        Line2D([], [], marker="o", ls="", color=COLOURS[kind], label=f"{kind} points ({counts[kind]})")
-        for kind in KINDS
+        Line2D([], [], marker="o", ls="", color=POINTS[kind], label=f"{kind} points ({counts[kind]})") for kind in KINDS
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
     figure.suptitle(title)

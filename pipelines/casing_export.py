@@ -172,15 +172,14 @@ def _accelerances(
 
 def write_vtu(mesh: CasingMesh, modes: CasingModes, natural: NaturalModes, path: Path, *, band: float) -> None:
     """The mesh with the modes up to the band, each scaled to a largest displacement of 1."""
-    import meshio
+    from fem.casing.mesh_file import write_fields
 
     wanted = np.flatnonzero(natural.frequencies <= band)
     data = {
         f"mode {mode + 1:03d}: {natural.frequencies[mode]:.2f} Hz": shape
         for mode, shape in zip(wanted, mode_shapes(modes, natural, wanted.tolist()), strict=True)
     }
-    # the nodes of fem.elasticity stand in the order of VTK
-    meshio.Mesh(mesh.nodes, [("tetra10", mesh.elements)], point_data=data).write(path, file_format="vtu")
+    write_fields(mesh, data, path)
 
 
 def mode_shapes(modes: CasingModes, natural: NaturalModes, wanted: Sequence[int]) -> list[np.ndarray]:

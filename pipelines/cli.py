@@ -196,6 +196,8 @@ def _inspect(sub: argparse.ArgumentParser) -> None:
     _work(sub)
     sub.add_argument("--out", metavar="FOLDER", default=".", help="folder for the pictures (default: here)")
     sub.add_argument("--stage", type=_count, metavar="N", default=1, help="gear stage to show (default 1)")
+    sub.add_argument("--position", type=_number, metavar="C", help="one mesh cycle to show instead of a film")
+    sub.add_argument("--frames", type=_count, metavar="N", default=25, help="pictures of the film (25; 1: a still)")
     sub.add_argument(
         "--casing-mode", type=_count, metavar="N", help="instead, natural mode N of the casing: PNG, GIF and HTML"
     )

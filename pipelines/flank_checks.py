@@ -61,7 +61,7 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
                     f"{place}: the {name} is nearly pointed, its tip is {gear.tip_thickness * 1000:.3f} mm thick "
                     f"({gear.tip_thickness / gear.normal_module:.2f} m_n; usual at least {THIN_TIP} m_n)"
                 )
-            if gear.web_offset and stage.mesh.model in ("plane", "iso", "energy"):
+            if gear.web_offset and stage.mesh.model in ("plane", "iso", "energy", "solid"):
                 yield (
                     f"{place}.{name}.web_offset_mm: the rung {stage.mesh.model} sees the web in the section only; its "
                     "offset changes nothing there"
@@ -92,7 +92,9 @@ def _hidden(scene: Scene, fault: FaultTable, number: int, pair: GearPair, facts:
     delta = facts.mesh_force / pair.face_width / TYPICAL_STIFFNESS
     lost = min(0.95, 1 / max(pair.transverse_contact_ratio, pair.overlap_ratio))
     if isinstance(fault, WornToothTable):
-        change = min(fault.depth_um / 1e6, delta * lost / (1 - lost)) if fault.tooth is not None else fault.depth_um / 1e6
+        change = fault.depth_um / 1e6
+        if fault.tooth is not None:
+            change = min(change, delta * lost / (1 - lost))
     else:
         if isinstance(fault, ChippedToothTable):
             lost *= fault.extent_mm / 1000 / pair.face_width
@@ -100,7 +102,7 @@ def _hidden(scene: Scene, fault: FaultTable, number: int, pair: GearPair, facts:
     tolerance = pitch_tolerance(getattr(pair, fault.gear), scene.deviations.iso_grade).single
     if change < tolerance:
         yield (
-            f"faults.{number}: the {fault.kind} moves the mesh by about {change * 1e6:.1f} um, pitch deviations of grade "
-            f"{scene.deviations.iso_grade} by up to {tolerance * 1e6:.1f} um: they may hide it; raise the load or take a "
-            "better iso_grade"
+            f"faults.{number}: the {fault.kind} moves the mesh by about {change * 1e6:.1f} um, pitch deviations of "
+            f"grade {scene.deviations.iso_grade} by up to {tolerance * 1e6:.1f} um: they may hide it; raise the load "
+            "or take a better iso_grade"
         )

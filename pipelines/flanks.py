@@ -108,3 +108,8 @@ def common_wear(scene: Scene, stage: int, gear: str) -> tuple[WornTooth, ...]:
     """Wear of all teeth of a gear of a stage (1-based)."""
     on_all = (f for f in scene.faults if f.stage == stage and f.gear == gear and f.tooth is None)
     return tuple(one for one in (damage(f, lifting_sense(scene, stage)) for f in on_all) if isinstance(one, WornTooth))
+
+
+def fault_name(fault: FaultTable) -> str:
+    """Kind and tooth of a fault in words: "missing-tooth 0", "worn-tooth, all teeth"."""
+    return f"{fault.kind}, all teeth" if fault.tooth is None else f"{fault.kind} {fault.tooth}"

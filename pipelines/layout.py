@@ -50,7 +50,8 @@ def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
         pinion_material=steel,
         wheel_material=steel,
     )
-    given = stage.centre_distance_mm is not None or stage.pinion.thickness_allowance_um or stage.wheel.thickness_allowance_um
+    allowances = stage.pinion.thickness_allowance_um, stage.wheel.thickness_allowance_um
+    given = stage.centre_distance_mm is not None or any(allowances)
     wanted = stage.backlash_um if stage.backlash_um is not None else None if given else USUAL_BACKLASH_UM
     if wanted is None:
         return pair
@@ -58,8 +59,8 @@ def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
         return replace(pair, centre_distance=None, backlash_allowance=wanted / 1_000_000)
     if wanted / 1_000_000 < pair.backlash - 1e-9:
         raise GeometryError(
-            f"{pair.label}: backlash_um = {wanted:g} is less than the {pair.backlash * 1e6:.1f} um that centre distance "
-            "and thickness allowances leave: raise it, leave it out, or reduce the centre distance"
+            f"{pair.label}: backlash_um = {wanted:g} is less than the {pair.backlash * 1e6:.1f} um that centre "
+            "distance and thickness allowances leave: raise it, leave it out, or reduce the centre distance"
         )
     return replace(pair, backlash_allowance=wanted / 1_000_000 - pair.backlash)
 
@@ -92,7 +93,7 @@ def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
         tip_rounding=table.tip_rounding_mm / 1000,
         rim_thickness=None if table.rim_thickness_mm is None else table.rim_thickness_mm / 1000,
         web_thickness=None if table.web_thickness_mm is None else table.web_thickness_mm / 1000,
-        web_offset=sense * table.web_offset_mm / 1000,
+        web_offset=sense * table.web_offset_mm / 1000 + 0.0,  # no -0: equal pairs share a law
     )
 
 

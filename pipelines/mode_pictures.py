@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import base64
-import html
-import io
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pipelines.film import film_page, png, write_gif
 from pipelines.pictures import LeftOut, Picture, render_mode
 
 if TYPE_CHECKING:
@@ -41,12 +38,14 @@ def write_mode(view: ModeView, folder: Path) -> list[Path] | LeftOut:
     if isinstance(pictures, LeftOut):
         return pictures
     size = np.ptp(view.nodes, axis=0)
-    frames = [_png(mode_figure(view, picture, size)) for picture in pictures]
+    frames = [png(mode_figure(view, picture, size)) for picture in pictures]
     stem = folder / f"casing_mode_{view.number}"
     still, film, page = (stem.with_suffix(ending) for ending in (".png", ".gif", ".html"))
     still.write_bytes(frames[FRAMES // 4])  # the largest deflection
-    _write_gif(frames, film)
-    page.write_text(mode_page(view, frames), encoding="utf-8")
+    write_gif(frames, film, _MILLISECONDS)
+    title = f"{view.title}: mode {view.number}, {view.frequency:.1f} Hz"
+    degrees = [f"{360 * n / FRAMES:.0f}\u00b0" for n in range(FRAMES)]
+    page.write_text(film_page(title, frames, "phase", degrees, _MILLISECONDS), encoding="utf-8")
     return [still, film, page]
 
 
@@ -61,7 +60,7 @@ def mode_figure(view: ModeView, picture: Picture, size: np.ndarray) -> Figure:
     figure = new_figure(6.2, 9.5)
     axes = figure.subplots()
     _, right, _, bottom = show(axes, picture, whole=True)
-    draw_axes(axes, picture, (0.92 * right, 0.95 * bottom))
+    draw_axes(axes, picture, (0.86 * right, 0.95 * bottom))
     figure.suptitle(f"{view.title}\nmode {view.number}: {view.frequency:.1f} Hz")
     length, width, height = (1000 * v for v in size)
     axes.text(
@@ -75,44 +74,3 @@ def mode_figure(view: ModeView, picture: Picture, size: np.ndarray) -> Figure:
     bar = figure.colorbar(ScalarMappable(Normalize(0.0, 1.0), cmap="viridis"), ax=axes, shrink=0.7, pad=0.01)
     bar.set_label("amplitude of displacement over its largest")
     return figure
-
-
-def mode_page(view: ModeView, frames: Sequence[bytes]) -> str:
-    """A page that plays the frames, stops, and steps through the phase."""
-    title = html.escape(f"{view.title}: mode {view.number}, {view.frequency:.1f} Hz")
-    images = ",".join(f'"{base64.b64encode(frame).decode()}"' for frame in frames)
-    return f"""<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>{title}</title>
-<style>body{{font:16px sans-serif;margin:1.5em;max-width:1000px}}img{{width:100%}}</style></head><body>
-<h1 style="font-size:1.2em">{title}</h1>
-<img id="frame" alt="{title}">
-<p><button id="play">Stop</button>
-<label> phase <input id="phase" type="range" min="0" max="{len(frames) - 1}" value="0"></label>
-<span id="degrees"></span></p>
-<script>
-const frames=[{images}];
-const image=document.getElementById("frame"),phase=document.getElementById("phase");
-const play=document.getElementById("play"),degrees=document.getElementById("degrees");
-let timer=null;
-function show(){{image.src="data:image/png;base64,"+frames[+phase.value];
- degrees.textContent=Math.round(360*phase.value/frames.length)+"\u00b0";}}
-function step(){{phase.value=(+phase.value+1)%frames.length;show();}}
-function toggle(){{if(timer){{clearInterval(timer);timer=null;play.textContent="Play";}}
- else{{timer=setInterval(step,{_MILLISECONDS});play.textContent="Stop";}}}}
-play.onclick=toggle;phase.oninput=()=>{{if(timer)toggle();show();}};
-show();toggle();
-</script></body></html>
-"""
-
-
-def _png(figure: Figure) -> bytes:
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=80)
-    return buffer.getvalue()
-
-
-def _write_gif(frames: Sequence[bytes], path: Path) -> None:
-    from PIL import Image
-
-    images = [Image.open(io.BytesIO(frame)).convert("RGB").quantize(128) for frame in frames]
-    images[0].save(path, save_all=True, append_images=images[1:], duration=_MILLISECONDS, loop=0)

@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from pipelines.mesh_frames import MeshFrames
 from pipelines.solids import gear_surface, prism_surface, without_tooth
 
 log = logging.getLogger(__name__)
@@ -90,6 +91,12 @@ class LeftOut:
 
 def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Picture | LeftOut:
     """The gear pair in three dimensions, the missing tooth in red; places "pinion", "wheel", "gone"."""
+    arrays, places = _gear_arrays(view)
+    return _single(_render("gears", "gear pair", arrays, places, size, (0.25, -0.4, 1.0), (0.0, 1.0, 0.0), 1.3))
+
+
+def _gear_arrays(view: GearPairView) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Surfaces of the gears and of the tooth that is gone, and where their names stand."""
     shifts = {"pinion": np.zeros(3), "wheel": np.array([view.centre_distance, 0.0, 0.0])}
     teeth = {"pinion": view.pinion_teeth, "wheel": view.wheel_teeth}
     outlines = {"pinion": view.pinion_outline, "wheel": view.wheel_outline}
@@ -109,7 +116,7 @@ def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Pic
         points, quads = gear_surface(outline, bores[gear], twists[gear], view.face_width)
         arrays[f"{gear}_points"], arrays[f"{gear}_quads"] = points + shifts[gear], quads
         places[gear] = front + shifts[gear]
-    return _single(_render("gears", "gear pair", arrays, places, size, (0.25, -0.4, 1.0), (0.0, 1.0, 0.0), 1.3))
+    return arrays, places
 
 
 def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Picture | LeftOut:
@@ -131,13 +138,41 @@ def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Pict
 def render_mode(
     nodes: np.ndarray, triangles: np.ndarray, shape: np.ndarray, frames: int, size: tuple[int, int] = (1100, 750)
 ) -> list[Picture] | LeftOut:
-    """A period of a mode in `frames` pictures; the largest displacement is drawn as 5 % of the body's diagonal."""
+    """A period of a mode in `frames` pictures; the largest displacement is drawn as 8 % of the body's diagonal."""
     diagonal, low = float(np.linalg.norm(np.ptp(nodes, axis=0))), nodes.min(axis=0)
-    arrays = {"nodes": nodes, "triangles": triangles, "shape": shape, "reach": np.array(0.05 * diagonal)}
+    arrays = {"nodes": nodes, "triangles": triangles, "shape": shape, "reach": np.array(0.08 * diagonal)}
+    arrays["frames"] = np.array(frames)
     places = {"origin": low} | {axis: low + 0.1 * diagonal * np.eye(3)[i] for i, axis in enumerate("xyz")}
     return _render(
-        "mode", "casing mode", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.1, frames=frames
+        "mode", "casing mode", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.35, frames=frames
     )
+
+
+def render_mesh(
+    view: GearPairView, cycles: np.ndarray, frames: MeshFrames, most_load: float, size: tuple[int, int] = (900, 620)
+) -> list[Picture] | LeftOut:
+    """The teeth in mesh at every cycle, seen through, with their contact lines; places "mesh", "x", "y", "z"."""
+    pitch = view.centre_distance * view.pinion_teeth / (view.pinion_teeth + view.wheel_teeth)
+    half = 0.75 * max(view.face_width, 9 * pitch / view.pinion_teeth)
+    arrays, _ = _gear_arrays(view)
+    if view.missing_gear:
+        arrays["marked_points"], arrays["marked_quads"] = arrays.pop("gone_points"), arrays.pop("gone_quads")
+        arrays["marked_gear"] = np.array(view.missing_gear)
+    arrays |= {
+        "line_points": frames.points,
+        "line_load": frames.load,
+        "most_load": np.array(most_load),
+        "line_radius": np.array(0.02 * half),
+        "centre_distance": np.array(view.centre_distance),
+        "pinion_turn": 2 * np.pi * cycles / view.pinion_teeth,
+        "wheel_turn": -2 * np.pi * cycles / view.wheel_teeth,
+    }
+    places = {"mesh": np.array([pitch, 0.0, 0.0])}
+    places |= {axis: places["mesh"] + 0.2 * half * np.eye(3)[i] for i, axis in enumerate("xyz")}
+    return _render(
+        "mesh", "contact lines", arrays, places, size, (-0.55, -0.35, 1.0), (0.0, 1.0, 0.0), 1.0,
+        frames=len(cycles), focus=(pitch, 0.0, 0.0, half),
+    )  # fmt: skip
 
 
 def _render(
@@ -150,6 +185,7 @@ def _render(
     up: tuple[float, float, float],
     zoom: float,
     frames: int = 1,
+    focus: tuple[float, float, float, float] | None = None,
 ) -> list[Picture] | LeftOut:
     with tempfile.TemporaryDirectory(prefix="gearcase-") as folder:
         job: dict[str, Any] = {
@@ -161,6 +197,7 @@ def _render(
             "direction": list(direction),
             "up": list(up),
             "zoom": zoom,
+            "focus": focus,
             "places": {key: [float(v) for v in place] for key, place in places.items()},
         }
         np.savez(job["arrays"], **arrays)

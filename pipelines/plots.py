@@ -27,13 +27,13 @@ RPM = 30 / np.pi
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StiffnessPlot:
-    """Stiffness over one wheel's passage: cycle (mesh cycles), k in N/m; `missing` with the tooth gone, or None."""
+    """Stiffness over one wheel's passage: cycle (mesh cycles), k in N/m; `faulty` with the fault `label`, or None."""
 
     title: str
     cycle: np.ndarray
     healthy: np.ndarray
-    missing: np.ndarray | None = None
-    missing_cycle: np.ndarray | None = None  # where it differs from `cycle`
+    faulty: np.ndarray | None = None
+    label: str = ""
 
 
 def new_figure(height: float, width: float = WIDTH) -> Figure:
@@ -42,7 +42,7 @@ def new_figure(height: float, width: float = WIDTH) -> Figure:
 
 
 def stiffness_figure(curves: Sequence[StiffnessPlot]) -> Figure:
-    """Stiffness curves, one panel per gear stage, healthy and with the missing tooth."""
+    """Stiffness curves, one panel per gear stage, healthy and with the faults."""
     figure = new_figure(2.0 + 1.9 * len(curves))
     for curve, axes in zip(curves, np.atleast_1d(figure.subplots(len(curves), 1)), strict=True):
         draw_stiffness(axes, curve)
@@ -53,9 +53,8 @@ def stiffness_figure(curves: Sequence[StiffnessPlot]) -> Figure:
 def draw_stiffness(axes: Axes, curve: StiffnessPlot) -> None:
     """One stiffness curve into the axes, in N/µm over the mesh cycle."""
     axes.plot(curve.cycle, curve.healthy / 1e6, color=HEALTHY, label="healthy")
-    if curve.missing is not None:
-        cycle = curve.cycle if curve.missing_cycle is None else curve.missing_cycle
-        axes.plot(cycle, curve.missing / 1e6, color=FAULTY, label="missing tooth")
+    if curve.faulty is not None:
+        axes.plot(curve.cycle, curve.faulty / 1e6, color=FAULTY, label=curve.label)
     axes.set_ylim(0, None)
     axes.margins(x=0)
     dress(axes, curve.title, "mesh cycle", "stiffness, N/µm")

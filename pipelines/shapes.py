@@ -15,7 +15,7 @@ from pipelines.pictures import CasingView, GearPairView
 VISIBLE = 1 / 7  # of a turn before it meshes: there a missing tooth is not hidden by the other gear
 
 
-def gear_view(pair: GearPair, missing: tuple[str, int] | None = None) -> GearPairView:
+def gear_view(pair: GearPair, missing: tuple[str, int] | None = None, *, in_mesh: bool = False) -> GearPairView:
     """The pair at a whole mesh cycle, tooth pairs touching at the pitch point.
 
     The pinion turns counter-clockwise and drives; seen in the picture pinion tooth i follows tooth i - 1 clockwise and
@@ -25,6 +25,7 @@ def gear_view(pair: GearPair, missing: tuple[str, int] | None = None) -> GearPai
     Parameters
     ----------
     missing : gear ("pinion" or "wheel") and number of the tooth that is gone, or None
+    in_mesh : keep the cycle 0 instead
     """
     radii = pair.working_radii
     # tooth 0 touches at the pitch point with its upper (pinion) or lower (wheel) flank; its middle lies beside it
@@ -34,7 +35,7 @@ def gear_view(pair: GearPair, missing: tuple[str, int] | None = None) -> GearPai
     if missing is not None:
         gear, tooth = missing
         teeth = pair.pinion.teeth if gear == "pinion" else pair.wheel.teeth
-        cycle = tooth - round(VISIBLE * teeth)
+        cycle = 0 if in_mesh else tooth - round(VISIBLE * teeth)
         turn = 2 * math.pi * (cycle - tooth) / teeth
         angle = pinion_zero + turn if gear == "pinion" else wheel_zero - turn
         name = f"missing: {gear} tooth {tooth}"

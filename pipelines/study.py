@@ -135,10 +135,10 @@ def diagnosis_settings(scene: Scene, layout: Layout | None = None) -> DiagnosisS
     layout = layout or lay_out(scene)
     stage = derive(scene, layout).stages[table.stage - 1]
     on_wheel = table.gear == "wheel"
-    missing = Counter((f.stage, f.gear) for f in scene.faults)
+    faulty = Counter((f.stage, f.gear, f.kind) for f in scene.faults)
     words = ", ".join(
-        f"{'one tooth' if count == 1 else f'{count} teeth'} of the stage {number} {gear} missing"
-        for (number, gear), count in missing.items()
+        f"{'one tooth' if count == 1 else f'{count} teeth'} of the stage {number} {gear} {kind.removesuffix('-tooth')}"
+        for (number, gear, kind), count in faulty.items()
     )
     modes = {
         name: rope_frequency(scene, _rope_length(scene, layout, sum(w) / 2)) for name, w in table.windows_s.items()

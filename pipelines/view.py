@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyvista
 
-COLOURS = {"ground": "#f2c200", "bearing": "#c8281e", "sensor": "#2e9e44"}
-PINION, WHEEL, GONE = "#8fa9bf", "#c9b28a", "#d62718"
+from pipelines.view_colours import GONE, LOAD_COLOURS, PINION, POINTS, WHEEL
+
 FEATURE_ANGLE = 30.0
 
 
@@ -27,13 +28,14 @@ def main(job_path: str) -> None:
         arrays = {name: stored[name] for name in stored.files}
     plotter: Any = pyvista.Plotter(off_screen=True, window_size=job["size"])
     plotter.set_background("white")
-    moving = {"gears": draw_gears, "casing": draw_casing, "mode": draw_mode}[job["kind"]](plotter, arrays)
-    look_at(plotter, job["direction"], job["up"], job["zoom"])
+    draw = {"gears": draw_gears, "casing": draw_casing, "mode": draw_mode, "mesh": draw_mesh}[job["kind"]]
+    moving = draw(plotter, arrays)
+    look_at(plotter, job["direction"], job["up"], job["zoom"], job["focus"])
     plotter.enable_anti_aliasing("ssaa")
     for number, image in enumerate(job["images"]):
         if moving is not None:
-            mesh, rest, shape = moving
-            mesh.points = rest + shape * np.sin(2 * np.pi * number / len(job["images"]))
+            moving(number)
+            plotter.render()
         plotter.screenshot(image)
     pixels = {name: pixel(plotter, place) for name, place in job["places"].items()}
     Path(job["pixels"]).write_text(json.dumps(pixels), encoding="utf-8")
@@ -59,13 +61,13 @@ def draw_casing(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
     if edges.n_cells:
         plotter.add_mesh(edges, color="#4a5560", line_width=1.2)
     radius = 0.011 * float(np.linalg.norm(np.ptp(arrays["nodes"], axis=0)))
-    for kind, colour in COLOURS.items():
+    for kind, colour in POINTS.items():
         for centre in arrays[f"{kind}_points"]:
             plotter.add_mesh(pyvista.Sphere(radius=radius, center=centre), color=colour, ambient=0.35)
 
 
-def draw_mode(plotter: Any, arrays: dict[str, np.ndarray]) -> tuple[pyvista.PolyData, np.ndarray, np.ndarray]:
-    """A body coloured by the amplitude of its displacement, its edges at rest behind it; surface, place and shape."""
+def draw_mode(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], None]:
+    """A body coloured by the amplitude of its displacement, its edges at rest behind it."""
     triangles = arrays["triangles"]
     cells = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
     mesh = pyvista.PolyData(arrays["nodes"].copy(), cells)
@@ -73,11 +75,69 @@ def draw_mode(plotter: Any, arrays: dict[str, np.ndarray]) -> tuple[pyvista.Poly
     edges = mesh.extract_feature_edges(FEATURE_ANGLE, boundary_edges=False, manifold_edges=False)
     if edges.n_cells:
         plotter.add_mesh(edges.copy(), color="#9aa4ad", line_width=1.0)
-    plotter.add_mesh(mesh, scalars="amplitude", cmap="viridis", clim=(0.0, 1.0), show_scalar_bar=False)
+    plotter.add_mesh(mesh, scalars="amplitude", cmap="viridis", clim=(0.0, 1.0), ambient=0.5, show_scalar_bar=False)
     reach = float(arrays["reach"])
     low, high = arrays["nodes"].min(axis=0) - reach, arrays["nodes"].max(axis=0) + reach
     plotter.add_mesh(pyvista.Box((low[0], high[0], low[1], high[1], low[2], high[2])), opacity=0.0)  # keeps the view
-    return mesh, arrays["nodes"], reach * arrays["shape"]
+    count = int(arrays["frames"])
+
+    def move(number: int) -> None:
+        swing = reach * np.sin(2 * np.pi * number / count)
+        np.copyto(mesh.points, arrays["nodes"] + swing * arrays["shape"])
+        mesh.GetPoints().Modified()
+
+    return move
+
+
+def draw_mesh(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], None]:
+    """Two gears seen through, the damaged tooth in red, and the contact lines coloured by their load (N/m)."""
+    actors: dict[str, list[Any]] = {"pinion": [], "wheel": []}
+    for part, colour, opacity in (("pinion", PINION, 0.3), ("wheel", WHEEL, 0.3), ("marked", GONE, 0.35)):
+        if f"{part}_points" not in arrays:
+            continue
+        mesh = surface(arrays[f"{part}_points"], arrays[f"{part}_quads"])
+        edges = mesh.extract_feature_edges(FEATURE_ANGLE, boundary_edges=False, manifold_edges=False)
+        gear = str(arrays["marked_gear"]) if part == "marked" else part
+        actors[gear].append(plotter.add_mesh(mesh, color=colour, opacity=opacity, specular=0.2))
+        actors[gear].append(plotter.add_mesh(edges, color="#404040" if part != "marked" else GONE, line_width=1.2))
+    most, thickness = float(arrays["most_load"]), float(arrays["line_radius"])
+    wheel_axis = float(arrays["centre_distance"])
+
+    def move(number: int) -> None:
+        for gear, centre in (("pinion", 0.0), ("wheel", wheel_axis)):
+            for actor in actors[gear]:
+                actor.user_matrix = turned(float(arrays[f"{gear}_turn"][number]), centre)
+        lines = contact_lines(arrays["line_points"][number], arrays["line_load"][number], thickness)
+        plotter.remove_actor("lines", render=False)
+        if lines is not None:
+            plotter.add_mesh(
+                lines, name="lines", scalars="load", cmap=LOAD_COLOURS, clim=(0.0, most), show_scalar_bar=False, ambient=1.0, diffuse=0.0, reset_camera=False,
+            )  # fmt: skip
+
+    move(0)
+    return move
+
+
+def turned(angle: float, centre: float) -> np.ndarray:
+    """Rotation about the axis along z through (centre, 0) as a 4 x 4 matrix."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    matrix = np.eye(4)
+    matrix[:2, :2] = [[cosine, -sine], [sine, cosine]]
+    matrix[:2, 3] = np.array([centre, 0.0]) - matrix[:2, :2] @ [centre, 0.0]
+    return matrix
+
+
+def contact_lines(points: np.ndarray, load: np.ndarray, radius: float) -> pyvista.PolyData | None:
+    """Tubes between neighbouring loaded slices of each pair (pair, slice); None if nothing touches."""
+    both = np.isfinite(load[:, :-1]) & np.isfinite(load[:, 1:])
+    pair, piece = np.nonzero(both)
+    if pair.size == 0:
+        return None
+    ends = np.stack([points[pair, piece], points[pair, piece + 1]], axis=1).reshape(-1, 3)
+    cells = np.column_stack([np.full(pair.size, 2), np.arange(2 * pair.size).reshape(-1, 2)]).ravel()
+    lines = pyvista.PolyData(ends, lines=cells)
+    lines["load"] = np.stack([load[pair, piece], load[pair, piece + 1]], axis=1).ravel()
+    return lines.tube(radius=radius, n_sides=10)
 
 
 def surface(points: np.ndarray, faces: np.ndarray) -> pyvista.PolyData:
@@ -86,11 +146,17 @@ def surface(points: np.ndarray, faces: np.ndarray) -> pyvista.PolyData:
     return pyvista.PolyData(points, cells).triangulate().clean()
 
 
-def look_at(plotter: Any, direction: list[float], up: list[float], zoom: float) -> None:
-    """Parallel projection from a direction, everything in the picture."""
+def look_at(plotter: Any, direction: list[float], up: list[float], zoom: float, focus: list[float] | None) -> None:
+    """Parallel projection from a direction: everything in the picture, or [x, y, z, half height] around a point."""
     plotter.enable_parallel_projection()
     plotter.view_vector(direction, viewup=up)
     plotter.camera.zoom(zoom)
+    if focus is not None:
+        camera, place = plotter.camera, np.array(focus[:3])
+        away = np.array(camera.position) - np.array(camera.focal_point)
+        camera.focal_point, camera.position = tuple(place), tuple(place + away)
+        camera.parallel_scale = focus[3]
+        plotter.renderer.ResetCameraClippingRange()
 
 
 def pixel(plotter: Any, place: list[float]) -> list[float]:

@@ -14,6 +14,7 @@ from fem.casing.modes import casing_modes, reduced_body
 from fem.casing.reduction import reduce_body
 from fem.casing.rigid import housing_mass
 from fem.casing.rungs import StaticCasing
+from fem.elasticity import mass_properties
 from fem.materials import Material
 
 
@@ -76,18 +77,29 @@ THICK = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
+EXTREMES = pytest.mark.parametrize(
     ("change", "size"),
-    [({"wall_thickness": 0.003}, 0.03), (THICK, 0.06), ({"length": 3.2, "left": -1.6}, 0.08)],
+    [({"wall_thickness": 0.003}, 0.03), (THICK, 0.08), ({"length": 3.2, "left": -1.6}, 0.08)],
     ids=["wall 3 mm", "wall 60 mm", "aspect 1:20"],
 )
-def test_thin_thick_and_long_housings_have_the_right_weight(change, size):
+
+
+@EXTREMES
+def test_thin_thick_and_long_housings_are_meshed_with_the_right_mass(change, size):
     housing = small_housing(**change)
-    housing = replace(housing, bores=housing.bores[:1], sensors=())
+    mesh = mesh_housing(housing, element_size=size)
+    assert mesh.quality > 0.1
+    exact = housing_mass(housing, 7200.0)
+    assert mass_properties(mesh.nodes, mesh.elements, 7200.0)[0] == pytest.approx(exact[0], rel=2e-4)
+
+
+@pytest.mark.slow
+@EXTREMES
+def test_thin_thick_and_long_housings_pass_the_check_up(change, size):
     rung = StaticCasing(element_size=size)
-    modes, check = rung.modes(rung.mesh(housing), material())
+    modes, check = rung.modes(rung.mesh(small_housing(**change)), material())
     assert check.failures == ()
-    assert modes.total_mass == pytest.approx(housing_mass(housing, 7200.0)[0], rel=2e-4)
+    assert (la.eigvalsh(modes.stiffness) > 0.0).all()
 
 
 def test_a_60_mm_wall_with_thin_boss_rings_is_refused():

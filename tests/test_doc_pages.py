@@ -18,7 +18,7 @@ def choices(table, field="model"):
 
 
 RUNGS = [
-    *(choices(t)[0] for t in (gears.IsoMesh, gears.PlaneMesh, shafts.BearingTable)),
+    *(choices(t)[0] for t in (gears.IsoMesh, gears.EnergyMesh, gears.PlaneMesh, shafts.BearingTable)),
     *(choices(t)[0] for t in (casing.NoCasingTable, casing.RigidCasingTable, casing.StaticCasingTable)),
     *(choices(t)[0] for t in (casing.CraigBamptonCasingTable, motion.StaticTorqueTable, motion.RopeTable)),
     *choices(shafts.ShaftModel),

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from rings import whole_ring_response
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from fem.contact import ring
 from fem.contact.evaluate import checked_teeth, evaluate, evaluate_shares, law_tables, share_reach
@@ -13,7 +13,7 @@ from fem.contact.plane import Plane, PlaneError
 from fem.contact.teeth import tooth_terms
 from fem.gears.geometry import Gear, GearPair
 from fem.gears.sector import sector_mesh
-from fem.plane_elasticity import shape_functions, stiffness
+from fem.plane_elasticity import shape_functions
 
 YOUNG, POISSON = 206e9, 0.3
 
@@ -64,45 +64,6 @@ def loaded(law, cycle, force, psi=0.0):
 
 
 # --- the ring ---------------------------------------------------------------------------------------------------------
-
-
-def whole_ring(mesh, missing=None):
-    """Stiffness of the ring meshed tooth by tooth with the bore fixed, and node numbers (z, nodes) in it."""
-    z, n = mesh.teeth, len(mesh.points)
-    number = np.arange(z * n).reshape(z, n)
-    for tooth in range(z):  # the low cut of the next sector is the high cut of this one
-        number[(tooth + 1) % z, mesh.cut_low] = number[tooth, mesh.cut_high]
-        number[(tooth + 1) % z, mesh.cut_bore[0]] = number[tooth, mesh.cut_bore[1]]
-    angle = 2 * np.pi * np.arange(z) / z
-    turn = np.stack([np.cos(angle), np.sin(angle), -np.sin(angle), np.cos(angle)], axis=-1).reshape(z, 2, 2)
-    points = np.zeros((z * n, 2))
-    points[number] = np.einsum("ni,tij->tnj", mesh.points, turn)
-    keep = np.ones((z, len(mesh.elements)), dtype=bool)
-    if missing is not None:
-        foot = np.linalg.norm(mesh.points[mesh.flank[0]])
-        keep[missing % z] = np.linalg.norm(mesh.points[mesh.elements[:, 4]], axis=1) < foot
-    elements = np.concatenate([number[t][mesh.elements[keep[t]]] for t in range(z)])
-    matrix = stiffness(points, elements, YOUNG, POISSON, mesh.twist)
-    components = matrix.shape[0] // len(points)
-    used = np.isin(np.arange(z * n), elements)
-    used[number[:, np.concatenate([mesh.bore, mesh.cut_bore])]] = False
-    return matrix, np.repeat(used, components), number, turn, components
-
-
-def whole_ring_response(mesh, loads, teeth, missing=None):
-    """As `ring_response`, from the whole ring, for loads on tooth 0 seen on the given teeth."""
-    matrix, free, number, turn, components = whole_ring(mesh, missing)
-    local = loads.toarray().reshape(len(mesh.points), components, -1)
-
-    def on(tooth):
-        out = np.zeros((number.size, components, local.shape[2]))
-        moved = local.copy()
-        moved[:, :2] = np.einsum("nip,ij->njp", local[:, :2], turn[tooth % len(turn)])
-        out[number[tooth % len(turn)]] = moved
-        return out.reshape(-1, local.shape[2])[free]
-
-    answer = splu(matrix[free][:, free].tocsc(), permc_spec="MMD_AT_PLUS_A").solve(on(0))
-    return {tooth: on(tooth).T @ answer for tooth in teeth}
 
 
 @pytest.mark.parametrize(("teeth", "beta_deg"), [(11, 0.0), (12, 20.0)])

@@ -223,6 +223,24 @@ def test_nafems_fv16_thin_cantilever_plate():
 
 
 @pytest.mark.slow
+def test_simply_supported_thin_plate_converges():
+    """Held vertically along the middle lines of its edges; the series of Navier for a thin plate."""
+    errors = []
+    for n in (16, 32):
+        nodes, elements = box_mesh((10.0, 10.0, 0.05), (n, n, 2))
+        x, y, z = nodes.T
+        edge = np.isclose(x, 0) | np.isclose(x, 10) | np.isclose(y, 0) | np.isclose(y, 10)
+        middle = np.isclose(z, 0.025)
+        corner = middle & np.isclose(y, 0)
+        held = [3 * np.flatnonzero(edge & middle) + 2, 3 * np.flatnonzero(corner & np.isclose(x, 0))]
+        held += [3 * np.flatnonzero(corner & (np.isclose(x, 0) | np.isclose(x, 10))) + 1]
+        found = plate_frequencies(nodes, elements, np.unique(np.concatenate(held)), 6)
+        errors.append(abs(found / [2.377, 5.942, 5.942, 9.507, 11.884, 11.884] - 1).max())
+    assert errors[1] < 0.01
+    assert errors[1] < errors[0]
+
+
+@pytest.mark.slow
 def test_nafems_free_thin_plate():
     nodes, elements = box_mesh((10.0, 10.0, 0.05), (40, 40, 1))
     found = plate_frequencies(nodes, elements, np.zeros(0, int), 11, shift=(2 * np.pi * 0.5) ** 2)

@@ -24,7 +24,8 @@ CURVE = StiffnessPlot(
     title="Stage 1",
     cycle=CYCLE,
     healthy=2e8 + 1e7 * np.cos(2 * np.pi * CYCLE),
-    missing=2e8 - 1e8 * np.exp(-((CYCLE - 2) ** 2)),
+    label="missing tooth",
+    faulty=2e8 - 1e8 * np.exp(-((CYCLE - 2) ** 2)),
 )
 
 

@@ -1,7 +1,7 @@
-"""Natural frequencies of the rig's casing by CalculiX and by gearcase on one mesh: python -m benchmarks.peers.calculix_frequency
+"""Natural frequencies of the casing on one mesh by CalculiX: python -m benchmarks.peers.calculix_frequency
 
-Ten-node tetrahedra of the shipped housing with straight edges, every node of the feet held, bearings free, all modes to 7.5 kHz. Both do
-all from the mesh to the modes: assembly, factorisation, eigensolution; CalculiX also reads its deck.
+Ten-node tetrahedra of the shipped housing with straight edges, every node of the feet held, bearings free, all modes to
+7.5 kHz. Both do all from the mesh to the modes: assembly, factorisation, eigensolution; CalculiX also reads its deck.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def measure(element_size: float | None = None) -> dict[str, Any]:
     rung = casing_rung(scene)
     assert isinstance(rung, CraigBamptonCasing)
     if element_size is not None:
-        rung = CraigBamptonCasing(band=rung.band, element_size=element_size, damping_ratio=rung.damping_ratio)
+        rung = replace(rung, element_size=element_size)
     mesh = straightened(rung.mesh(box))
     taken, reduction = timed(lambda: ours(mesh, iron), repeats=1)
     with tempfile.TemporaryDirectory(prefix="gearcase-calculix-") as folder:

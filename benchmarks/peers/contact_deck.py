@@ -154,7 +154,9 @@ class ContactModel:
 def _bonded(wheel: WheelMesh) -> tuple[np.ndarray, sparse.csr_matrix]:
     """Constrained nodes that hang on nodes of the bore, and the weights of those: (constrained, nodes)."""
     bore = set(wheel.bore.tolist())
-    found = [(d, n, w) for d, nodes, weights in wheel.constraints for n, w in zip(nodes, weights, strict=True) if n in bore]
+    found = [
+        (d, n, w) for d, nodes, weights in wheel.constraints for n, w in zip(nodes, weights, strict=True) if n in bore
+    ]
     dependent, node, weight = (np.array(column) for column in zip(*found, strict=True))
     cut, row = np.unique(dependent, return_inverse=True)
     return cut, sparse.csr_matrix((weight, (row, node)), shape=(cut.size, len(wheel.nodes)))

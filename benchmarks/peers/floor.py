@@ -21,7 +21,7 @@ NUMBER = 8  # bytes
 
 
 def rates() -> dict[str, float]:
-    """Flops per second of dgemm (n = 1000), bytes per second of a streaming sum and of one from the cache, best of 5."""
+    """Flops per second of dgemm (n = 1000), bytes per second of sums from memory and from the cache, best of 5."""
     a = np.random.default_rng(0).standard_normal((1000, 1000))
     dense = min(_seconds(lambda: a @ a) for _ in range(5))
     out: dict[str, float] = {"dgemm": 2e9 / dense}

@@ -116,7 +116,17 @@ class Equations:
         def push(t, p, rate):
             force, log = np.zeros(m), np.zeros((elements, columns))
             slope_u, slope_v = np.empty((m, 2)), np.empty((m, 2))
-            row_forces(table, SPEED * t, u_rows @ np.ascontiguousarray(p), v_rows @ np.ascontiguousarray(rate), held, force, slope_u, slope_v, log)
+            row_forces(
+                table,
+                SPEED * t,
+                u_rows @ np.ascontiguousarray(p),
+                v_rows @ np.ascontiguousarray(rate),
+                held,
+                force,
+                slope_u,
+                slope_v,
+                log,
+            )
             return constant + v_rows.T @ force
 
         state = equilibrium(machine)

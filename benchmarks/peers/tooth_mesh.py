@@ -98,7 +98,9 @@ class Profile:
 
     def arc_of_roll(self, roll: np.ndarray) -> np.ndarray:
         """Arc of the flank point at a roll length (m), held within the involute."""
-        return np.clip(np.square(np.maximum(roll, 0.0)) / (2.0 * self.gear.base_radius) - self.form_arc, 0.0, self.length)
+        return np.clip(
+            np.square(np.maximum(roll, 0.0)) / (2.0 * self.gear.base_radius) - self.form_arc, 0.0, self.length
+        )
 
 
 def graded(length: float, first: float, count: int) -> np.ndarray:

@@ -9,14 +9,14 @@ A group is held by its triangles, or by its nodes where it has no triangles. Mid
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fem.casing.mesh import MeshError
+from fem.casing.mesh import CasingMesh, MeshError
 from fem.elasticity import EDGES
 
 _log = logging.getLogger(__name__)
@@ -147,3 +147,10 @@ def _named_cells(mesh: Any) -> Iterator[tuple[str, int, np.ndarray]]:
         for number, cells in enumerate(blocks):
             if cells is not None and len(cells):
                 yield name, number, np.asarray(cells, np.int64)
+
+
+def write_fields(mesh: CasingMesh, fields: Mapping[str, np.ndarray], path: Path) -> None:
+    """Write a mesh with fields (node, k) on its nodes as VTU; the nodes of our elements stand in the order of VTK."""
+    import meshio
+
+    meshio.Mesh(mesh.nodes, [("tetra10", mesh.elements)], point_data=dict(fields)).write(path, file_format="vtu")

@@ -1,6 +1,6 @@
 """What damage and modifications do to a mesh law: gaps and compliances, added to the tables of a sound pair.
 
-A chip ends the flank in an edge at a lower radius: beyond it the pair goes on with the tip-edge contact of the shortened
+A chip ends the flank in an edge at a lower radius: beyond it the pair goes on with the tip-edge contact of the short
 tooth, slice by slice. A crack adds the compliance that finite elements find between the slit and the welded section,
 in the slices that it reaches. Wear is a gap over the profile. Slices are whole: the extent of a chip or crack along the
 face is rounded to slices, an error of half a slice at most.

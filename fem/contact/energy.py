@@ -1,8 +1,8 @@
 """Rung `energy`: the potential-energy method of the literature, slice by slice on the true tooth profile.
 
-A tooth is a cantilever of varying section, clamped where its fillet meets the root circle. A force f per unit face width
-along the line of action at the height u_c and the half thickness y_c, inclined by alpha to the normal of the tooth axis,
-stores bending, shear and axial energy,
+A tooth is a cantilever of varying section, clamped where its fillet meets the root circle. A force f per unit face
+width along the line of action at the height u_c and the half thickness y_c, inclined by alpha to the normal of the
+tooth axis, stores bending, shear and axial energy,
 
     C_b = int (cos(alpha) (u_c - u) - y_c sin(alpha))^2 / (E I) du,    I = 2 y^3 / 3,
     C_s = int 1.2 cos(alpha)^2 / (G A) du,   C_a = int sin(alpha)^2 / (E A) du,   A = 2 y,
@@ -11,16 +11,18 @@ and turns the body under the tooth (fillet foundation, fitted on an elastic ring
 
     C_f = cos(alpha)^2 / E (L (u_f/s_f)^2 + M u_f/s_f + P (1 + Q tan(alpha)^2)),
 
-u_f from the root circle to where the line of action crosses the tooth axis, s_f = 2 r_f theta_f the arc of the root.
-The contact is linear, C_h = 2/pi sum (1 - nu^2)/E (Yang & Lin). A pair is the sum over both gears, per unit face width;
-helical gears are cut into slices whose transverse sections act as spur gears, with C_h / cos(beta_b) as in rung `plane`.
+u_f from the root circle to where the line of action crosses the tooth axis, s_f = 2 r_f theta_f the arc of the
+root. The contact is linear, C_h = 2/pi sum (1 - nu^2)/E (Yang & Lin). A pair is the sum over both gears, per unit
+face width; helical gears are cut into slices whose transverse sections act as spur gears, with C_h / cos(beta_b) as
+in rung `plane`.
 
-Known bias, measured in tests: neighbouring teeth do not feel each other, each brings its own foundation, so that a double
-contact counts the body twice apart; the root circle is taken as clamping line although the fillet yields with it; the
-contact does not stiffen with load; teeth bend in plane stress; slices are independent and have no axial bending.
+Known bias, measured in tests: neighbouring teeth do not feel each other, each brings its own foundation, so that a
+double contact counts the body twice apart; the root circle is taken as clamping line although the fillet yields
+with it; the contact does not stiffen with load; teeth bend in plane stress; slices are independent and have no
+axial bending.
 
-Weber & Banaschek (1953); Yang & Lin (1987), J. Mech. Trans. Autom. Des. 109(2), 189-196; Tian (2004), thesis, University
-of Alberta; Sainsot, Velex & Duverger (2004), J. Mech. Des. 126(4), 748-752.
+Weber & Banaschek (1953); Yang & Lin (1987), J. Mech. Trans. Autom. Des. 109(2), 189-196; Tian (2004), thesis,
+University of Alberta; Sainsot, Velex & Duverger (2004), J. Mech. Des. 126(4), 748-752.
 """
 
 from __future__ import annotations
@@ -107,8 +109,12 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
 
     Raises
     ------
-    RungError : the fit of the body gives no positive compliance
+    RungError : a gear with a web, or the fit of the body gives no positive compliance
     """
+    if gear.rim_thickness is not None:
+        raise RungError(
+            f"rung energy, gear z={gear.teeth}: the fitted body is a solid disc; use rung 'plane' for a web"
+        )
     half = half_tooth_profile(gear, _POINTS, _POINTS, 1)
     width, height = half.points[: half.tip_index + 1].T
     angle = np.arctan2(width, height)
@@ -117,8 +123,8 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
     inside = BORE_RANGE[0] <= ratio <= BORE_RANGE[1] and ROOT_RANGE[0] <= root_angle <= ROOT_RANGE[1]
     if not inside:
         logger.warning(
-            "rung energy, gear z=%d: the body is outside the range of its fit: r_f/r_bore %.3f (range %g to %g), theta_f "
-            "%.4f rad (range %g to %g); rung plane has no such limit",
+            "rung energy, gear z=%d: the body is outside the range of its fit: r_f/r_bore %.3f (range %g to %g), "
+            "theta_f %.4f rad (range %g to %g); rung plane has no such limit",
             gear.teeth, ratio, *BORE_RANGE, root_angle, *ROOT_RANGE,
         )  # fmt: skip
     factors = foundation_factors(ratio, root_angle)
@@ -141,8 +147,8 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
     bending, shearing, axial, foundation = np.array(rows).T
     if foundation.min() <= 0.0:
         raise RungError(
-            f"rung energy, gear z={gear.teeth}: the fitted body has no positive compliance at r_f/r_bore {ratio:.3f} and "
-            f"theta_f {root_angle:.4f} rad; use rung 'plane' for this gear"
+            f"rung energy, gear z={gear.teeth}: the fitted body has no positive compliance at r_f/r_bore {ratio:.3f} "
+            f"and theta_f {root_angle:.4f} rad; use rung 'plane' for this gear"
         )
     return ToothParts(bending=bending, shear=shearing, axial=axial, foundation=foundation)
 

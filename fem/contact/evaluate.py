@@ -89,6 +89,10 @@ def law_tables(law: MeshLaw) -> np.ndarray:
             min(law.spread_compliance.min(), law.spread_length, law.body_compliance, law.tilt_compliance) < 0.0,
             "a compliance or the length of the coupling along the face is negative",
         ),
+        (
+            law.body_compliance * law.tilt_compliance < law.skew_compliance**2,
+            f"skew_compliance is {law.skew_compliance:.4g} 1/N; its square must not exceed body times tilt compliance",
+        ),
         (law.contact_slope < 0.0, f"contact_slope is {law.contact_slope:.4g} m2/N; it must be >= 0"),
         (law.fraction.min() < 0.0 or law.fraction.max() > 1.0, "fraction leaves [0, 1]"),
         (np.isneginf(law.gap).any(), "gap is -inf somewhere; give m or +inf"),

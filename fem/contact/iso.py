@@ -72,8 +72,9 @@ class Iso:
     """ISO 6336-1 method B as a mesh law.
 
     n_slices over the face; mean_factor C_M (0.8: theoretical stiffness against measurements); blank_factor C_R, None:
-    the mean of what rims and webs of both gears give (a web offset does not count); line_load F_t K_A / b (N/m) or None for a load in the
-    linear range; edge_onset (m): least approach at which tip edges carry, followed to the gap largest_gap (m).
+    the mean of what rims and webs of both gears give (a web offset does not count); line_load F_t K_A / b (N/m) or None
+    for a load in the linear range; edge_onset (m): least approach at which tip edges carry, followed to the gap
+    largest_gap (m).
 
     Valid for steel-like pairs of elastic teeth with eps_alpha >= 1.2, beta <= 30 deg, -0.5 <= x1 + x2 <= 2.
     """

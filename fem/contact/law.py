@@ -13,11 +13,13 @@ M = sum fraction f width y. U is the strain energy, so F = dU/d delta, M = dU/d 
 
 Coupling of the slices along the face, none by default, takes from x
 
-    sqrt(D(xi)) v_p(y) + E_0 F + E_1 M y,      v_p - a^2 v_p'' = sqrt(D) fraction f_p,   v_p' = 0 at both ends of the face
+    sqrt(D(xi)) v_p(y) + E_0 F + E_01 (M + F y) + E_1 M y
+    v_p - a^2 v_p'' = sqrt(D) fraction f_p,   v_p' = 0 at both ends of the face
 
-D is the compliance of tooth bending that spreads along the face over the length a (an elastic foundation whose influence
-decays like exp(-|y - y'|/a) and doubles at a free end: the moment image of Wellauer & Seireg, 1960, J. Eng. Ind. 82),
-E_0 and E_1 the wind-up and the tilt of the bodies, common to all pairs.
+D is the compliance of tooth bending that spreads along the face over the length a: an elastic foundation whose
+influence decays like exp(-|y - y'|/a) and doubles at a free end, the moment image of Wellauer & Seireg (1960, J. Eng.
+Ind. 82).
+E_0 is the wind-up, E_1 the tilt of the bodies, E_01 what a helix adds between the two; all pairs share them.
 
 Shapes along the flank are gaps, positive where material is missing: gap(xi) holds the profile of both gears and the
 gap of the tip edges, lead_gap(y) their lead; the sum of the two is exact for every modification but a twisted flank.
@@ -67,8 +69,9 @@ class MeshLaw(Record):
     wheel_tooth_offset: int = integer()  # pair p: pinion tooth cycle_sign*p, wheel tooth cycle_sign*p + this
     spread_compliance: np.ndarray = _sound("position", units="m2/N")  # D, of tooth bending that spreads along the face
     spread_length: float = dataclasses.field(default=0.0, metadata=scalar(units="m").metadata)  # a
-    body_compliance: float = dataclasses.field(default=0.0, metadata=scalar(units="m/N").metadata)  # E_0, wind-up
-    tilt_compliance: float = dataclasses.field(default=0.0, metadata=scalar(units="1/(N m)").metadata)  # E_1, tilt
+    body_compliance: float = dataclasses.field(default=0.0, metadata=scalar(units="m/N").metadata)  # E_0
+    skew_compliance: float = dataclasses.field(default=0.0, metadata=scalar(units="1/N").metadata)  # E_01
+    tilt_compliance: float = dataclasses.field(default=0.0, metadata=scalar(units="1/(N m)").metadata)  # E_1
     lead_gap: np.ndarray = _sound("slice", units="m")
     pinion_variant_compliance: np.ndarray = _sound("pinion_variant", "slice", "position", units="m2/N")  # >= 0
     pinion_variant_gap: np.ndarray = _sound("pinion_variant", "slice", "position", units="m", infinite=True)

@@ -39,7 +39,6 @@ from fem.gears.path import PathPoints, contact_window, path_points
 from fem.gears.sector import sector_mesh
 from fem.ledger import count
 
-
 BRIDGE = 2.05  # pitches: with a tooth missing, the pairs before and after it then take over from each other
 
 

@@ -15,7 +15,9 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+from fem.contact.condensation import condense
 from fem.contact.frame import RungError
+from fem.contact.law import MeshLaw
 from fem.contact.plane import Plane
 from fem.contact.solid_compliance import ContactCompliance, contact_compliance
 from fem.gears.geometry import GearPair
@@ -31,14 +33,14 @@ class Solid:
     Parameters
     ----------
     n_slices : slices of equal width over the face
-    refinement : divides all element sizes of section and face and the patches (1: 0.2 m_n along the flank, two slices
-        for each element along the face)
+    refinement : divides all element sizes of section and face and the patches (1: 0.2 m_n along the flank, 8 elements
+        along the face)
     positions : mesh positions per cycle
     largest_gap : no-load gap up to which tip-edge contact is followed, in m_n, see `Plane`
     """
 
     model: Literal["solid"] = "solid"
-    n_slices: int = 15
+    n_slices: int = 21
     refinement: float = 1.0
     positions: int = 32
     largest_gap: float = 0.05
@@ -50,10 +52,27 @@ class Solid:
             if not low <= value <= high:
                 raise RungError(f"rung solid: {name} is {value!r}; give a value in [{low}, {high}]")
 
+    def axial_elements(self, pair: GearPair) -> int:
+        """Elements along the face: 8, and more where one would be longer than 2.5 m_n; times the refinement."""
+        longest = 2.5 * pair.pinion.normal_module
+        return math.ceil(self.refinement * max(8.0, pair.face_width / longest) - 1e-9)
+
     @property
-    def axial_elements(self) -> int:
-        """Elements along the face."""
-        return max(4, math.ceil(self.refinement * 8 / 15 * self.n_slices - 1e-9))
+    def plane(self) -> Plane:
+        """The rung that gives what a load that is even along the face finds, and the path of contact."""
+        return Plane(refinement=max(1.0, self.refinement), largest_gap=self.largest_gap)
+
+    def law(self, pair: GearPair, flank: str) -> MeshLaw:
+        """The law of one flank, "drive" or "coast"."""
+        return condense(self.compliance(pair), pair, flank, self.plane, self.model)
+
+    def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
+        """The laws of drive and coast flank, condensed from one compliance (`fem.contact.condensation`)."""
+        record = self.compliance(pair)
+        return (
+            condense(record, pair, "drive", self.plane, self.model),
+            condense(record, pair, "coast", self.plane, self.model),
+        )
 
     def compliance(self, pair: GearPair) -> ContactCompliance:
         """Compliances between all contact places of the pair, for both flanks."""
@@ -62,7 +81,7 @@ class Solid:
             n_slices=self.n_slices,
             positions=self.positions,
             section_refinement=SECTION * self.refinement,
-            axial_elements=self.axial_elements,
-            plane=Plane(refinement=max(1.0, self.refinement), largest_gap=self.largest_gap),
+            axial_elements=self.axial_elements(pair),
+            plane=self.plane,
             patch=PATCH / self.refinement,
         )

@@ -44,7 +44,6 @@ from fem.materials import Material
 from fem.records import Record, array, integer, scalar
 from fem.solid_elasticity import slice_means
 
-
 _DEPTH = 0.2  # largest depth d, in m_n
 _MARGIN = 0.2  # smallest eigenvalue of C, in A / width
 

@@ -1,13 +1,14 @@
-"""Direct contact solution on a `ContactCompliance`: line loads of all tooth pairs along the face, at a force or a state.
+"""Direct contact solution on a `ContactCompliance`: line loads of all tooth pairs along the face, at force or state.
 
 With i = (pair, slice), force F_i = w_i f_i and free approach x_i = delta + psi y_i - gap_i - h_i,
 
     F_i > 0:  x_i = sum_j C_ij F_j + A f_i (B_i - ln f_i)        F_i = 0:  x_i <= sum_j C_ij F_j
     sum F_i = F,   sum F_i y_i = M
 
-are the conditions of the convex problem min 1/2 F.C F + sum w_i f_i^2 A (B_i/2 + 1/4 - ln(f_i)/2) - x.F over F >= 0, with
-delta and psi as the multipliers of the two sums where those are given instead. Newton's method on the loaded set, for
-all mesh positions at once; contacts leave when their load falls to nothing and return where the surfaces would overlap.
+are the conditions of the convex problem min 1/2 F.C F + sum w_i f_i^2 A (B_i/2 + 1/4 - ln(f_i)/2) - x.F over F >= 0,
+with delta and psi as the multipliers of the two sums where those are given instead. Newton's method on the loaded set,
+for all mesh positions at once; contacts leave when their load falls to nothing and return where the surfaces would
+overlap.
 
 Above ln f = B - 1, where the Hertz contact is nearly as wide as the depth it is counted to, its approach is held
 constant, as in `fem.contact.single_pair`. Reference: Johnson (1985), Contact Mechanics, 5.9 (quadratic programme).
@@ -163,7 +164,7 @@ def _newton(
     problem: _Problem, force: np.ndarray | None, approach: np.ndarray | None, tilt: np.ndarray | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Forces (state, i), delta and psi (state,); all states at once, finished ones rest."""
-    states, size = problem.gap.shape
+    states = len(problem.gap)
     psi = np.zeros(states) if tilt is None else tilt.copy()
     free = np.where(np.isfinite(problem.gap), problem.gap - psi[:, None] * problem.y, np.inf)
     if force is not None and not np.isfinite(free).any(axis=1).all():

@@ -29,12 +29,15 @@ class CutFunctions:
     axial: int | None = 7
 
 
+CUT = CutFunctions()
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SolidFlank:
     """Displacement normal to the flank by nodal forces normal to it, m/N, transverse quantities.
 
-    matrix[n][i, j]: at flank node i of tooth n by a force at flank node j of tooth 0, nodes numbered row * axial nodes +
-    axial node; tooth numbers rise with the angle towards the loaded flank, the axial coordinate with the twist.
+    matrix[n][i, j]: at flank node i of tooth n by a force at flank node j of tooth 0, nodes numbered row * axial nodes
+    + axial node; tooth numbers rise with the angle towards the loaded flank, the axial coordinate with the twist.
     """
 
     rows: np.ndarray  # the flank rows (section nodes) that can be loaded, as indices of `SectorMesh.flank`
@@ -141,7 +144,7 @@ def solid_flank(
     ends: np.ndarray,
     rows: np.ndarray,
     reach: int,
-    cut: CutFunctions = CutFunctions(),
+    cut: CutFunctions = CUT,
 ) -> SolidFlank:
     """Compliance between the nodes of the flank rows `rows` of a tooth and of its neighbours up to `reach` away.
 

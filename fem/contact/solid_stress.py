@@ -48,12 +48,12 @@ def stress_field(
 
     Solves both gears anew with all factors kept: seconds. `record` and `state` must come from `rung` and `pair`.
     """
-    touching = np.isfinite(record.gap[int(round(state.cycle[index] * len(record.position))) % len(record.position)])
+    touching = np.isfinite(record.gap[round(state.cycle[index] * len(record.position)) % len(record.position)])
     xi = state.cycle[index] - state.pair[index][:, None] + record.cycle_shift
     loads = np.where(touching, state.line_load[index] * record.slice_width, 0.0)
     points = path_points(pair, xi.ravel(), 0.4 * pair.pinion.normal_module)
     bounds = np.linspace(-pair.face_width / 2, pair.face_width / 2, rung.n_slices + 1)
-    ends = axial_ends(pair.face_width, rung.axial_elements)
+    ends = axial_ends(pair.face_width, rung.axial_elements(pair))
     out = []
     for gear, material, radius, turn in (
         (pair.pinion, pair.pinion_material, points.pinion_radius, 1),
@@ -88,7 +88,7 @@ def _gear_field(
     cuts = cut_motion(sector, forces, teeth)
     seen = (sector.direct @ forces.T + sector.transfer.T @ cuts) / load_size(mesh, rows, nodal.shape[2])[:, None]
     motion = prism.recover(unknowns, np.vstack([seen, cuts]))
-    for side, nodes in enumerate((mesh.cut_low, mesh.cut_high)):  # tied nodes follow their functions
+    for nodes in (mesh.cut_low, mesh.cut_high):  # tied nodes follow their functions
         place, node = np.meshgrid(np.arange(nodal.shape[2]), nodes, indexing="ij")
         for component in range(3):
             tied, columns = prism.ties.rows(node.ravel(), place.ravel(), np.full(node.size, component))

@@ -42,8 +42,8 @@ def check_body(gear: Gear, label: str) -> None:
         return
     require(
         gear.rim_inner_radius > gear.bore_radius,
-        f"{label}: rim_thickness {gear.rim_thickness:.6g} m reaches down to radius {gear.rim_inner_radius:.6g} m, inside "
-        f"the bore {gear.bore_radius:.6g} m: there is no web; leave rim_thickness out or reduce it",
+        f"{label}: rim_thickness {gear.rim_thickness:.6g} m reaches down to radius {gear.rim_inner_radius:.6g} m, "
+        f"inside the bore {gear.bore_radius:.6g} m: there is no web; leave rim_thickness out or reduce it",
     )
     web = gear.face_width if gear.web_thickness is None else gear.web_thickness
     require(

@@ -101,8 +101,8 @@ class CrackedTooth:
         radius, chord = root_chord(gear)
         require(
             0.0 < self.depth <= DEEPEST_CRACK * chord,
-            f"{label}: depth is {self.depth:.4g} m; give a value in (0, {DEEPEST_CRACK * chord:.4g}] m, {DEEPEST_CRACK} "
-            f"of the tooth root thickness {chord:.4g} m; a tooth that is cut through is a missing tooth",
+            f"{label}: depth is {self.depth:.4g} m; give a value in (0, {DEEPEST_CRACK * chord:.4g}] m, "
+            f"{DEEPEST_CRACK} of the tooth root thickness {chord:.4g} m; cut through, it is a missing tooth",
         )
         mouth = math.asin(chord / 2 / radius)
         tip = math.hypot(
@@ -131,8 +131,8 @@ class CrackedTooth:
 class WornTooth:
     """Material worn off both flanks: `depth` (m, normal to the flank) at the worst place.
 
-    place "flank": even over the whole flank. "pitch" (pitch point) or "root" (lower end of the active profile): a cosine
-    bell that has fallen to nothing at the roll length `width` / 2 (m) to either side.
+    place "flank": even over the whole flank. "pitch" (pitch point) or "root" (lower end of the active profile): a
+    cosine bell that has fallen to nothing at the roll length `width` / 2 (m) to either side.
     """
 
     depth: float
@@ -153,7 +153,8 @@ class WornTooth:
         )
         require(
             (self.width is None) == (self.place == "flank") and (self.width is None or self.width > 0.0),
-            f"{label}: width is {self.width!r} m with place {self.place!r}; local wear needs a width > 0, even wear none",
+            f"{label}: width is {self.width!r} m with place {self.place!r}; local wear needs a width > 0, even wear "
+            "none",
         )
 
     def gap_at(self, roll: np.ndarray, pitch_roll: float, root_roll: float) -> np.ndarray:

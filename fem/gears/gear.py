@@ -88,8 +88,8 @@ class Gear:
         limit = 0.5 * self.normal_module
         require(
             abs(self.thickness_allowance) <= limit,
-            f"{label}: thickness_allowance is {self.thickness_allowance!r} m; give a value in [-{limit:.4g}, {limit:.4g}] "
-            "m (half a module; negative thins the tooth)",
+            f"{label}: thickness_allowance is {self.thickness_allowance!r} m; give a value in "
+            f"[-{limit:.4g}, {limit:.4g}] m (half a module; negative thins the tooth)",
         )
 
     def _check_tip(self, label: str) -> None:
@@ -108,8 +108,8 @@ class Gear:
             require(value >= 0.0, f"{label}: {name} is {value!r} m; give a value >= 0")
         require(
             self.tip_chamfer == 0.0 or self.tip_rounding == 0.0,
-            f"{label}: tip_chamfer {self.tip_chamfer:.4g} m and tip_rounding {self.tip_rounding:.4g} m are both given; a "
-            "tip edge is either chamfered or rounded: leave one out",
+            f"{label}: tip_chamfer {self.tip_chamfer:.4g} m and tip_rounding {self.tip_rounding:.4g} m are both given; "
+            "a tip edge is either chamfered or rounded: leave one out",
         )
         require(
             self.tip_rounding <= 0.5 * self.tip_thickness * math.cos(self.base_helix_angle) or self.tip_rounding == 0.0,
@@ -172,7 +172,7 @@ class Gear:
 
     @property
     def generating_shift(self) -> float:
-        """x_E = x + A_sn / (2 m_n tan alpha_n): profile shift with which the tool cuts the thinned tooth (modules)."""
+        """x_E = x + A_sn / (2 m_n tan alpha_n): profile shift that the tool cuts the thinned tooth with (modules)."""
         return self.profile_shift + self.thickness_allowance / (
             2.0 * self.normal_module * math.tan(self.rack.pressure_angle)
         )
@@ -207,7 +207,9 @@ class Gear:
     @property
     def reference_thickness(self) -> float:
         """Transverse tooth thickness on the reference circle, s_t = m_t (pi/2 + 2 x_E tan alpha_n) (m, arc)."""
-        return self.transverse_module * (math.pi / 2.0 + 2.0 * self.generating_shift * math.tan(self.rack.pressure_angle))
+        return self.transverse_module * (
+            math.pi / 2.0 + 2.0 * self.generating_shift * math.tan(self.rack.pressure_angle)
+        )
 
     def pressure_angle_at(self, radius: float) -> float:
         """Transverse pressure angle of the involute at `radius` >= r_b (rad)."""

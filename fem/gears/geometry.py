@@ -242,12 +242,12 @@ class GearPair:
 
     @property
     def approach_length(self) -> float:
-        """Path of contact before the pitch point: from the wheel's tip form circle, or the undercut pinion's involute (m)."""
+        """Path of contact before the pitch point: from the wheel's tip, or the undercut pinion's form circle (m)."""
         return self._lengths[0]
 
     @property
     def recess_length(self) -> float:
-        """Path of contact after the pitch point: to the pinion's tip form circle, or the undercut wheel's involute (m)."""
+        """Path of contact after the pitch point: to the pinion's tip, or the undercut wheel's form circle (m)."""
         return self._lengths[1]
 
     @property

@@ -1,9 +1,8 @@
 """Does the tip of one gear cut into the root fillet of the other? Paths of the tip edge against the trochoid.
 
 Frame and symbols of `fem.gears.path`. At the position xi the flank of the pinion that is in mesh has, at the radius R,
-the polar angle -alpha_wt + L1/r_b1 - (s_b - s(R)), s(R) the half thickness angle, that of the trochoid below the form
-circle, s_b that of the involute at the base circle. The tip edge of the wheel must stay ahead of it. The wheel is judged
-as the pinion of the exchanged pair.
+the polar angle -alpha_wt + L1/r_b1 - (s_b - s(R)): s(R) is its half thickness angle, below the form circle that of the
+trochoid, and s_b that of the involute at the base circle. The tip edge of the wheel must stay ahead of it.
 """
 
 from __future__ import annotations

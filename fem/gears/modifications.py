@@ -33,7 +33,7 @@ LARGEST_PART = 0.1  # modules; a larger amount is a mistake of units
 
 @dataclass(frozen=True, kw_only=True)
 class Relief:
-    """Tip or root relief: amount C (m), start as roll length from the end of the active profile or as a diameter (m)."""
+    """Tip or root relief: amount C (m), start by roll length from the end of the active profile or by diameter (m)."""
 
     amount: float
     length: float | None = None

@@ -94,7 +94,7 @@ def contact_window(pair: GearPair, largest_gap: float = LARGEST_GAP) -> tuple[fl
 
 
 def _after(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Gap and radii on pinion and wheel (m) beyond xi_end: tip edge of the pinion, before it the wheel's undercut edge."""
+    """Gap and radii on pinion and wheel (m) beyond xi_end: tip edge of the pinion, or the wheel's undercut edge."""
     tip = pair.pinion.tip_form_radius
     gap, r2 = _pinion_edge(pair, xi, tip)
     r1 = np.full(xi.shape, tip)
@@ -107,7 +107,7 @@ def _after(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
 
 
 def _before(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The same before xi_start: tip edge of the wheel, after it the pinion's undercut edge."""
+    """The same before xi_start: tip edge of the wheel, or the pinion's undercut edge."""
     tip = pair.wheel.tip_form_radius
     gap, r1 = _wheel_edge(pair, xi, tip)
     r2 = np.full(xi.shape, tip)

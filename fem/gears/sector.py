@@ -180,7 +180,7 @@ def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -
     lower_side[0, first : first + len(across)][cracked] = len(points) + np.arange(len(on_slit))[::-1]
     quads = (_quads(lower_side[::-1]), _quads(tooth))
     filling = np.ones(len(quads[0]) + len(quads[1]))
-    filling[: len(quads[0]) - rim_rows * ((body.shape[1] - 1) // 2)] = gear.web_ratio  # inner rows come first
+    filling[: len(quads[0]) - rim_rows * ((len(body[0]) - 1) // 2)] = gear.web_ratio  # inner rows come first
     return SectorMesh(
         teeth=gear.teeth,
         twist=math.tan(gear.helix_angle) / gear.reference_radius,
@@ -224,7 +224,7 @@ def _slit_line(radius: float, angle: float, slit: Slit, size: float) -> tuple[np
 
 
 def _stretched(r: np.ndarray, t: np.ndarray, line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Tooth grid (row, column) in polar coordinates, its first row moved onto `line`, the others less towards the tip."""
+    """Tooth grid (row, column) in polar coordinates, first row moved onto `line`, the others less towards the tip."""
     points = np.stack([r * np.cos(t), r * np.sin(t)], axis=-1)
     share = (r[-1, 0] - r[:, 0]) / (r[-1, 0] - r[0, 0])
     points = points + share[:, None, None] * (line - points[0])

@@ -13,7 +13,7 @@ class LawSpec:
     """A gear pair and the rung of its law with options; `line_load` (N/m) is read by the rung `iso` alone, else 0."""
 
     pair: GearPair
-    model: str  # "iso" | "plane"
+    model: str  # "iso" | "energy" | "plane" | "solid"
     slices: int
     refinement: float
     line_load: float
@@ -37,6 +37,14 @@ def build(spec: LawSpec) -> tuple[MeshLaw, MeshLaw]:
 
         rung = Iso(n_slices=spec.slices, line_load=spec.line_load or None)
         return rung.law(spec.pair, "drive"), rung.law(spec.pair, "coast")
+    if spec.model == "energy":
+        from fem.contact.energy import Energy
+
+        return Energy(n_slices=spec.slices).laws(spec.pair)
+    if spec.model == "solid":
+        from fem.contact.solid import Solid
+
+        return Solid(n_slices=spec.slices, refinement=spec.refinement).laws(spec.pair)
     from fem.contact.plane import Plane
 
     return Plane(n_slices=spec.slices, refinement=spec.refinement).laws(spec.pair)

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipelines.building.diagnosing import DiagnosingSpec, diagnoses
+from pipelines.flanks import fault_name
 from pipelines.scene import Scene
+from pipelines.tables.faults import MissingToothTable
 
 if TYPE_CHECKING:
     import xarray
@@ -114,7 +116,7 @@ def _summary(scene: Scene, facts: Facts) -> dict[str, Any]:
         "shafts": scene.shaft_model.model,
         "load": f"{scene.load.model}, {scene.load.container_kg:g} kg",
         "rope mode at the start": f"{facts.rope_frequency:.3g} Hz" if facts.rope_frequency else "no rope",
-        "faults": ", ".join(f"{f.kind} {f.tooth}, stage {f.stage} {f.gear}" for f in scene.faults) or "none",
+        "faults": ", ".join(f"{fault_name(f)}, stage {f.stage} {f.gear}" for f in scene.faults) or "none",
         "deviations": f"grade {scene.deviations.iso_grade}, seed {scene.deviations.seed}"
         if scene.deviations.enabled
         else "none",
@@ -153,28 +155,27 @@ def gear_rows(scene: Scene, layout: Layout, facts: Facts) -> list[dict[str, Any]
 def stiffness_plots(
     scene: Scene, layout: Layout, facts: Facts, laws: Sequence[tuple[MeshLaw, MeshLaw]]
 ) -> list[StiffnessPlot]:
-    """Secant stiffness of every stage at its load, without deviations; with the missing tooth around its passage."""
+    """Secant stiffness of every stage at its load, without deviations; with faults around the passage of the first."""
     from fem.contact.curves import stiffness_curve
-    from fem.gears.faults import missing_tooth
+    from pipelines.parts import fault_terms
     from pipelines.plots import StiffnessPlot
 
     plots = []
     for number, (law, pair, stage) in enumerate(zip(laws, layout.pairs, facts.stages, strict=True), 1):
-        faults = [fault for fault in scene.faults if fault.stage == number]
-        middle = float(faults[0].tooth) if faults else 0.0
+        faults = [fault for fault in scene.faults if fault.stage == number and fault.tooth is not None]
+        middle = float(faults[0].tooth or 0) if faults else 0.0
         cycle = middle + np.linspace(-_PITCHES_SHOWN, _PITCHES_SHOWN, 241)
         load = stage.mesh_force or 100.0 * pair.face_width * 1000  # without a load, at 100 N/mm
         one = np.linspace(0.0, 1.0, 80, endpoint=False)
         single = stiffness_curve(law[0], load, one)
         healthy = np.interp(cycle % 1.0, np.append(one, 1.0), np.append(single.secant, single.secant[0]))
-        missing = None
+        faulty, label = None, ""
         if faults:
-            clearances = {"pinion": np.zeros(pair.pinion.teeth), "wheel": np.zeros(pair.wheel.teeth)}
-            clearances[faults[0].gear] = missing_tooth(clearances[faults[0].gear], faults[0].tooth)
-            pinion, wheel = clearances["pinion"], clearances["wheel"]
-            missing = stiffness_curve(law[0], load, cycle, clearance_pinion=pinion, clearance_wheel=wheel).secant
+            pinion, wheel = (fault_terms(scene, pair, number - 1, gear) for gear in ("pinion", "wheel"))
+            faulty = stiffness_curve(law[0], load, cycle, clearance_pinion=pinion, clearance_wheel=wheel).secant
+            label = ", ".join(dict.fromkeys(fault.kind.replace("-", " ") for fault in faults))
         title = f"Stage {number}, {law[0].model}, {load:.4g} N, counted from the bores"
-        plots.append(StiffnessPlot(title=title, cycle=cycle, healthy=healthy, missing=missing))
+        plots.append(StiffnessPlot(title=title, cycle=cycle, healthy=healthy, faulty=faulty, label=label))
     return plots
 
 
@@ -183,7 +184,7 @@ def gear_picture(scene: Scene, layout: Layout, stage: int) -> Picture | LeftOut:
     from pipelines.pictures import render_gears
     from pipelines.shapes import gear_view
 
-    fault = next((f for f in scene.faults if f.stage == stage), None)
+    fault = next((f for f in scene.faults if f.stage == stage and isinstance(f, MissingToothTable)), None)
     return render_gears(gear_view(layout.pairs[stage - 1], (fault.gear, fault.tooth) if fault else None))
 
 
@@ -191,7 +192,7 @@ def gear_names(scene: Scene, stage: int) -> dict[str, str]:
     """Words for the places of that picture."""
     table = scene.stages[stage - 1]
     names = {"pinion": f"pinion, {table.pinion_teeth} teeth", "wheel": f"wheel, {table.wheel_teeth} teeth"}
-    gone = [fault.tooth for fault in scene.faults if fault.stage == stage]
+    gone = [f.tooth for f in scene.faults if f.stage == stage and isinstance(f, MissingToothTable)]
     return names | ({"gone": f"tooth {gone[0]} missing"} if gone else {})
 
 

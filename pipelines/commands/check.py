@@ -58,5 +58,7 @@ def _lines(loaded: LoadedScene, facts: Facts) -> Iterator[str]:
     models += [f"casing {scene.casing.model}", f"shafts {scene.shaft_model.model}", f"load {scene.load.model}"]
     yield f"  rungs: {', '.join(models)}, integrator {scene.simulation.integrator}"
     if scene.faults:
-        yield "  faults: " + ", ".join(f"{f.kind} {f.tooth} of the stage {f.stage} {f.gear}" for f in scene.faults)
+        from pipelines.flanks import fault_name
+
+        yield "  faults: " + ", ".join(f"{fault_name(f)} of the stage {f.stage} {f.gear}" for f in scene.faults)
     yield f"  control: {scene.control or 'none'}"

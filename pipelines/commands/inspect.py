@@ -11,6 +11,8 @@ from pipelines.pictures import LeftOut
 
 if TYPE_CHECKING:
     from pipelines.build import Outcome
+    from pipelines.layout import Layout
+    from pipelines.mesh_pictures import MeshView
     from pipelines.scene import Scene
 
 
@@ -23,6 +25,7 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.derived import derive
     from pipelines.errors import InputError
     from pipelines.layout import lay_out
+    from pipelines.mesh_pictures import write_mesh
     from pipelines.pictures import Picture
     from pipelines.study import plan_study
     from pipelines.terminal import shown_progress
@@ -65,9 +68,48 @@ def main(options: argparse.Namespace) -> int:
             figure = gear_figure(picture, curves[stage - 1], reporting.gear_names(scene, stage))
         figure.savefig(folder / name, dpi=115)
         sys.stdout.write(f"{folder / name}\n")
+    mesh = write_mesh(mesh_view(loaded.scene, layout, stage, outcome, options), folder / f"mesh_{stage}.png")
+    sys.stdout.write(f"{mesh.reason}\n" if isinstance(mesh, LeftOut) else "".join(f"{path}\n" for path in mesh))
     if not meshed:
         sys.stdout.write(f"casing {scene.casing.model}: no mesh to show\n")
     return 0
+
+
+def mesh_view(scene: Scene, layout: Layout, stage: int, outcome: Outcome, options: argparse.Namespace) -> MeshView:
+    """The mesh of a stage at its load, healthy and with its faults, around the passage of the first damaged tooth."""
+    import numpy as np
+
+    from pipelines.derived import derive
+    from pipelines.flanks import fault_name
+    from pipelines.mesh_frames import mesh_frames, passage
+    from pipelines.mesh_pictures import MeshView
+    from pipelines.parts import fault_terms
+    from pipelines.shapes import gear_view
+
+    pair, table = layout.pairs[stage - 1], scene.stages[stage - 1]
+    law = outcome.value(f"law_{stage}")[0]
+    load = derive(scene, layout).stages[stage - 1].mesh_force or 100e3 * pair.face_width
+    faults = [fault for fault in scene.faults if fault.stage == stage]
+    first = next((fault for fault in faults if fault.tooth is not None), None)
+    middle = float(first.tooth) if first is not None and first.tooth is not None else 0.0
+    cycles = passage(middle, options.frames) if options.position is None else np.array([options.position])
+    sound = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
+    states = [mesh_frames("healthy", pair, law, load, cycles, *sound)]
+    if faults:
+        teeth = [fault_terms(scene, pair, stage - 1, gear) for gear in ("pinion", "wheel")]
+        words = ", ".join(dict.fromkeys(fault.kind.replace("-", " ") for fault in faults))
+        states.append(mesh_frames(words, pair, law, load, cycles, *teeth))
+    marked = (first.gear, int(middle)) if first is not None else None
+    return MeshView(
+        title=f"{scene.title}: stage {stage}, {table.pinion_teeth}/{table.wheel_teeth} teeth",
+        gears=gear_view(pair),
+        damaged=None if marked is None else gear_view(pair, marked, in_mesh=True),
+        marked="" if first is None else f"{fault_name(first).replace('-', ' ')} of the {first.gear}",
+        model=law.model,
+        force=load,
+        cycles=cycles,
+        states=tuple(states),
+    )
 
 
 def casing_mode_files(outcome: Outcome, scene: Scene, number: int, folder: Path) -> list[Path] | LeftOut:

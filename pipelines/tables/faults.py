@@ -41,7 +41,7 @@ class CrackedToothTable(FaultBase):
     kind: Annotated[Literal["cracked-tooth"], Field(description="what is wrong with the tooth")]
     depth_mm: Annotated[Positive, Field(description="length of the crack in the section")]
     angle_deg: Annotated[
-        Number, Field(ge=40, le=90, description="to the centre line of the tooth; 90 straight across, less into the rim")
+        Number, Field(ge=40, le=90, description="to the tooth centre line; 90 straight across, less into the rim")
     ] = 70.0
     extent_mm: Annotated[Positive | None, Field(description="part of the face that is cracked; left out: all")] = None
     end: End = "+y"
@@ -54,7 +54,7 @@ class WornToothTable(FaultBase):
     kind: Annotated[Literal["worn-tooth"], Field(description="what is wrong with the tooth")]
     tooth: Annotated[Whole | None, Field(ge=0, description="number of the tooth; left out: all teeth")] = None  # type: ignore[assignment]
     depth_um: Annotated[Positive, Field(description="largest depth, normal to the flank")]
-    place: Annotated[Literal["flank", "pitch", "root"], Field(description="even, or local around pitch point or root")] = (
+    place: Annotated[Literal["flank", "pitch", "root"], Field(description="even, or local at pitch point or root")] = (
         "flank"
     )
     width_mm: Annotated[Positive | None, Field(description="roll length of local wear; left out with place flank")] = (

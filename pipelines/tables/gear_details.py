@@ -62,16 +62,14 @@ class GearTable(Table):
     end_relief_plus_y: Annotated[EndReliefTable | None, Field(description="relief of the +y end of the face")] = None
     helix_slope_um: Annotated[
         Micrometres,
-        Field(description="helix slope modification: removed at the +y end of the drive flank, added on the coast flank"),
+        Field(description="helix slope: removed at the +y end of the drive flank, added on the coast flank"),
     ] = 0.0
 
 
 class MisalignmentTable(Table):
     """Misalignment of the axes over the face width, before any deflection."""
 
-    in_plane_um: Annotated[Micrometres, Field(description="growth of the centre distance towards +y, f_sigma_delta")] = (
-        0.0
-    )
+    in_plane_um: Annotated[Micrometres, Field(description="growth of the centre distance to +y, f_sigma_delta")] = 0.0
     out_of_plane_um: Annotated[
         Micrometres, Field(description="skew f_sigma_beta; positive opens the drive flanks at the +y end")
     ] = 0.0

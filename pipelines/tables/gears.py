@@ -17,6 +17,13 @@ class IsoMesh(Table):
     slices: Annotated[Whole, Field(ge=1, le=101, description="slices along the face")] = 15
 
 
+class EnergyMesh(Table):
+    """Mesh stiffness by the potential-energy method, for comparison with the literature. Milliseconds."""
+
+    model: Literal["energy"] = "energy"
+    slices: Annotated[Whole, Field(ge=1, le=101, description="slices along the face")] = 15
+
+
 class PlaneMesh(Table):
     """Mesh stiffness by 2-D finite elements of the whole ring, sliced along the face. Seconds."""
 
@@ -27,7 +34,15 @@ class PlaneMesh(Table):
     )
 
 
-MeshModel = Annotated[IsoMesh | PlaneMesh, Field(discriminator="model")]
+class SolidMesh(Table):
+    """Mesh stiffness by 3-D finite elements of both whole wheels and contact along the face. Ten seconds."""
+
+    model: Literal["solid"] = "solid"
+    slices: Annotated[Whole, Field(ge=3, le=101, description="slices along the face")] = 21
+    refinement: Annotated[Number, Field(ge=0.6, le=3, description="divides all element sizes")] = 1.0
+
+
+MeshModel = Annotated[IsoMesh | EnergyMesh | PlaneMesh | SolidMesh, Field(discriminator="model")]
 
 
 class StageTable(Table):

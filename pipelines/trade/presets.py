@@ -12,7 +12,7 @@ from pipelines.scene import Scene
 from pipelines.scene_file import LoadedScene, changed, load_scene
 from pipelines.scene_file import Settings as Given
 from pipelines.tables.casing import CraigBamptonCasingTable, StaticCasingTable
-from pipelines.tables.gears import IsoMesh
+from pipelines.tables.gears import PlaneMesh
 
 Settings = dict[str, object]
 
@@ -32,7 +32,7 @@ def preset_settings(scene: Scene, preset: str) -> Settings:
     settings: Settings = {"simulation.step_us": step, "simulation.band_Hz": kept}
     for number, stage in enumerate(scene.stages, 1):
         settings[f"stages.{number}.mesh.slices"] = slices
-        if not isinstance(stage.mesh, IsoMesh):
+        if isinstance(stage.mesh, PlaneMesh):
             settings[f"stages.{number}.mesh.refinement"] = refinement
     if isinstance(scene.casing, StaticCasingTable | CraigBamptonCasingTable):
         settings["casing.element_size_mm"] = scene.casing.element_size_mm * size

@@ -1,0 +1,126 @@
+"""The sections of docs/benchmarks.md that set gearcase beside other programs, from their stored results."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from benchmarks.markdown import markdown
+
+RESULTS = Path(__file__).resolve().parent / "results"
+Found = dict[str, Any]
+
+
+def sections() -> list[str]:
+    """Headings, tables and conditions of every peer; those never measured say so."""
+    text = ["## Beside other programs", LEAD]
+    for title, name, table in PEERS:
+        path = RESULTS / f"{name}.json"
+        text.append(f"### {title}")
+        if not path.exists():
+            text.append(f"Not measured: `python -m benchmarks.peers.{name}` does it (make peers).")
+            continue
+        found = json.loads(path.read_text(encoding="utf-8"))
+        text += [table(found), _conditions(found)]
+    return text
+
+
+LEAD = (
+    "Each table was measured in one run on one thread, both sides on the same problem; seconds are the processor's. "
+    "CalculiX is the Debian package calculix-ccx with SPOOLES; the Python packages live in the environment of "
+    "`make peers`."
+)
+
+
+def _conditions(found: Found) -> str:
+    where = found["conditions"]
+    program = f"{found['program']}; " if "program" in found else ""
+    return f"{program}{where['system']} on {where['architecture']}, {where['cores']} cores, Python {where['python']}."
+
+
+def contact_table(found: Found) -> str:
+    """Approach at the load of the rig by CalculiX and by the rungs."""
+    names = list(found["positions"][0]["rungs"])
+    rows = []
+    for place in found["positions"]:
+        if not place["meshes"]:
+            continue
+        meshes = ", ".join(f"{1e6 * m['delta_m']:.3f} ({m['face_elements']})" for m in place["meshes"])
+        seconds = sum(m["cpu_seconds"] for m in place["meshes"])
+        rungs = [f"{100 * place['rungs'][name]['deviation']:+.1f} %" for name in names]
+        what = "wheel tooth missing" if place["missing"] else "healthy"
+        rows.append(
+            [f"{place['cycle']:g}", what, meshes, f"{1e6 * place['extrapolated_m']:.3f}", f"{seconds:.0f}", *rungs]
+        )
+    headers = ("mesh cycle", "state", "µm by CalculiX (elements along the face)", "extrapolated µm", "s", *names)
+    lead = (
+        f"Approach of stage 1 (20/55, b 12 mm) at {found['force_N']:.0f} N: full 3-D contact model of both wheels, "
+        f"{found['element']}, penalty {found['penalty_N_per_mm3']:.0e} N/mm³; deviation of each rung."
+    )
+    return f"{lead}\n\n{markdown(headers, rows)}"
+
+
+def frequency_table(found: Found) -> str:
+    """Casing modes."""
+    rows = [
+        [name, f"{found[key]['cpu_seconds']:.1f}", f"{found[key]['seconds']:.1f}"]
+        for name, key in (("gearcase", "gearcase"), ("CalculiX", "calculix"))
+    ]
+    lead = (
+        f"Casing with held feet, {found['unknowns']} unknowns, {found['modes']} modes from {found['first_Hz']:.0f} to "
+        f"{found['last_Hz']:.0f} Hz, one mesh. Largest difference {100 * found['largest_deviation']:.4f} %; "
+        f"gearcase is {found['ratio']:.1f} times as fast."
+    )
+    return f"{lead}\n\n{markdown(('program', 'processor s', 'wall-clock s'), rows)}"
+
+
+def motion_table(found: Found) -> str:
+    """Seconds at equal error."""
+    rows = []
+    for name, seconds in found["cpu_seconds_at_error"].items():
+        ratio = found["ratio"].get(name)
+        rows.append([name, "not reached" if seconds is None else f"{seconds:.3g}", f"{ratio:.1f}" if ratio else ""])
+    lead = (
+        f"One gear stage in linear bearings, {found['coordinates']} coordinates, {found['span_s']:g} s at 900 rpm, "
+        f"error {found['error']:g} of the dynamic approach; the compiled mesh force is the same for all."
+    )
+    return f"{lead}\n\n{markdown(('method', 's at this error', 'times gearcase'), rows)}"
+
+
+def ross_table(found: Found) -> str:
+    """Mesh stiffness of a spur pair."""
+    rows = [
+        [name, *(f"{row[key] / 1e6:.1f}" for key in ("smallest", "mean", "largest")), f"{row['cpu_seconds']:.3g}"]
+        for name, row in found["rows"].items()
+    ]
+    table = markdown(("by", "smallest N/µm", "mean N/µm", "largest N/µm", "s"), rows)
+    return f"Spur pair 62/62, m 2 mm, b 20 mm, bore 35 mm, 1000 positions; rung plane at 1000 N.\n\n{table}"
+
+
+def floor_table(found: Found) -> str:
+    """Counts and the seconds they would take."""
+    rows = [
+        [name, f"{found[key]['flops']:.3g}", f"{found[key]['bytes']:.3g}", f"{found['seconds'][key]:.3g}"]
+        for name, key in (
+            ("factorisation of the casing", "factor"),
+            ("one time step of the rig, mesh forces apart", "step"),
+        )
+    ]
+    rates = found["rates"]
+    lead = (
+        f"Measured on one thread: {rates['dgemm'] / 1e9:.0f} Gflop/s in a dense product, "
+        f"{rates['memory'] / 1e9:.0f} GB/s from memory, {rates['cache'] / 1e9:.0f} GB/s from the cache."
+    )
+    return f"{lead}\n\n{markdown(('work', 'flop', 'bytes', 's at these rates'), rows)}"
+
+
+PEERS: tuple[tuple[str, str, Callable[[Found], str]], ...] = (
+    ("CalculiX: contact", "calculix_contact", contact_table),
+    ("CalculiX: natural frequencies", "calculix_frequency", frequency_table),
+    ("Exudyn: time integration", "exudyn_mesh", motion_table),
+    ("SciPy: time integration", "scipy_mesh", motion_table),
+    ("ROSS: mesh stiffness", "ross_stiffness", ross_table),
+    ("The arithmetic alone", "floor", floor_table),
+)

@@ -1,0 +1,123 @@
+"""Seconds and memory of a casing reduction from geometry to body: python -m benchmarks.reduction [--elements MM ...].
+
+The housing of the shipped rig, feet held, eight bearings with five coordinates each, every fixed-interface mode to 1.5
+times the band. Every case runs in a process of its own, on one thread; 15.8 mm gives about 150,000 unknowns, 9.2 mm
+about 400,000. Writes benchmarks/results/reduction.json.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from benchmarks.clock import conditions
+
+RESULTS = Path(__file__).resolve().parent / "results" / "reduction.json"
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Measure every case; 1 if one fails."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.reduction", description="Cost of a casing reduction.")
+    parser.add_argument("--elements", type=float, nargs="+", default=[15.8], metavar="MM", help="element sizes")
+    parser.add_argument("--bands", type=float, nargs="+", default=[5000.0], metavar="HZ", help="wanted bands")
+    parser.add_argument("--solvers", nargs="+", default=["multifrontal"], help="multifrontal, superlu, cholmod")
+    parser.add_argument("--one", action="store_true", help=argparse.SUPPRESS)
+    given = parser.parse_args(arguments)
+    if given.one:
+        print(json.dumps(measure(given.elements[0], given.bands[0], given.solvers[0])))
+        return 0
+    cases, failed = [], 0
+    for size in given.elements:
+        for band in given.bands:
+            for solver in given.solvers:
+                case = _in_child(size, band, solver)
+                failed += "failed" in case
+                cases.append(case)
+                print(_text(case), flush=True)
+    RESULTS.write_text(json.dumps({"conditions": conditions(), "cases": cases}, indent=1) + "\n", encoding="utf-8")
+    return int(failed > 0)
+
+
+def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
+    """One case; steps with wall-clock and processor seconds."""
+    from threadpoolctl import threadpool_limits
+
+    from benchmarks.clock import peak_megabytes
+    from benchmarks.rig import casing_parts, read
+    from fem.casing.checkup import check_up
+    from fem.casing.modes import casing_modes
+    from fem.casing.reduction import count_fixed_modes, reduce_body
+    from fem.casing.rungs import MODES_OVER_BAND, CraigBamptonCasing
+
+    steps: list[dict[str, Any]] = []
+
+    def step(name: str, work: Any) -> Any:
+        start, processor = time.perf_counter(), time.process_time()
+        result = work()
+        seconds, cpu = time.perf_counter() - start, time.process_time() - processor
+        steps.append({"step": name, "seconds": seconds, "cpu_seconds": cpu, "peak_MB": peak_megabytes()})
+        return result
+
+    with threadpool_limits(1):
+        box, iron = casing_parts(*read())
+        rung = CraigBamptonCasing(element_size=element_size / 1000, band=band, solver=solver)  # type: ignore[arg-type]
+        limit = MODES_OVER_BAND * band
+        mesh = step("geometry and mesh", lambda: rung.mesh(box))
+        casing = step("assembly, factorisation, constraint modes", lambda: rung.casing(mesh, iron))
+        held = (casing.interface, casing.K_free, casing.M_free)
+        counted = step("modes counted by the law of inertia", lambda: count_fixed_modes(*held, limit))
+        reduction = step("fixed-interface modes, inertia correction", lambda: reduce_body(*held, highest=limit))
+        modes = step(
+            "basis on the mesh",
+            lambda: casing_modes(casing, reduction, model="craig-bampton", band_limit=limit, counted=counted),
+        )
+        checked = step("check-up", lambda: check_up(casing, reduction))
+        step("reduced body with nine sensors", lambda: rung.body(modes, box.sensors))
+    return {
+        "element_size_mm": element_size,
+        "band_Hz": band,
+        "unknowns": casing.K_free.shape[0],
+        "solver": casing.interface.factor.name,
+        "interface": len(casing.coordinate_names),
+        "modes": reduction.n_fixed,
+        "counted": counted,
+        "failures": list(checked.failures),
+        "first_Hz": [float(f) for f in checked.frequencies[:3]],
+        "seconds": sum(s["seconds"] for s in steps),
+        "cpu_seconds": sum(s["cpu_seconds"] for s in steps),
+        "peak_MB": peak_megabytes(),
+        "steps": steps,
+    }
+
+
+def _in_child(size: float, band: float, solver: str) -> dict[str, Any]:
+    case = ["--elements", str(size), "--bands", str(band), "--solvers", solver]
+    command = [sys.executable, "-m", "benchmarks.reduction", "--one", *case]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        return {"element_size_mm": size, "band_Hz": band, "solver": solver, "failed": done.stderr.strip()[-300:]}
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def _text(case: dict[str, Any]) -> str:
+    if "failed" in case:
+        return f"{case['element_size_mm']:g} mm, {case['solver']}: {case['failed']}"
+    lines = [
+        f"{case['unknowns']} unknowns, {case['interface']} interface coordinates, {case['modes']} modes to "
+        f"{1.5 * case['band_Hz']:g} Hz (counted {case['counted']}), {case['solver']}"
+    ]
+    lines += [
+        f"  {s['seconds']:7.1f} s  {s['cpu_seconds']:7.1f} s cpu  {s['peak_MB']:6.0f} MB  {s['step']}"
+        for s in case["steps"]
+    ]
+    lines.append(f"  {case['seconds']:7.1f} s  {case['cpu_seconds']:7.1f} s cpu  {case['peak_MB']:6.0f} MB  in all")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,174 @@
+"""The reduced casing in files of other programs, pictures of its modes, and the store of its modes."""
+
+import re
+from dataclasses import dataclass
+
+import meshio
+import numpy as np
+import pytest
+import scipy.io
+import scipy.linalg as la
+from housings import housing_for_shafts
+from test_casing_ground import SMALL
+
+from fem.casing.body import ReducedBody
+from fem.casing.grounded import ground_casing
+from fem.casing.mesher import mesh_housing
+from fem.casing.modes import casing_modes, natural_modes, reduced_body
+from fem.casing.reduction import reduce_body
+from fem.casing.rungs import RigidCasing
+from fem.materials import CAST_IRON
+from pipelines.build import run_graph
+from pipelines.cache import Cache
+from pipelines.casing_export import checked_target, mode_shapes, write_mat, write_uff, write_vtu
+from pipelines.commands.casing import mode_table
+from pipelines.errors import InputError
+from pipelines.mode_pictures import ModeView, mode_page, write_mode
+from pipelines.pictures import LeftOut
+from pipelines.stages import Graph, Stage, explain
+
+
+@pytest.fixture(scope="module")
+def housing():
+    return housing_for_shafts(**SMALL)
+
+
+@pytest.fixture(scope="module")
+def elastic(housing):
+    """Mesh, modes and body of a small casing."""
+    mesh = mesh_housing(housing, element_size=0.05)
+    casing = ground_casing(mesh, CAST_IRON)
+    reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=4)
+    modes = casing_modes(casing, reduction, model="craig-bampton", band_limit=2000.0)
+    return mesh, modes, reduced_body(modes, sensors=housing.sensors[:2])
+
+
+def test_a_matlab_file_holds_the_body(elastic, tmp_path):
+    _, _, body = elastic
+    write_mat(body, tmp_path / "casing.mat")
+    found = scipy.io.loadmat(tmp_path / "casing.mat", simplify_cells=True)
+    for name in ("mass", "stiffness", "damping", "rows", "point_positions"):
+        assert np.array_equal(found[name], getattr(body, name))
+    assert list(found["row_names"]) == list(body.row_names)
+    body.save(tmp_path / "casing.h5")
+    assert ReducedBody.load(tmp_path / "casing.h5").digest() == body.digest()
+
+
+def test_a_universal_file_is_read_back_with_nodes_modes_and_responses(housing, tmp_path):
+    pyuff = pytest.importorskip("pyuff")
+    body = RigidCasing(mount_stiffness=1e8, damping_ratio=0.02).reduce(housing.with_sensors("sensor_1"), CAST_IRON)
+    write_uff(body, tmp_path / "casing.uff", title="a casing", band=3000.0)
+    sets = pyuff.UFF(str(tmp_path / "casing.uff")).read_sets()
+    kinds = [s["type"] for s in sets]
+    square, phi = la.eigh(body.stiffness, body.mass)
+    assert kinds.count(55) == 6
+    assert kinds.count(58) == 3 * 3 * 4  # three axes of a sensor, three forces at four bearings
+    nodes = sets[kinds.index(2411)]
+    assert np.column_stack([nodes["x"], nodes["y"], nodes["z"]]) == pytest.approx(body.point_positions, abs=1e-9)
+    mode = sets[kinds.index(55) + 2]
+    assert mode["freq"] == pytest.approx(np.sqrt(square[2]) / (2 * np.pi), rel=1e-4)
+    place = body.point_names.index("bearing_3")
+    assert mode["r3"][place] == pytest.approx(body.row("bearing_3:uz") @ phi[:, 2], rel=1e-4, abs=1e-6)
+    response = next(s for s in sets if s["type"] == 58 and (s["rsp_dir"], s["ref_dir"]) == (3, 3))
+    omega = 2 * np.pi * response["x"][100]
+    dynamic = body.stiffness - omega**2 * body.mass + 1j * omega * body.damping
+    into = body.point_names[int(response["ref_node"]) - 1]
+    exact = -(omega**2) * body.row("sensor_1:uz") @ la.solve(dynamic, body.row(f"{into}:uz"))
+    assert response["data"][100] == pytest.approx(exact, rel=1e-5)
+
+
+def test_modes_as_vtu_keep_the_order_of_the_nodes(elastic, tmp_path):
+    mesh, modes, body = elastic
+    natural = natural_modes(modes)
+    assert natural.frequencies == pytest.approx(
+        np.sqrt(la.eigh(body.stiffness, body.mass, eigvals_only=True)) / (2 * np.pi), rel=1e-9
+    )
+    write_vtu(mesh, modes, natural, tmp_path / "modes.vtu", band=float(natural.frequencies[2]))
+    found = meshio.read(tmp_path / "modes.vtu")
+    assert len(found.point_data) == 3
+    assert np.array_equal(found.cells_dict["tetra10"], mesh.elements)
+    corners, middle = mesh.elements[:, :4], mesh.elements[:, 4:]
+    ends = corners[:, [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]]]  # the order of VTK
+    off = found.points[middle] - found.points[ends].mean(axis=2)
+    assert np.median(np.linalg.norm(off, axis=2)) < 1e-12
+    shape = mode_shapes(modes, natural, [0])[0]
+    assert np.linalg.norm(shape, axis=1).max() == pytest.approx(1.0)
+    held = np.unique(mesh.patch("ground_1"))
+    assert not shape[held].any()
+
+
+def test_effective_masses_stay_below_the_mass_and_are_printed(elastic):
+    natural = natural_modes(elastic[1])
+    assert (natural.effective_mass.sum(axis=0) <= natural.total * (1 + 1e-9)).all()
+    text = mode_table(natural, 3)
+    assert "about z %" in text
+    assert len(text.splitlines()) == 3 + 3 + 1
+
+
+def test_an_unknown_ending_is_refused():
+    with pytest.raises(InputError, match=r"must be one of \.h5, \.mat, \.uff, \.vtu"):
+        checked_target("casing.txt")
+
+
+def mode_view(elastic):
+    mesh, modes, _ = elastic
+    natural = natural_modes(modes)
+    shape = mode_shapes(modes, natural, [0])[0]
+    return ModeView(
+        title="Casing of <a & b>",
+        number=1,
+        frequency=float(natural.frequencies[0]),
+        nodes=mesh.nodes,
+        facets=mesh.facets,
+        shape=shape,
+    )
+
+
+def test_a_page_needs_nothing_but_itself(elastic):
+    page = mode_page(mode_view(elastic), [b"one", b"two"])
+    assert "&lt;a &amp; b&gt;" in page
+    assert not re.search(r"(src|href)=\"?http", page)
+    assert page.count('"b25l"') == 1
+
+
+@pytest.mark.slow
+def test_pictures_of_a_mode_move(elastic, tmp_path):
+    from PIL import Image
+
+    found = write_mode(mode_view(elastic), tmp_path)
+    if isinstance(found, LeftOut):
+        pytest.skip(found.reason)
+    assert [path.suffix for path in found] == [".png", ".gif", ".html"]
+    with Image.open(found[1]) as film:
+        assert film.n_frames == 16
+        first = np.asarray(film.convert("RGB"), int)
+        film.seek(4)
+        assert (abs(np.asarray(film.convert("RGB"), int) - first).max(axis=2) > 60).mean() > 0.002
+
+
+@dataclass(frozen=True)
+class _Spec:
+    band: float
+    other: int
+
+
+def produce(spec):
+    """A stage whose result tells for which band it was made."""
+    return f"up to {spec.band}"
+
+
+def test_what_was_stored_for_a_higher_band_serves_a_lower_one(tmp_path):
+    cache = Cache(tmp_path)
+
+    def graph(band, other=1):
+        return Graph([Stage(name="a", kind="a", build=produce, spec=_Spec(band=band, other=other), enough="band")])
+
+    assert run_graph(graph(300.0), cache, ["a"]).value("a") == "up to 300.0"
+    assert run_graph(graph(500.0), cache, ["a"]).value("a") == "up to 500.0"
+    outcome = run_graph(graph(200.0), cache, ["a"])
+    assert outcome.value("a") == "up to 300.0"  # the smallest that is enough
+    assert outcome.records[0].reused
+    (status,) = explain(graph(400.0), cache)
+    assert (status.action, status.reason) == ("reuse", "computed for a larger band")
+    assert run_graph(graph(600.0), cache, ["a"]).value("a") == "up to 600.0"
+    assert run_graph(graph(200.0, other=2), cache, ["a"]).value("a") == "up to 200.0"

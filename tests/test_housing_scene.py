@@ -1,0 +1,134 @@
+"""Housings of scenes: what the keys become, files beside a scene, sizes from the band, refusals with the path."""
+
+import shutil
+from importlib import resources
+
+import numpy as np
+import pytest
+
+from fem.casing.housing import Housing
+from fem.casing.imported import ImportedHousing, content_hash
+from fem.casing.locate import ByGroup
+from fem.casing.sizes import bending_wavelength
+from pipelines.chain import scene_stages
+from pipelines.errors import SceneError
+from pipelines.housing import housing
+from pipelines.layout import lay_out, material
+from pipelines.scene_file import load_scene
+
+FEATURES = {
+    "casing.housing.side_wall_thickness_mm": 12.0,
+    "casing.housing.foot_pitch_mm": 70.0,
+    "casing.housing.foot_overhang_mm": 25.0,
+    "casing.housing.flange": {"width_mm": 15.0, "height_mm": 16.0, "split_plane_mm": 55.0},
+    "casing.housing.ribs": {"thickness_mm": 8.0, "height_mm": 10.0, "per_boss": 1},
+    "casing.housing.inner_fillet_mm": 5.0,
+}
+
+
+def made(name, settings=()):
+    scene = load_scene(name, settings).scene
+    return housing(scene, scene.casing.housing, lay_out(scene))
+
+
+def stages(name, settings=()):
+    loaded = load_scene(name, settings)
+    return {stage.name: stage for stage in scene_stages(loaded.scene, loaded.source.shown)}
+
+
+def test_a_scene_without_the_new_keys_has_a_plain_housing():
+    box = made("rig-healthy")
+    assert isinstance(box, Housing)
+    assert box.plain
+    assert len(box.feet.x) == 3
+
+
+def test_the_keys_of_the_parametric_housing():
+    box = made("minimal", FEATURES)
+    assert not box.plain
+    assert (box.wall("side"), box.wall("end")) == (0.012, 0.010)
+    assert box.flange.split == 0.055
+    assert box.fillets.inner == 0.005
+    gaps = np.diff(box.feet.x)
+    assert len(box.feet.x) == 4  # 194 mm between the outer feet: three gaps of at most 70 mm
+    assert gaps.max() <= 0.070
+    assert np.ptp(gaps) < 1e-12
+
+
+def test_the_rigid_rung_takes_the_mesh_of_a_housing_that_is_no_plain_box():
+    assert "casing mesh" not in stages("minimal")
+    assert stages("minimal", FEATURES)["casing"].takes == ("casing mesh",)
+
+
+def test_element_size_from_the_bending_wavelength():
+    size = {
+        n: stages("rig-healthy", {"casing.elements_per_wavelength": n})["casing mesh"].spec.sizes.element
+        for n in (3, 8)
+    }
+    scene = load_scene("rig-healthy").scene
+    wave = bending_wavelength(material("casing", scene.casing.material), 0.010, scene.casing.band_Hz)
+    assert size[3] == 0.022  # no larger than casing.element_size_mm
+    assert size[8] == pytest.approx(wave / 8)
+    wave = bending_wavelength(material("casing", scene.casing.material), 0.008, 2000.0)  # its cover
+    found = stages("rig-step", {"casing.elements_per_wavelength": 8})["casing mesh"].spec.sizes.element
+    assert found == pytest.approx(wave / 8)
+
+
+def test_the_shipped_step_file_is_found_and_placed_by_the_shafts():
+    box = made("rig-step")
+    assert isinstance(box, ImportedHousing)
+    assert [seat.name for seat in box.seats] == [f"bearing_{n}" for n in range(1, 9)]
+    assert box.seats[4].shaft_point[0] == pytest.approx(0.18274, abs=1e-5)
+    assert len(box.sensors) == 9
+
+
+def test_a_file_lies_beside_its_scene(tmp_path):
+    shutil.copy(str(resources.files("meshes") / "rig-housing.step"), tmp_path / "mine.step")
+    scene = tmp_path / "my.toml"
+    scene.write_text('extends = "rig-step"\n[casing.housing]\nfile = "mine.step"\n', encoding="utf-8")
+    assert made(scene).path == str((tmp_path / "mine.step").resolve())
+    scene.write_text('extends = "rig-step"\n[casing.housing]\nfile = "rig-housng.step"\n', encoding="utf-8")
+    with pytest.raises(SceneError, match=r"no such file\. Did you mean rig-housing\.step"):
+        made(scene)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (["casing.housing.unit=ft"], "unit.*is not one of"),
+        (["casing.housing.bearings=[{name='bearing_1', group='B1'}]"], "bearing_2, bearing_3, .* not located"),
+        (["casing.housing.bearings.1.name=bearing_9"], "bearing_9 belong to no shaft"),
+        (["casing.housing.bearings.1.name=bearing_2"], "bearing_2 is given 2 times"),
+        (["casing.housing.bearings.1={name='bearing_1', through_mm=[0.0, -135.0, 0.0]}"], "by through_mm; give"),
+        (["casing.housing.grounds=[{normal=[0, 0, 1]}]"], "is located by normal; give point_mm, or box_mm"),
+        (["casing.housing.axes=[[1, 0, 0], [0.5, 1, 0], [0, 0, 1]]"], "not orthogonal"),
+        (["casing.housing.length_mm=600"], "length_mm"),
+        (["sensors.1.axes=[[1, 0, 0], [1, 1, 0], [0, 0, 1]]"], "sensor_1: the axes .* are not orthogonal"),
+    ],
+)  # fmt: skip
+def test_what_does_not_fit_is_refused_with_its_path(settings, message):
+    with pytest.raises(SceneError, match=message):
+        stages("rig-step", settings)
+
+
+def test_a_mesh_file_and_its_groups_by_keys(tmp_path):
+    file = tmp_path / "housing.inp"
+    file.write_text("", encoding="utf-8")
+    bearings = [{"name": f"bearing_{n}", "group": f"SEAT_{n}"} for n in range(1, 9)]
+    table = {"model": "mesh", "file": str(file), "upgrade": True, "grounds": [{"group": "FEET"}], "bearings": bearings}
+    box = made("rig-step", {f"casing.housing.{key}": value for key, value in table.items()})
+    assert box.upgrade
+    assert box.grounds == (ByGroup(group="FEET"),)
+
+
+def test_axes_of_a_sensor_get_unit_length():
+    sensor = made("rig-step", ["sensors.1.axes=[[0, 2, 0], [-3, 0, 0], [0, 0, 1]]"]).sensors[0]
+    assert sensor.axes == ((0, 1, 0), (-1, 0, 0), (0, 0, 1))
+
+
+def test_every_shipped_file_is_listed_with_its_hash():
+    folder = resources.files("meshes")
+    page = (folder / "README.md").read_text(encoding="utf-8")
+    shipped = [p for p in folder.iterdir() if p.name.endswith((".step", ".msh"))]
+    assert shipped
+    assert all(p.name in page and content_hash(p) in page for p in shipped)
