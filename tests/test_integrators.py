@@ -163,7 +163,19 @@ def test_reversal_in_one_sample_stays_finite(step):
     assert np.isfinite(result.values).all()
 
 
-def test_critically_damped_modes_are_refused_with_the_reason():
+def test_critically_damped_modes_are_parted_by_a_change_of_the_damping(caplog):
+    """The free motion exp(-omega t)(1 + omega t) of critical damping within 1e-6."""
+    values, vectors, inverse = complex_modes(np.array([10.0, 30.0]), np.diag([20.0, 1.0]))
+    assert "critically damped" in caplog.text
+    t, start = 0.15, np.array([1.0, 0.0, 0.0, 0.0])
+    weight = np.where(values.imag == 0.0, 1.0, 2.0)
+    moved = (vectors * (weight * np.exp(values * t)) @ inverse @ start).real
+    assert moved[0] == pytest.approx((1 + 10 * t) * np.exp(-10 * t), abs=1e-6)
+    assert abs(moved[1]) < 1e-9
+
+
+def test_modes_that_no_change_parts_are_refused_with_the_reason(monkeypatch):
+    monkeypatch.setattr("mbd.integrators.modal.PERTURBATIONS", (0.0,))
     with pytest.raises(StepError, match="critically damped"):
         complex_modes(np.array([10.0, 30.0]), np.diag([20.0, 1.0]))
 
