@@ -27,6 +27,7 @@ import numpy as np
 from mbd.checks import MachineError, finite, not_negative, positive, unique
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
+MOST_NODES = 333  # of a shaft: just below 2000 coordinates, whose matrices take 32 MB each
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,12 +132,23 @@ class ShaftSpec:
 
 
 def shaft_nodes(spec: ShaftSpec, stations: tuple[float, ...] = ()) -> np.ndarray:
-    """Node positions y (node,), m: section ends, disks and ``stations``, no gap longer than ``element_length``."""
+    """Node positions y (node,), m: section ends, disks and ``stations``, no gap longer than ``element_length``.
+
+    Raises
+    ------
+    MachineError : more than MOST_NODES of them
+    """
     fixed = [s.y_start for s in spec.sections] + [spec.y_end] + [d.y for d in spec.disks] + list(stations)
     points = np.unique(np.round(np.array(fixed), 9))
+    pieces = np.maximum(1, np.ceil(np.diff(points) / spec.element_length - 1e-9))
+    if pieces.sum() >= MOST_NODES:
+        raise MachineError(
+            f"shaft {spec.name}: {6 * (pieces.sum() + 1):.0f} coordinates, more than {6 * MOST_NODES}: it is "
+            f"{spec.y_end - spec.y_start:.6g} m long in elements of at most {spec.element_length:.4g} m. Raise "
+            "element_length (element_length_mm of the scene's shaft_model), or shorten the shaft."
+        )
     nodes = [points[:1]]
-    for a, b in itertools.pairwise(points):
-        n = max(1, math.ceil((b - a) / spec.element_length - 1e-9))
+    for a, b, n in zip(points[:-1], points[1:], pieces.astype(int), strict=True):
         nodes.append(a + (b - a) * np.arange(1, n + 1) / n)
     return np.concatenate(nodes)
 

@@ -10,7 +10,7 @@ from scipy import linalg
 
 from fem.contact.evaluate import evaluate, law_tables
 from fem.contact.teeth import tooth_terms
-from mbd.bearings import BearingSpec
+from mbd.bearings import BearingSpec, hertz_bearing
 from mbd.channels import DIRECTIONS, channel_names, journal_acceleration
 from mbd.checks import MachineError
 from mbd.drive import CouplingSpec, SpeedProfile
@@ -18,6 +18,7 @@ from mbd.linearised import linear_modes, tangent, turned
 from mbd.load import Rope, StaticTorque
 from mbd.machine import Machine
 from mbd.mesh_reference import approach_at
+from mbd.rolling_catalogue import by_designation
 from mbd.shafts import Disk, Section, ShaftSpec
 from mbd.simulate import Settings, simulate
 from mbd.statics import equilibrium
@@ -126,11 +127,15 @@ def test_more_rope_than_there_is_cannot_be_wound():
         turned(hoist(), 101.0)
 
 
-def undamped(stages, load):
-    machine = train(
+def undamped_machine(stages, load):
+    return train(
         stages, load=load, profile=STANDING, coupling_damping=0.0, bearing_tau=0.0, shaft_tau=0.0, torque=300.0,
         rope={"damping_ratio": 0.0}, stage={"tau": 0.0},
     )  # fmt: skip
+
+
+def undamped(stages, load):
+    machine = undamped_machine(stages, load)
     journals = tuple(journal_acceleration(b.name, a) for b in machine.bearings for a in DIRECTIONS)
     names = channel_names(machine, ("sensor_1",)) + journals
     return assemble(machine, rigid_casing(machine, ratio=0.0), names)
@@ -183,6 +188,24 @@ def test_small_free_motion_has_the_linearised_frequencies_and_shapes(stages, loa
         found = abs(fitted_eigenvalue(signal, step, modes.frequencies[i]).imag) / (2 * np.pi)
         assert found == pytest.approx(modes.frequencies[i], rel=5e-3), modes.dominant[i]
         assert abs(signal).max() == pytest.approx(amplitude, rel=0.02), modes.dominant[i]
+
+
+def test_small_free_motion_in_rolling_bearings_has_the_linearised_frequencies():
+    """At rest the cages stand; the bearings' stiffness is the tangent of their Hertz contacts under the load."""
+    machine = dataclasses.replace(undamped_machine(1, "torque"), gravity=9.80665)
+    bearings = tuple(hertz_bearing(b.name, b.shaft, b.y, by_designation("6206"), 0.0) for b in machine.bearings)
+    machine = dataclasses.replace(machine, bearings=bearings)
+    journals = tuple(journal_acceleration(b.name, a) for b in bearings for a in DIRECTIONS)
+    system = assemble(machine, rigid_casing(machine, ratio=0.0), channel_names(machine, ("sensor_1",)) + journals)
+    modes = linear_modes(system, up_to=5e3)
+    chosen = {modes.dominant.index(word) for word in modes.dominant}
+    chosen |= set(np.argsort(modes.share("bearing"))[-3:].tolist())
+    assert modes.share("bearing").max() > 0.3
+    for i in sorted(chosen):
+        signal, step, _ = free_motion(system, modes, i)
+        found = abs(fitted_eigenvalue(signal, step, modes.frequencies[i]).imag) / (2 * np.pi)
+        print(f"{modes.dominant[i]} {modes.frequencies[i]:.2f} Hz: {found / modes.frequencies[i] - 1:+.1e}")
+        assert found == pytest.approx(modes.frequencies[i], rel=5e-3), modes.dominant[i]
 
 
 def test_a_damped_bounce_decays_at_the_linearised_rate():

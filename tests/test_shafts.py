@@ -152,3 +152,9 @@ def test_a_gap_between_sections_is_refused():
     b = Section(y_start=0.11, y_end=0.2, outer_diameter=0.03)
     with pytest.raises(MachineError, match="follow one another"):
         shaft(sections=(a, b))
+
+
+def test_a_shaft_of_too_many_elements_is_refused_with_its_numbers():
+    long = shaft(sections=(Section(y_start=0.0, y_end=1000.0, outer_diameter=0.1),), element_length=0.04)
+    with pytest.raises(MachineError, match=r"150006 coordinates, more than 1998.*1000 m long.*0\.04 m.*element_length"):
+        shaft_nodes(long)

@@ -7,19 +7,23 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from pipelines.tables.base import Flag, NotNegative, Number, Positive, Table, Whole
+from pipelines.tables.base import Flag, Number, Positive, Table, Whole
 
 Vector = tuple[Number, Number, Number]
 Axes = tuple[Vector, Vector, Vector]
 Unit = Literal["m", "cm", "mm", "um", "inch"]
-OptionalWall = Annotated[Positive | None, Field(description="where it differs from wall_thickness_mm")]
+LARGEST = 1e5  # mm; beyond it products of lengths lose all digits
+Length = Annotated[Number, Field(gt=0, le=LARGEST)]
+Depth = Annotated[Number, Field(ge=0, le=LARGEST)]
+Place = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
+OptionalWall = Annotated[Length | None, Field(description="where it differs from wall_thickness_mm")]
 
 
 class RibTable(Table):
     """Ribs on the outside of the housing, all of one thickness and height."""
 
-    thickness_mm: Annotated[Number, Field(gt=0, description="of the plates")]
-    height_mm: Annotated[Number, Field(gt=0, description="by which they stand out from their wall")]
+    thickness_mm: Annotated[Length, Field(description="of the plates")]
+    height_mm: Annotated[Length, Field(description="by which they stand out from their wall")]
     per_boss: Annotated[Whole, Field(ge=0, le=3, description="vertical ribs from the floor up to each boss")] = 0
     end_wall: Annotated[Whole, Field(ge=0, le=20, description="vertical ribs on each of the two end walls")] = 0
     cover: Annotated[Whole, Field(ge=0, le=20, description="ribs across the cover")] = 0
@@ -28,40 +32,40 @@ class RibTable(Table):
 class FlangeTable(Table):
     """The rim at the split plane over which the cover is bonded to the lower part."""
 
-    split_plane_mm: Annotated[Number, Field(description="z of the split plane; shaft 1 is z = 0")] = 0.0
-    width_mm: Annotated[Number, Field(gt=0, description="beyond the outer faces of the walls")]
-    height_mm: Annotated[Number, Field(gt=0, description="of both halves together")]
+    split_plane_mm: Annotated[Place, Field(description="z of the split plane; shaft 1 is z = 0")] = 0.0
+    width_mm: Annotated[Length, Field(description="beyond the outer faces of the walls")]
+    height_mm: Annotated[Length, Field(description="of both halves together")]
 
 
 class HousingTable(Table):
     """The parametric housing: a closed box with bearing bosses in its two side walls, and feet."""
 
     model: Literal["parametric"] = "parametric"
-    length_mm: Annotated[Number, Field(gt=0, description="outer length along x")]
-    width_mm: Annotated[Number, Field(gt=0, description="outer width along y; mid face is y = 0")]
-    height_mm: Annotated[Number, Field(gt=0, description="outer height along z without feet")]
-    wall_thickness_mm: Annotated[Number, Field(gt=0, description="of all walls, floor and cover")]
+    length_mm: Annotated[Length, Field(description="outer length along x")]
+    width_mm: Annotated[Length, Field(description="outer width along y; mid face is y = 0")]
+    height_mm: Annotated[Length, Field(description="outer height along z without feet")]
+    wall_thickness_mm: Annotated[Length, Field(description="of all walls, floor and cover")]
     side_wall_thickness_mm: OptionalWall = None
     end_wall_thickness_mm: OptionalWall = None
     floor_thickness_mm: OptionalWall = None
     cover_thickness_mm: OptionalWall = None
-    left_end_mm: Annotated[Number, Field(description="x of the outer face of the left end wall; shaft 1 is x = 0")]
-    shaft_height_mm: Annotated[Number, Field(gt=0, description="shaft 1 above the underside of the floor")]
-    bore_diameters_mm: Annotated[tuple[Positive, ...], Field(description="one per shaft, for both of its bearings")]
-    boss_diameters_mm: Annotated[tuple[Positive, ...], Field(description="one per shaft")]
-    boss_length_mm: Annotated[Number, Field(gt=0, description="along y, from the outer wall face inwards")]
-    foot_length_mm: Annotated[Number, Field(gt=0, description="side of the square feet")] = 60.0
-    foot_height_mm: Annotated[Number, Field(gt=0, description="feet below the floor")] = 15.0
+    left_end_mm: Annotated[Place, Field(description="x of the outer face of the left end wall; shaft 1 is x = 0")]
+    shaft_height_mm: Annotated[Length, Field(description="shaft 1 above the underside of the floor")]
+    bore_diameters_mm: Annotated[tuple[Length, ...], Field(description="one per shaft, for both of its bearings")]
+    boss_diameters_mm: Annotated[tuple[Length, ...], Field(description="one per shaft")]
+    boss_length_mm: Annotated[Length, Field(description="along y, from the outer wall face inwards")]
+    foot_length_mm: Annotated[Length, Field(description="side of the square feet")] = 60.0
+    foot_height_mm: Annotated[Length, Field(description="feet below the floor")] = 15.0
     foot_pitch_mm: Annotated[
-        Positive | None,
+        Length | None,
         Field(description="largest distance of neighbouring feet, sets their number; else three a side"),
     ] = None
-    foot_overhang_mm: Annotated[NotNegative, Field(description="feet beyond the side walls")] = 0.0
-    pad_diameter_mm: Annotated[NotNegative, Field(description="round bolt pads under the feet; 0: none")] = 0.0
-    pad_height_mm: Annotated[NotNegative, Field(description="bolt pads below the feet")] = 0.0
-    bolt_diameter_mm: Annotated[NotNegative, Field(description="holes through pads and feet; 0: none")] = 0.0
-    foot_fillet_mm: Annotated[NotNegative, Field(description="radius where feet meet floor or wall; 0: sharp")] = 0.0
-    inner_fillet_mm: Annotated[NotNegative, Field(description="radius of the edges of the cavity; 0: sharp")] = 0.0
+    foot_overhang_mm: Annotated[Depth, Field(description="feet beyond the side walls")] = 0.0
+    pad_diameter_mm: Annotated[Depth, Field(description="round bolt pads under the feet; 0: none")] = 0.0
+    pad_height_mm: Annotated[Depth, Field(description="bolt pads below the feet")] = 0.0
+    bolt_diameter_mm: Annotated[Depth, Field(description="holes through pads and feet; 0: none")] = 0.0
+    foot_fillet_mm: Annotated[Depth, Field(description="radius where feet meet floor or wall; 0: sharp")] = 0.0
+    inner_fillet_mm: Annotated[Depth, Field(description="radius of the edges of the cavity; 0: sharp")] = 0.0
     flange: FlangeTable | None = None
     ribs: RibTable | None = None
 

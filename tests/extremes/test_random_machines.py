@@ -28,6 +28,7 @@ gears = st.fixed_dictionaries(
 machine = st.fixed_dictionaries(
     {
         "shaft_model.model": st.sampled_from(["torsion", "timoshenko"]),
+        "bearings.model": st.just("linear"),
         "bearings.radial_stiffness_N_per_um": st.floats(10, 1000),
         "bearings.damping_time_us": st.floats(0, 20),
         "deviations.enabled": st.booleans(),
