@@ -140,4 +140,5 @@ def draw_axes(axes: Axes, picture: Picture, corner: tuple[float, float]) -> None
         tip, label = start + arrow, start + 1.2 * arrow
         style = {"arrowstyle": "-|>", "lw": 1.6, "color": "black", "shrinkA": 0}
         axes.annotate("", (tip[0], tip[1]), xytext=(start[0], start[1]), arrowprops=style)
-        axes.annotate(axis, (label[0], label[1]), ha="center", va="center", fontsize=11, fontweight="bold")
+        axes.annotate(axis, (label[0], label[1]), ha="center", va="center", fontsize=11, fontweight="bold",
+                      bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8})  # fmt: skip

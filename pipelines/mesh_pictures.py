@@ -116,10 +116,12 @@ def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrame
         Line2D([], [], color="#1bcfd4", lw=4, label="contact lines (colour: load)"),
     ]
     if state is not view.states[0] and view.marked:
-        handles.append(Patch(color=GONE, alpha=0.5 if view.damaged and view.damaged.missing else 1.0, label=view.marked))
+        handles.append(
+            Patch(color=GONE, alpha=0.5 if view.damaged and view.damaged.missing else 1.0, label=view.marked)
+        )
     axes.legend(handles=handles, loc="lower right", fontsize=8, framealpha=0.9)
-    axes.text(0.0, 0.0, f"face width {1000 * view.gears.face_width:.4g} mm along z; x, y, z 1:1", fontsize=8,
-              transform=axes.transAxes, va="bottom")  # fmt: skip
+    axes.text(0.0, -0.01, f"face width {1000 * view.gears.face_width:.4g} mm along z; x, y, z 1:1", fontsize=8,
+              transform=axes.transAxes, va="top")  # fmt: skip
 
 
 def _draw_stiffness(axes: Axes, view: MeshView, cycle: float) -> None:

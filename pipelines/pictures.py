@@ -52,8 +52,8 @@ class GearPairView:
 
     The wheel's centre lies at (centre_distance, 0) from the pinion's. Outlines float (n, 2), counter-clockwise, m,
     with all teeth; twists rad per m of face width. `marked_gear` "pinion" | "wheel" | "" and `marked_angle` (rad,
-    polar angle of the middle of the tooth about its own centre) draw one tooth red; `missing`: it is not there, so it is
-    drawn see-through.
+    polar angle of the middle of the tooth about its own centre) draw one tooth red, see-through if it is
+    `missing`.
     """
 
     pinion_outline: np.ndarray
@@ -177,6 +177,7 @@ def _mesh_arrays(
         "line_load": frames.load,
         "most_load": np.array(most_load),
         "line_radius": np.array(0.02 * half),
+        "toward": 6 * half * np.array(MESH_DIRECTION),  # in parallel projection nothing hides the lines then
         "centre_distance": np.array(view.centre_distance),
         "pinion_turn": 2 * np.pi * cycles / view.pinion_teeth,
         "wheel_turn": -2 * np.pi * cycles / view.wheel_teeth,
@@ -210,7 +211,12 @@ def show_window(
     arrays: dict[str, Any] = {"cycles": cycles}
     for number, (view, state) in enumerate(zip(gears, states, strict=True)):
         own, _, focus = _mesh_arrays(view, cycles, state, most)
-        own |= {"curve_cycle": state.curve.cycle, "secant": state.curve.secant, "share": state.curve.share}
+        own |= {
+            "toward": np.zeros(3),
+            "curve_cycle": state.curve.cycle,
+            "secant": state.curve.secant,
+            "share": state.curve.share,
+        }
         arrays |= {f"{number}_{key}": value for key, value in (own | {"curve_pair": state.curve.pair}).items()}
     with tempfile.TemporaryDirectory(prefix="gearcase-") as folder:
         job = {
@@ -240,7 +246,7 @@ def render_stress(
     """Loaded teeth coloured by von Mises stress up to `most` (Pa); places "mesh", "pinion", "wheel", "x", "y", "z"."""
     pitch = view.centre_distance * view.pinion_teeth / (view.pinion_teeth + view.wheel_teeth)
     module = view.centre_distance * 2 / (view.pinion_teeth + view.wheel_teeth)
-    half = 0.62 * max(view.face_width, 9 * module)
+    half = 0.56 * max(view.face_width, 9 * module)
     arrays, _ = _gear_arrays(view)
     arrays |= {
         "points": teeth.points,
@@ -250,6 +256,7 @@ def render_stress(
         "line_points": teeth.line_points,
         "line_load": teeth.line_load,
         "line_radius": np.array(0.011 * half),
+        "toward": 6 * half * np.array(MESH_DIRECTION),
         "centre_distance": np.array(view.centre_distance),
         "pinion_turn": np.array([2 * np.pi * cycle / view.pinion_teeth]),
         "wheel_turn": np.array([-2 * np.pi * cycle / view.wheel_teeth]),

@@ -131,16 +131,17 @@ def stress_figure(view: StressView, pictures: Sequence[Picture], most: float) ->
     from matplotlib.colors import Normalize
 
     from pipelines.plots import new_figure
-    from pipelines.view_colours import LOAD_COLOURS
+    from pipelines.view_colours import STRESS_COLOURS
 
     figure = new_figure(2.2 + 4.6 * len(pictures), 9.0)
     figure.suptitle(
-        f"{view.title}\nvon Mises stress, mesh cycle {view.cycle:.4g}, load {view.force:.4g} N\n{view.rung}", fontsize=11
+        f"{view.title}\nvon Mises stress, mesh cycle {view.cycle:.4g}, load {view.force:.4g} N\n{view.rung}",
+        fontsize=11,
     )
     boxes = np.atleast_1d(figure.subplots(len(pictures), 1))
     for number, (axes, picture) in enumerate(zip(boxes, pictures, strict=True)):
         _draw(axes, picture, view, number)
-    scale = ScalarMappable(Normalize(0.0, most / 1e6), cmap=LOAD_COLOURS)
+    scale = ScalarMappable(Normalize(0.0, most / 1e6), cmap=STRESS_COLOURS)
     figure.colorbar(scale, ax=list(boxes), location="bottom", shrink=0.7, aspect=40).set_label("von Mises stress, MPa")
     return figure
 
@@ -161,11 +162,12 @@ def _draw(axes: Axes, picture: Picture, view: StressView, number: int) -> None:
         column, row = picture.places[gear]
         axes.text(column, row, gear, ha="center", va="center", fontsize=10, fontweight="bold",
                   bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.5})  # fmt: skip
-    handles: list[Patch | Line2D] = [Line2D([], [], color=CONTACT, lw=4, label="contact lines")]
+    handles: list[Patch | Line2D] = [Line2D([], [], color=CONTACT, lw=3, label="contact lines (drawn in front)")]
     if number and view.marked:
         handles.append(Patch(color=GONE, alpha=0.6, label=view.marked))
     axes.legend(handles=handles, loc="lower right", fontsize=8, framealpha=0.9)
     note = f"face width {1000 * view.gears.face_width:.4g} mm along z; x, y, z 1:1, not deformed"
+    note += "\nstress nearer to a contact line than 0.2 to 0.3 modules is smoothed: see the Hertz pressure there"
     if number and view.note:
         note += f"\n{view.note}"
-    axes.text(0.0, 0.0, note, fontsize=8, transform=axes.transAxes, va="bottom")
+    axes.text(0.0, -0.01, note, fontsize=8, transform=axes.transAxes, va="top")

@@ -16,9 +16,20 @@ from typing import Any
 import numpy as np
 import pyvista
 
-from pipelines.view_colours import CONTACT, GONE, LOAD_COLOURS, PAIR_COLOURS, PINION, POINTS, STATES, WHEEL
+from pipelines.view_colours import (
+    CONTACT,
+    GONE,
+    LOAD_COLOURS,
+    PAIR_COLOURS,
+    PINION,
+    POINTS,
+    STATES,
+    STRESS_COLOURS,
+    WHEEL,
+)
 
 FEATURE_ANGLE = 30.0
+SHARP = {"boundary_edges": False, "manifold_edges": False, "non_manifold_edges": False}
 
 
 def main(job_path: str) -> None:
@@ -31,7 +42,13 @@ def main(job_path: str) -> None:
         return
     plotter: Any = pyvista.Plotter(off_screen=True, window_size=job["size"])
     plotter.set_background("white")
-    draw: dict[str, Callable[..., Callable[[int], None] | None]] = {"gears": draw_gears, "casing": draw_casing, "mode": draw_mode, "mesh": draw_mesh, "stress": draw_stress}
+    draw: dict[str, Callable[..., Callable[[int], None] | None]] = {
+        "gears": draw_gears,
+        "casing": draw_casing,
+        "mode": draw_mode,
+        "mesh": draw_mesh,
+        "stress": draw_stress,
+    }
     moving = draw[job["kind"]](plotter, arrays)
     look_at(plotter, job["direction"], job["up"], job["zoom"], job["focus"])
     plotter.enable_anti_aliasing("ssaa")
@@ -46,13 +63,14 @@ def main(job_path: str) -> None:
 
 def draw_gears(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
     """Pinion, wheel and the damaged tooth in red, see-through if it is missing."""
-    marked = 0.6 if arrays["marked_missing"] else 1.0
+    marked = 0.45 if arrays["marked_missing"] else 1.0
     for part, colour, opacity in (("pinion", PINION, 1.0), ("wheel", WHEEL, 1.0), ("marked", GONE, marked)):
         if f"{part}_points" not in arrays:
             continue
         mesh = surface(arrays[f"{part}_points"], arrays[f"{part}_quads"])
-        plotter.add_mesh(mesh, color=colour, opacity=opacity, smooth_shading=False, specular=0.2)
-        edges = mesh.extract_feature_edges(FEATURE_ANGLE, boundary_edges=False, manifold_edges=False)
+        light = 0.35 if part == "marked" else 0.0
+        plotter.add_mesh(mesh, color=colour, opacity=opacity, smooth_shading=False, specular=0.2, ambient=light)
+        edges = mesh.extract_feature_edges(FEATURE_ANGLE, **SHARP)
         if edges.n_cells:
             plotter.add_mesh(edges, color="#303030" if part != "marked" else GONE, line_width=1.0)
 
@@ -61,7 +79,7 @@ def draw_casing(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
     """Translucent walls with their edges, and the key points as spheres in the colour of their kind."""
     mesh = surface(arrays["nodes"], arrays["triangles"])
     plotter.add_mesh(mesh, color="#b9c2cc", opacity=0.28, smooth_shading=False)
-    edges = mesh.extract_feature_edges(FEATURE_ANGLE, boundary_edges=False, manifold_edges=False)
+    edges = mesh.extract_feature_edges(FEATURE_ANGLE, **SHARP)
     if edges.n_cells:
         plotter.add_mesh(edges, color="#4a5560", line_width=1.2)
     radius = 0.011 * float(np.linalg.norm(np.ptp(arrays["nodes"], axis=0)))
@@ -76,7 +94,7 @@ def draw_mode(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], No
     cells = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
     mesh = pyvista.PolyData(arrays["nodes"].copy(), cells)
     mesh["amplitude"] = np.linalg.norm(arrays["shape"], axis=1)
-    edges = mesh.extract_feature_edges(FEATURE_ANGLE, boundary_edges=False, manifold_edges=False)
+    edges = mesh.extract_feature_edges(FEATURE_ANGLE, **SHARP)
     if edges.n_cells:
         plotter.add_mesh(edges.copy(), color="#9aa4ad", line_width=1.0)
     plotter.add_mesh(mesh, scalars="amplitude", cmap="viridis", clim=(0.0, 1.0), ambient=0.5, show_scalar_bar=False)
@@ -101,22 +119,25 @@ def draw_mesh(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], No
         if f"{part}_points" not in arrays:
             continue
         mesh = surface(arrays[f"{part}_points"], arrays[f"{part}_quads"])
-        edges = mesh.extract_feature_edges(FEATURE_ANGLE, boundary_edges=False, manifold_edges=False)
+        edges = mesh.extract_feature_edges(FEATURE_ANGLE, **SHARP)
         gear = str(arrays["marked_gear"]) if part == "marked" else part
         actors[gear].append(plotter.add_mesh(mesh, color=colour, opacity=opacity, specular=0.2))
         actors[gear].append(plotter.add_mesh(edges, color="#404040" if part != "marked" else GONE, line_width=1.2))
     most, thickness = float(arrays["most_load"]), float(arrays["line_radius"])
     wheel_axis = float(arrays["centre_distance"])
+    name = f"lines {len(plotter.actors)}"  # of this state alone
 
     def move(number: int) -> None:
         for gear, centre in (("pinion", 0.0), ("wheel", wheel_axis)):
             for actor in actors[gear]:
                 actor.user_matrix = turned(float(arrays[f"{gear}_turn"][number]), centre)
         lines = contact_lines(arrays["line_points"][number], arrays["line_load"][number], thickness)
-        plotter.remove_actor("lines", render=False)
+        plotter.remove_actor(name, render=False)
         if lines is not None:
+            lines.translate(arrays["toward"], inplace=True)
             plotter.add_mesh(
-                lines, name="lines", scalars="load", cmap=LOAD_COLOURS, clim=(0.0, most), show_scalar_bar=False, ambient=1.0, diffuse=0.0, reset_camera=False,
+                lines, name=name, scalars="load", cmap=LOAD_COLOURS, clim=(0.0, most), show_scalar_bar=False,
+                ambient=1.0, diffuse=0.0, reset_camera=False,
             )  # fmt: skip
 
     move(0)
@@ -124,26 +145,30 @@ def draw_mesh(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], No
 
 
 def draw_stress(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
-    """Hexahedra of loaded teeth coloured by von Mises stress (Pa), their contact lines, and the damaged tooth in red."""
+    """Hexahedra of loaded teeth coloured by von Mises stress (Pa), their contact lines, and the damaged tooth in red.
+
+    The lines are moved by "toward", in parallel projection towards the eye: nothing hides them.
+    """
     count = len(arrays["cells"])
     cells = np.column_stack([np.full(count, 8), arrays["cells"]]).ravel()
     kinds = np.full(count, pyvista.CellType.HEXAHEDRON)
     grid = pyvista.UnstructuredGrid(cells, kinds, arrays["points"])
     grid["stress"] = arrays["von_mises"]
-    skin = grid.clean().extract_surface(algorithm="dataset_surface")
-    plotter.add_mesh(skin, scalars="stress", cmap=LOAD_COLOURS, clim=(0.0, float(arrays["most"])),
+    skin = grid.clean(tolerance=1e-6).extract_surface(algorithm="dataset_surface")
+    plotter.add_mesh(skin, scalars="stress", cmap=STRESS_COLOURS, clim=(0.0, float(arrays["most"])),
                      show_scalar_bar=False, ambient=0.45, diffuse=0.6)  # fmt: skip
-    edges = skin.extract_feature_edges(FEATURE_ANGLE, boundary_edges=False, manifold_edges=False)
+    edges = skin.extract_feature_edges(FEATURE_ANGLE, **SHARP)
     plotter.add_mesh(edges, color="#202020", line_width=1.0)
     lines = contact_lines(arrays["line_points"], arrays["line_load"], float(arrays["line_radius"]))
     if lines is not None:
+        lines.translate(arrays["toward"], inplace=True)
         plotter.add_mesh(lines, color=CONTACT, ambient=1.0, diffuse=0.0)
     if "marked_points" in arrays:
         gear = str(arrays["marked_gear"])
         tooth = surface(arrays["marked_points"], arrays["marked_quads"])
         centre = 0.0 if gear == "pinion" else float(arrays["centre_distance"])
         tooth.transform(turned(float(arrays[f"{gear}_turn"][0]), centre), inplace=True)
-        outline = tooth.extract_feature_edges(FEATURE_ANGLE, boundary_edges=False, manifold_edges=False)
+        outline = tooth.extract_feature_edges(FEATURE_ANGLE, **SHARP)
         if arrays["marked_missing"]:
             plotter.add_mesh(tooth, color=GONE, opacity=0.35)
         plotter.add_mesh(outline, color=GONE, line_width=4.0)
@@ -158,18 +183,20 @@ def show_screen(job: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
     plotter: Any = pyvista.Plotter(shape=(2, 2), window_size=job["size"], title=job["title"])
     plotter.set_background("white", all_renderers=True)
     moves = []
-    for row, name in enumerate(names):
+    for row in range(len(names)):
         plotter.subplot(row, 0)
         own = {key.removeprefix(f"{row}_"): value for key, value in arrays.items() if key.startswith(f"{row}_")}
         moves.append(draw_mesh(plotter, own))
         look_at(plotter, job["direction"], job["up"], 1.0, job["focus"])
-        plotter.add_text(f"{name}; pinion blue, wheel brown{job['marked'][row]}", font_size=9, color="black")
         plotter.add_axes(color="black")
-    plotter.subplot(0, 0)
-    plotter.add_scalar_bar(  # the lines of the first state carry the scale of both
-        "line load, N/m", mapper=plotter.actors["lines"].mapper, color="black", vertical=True, n_labels=4,
-        position_x=0.88, position_y=0.15, height=0.6,
-    ) if "lines" in plotter.actors else None  # fmt: skip
+        scale = pyvista.LookupTable(LOAD_COLOURS, scalar_range=(0.0, float(own["most_load"]) / 1000))
+        bar = pyvista.PolyData(np.zeros((1, 3)))
+        unseen = plotter.add_mesh(bar, opacity=0.0, reset_camera=False)
+        unseen.mapper.lookup_table = scale
+        plotter.add_scalar_bar(
+            "contact lines: load, N/mm" + row * " ", mapper=unseen.mapper, color="black", vertical=True, n_labels=4,
+            position_x=0.86, position_y=0.2, height=0.6, title_font_size=13, label_font_size=12, fmt="%.0f",
+        )  # fmt: skip
     markers = [draw_curves(plotter, row, arrays, names) for row in range(2)]
     cycles = arrays["cycles"]
 
@@ -178,10 +205,11 @@ def show_screen(job: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
         for row, move in enumerate(moves):
             plotter.subplot(row, 0)
             move(number)
+            words = f"{names[row]}: pinion blue, wheel brown{job['marked'][row]}\n"
+            words += f"mesh cycle {cycles[number]:.3f}, {job['load']}"
+            plotter.add_text(words, name=f"words {row}", font_size=9, color="black")
         for marker, top in markers:
             marker.update([cycles[number], cycles[number]], [0.0, top])
-        plotter.subplot(1, 1)
-        plotter.add_text(f"mesh cycle {cycles[number]:.3f}, {job['load']}", name="position", font_size=9, color="black")
 
     plotter.subplot(len(names) - 1, 0)
     plotter.add_slider_widget(
@@ -199,7 +227,7 @@ def show_screen(job: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
 
 
 def draw_curves(plotter: Any, row: int, arrays: dict[str, np.ndarray], names: list[str]) -> tuple[Any, float]:
-    """The chart of a row: mesh stiffness of all states, or load shares of the last; the marker of the position, its height."""
+    """The chart of a row: mesh stiffness of all states, or load shares of the last; the position's line and height."""
     plotter.subplot(row, 1)
     chart = pyvista.Chart2D()
     chart.x_label = "mesh cycle"
@@ -245,9 +273,12 @@ def contact_lines(points: np.ndarray, load: np.ndarray, radius: float) -> pyvist
 
 
 def surface(points: np.ndarray, faces: np.ndarray) -> pyvista.PolyData:
-    """A surface of faces with a fixed number of corners, double points merged."""
-    cells = np.column_stack([np.full(len(faces), faces.shape[1]), faces]).ravel()
-    return pyvista.PolyData(points, cells).triangulate().clean()
+    """A surface of triangles (n, 3) or quadrilaterals (n, 4), double points merged."""
+    if faces.shape[1] == 4:
+        halves = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
+        faces = halves[(halves != np.roll(halves, 1, axis=1)).all(axis=1)]  # fans have a double node
+    cells = np.column_stack([np.full(len(faces), 3), faces]).ravel()
+    return pyvista.PolyData(points, cells).clean()
 
 
 def look_at(plotter: Any, direction: list[float], up: list[float], zoom: float, focus: list[float] | None) -> None:

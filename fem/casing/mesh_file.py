@@ -169,7 +169,8 @@ def write_hexahedra(
         sets = {name: [np.flatnonzero(inside)] for name, inside in groups.items()}
         mesh = meshio.Mesh(nodes, blocks, cell_sets=sets)
     elif kind == ".bdf":
-        mesh = meshio.Mesh(nodes, blocks, cell_data={"nastran:ref": [number]})
+        near = np.round(nodes, 10)  # the field of a coordinate has no room for exponents below
+        mesh = meshio.Mesh(near, blocks, cell_data={"nastran:ref": [number]})
     elif kind == ".msh":
         titles = {name: np.array([place, 3]) for place, name in enumerate(groups, 1)}
         tags = {"gmsh:physical": [number], "gmsh:geometrical": [number]}

@@ -60,9 +60,7 @@ def stress_files(scene: Scene, layout: Layout, graph: Graph, options: argparse.N
     view = StressView(
         title=f"{scene.title}: stage {stage}, {table.pinion_teeth}/{table.wheel_teeth} teeth",
         gears=gear_view(pair),
-        damaged=None
-        if first is None
-        else gear_view(pair, (first.gear, first.tooth or 0), missing=gone, in_mesh=True),
+        damaged=None if first is None else gear_view(pair, (first.gear, first.tooth or 0), missing=gone, in_mesh=True),
         marked="" if first is None else f"{fault_name(first).replace('-', ' ')} of the {first.gear}",
         note="the crack itself is not in the finite elements" if "cracked-tooth" in kinds else "",
         rung=f"rung solid, refinement {rung.refinement:g}, {rung.n_slices} slices along the face",
