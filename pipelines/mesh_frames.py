@@ -49,9 +49,9 @@ def mesh_frames(
     """
     centre = float(np.median(cycles))
     whole = centre + np.linspace(-PASSAGE, PASSAGE, CURVE_POINTS)
-    teeth = {"clearance_pinion": pinion, "clearance_wheel": wheel}
-    curve = stiffness_curve(law, load, whole, **teeth)
-    states = stiffness_curve(law, load, cycles, **teeth)
+    curve, states = (
+        stiffness_curve(law, load, places, clearance_pinion=pinion, clearance_wheel=wheel) for places in (whole, cycles)
+    )
     solved = [
         line_loads(law, float(c), float(d), 0.0, pinion, wheel)
         for c, d in zip(cycles, states.transmission_error, strict=True)

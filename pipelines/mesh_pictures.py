@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -85,13 +85,14 @@ def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: f
     figure = new_figure(2.4 + 3.4 * rows, 13.0)
     cycle = float(view.cycles[frame])
     figure.suptitle(f"{view.title}\nmesh cycle {cycle:.3f}, load {view.force:.4g} N, law {view.model}")
-    left, right = figure.subfigures(1, 2, width_ratios=[1.15, 1.0])
+    halves: Any = figure.subfigures(1, 2, width_ratios=[1.15, 1.0])
+    left, right = halves
     boxes = np.atleast_1d(left.subplots(rows, 1))
     for axes, picture, state in zip(boxes, pictures, view.states, strict=True):
         _draw_picture(axes, picture, view, state, frame)
     scale = ScalarMappable(Normalize(0.0, most / 1000), cmap=LOAD_COLOURS)
-    left.colorbar(scale, ax=list(boxes), location="bottom", shrink=0.7, aspect=40).set_label("line load, N/mm")
-    stiffness, *shares = right.subplots(1 + rows, 1, sharex=True)
+    left.colorbar(scale, ax=boxes.tolist(), location="bottom", shrink=0.7, aspect=40).set_label("line load, N/mm")
+    stiffness, *shares = np.atleast_1d(right.subplots(1 + rows, 1, sharex=True))
     _draw_stiffness(stiffness, view, cycle)
     for axes, state in zip(shares, view.states, strict=True):
         _draw_shares(axes, state, cycle)

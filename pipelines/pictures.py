@@ -219,7 +219,7 @@ def show_window(
         }
         arrays |= {f"{number}_{key}": value for key, value in (own | {"curve_pair": state.curve.pair}).items()}
     with tempfile.TemporaryDirectory(prefix="gearcase-") as folder:
-        job = {
+        job: dict[str, Any] = {
             "kind": "screen",
             "arrays": str(Path(folder) / "arrays.npz"),
             "images": [] if image is None else [str(image)],

@@ -38,7 +38,7 @@ def gear_view(
     if marked is not None:
         gear, tooth = marked
         teeth = pair.pinion.teeth if gear == "pinion" else pair.wheel.teeth
-        cycle = 0 if in_mesh else tooth - round(VISIBLE * teeth)
+        cycle = 0 if in_mesh else shown_cycle(pair, marked)
         turn = 2 * math.pi * (cycle - tooth) / teeth
         angle = pinion_zero + turn if gear == "pinion" else wheel_zero - turn
     return GearPairView(
@@ -56,6 +56,11 @@ def gear_view(
         marked_angle=angle,
         missing=missing,
     )
+
+
+def shown_cycle(pair: GearPair, marked: tuple[str, int] | None) -> int:
+    """The mesh cycle at which a view out of mesh shows the pair."""
+    return 0 if marked is None else marked[1] - round(VISIBLE * getattr(pair, marked[0]).teeth)
 
 
 def outline(gear: Gear, centre_angle: float) -> np.ndarray:

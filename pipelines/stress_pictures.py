@@ -167,7 +167,7 @@ def _draw(axes: Axes, picture: Picture, view: StressView, number: int) -> None:
         handles.append(Patch(color=GONE, alpha=0.6, label=view.marked))
     axes.legend(handles=handles, loc="lower right", fontsize=8, framealpha=0.9)
     note = f"face width {1000 * view.gears.face_width:.4g} mm along z; x, y, z 1:1, not deformed"
-    note += "\nstress nearer to a contact line than 0.2 to 0.3 modules is smoothed: see the Hertz pressure there"
+    note += "\nwithin 0.3 modules of a contact line stress is smoothed: see the Hertz pressure in mesh_<stage>.png"
     if number and view.note:
         note += f"\n{view.note}"
     axes.text(0.0, -0.01, note, fontsize=8, transform=axes.transAxes, va="top")

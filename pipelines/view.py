@@ -194,8 +194,8 @@ def show_screen(job: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
         unseen = plotter.add_mesh(bar, opacity=0.0, reset_camera=False)
         unseen.mapper.lookup_table = scale
         plotter.add_scalar_bar(
-            "contact lines: load, N/mm" + row * " ", mapper=unseen.mapper, color="black", vertical=True, n_labels=4,
-            position_x=0.86, position_y=0.2, height=0.6, title_font_size=13, label_font_size=12, fmt="%.0f",
+            "line load, N/mm" + row * " ", mapper=unseen.mapper, color="black", vertical=True, n_labels=4,
+            position_x=0.84, position_y=0.2, height=0.6, title_font_size=13, label_font_size=12, fmt="%.0f",
         )  # fmt: skip
     markers = [draw_curves(plotter, row, arrays, names) for row in range(2)]
     cycles = arrays["cycles"]
@@ -273,12 +273,9 @@ def contact_lines(points: np.ndarray, load: np.ndarray, radius: float) -> pyvist
 
 
 def surface(points: np.ndarray, faces: np.ndarray) -> pyvista.PolyData:
-    """A surface of triangles (n, 3) or quadrilaterals (n, 4), double points merged."""
-    if faces.shape[1] == 4:
-        halves = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
-        faces = halves[(halves != np.roll(halves, 1, axis=1)).all(axis=1)]  # fans have a double node
-    cells = np.column_stack([np.full(len(faces), 3), faces]).ravel()
-    return pyvista.PolyData(points, cells).clean()
+    """A surface of faces with a fixed number of corners, double points merged."""
+    cells = np.column_stack([np.full(len(faces), faces.shape[1]), faces]).ravel()
+    return pyvista.PolyData(points, cells).triangulate().clean()
 
 
 def look_at(plotter: Any, direction: list[float], up: list[float], zoom: float, focus: list[float] | None) -> None:

@@ -203,7 +203,8 @@ def test_the_mesh_picture_says_what_it_shows(mesh_view):
     said = words(mesh_figure(mesh_view, [blank(**PLACES)] * 2, 1, 1e5))
     for phrase in (
         "A pair: stage 1, 20/55 teeth", "mesh cycle 3.000", "load 1200 N", "law iso", "contact lines",
-        "line load, N/mm",        "missing tooth 3 of the wheel", "pinion", "wheel", "stiffness, N/µm", "share, %", "12 mm", "healthy",
+        "line load, N/mm",
+        "missing tooth 3 of the wheel", "pinion", "wheel", "stiffness, N/µm", "share, %", "12 mm", "healthy",
     ):  # fmt: skip
         assert phrase in said
 

@@ -185,7 +185,7 @@ def gear_picture(scene: Scene, layout: Layout, stage: int) -> Picture | LeftOut:
     from pipelines.shapes import gear_view
 
     fault = first_tooth_fault(scene, stage)
-    marked = (fault.gear, fault.tooth) if fault else None
+    marked = None if fault is None else (fault.gear, fault.tooth or 0)
     return render_gears(gear_view(layout.pairs[stage - 1], marked, missing=isinstance(fault, MissingToothTable)))
 
 

@@ -75,7 +75,7 @@ def main(options: argparse.Namespace) -> int:
         if name == "casing.png":
             figure = casing_figure(picture, f"Casing and key points of {scene.title}")
         else:
-            title = f"{scene.title}: stage {stage}"
+            title = gears_title(scene, layout, stage)
             figure = gear_figure(picture, curves[stage - 1], reporting.gear_names(scene, stage), title)
         figure.savefig(folder / name, dpi=115)
         sys.stdout.write(f"{folder / name}\n")
@@ -88,6 +88,20 @@ def main(options: argparse.Namespace) -> int:
 
 def _listed(found: list[Path] | LeftOut) -> str:
     return f"{found.reason}\n" if isinstance(found, LeftOut) else "".join(f"{path}\n" for path in found)
+
+
+def gears_title(scene: Scene, layout: Layout, stage: int) -> str:
+    """Title of the overview of a stage: scene, position, load and size."""
+    from pipelines.derived import derive
+    from pipelines.flanks import first_tooth_fault
+    from pipelines.shapes import shown_cycle
+
+    pair, fault = layout.pairs[stage - 1], first_tooth_fault(scene, stage)
+    cycle = shown_cycle(pair, None if fault is None else (fault.gear, fault.tooth or 0))
+    meshes = "" if fault is None else f" (damaged tooth in mesh at {fault.tooth})"
+    load = derive(scene, layout).stages[stage - 1].mesh_force or 100e3 * pair.face_width
+    size = f"centre distance {1000 * pair.axis_distance:.4g} mm, face width {1000 * pair.face_width:.4g} mm"
+    return f"{scene.title}: stage {stage}\nmesh cycle {cycle}{meshes}, load {load:.4g} N; {size}"
 
 
 def mesh_view(scene: Scene, layout: Layout, stage: int, outcome: Outcome, options: argparse.Namespace) -> MeshView:
