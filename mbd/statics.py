@@ -168,7 +168,7 @@ def _touching(
     log, held = np.zeros((element_count(table), len(LOG_COLUMNS))), np.full(len(table.tau), -1.0)
     for _ in range(ROUNDS):
         right, slope_u, slope_v = np.zeros(m), np.zeros((m, WIDTH)), np.zeros((m, WIDTH))
-        row_forces(table, 0.0, speed, u, still, held, right, slope_u, slope_v, log)
+        row_forces(table, 0.0, speed, u, still, held, right, slope_u, slope_v, log, np.zeros(0), np.zeros((0, 6)))
         slope = slope_matrix(slope_u, table)
         slope[drive], slope[drive + 1] = 0.0, 0.0
         slope[drive + 1, drive + 1] = table.stiffness[2 * resting, 1]

@@ -115,6 +115,21 @@ def test_undamped_energy_does_not_drift(method):
     assert energy[1] == pytest.approx(energy[0], rel=1e-8)
 
 
+@pytest.mark.slow
+def test_a_million_undamped_steps_do_not_drift():
+    machine = train(1, profile=RAMP, shaft_tau=0.0, bearing_tau=0.0, coupling_damping=0.0, **LINEAR)
+    system = assemble(machine, no_casing())
+    integrator, state = METHODS["exponential"](system, 2e-5), equilibrium(system)
+    kick = dataclasses.replace(state, velocity=system.basis @ np.full(len(system.frequencies), 1e-3))
+    ends = [integrator.start(kick).states[-1]]
+    for _ in range(100):
+        ends.append(integrator.advance(*np.zeros((3, 10_000))).states[-1])
+    q, v = np.array(ends) @ integrator.displacement.T - state.displacement, np.array(ends) @ integrator.velocity.T
+    energy = 0.5 * np.einsum("ti,ij,tj->t", q, system.stiffness, q)
+    energy += 0.5 * np.einsum("ti,ij,tj->t", v, system.mass, v)
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-9)
+
+
 def nonlinear_system(**options):
     profile = SpeedProfile(times=np.array([0.002, 0.012]), speeds=np.array([0.0, 94.25]))
     machine = train(1, profile=profile, **options)
@@ -163,7 +178,19 @@ def test_reversal_in_one_sample_stays_finite(step):
     assert np.isfinite(result.values).all()
 
 
-def test_critically_damped_modes_are_refused_with_the_reason():
+def test_critically_damped_modes_are_parted_by_a_change_of_the_damping(caplog):
+    """The free motion exp(-omega t)(1 + omega t) of critical damping within 1e-6."""
+    values, vectors, inverse = complex_modes(np.array([10.0, 30.0]), np.diag([20.0, 1.0]))
+    assert "critically damped" in caplog.text
+    t, start = 0.15, np.array([1.0, 0.0, 0.0, 0.0])
+    weight = np.where(values.imag == 0.0, 1.0, 2.0)
+    moved = (vectors * (weight * np.exp(values * t)) @ inverse @ start).real
+    assert moved[0] == pytest.approx((1 + 10 * t) * np.exp(-10 * t), abs=1e-6)
+    assert abs(moved[1]) < 1e-9
+
+
+def test_modes_that_no_change_parts_are_refused_with_the_reason(monkeypatch):
+    monkeypatch.setattr("mbd.integrators.modal.PERTURBATIONS", (0.0,))
     with pytest.raises(StepError, match="critically damped"):
         complex_modes(np.array([10.0, 30.0]), np.diag([20.0, 1.0]))
 

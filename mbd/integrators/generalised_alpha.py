@@ -20,7 +20,7 @@ from scipy import linalg
 
 from mbd.checks import StepError
 from mbd.forces import LOG_COLUMNS, element_count
-from mbd.integrators.base import TOLERANCE, Block, uniform_clock
+from mbd.integrators.base import TOLERANCE, Block, Flow, uniform_clock
 from mbd.rows_solver import parametric, solve_rows
 from mbd.statics import State
 from mbd.system import System
@@ -31,7 +31,8 @@ DEFAULT_RADIUS = 0.9
 class GeneralisedAlpha:
     """Integrator (see `mbd.integrators.base`); the state is (q, v)."""
 
-    flow, force_change = None, 0.0
+    flow: Flow | None = None
+    force_change: float = 0.0
 
     def __init__(self, system: System, step: float, radius: float = DEFAULT_RADIUS) -> None:
         if not 0.0 <= radius <= 1.0:
@@ -118,9 +119,9 @@ class GeneralisedAlpha:
         return np.concatenate([self._q, self._v]), self._forces.copy(), self._rows.copy(), self._log.copy()
 
     def _block(self, instants: list[tuple[np.ndarray, ...]], clock: np.ndarray) -> Block:
-        columns = [np.array(column) for column in zip(*instants, strict=True)]
+        states, starts, forces, rows, log = (np.array(column) for column in zip(*instants, strict=True))
         none = np.zeros((len(instants), 0, len(self._forces)))
-        return Block(*columns, clock=clock, whole=np.arange(len(instants)), holds=none)
+        return Block(states, starts, forces, rows, log, clock, np.arange(len(instants)), none)
 
 
 def spectral_radius(step_over_period: float, radius: float = DEFAULT_RADIUS) -> float:

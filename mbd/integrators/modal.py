@@ -15,6 +15,7 @@ Cost per step: O(modes x rows).
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -29,6 +30,9 @@ from mbd.rows_solver import solve_rows
 from mbd.statics import State
 from mbd.system import System
 
+logger = logging.getLogger(__name__)
+
+PERTURBATIONS = (0.0, 1e-9, 1e-7, 1e-5)  # shares of the damping
 LARGEST_CONDITION = 1e8
 LARGEST_RESIDUAL = 1e-9
 
@@ -180,10 +184,37 @@ def _constants(holds: Holds, lengths: np.ndarray, flow: Flow, rows: np.ndarray) 
 def complex_modes(omega: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Eigenvalues (k,), vectors (2 mode, k) and inverse rows (k, 2 mode) of A, one of every conjugate pair.
 
+    At critical damping two eigenvectors fall together and A has too few of them. The damping is then changed by the
+    least of PERTURBATIONS that parts them, with a warning: the modes move by about its square root at most.
+
     Raises
     ------
-    StepError : A cannot be diagonalised reliably (nearly equal modes at critical damping)
+    StepError : A cannot be diagonalised reliably even so
     """
+    found = condition, residual = np.inf, np.inf
+    for share in PERTURBATIONS:
+        uneven = 1.0 + share * np.linspace(1.0, 2.0, len(omega))
+        changed = damping * np.sqrt(np.outer(uneven, uneven))  # stays positive semidefinite
+        modes, condition, residual = _diagonalise(omega, changed)
+        if condition < LARGEST_CONDITION and residual < LARGEST_RESIDUAL:
+            if share:
+                logger.warning(
+                    "complex modes: a mode is critically damped (condition %.3g); damping changed by %.0e of itself.",
+                    found[0], share,
+                )  # fmt: skip
+            return modes
+        found = min(found, (condition, residual))
+    raise StepError(
+        f"complex modes: condition {condition:.3g} (limit {LARGEST_CONDITION:.0e}), residual {residual:.3g} (limit "
+        f"{LARGEST_RESIDUAL:.0e}): some mode is critically damped. Change a damping value slightly or use the "
+        "generalised-alpha integrator."
+    )
+
+
+def _diagonalise(
+    omega: np.ndarray, damping: np.ndarray
+) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray], float, float]:
+    """What `complex_modes` returns, condition of the vectors and residual of the decomposition."""
     n = len(omega)
     matrix = np.block([[np.zeros((n, n)), np.diag(omega)], [-np.diag(omega), -damping]])
     values, vectors = linalg.eig(matrix)
@@ -191,16 +222,11 @@ def complex_modes(omega: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, n
         inverse = np.linalg.inv(vectors)
     except np.linalg.LinAlgError:
         inverse = np.full_like(vectors, np.inf)
+        return (values, vectors, inverse), np.inf, np.inf
     condition = float(np.linalg.norm(vectors) * np.linalg.norm(inverse)) / (2 * n)
     residual = float(abs((vectors * values) @ inverse - matrix).max() / abs(matrix).max())
-    if not (condition < LARGEST_CONDITION and residual < LARGEST_RESIDUAL):
-        raise StepError(
-            f"complex modes: condition {condition:.3g} (limit {LARGEST_CONDITION:.0e}), residual {residual:.3g} (limit "
-            f"{LARGEST_RESIDUAL:.0e}): some mode is critically damped. Change a damping value slightly or use the "
-            "generalised-alpha integrator."
-        )
     keep = values.imag >= 0.0
-    return values[keep], vectors[:, keep], inverse[keep]
+    return (values[keep], vectors[:, keep], inverse[keep]), condition, residual
 
 
 def _real_rows(rows: np.ndarray) -> np.ndarray:

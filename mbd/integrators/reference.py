@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 
 from mbd.checks import StepError
 from mbd.forces import LOG_COLUMNS, element_count
-from mbd.integrators.base import TOLERANCE, Block, uniform_clock
+from mbd.integrators.base import TOLERANCE, Block, Flow, uniform_clock
 from mbd.rows_solver import parametric, solve_rows
 from mbd.statics import State
 from mbd.system import System
@@ -28,7 +28,8 @@ ATOL = 1e-13  # mass-normalised coordinates
 class Reference:
     """Integrator (see `mbd.integrators.base`) that takes as many inner steps per step as its tolerance needs."""
 
-    flow, force_change = None, 0.0
+    flow: Flow | None = None
+    force_change: float = 0.0
 
     def __init__(self, system: System, step: float, method: str = "DOP853") -> None:
         basis, n = system.basis, len(system.frequencies)
@@ -68,10 +69,10 @@ class Reference:
             self._rows, self._log, self._angle = rows, log, float(angle)
             self.counters["steps"] += 1
             instants.append((self._x, start, forces, rows, log))
-        columns = [np.array(column) for column in zip(*instants, strict=True)]
+        states, starts, forces, rows, log = (np.array(column) for column in zip(*instants, strict=True))
         clock = uniform_clock(self._step, angles, speeds, accelerations)
         none = np.zeros((len(instants), 0, len(self._v_rows)))
-        return Block(*columns, clock=clock, whole=np.arange(len(instants)), holds=none)
+        return Block(states, starts, forces, rows, log, clock, np.arange(len(instants)), none)
 
     def _one_step(self, angle: float, acceleration: float) -> np.ndarray:
         h, n = self._step, len(self._omega2)
