@@ -25,11 +25,12 @@ _inline: dict[str, Any] = {
 
 
 @njit(**_inline)
-def in_series(tables, k00, k01, k11, r0, r1):
-    """d, t of d + (E k d)_0 = r0, ..., and the stiffnesses k00, k01, k11 with the bodies E in series."""
+def in_series(tables, k00, k01, k11, force, moment):
+    """d, t of (d, t) = E (F - k d, M - k t) and the stiffnesses k00, k01, k11 with the bodies E in series."""
     e0, e01, e1 = tables[BODY], tables[SKEW], tables[TILT]
     a00, a01 = 1.0 + e0 * k00 + e01 * k01, e0 * k01 + e01 * k11
     a10, a11 = e01 * k00 + e1 * k01, 1.0 + e01 * k01 + e1 * k11
+    r0, r1 = e0 * force + e01 * moment, e01 * force + e1 * moment
     scale = 1.0 / (a00 * a11 - a01 * a10)
     d, t = (a11 * r0 - a01 * r1) * scale, (a00 * r1 - a10 * r0) * scale
     return d, t, (k00 * a11 - k01 * a10) * scale, (k01 * a00 - k00 * a01) * scale, (k11 * a00 - k01 * a01) * scale
@@ -118,9 +119,7 @@ def substitute(n_s, d, t, work):
         s = middle + i
         if s < n_s:
             top, lane = ((s - 1) // LANES) * TOTAL, (s - 1) % LANES
-            right0, right1 = _field(
-                s, d, t, work[top + LINK, lane] * right0, work[top + LINK + 1, lane] * right1, work
-            )
+            right0, right1 = _field(s, d, t, work[top + LINK, lane] * right0, work[top + LINK + 1, lane] * right1, work)
 
 
 @njit(**_inline)

@@ -19,6 +19,9 @@ Slices of at most two pairs go through `fem.contact.joint`, where loads, fields 
 bend little, so three or four steps reach round-off. Where that does not settle, or a slice is not of that kind, the
 slices are solved one by one (`fem.contact.turn`). Bodies that tilt can bring pairs into contact that the free approach
 leaves open; the candidates are then collected anew for an approach wide enough, and the answer is checked against it.
+
+Measured on the stage 1 pair of the shipped rig (15 slices, two pairs, start values without history; one core of an AMD
+EPYC, 3 GHz class): 2.6 us per call in 3.8 steps of 0.33 us, two states at one cycle 3.8 us; without coupling 0.83 us.
 """
 
 from __future__ import annotations
@@ -34,7 +37,6 @@ from fem.contact.joint import TOTAL
 from fem.contact.near import pairs_near
 from fem.contact.packing import (
     BLOCKS,
-    BODY,
     LANES,
     LARGEST_NEAR,
     LENGTH,
@@ -42,10 +44,8 @@ from fem.contact.packing import (
     PULLS,
     ROWS_PER_BLOCK,
     SIGN,
-    SKEW,
     SLICE_ROWS,
     SLICES,
-    TILT,
     WIDTH,
     Y,
 )
@@ -109,17 +109,20 @@ def evaluate_coupled(tables, cycle, states, count, pinion, wheel, pair_force):
 @njit(**_inline)
 def settle(tables, blocks, n_s, states, which, warm, work, bits, answer, done):
     """Newton iteration from scratch or from the loads there are; fills the answer. True if it holds, and d, t."""
-    face_width = d = t = k00 = k01 = k11 = 0.0
-    for s in range(n_s):
-        face_width += tables[SLICE_ROWS + ((s // LANES) * ROWS_PER_BLOCK + WIDTH) * LANES + s % LANES]
+    d = t = k00 = k01 = k11 = force = moment = stiff = mixed = tilt = 0.0
     for k in range(blocks):
         rows, row_bits = work[k * TOTAL : (k + 1) * TOTAL], bits[k * TOTAL : (k + 1) * TOTAL]
         joint.take_state(tables, k, states, which, rows)
         if warm:
             joint.resume(rows)
         else:
-            joint.start(tables, k, face_width, rows, row_bits)
-    left = 1.0
+            f, m, a, b, c = joint.estimate(tables, k, rows, row_bits)
+            force, moment, stiff, mixed, tilt = force + f, moment + m, stiff + a, mixed + b, tilt + c
+    if not warm:
+        d, t, _, _, _ = chain.in_series(tables, stiff, mixed, tilt, force, moment)
+        for k in range(blocks):
+            joint.start(tables, k, d, t, work[k * TOTAL : (k + 1) * TOTAL], bits[k * TOTAL : (k + 1) * TOTAL])
+    settled = False
     for _ in range(joint.STEPS):
         force = moment = stiff = mixed = tilt = 0.0
         for k in range(blocks):
@@ -128,15 +131,16 @@ def settle(tables, blocks, n_s, states, which, warm, work, bits, answer, done):
         if tables[LENGTH] > 0.0:
             t0, t1, t2, t3, t4 = chain.eliminate(tables, n_s, work)
             force, moment, stiff, mixed, tilt = force - t0, moment - t1, stiff - t2, mixed - t3, tilt - t4
-        r0, r1 = tables[BODY] * force + tables[SKEW] * moment, tables[SKEW] * force + tables[TILT] * moment
-        d, t, k00, k01, k11 = chain.in_series(tables, stiff, mixed, tilt, r0, r1)
+        d, t, k00, k01, k11 = chain.in_series(tables, stiff, mixed, tilt, force, moment)
         if tables[LENGTH] > 0.0:
             chain.substitute(n_s, d, t, work)
-        left = 0.0
+        load = error = total = 0.0
         for k in range(blocks):
             rows, row_bits = work[k * TOTAL : (k + 1) * TOTAL], bits[k * TOTAL : (k + 1) * TOTAL]
-            left += joint.advance(tables, k, d, t, rows, row_bits)
-        if left <= joint.CLOSE * joint.CLOSE:
+            f, a, b = joint.advance(tables, k, d, t, rows, row_bits)
+            load, error, total = load + f, error + a, total + b
+        settled = total < 1.0 and error <= joint.CLOSE * load
+        if settled:
             break
     force = moment = energy = rate = beyond = 0.0
     for k in range(blocks):
@@ -148,7 +152,7 @@ def settle(tables, blocks, n_s, states, which, warm, work, bits, answer, done):
     at = 7 * done
     answer[at], answer[at + 1], answer[at + 2] = force, moment, energy + 0.5 * (d * force + t * moment)
     answer[at + 3], answer[at + 4], answer[at + 5], answer[at + 6] = k00, k01, k11, rate
-    return left <= joint.CLOSE * joint.CLOSE and beyond == 0.0, d, t
+    return settled and beyond == 0.0, d, t
 
 
 @njit(**_inline)
@@ -164,9 +168,7 @@ def covered(tables, n_s, states, which, d, t):
 @njit(**_options)
 def in_turn(tables, own_cycle, states, which, near, n_near, pair_force, answer):
     """One state slice by slice, into the answer."""
-    found = evaluate_in_turn(
-        tables, own_cycle, states[2 * which], states[2 * which + 1], near, n_near, pair_force
-    )
+    found = evaluate_in_turn(tables, own_cycle, states[2 * which], states[2 * which + 1], near, n_near, pair_force)
     for i in range(7):
         answer[7 * which + i] = found[i]
 

@@ -26,7 +26,6 @@ from fem.contact.lanes import COMPLIANCE, COUPLING, DEPTH, FRACTION, LOAD, LOG, 
 from fem.contact.packing import (
     BEFORE,
     BEHIND,
-    BODY,
     CELL,
     GRID,
     LANES,
@@ -46,7 +45,7 @@ from fem.contact.packing import (
 )
 
 STEPS = 14
-CLOSE = 3e-6  # largest relative step of a line load that leaves an error of a tenth of its square
+CLOSE = 1e-12  # of F: error at which the iteration ends
 # rows after those of `lanes`; of two, the second belongs to the odd pairs
 WIDEST, FREE, GAIN, GAIN_SLOPE, FIELD, LINK, STAY, LINEAR, RIGHT = range(lanes.TOTAL, lanes.TOTAL + 18, 2)
 SWAP, K00, K01, K11, A00, A01, A11, P0, P1, Z0, Z1 = range(lanes.TOTAL + 18, lanes.TOTAL + 29)
@@ -137,21 +136,42 @@ def take_state(tables, block, states, which, rows):
         rows[FREE, s], rows[FREE + 1, s] = rows[WIDEST, s] - back, rows[WIDEST + 1, s] - back
 
 
-@njit(**_inline)
-def start(tables, block, face_width, rows, bits):
-    """First line loads, as if all slices were loaded alike."""
-    slope, body = tables[SLOPE], 1.5 * tables[BODY] * face_width
+@njit(**_sums)
+def estimate(tables, block, rows, bits):
+    """Secant compliances into P0, P1 as if all slices were loaded alike, and the sums F, M, k, k y, k y^2 with them."""
+    slope, base = tables[SLOPE], SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
+    force = moment = k = mixed = tilt = 0.0
     for a in range(2):
         at = a * SECOND
         for s in range(LANES):
             x = rows[FREE + a, s]
-            soft = rows[at + COMPLIANCE, s] + rows[GAIN + a, s] * rows[GAIN + a, s] + body
+            soft = rows[at + COMPLIANCE, s] + rows[GAIN + a, s] * rows[GAIN + a, s]
             rows[P0 + a, s] = soft
-            rows[at + LOAD, s] = x / soft if x > 0.0 else 1.0
+            rows[at + LOAD, s] = x / (soft + 5.0 * slope) if x > 0.0 else 1.0
         for s in range(LANES):
-            x = rows[FREE + a, s]
+            y, x = tables[base + Y * LANES + s], rows[FREE + a, s]
             rough = (bits[at + LOAD, s] * 2.0**-52 - 1022.957) * _LN2
-            f = x / (rows[P0 + a, s] + slope * max(1.0, rows[at + DEPTH, s] - rough))
+            soft = rows[P0 + a, s] + slope * max(1.0, rows[at + DEPTH, s] - rough)
+            rows[P0 + a, s] = soft
+            stiff = tables[base + WIDTH * LANES + s] * rows[at + FRACTION, s] / soft
+            stiff, load = stiff if x > 0.0 else 0.0, stiff * x if x > 0.0 else 0.0
+            force += load
+            moment += load * y
+            k += stiff
+            mixed += stiff * y
+            tilt += stiff * y * y
+    return force, moment, k, mixed, tilt
+
+
+@njit(**_inline)
+def start(tables, block, d, t, rows, bits):
+    """First line loads, from the secant compliances at the body displacements d, t."""
+    base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
+    for a in range(2):
+        at = a * SECOND
+        for s in range(LANES):
+            x = rows[FREE + a, s] - d - t * tables[base + Y * LANES + s]
+            f = x / rows[P0 + a, s]
             rows[at + ON, s], rows[at + LOAD, s] = 1.0 if x > 0.0 else 0.0, f if x > 0.0 else 1.0
     lanes.logarithm(0, rows, bits)
     lanes.logarithm(SECOND, rows, bits)
@@ -196,13 +216,15 @@ def linearise(tables, block, rows):
 
 @njit(**_sums)
 def advance(tables, block, d, t, rows, bits):
-    """Loads at the fields and body displacements; sum of the squares of the relative steps, 1 for a pair that switches.
+    """Loads at the fields and body displacements; FREE keeps the free approach, X takes what is left to the slice.
 
-    FREE keeps the free approach, X takes the one that is left to the slice.
+    Returns F, the bound sum w K A f step^2 / 2 of its error, from x'' = -A / f, with the relative steps of the loads,
+    and the sum of step^2, 1 for a pair that switches.
     """
     slope, base = tables[SLOPE], SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
-    total = 0.0
+    force = bend = total = 0.0
     for s in range(LANES):
+        w = tables[base + WIDTH * LANES + s]
         move = d + t * tables[base + Y * LANES + s]
         move0, move1 = move + rows[GAIN, s] * rows[FIELD, s], move + rows[GAIN + 1, s] * rows[FIELD + 1, s]
         phi0, phi1, f0, f1 = rows[FRACTION, s], rows[SECOND + FRACTION, s], rows[LOAD, s], rows[SECOND + LOAD, s]
@@ -227,11 +249,14 @@ def advance(tables, block, d, t, rows, bits):
         rows[ON, s], rows[SECOND + ON, s] = 1.0 if stays0 or back0 else 0.0, 1.0 if stays1 or back1 else 0.0
         rows[LOG, s] += lanes.log_of_growth(step0)
         rows[SECOND + LOG, s] += lanes.log_of_growth(step1)
+        load0, load1 = w * phi0 * new0 if stays0 else 0.0, w * phi1 * new1 if stays1 else 0.0
+        force += load0 + load1
+        bend += w * (rows[K00, s] * step0 * step0 * new0 + rows[K11, s] * step1 * step1 * new1)
         total += step0 * step0 + step1 * step1
     if total > lanes.SERIES * lanes.SERIES:
         lanes.logarithm(0, rows, bits)
         lanes.logarithm(SECOND, rows, bits)
-    return total
+    return force, 0.5 * slope * bend, total
 
 
 @njit(**_sums)

@@ -15,7 +15,6 @@ from numba import njit
 from fem.contact import lanes, slices
 from fem.contact.chain import in_series
 from fem.contact.packing import (
-    BODY,
     CELL,
     GRID,
     LANES,
@@ -27,13 +26,11 @@ from fem.contact.packing import (
     REACH,
     ROWS_PER_BLOCK,
     SHIFT,
-    SKEW,
     SLICE_ROWS,
     SLICES,
     SLOPE,
     SPRING,
     START,
-    TILT,
     WIDTH,
     Y,
 )
@@ -168,11 +165,10 @@ def invert(n, matrix):
 @njit(**_options)
 def body_step(tables, own, taken, d, t, out):
     """Changes of d and t, then the total stiffnesses k, k y, k y^2 with fields and bodies in series."""
-    force, moment = own[0] - taken[0], own[1] - taken[1]
-    r0, r1 = tables[BODY] * force + tables[SKEW] * moment - d, tables[SKEW] * force + tables[TILT] * moment - t
-    out[0], out[1], out[2], out[3], out[4] = in_series(
-        tables, own[2] - taken[2], own[3] - taken[3], own[4] - taken[4], r0, r1
-    )
+    k00, k01, k11 = own[2] - taken[2], own[3] - taken[3], own[4] - taken[4]
+    force, moment = own[0] - taken[0] + k00 * d + k01 * t, own[1] - taken[1] + k01 * d + k11 * t
+    new_d, new_t, out[2], out[3], out[4] = in_series(tables, k00, k01, k11, force, moment)
+    out[0], out[1] = new_d - d, new_t - t
 
 
 @njit(**_options)
