@@ -37,7 +37,7 @@ from fem.contact.packing import (
 
 SLOTS = 4  # pairs that one slice loads at most where slices are coupled
 STEPS = 40
-CLOSE = 1e-7  # field step, relative to the largest approach, that leaves an error of its square
+CLOSE = 1e-11  # field step, relative to the largest, at which the loads found before it are taken
 _options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
 _inline: dict[str, Any] = {**_options, "forceinline": True, "fastmath": {"contract"}}
 
@@ -208,16 +208,16 @@ def solve_in_turn(
         if lines > 0:
             field_step(tables, lines, inverse, right, taken, scratch)
         body_step(tables, own, taken, d, t, out)
-        part = 1.0 if step < 8 else 0.5
         largest = abs(out[0]) + abs(out[1]) * abs(tables[SLICE_ROWS + Y * LANES])
         for s in range(n_s):
             for p in range(lines):
                 right[s, 0, p] -= right[s, 1, p] * out[0] + right[s, 2, p] * out[1]
-                v[s, p] += part * right[s, 0, p]
             for a in range(count[s] if lines > 0 else 0):
                 largest = max(largest, abs(gain[s, a] * right[s, 0, line[s, a]]))
-        d, t = d + part * out[0], t + part * out[1]
         scale = max(scale, largest)
+        part = 1.0 if step < 8 or largest <= 1e-3 * scale else 0.5
+        v += part * right[:, 0]
+        d, t = d + part * out[0], t + part * out[1]
         if largest <= CLOSE * scale:
             break
     return energy, rate, d, t
