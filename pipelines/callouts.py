@@ -23,7 +23,7 @@ LABEL_HEIGHT = 34.0  # picture rows a label takes
 def gear_figure(picture: Picture, curve: StiffnessPlot | None, names: Mapping[str, str], title: str = "") -> Figure:
     """The gear pair in three dimensions, its stiffness curve beside it.
 
-    `names` gives the words for the places of the picture: "pinion", "wheel" and "gone" (the missing tooth).
+    `names` gives the words for the places of the picture: "pinion", "wheel" and "marked" (the damaged tooth).
     """
     figure = new_figure(5.0, 12.5 if curve is not None else 6.5)
     if curve is None:
@@ -36,17 +36,17 @@ def gear_figure(picture: Picture, curve: StiffnessPlot | None, names: Mapping[st
         if place not in picture.places:
             continue
         column, row = picture.places[place]
-        gone = place == "gone"
+        marked = place == "marked"
         left.annotate(
             name,
             (column, row),
-            xytext=(box[0] + 0.04 * (box[1] - box[0]), box[3] - 0.03 * (box[3] - box[2])) if gone else (column, row),
-            ha="left" if gone else "center",
+            xytext=(box[0] + 0.04 * (box[1] - box[0]), box[3] - 0.03 * (box[3] - box[2])) if marked else (column, row),
+            ha="left" if marked else "center",
             va="center",
             fontsize=10,
-            color=FAULTY if gone else "black",
-            fontweight="bold" if gone else "normal",
-            arrowprops={"arrowstyle": "-|>", "color": FAULTY, "shrinkB": 4} if gone else None,
+            color=FAULTY if marked else "black",
+            fontweight="bold" if marked else "normal",
+            arrowprops={"arrowstyle": "-|>", "color": FAULTY, "shrinkB": 4} if marked else None,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
         )
     if title:
@@ -124,6 +124,13 @@ def show(axes: Axes, picture: Picture, *, whole: bool = False) -> tuple[float, f
     return box
 
 
+def corner_axes(axes: Axes, picture: Picture) -> None:
+    """The directions of a picture with the place "mesh", drawn in its lower left corner."""
+    rows, columns = picture.image.shape[:2]
+    places = dict(picture.places) | {"origin": picture.places["mesh"]}
+    draw_axes(axes, Picture(image=picture.image, places=places), (0.09 * columns, 0.88 * rows))
+
+
 def draw_axes(axes: Axes, picture: Picture, corner: tuple[float, float]) -> None:
     """The global directions as arrows from a corner of the picture (column, row)."""
     shift = np.array(corner) - np.array(picture.places["origin"])
@@ -133,4 +140,5 @@ def draw_axes(axes: Axes, picture: Picture, corner: tuple[float, float]) -> None
         tip, label = start + arrow, start + 1.2 * arrow
         style = {"arrowstyle": "-|>", "lw": 1.6, "color": "black", "shrinkA": 0}
         axes.annotate("", (tip[0], tip[1]), xytext=(start[0], start[1]), arrowprops=style)
-        axes.annotate(axis, (label[0], label[1]), ha="center", va="center", fontsize=11, fontweight="bold")
+        axes.annotate(axis, (label[0], label[1]), ha="center", va="center", fontsize=11, fontweight="bold",
+                      bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8})  # fmt: skip

@@ -35,7 +35,7 @@ from pipelines.tables.casing import (
     RigidCasingTable,
     SensorTable,
 )
-from pipelines.tables.gears import IsoMesh, PlaneMesh
+from pipelines.tables.gears import IsoMesh, PlaneMesh, SolidMesh
 from pipelines.tables.housing import HousingTable
 from pipelines.validity import checked_layout
 
@@ -95,7 +95,7 @@ def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
     facts = derive(scene, layout).stages
     for number, (table, pair, fact) in enumerate(zip(scene.stages, layout.pairs, facts, strict=True), 1):
         mesh = table.mesh
-        refinement = mesh.refinement if isinstance(mesh, PlaneMesh) else 0.0
+        refinement = mesh.refinement if isinstance(mesh, PlaneMesh | SolidMesh) else 0.0
         added = flanks.FlanksSpec(
             pair=replace(pair, backlash_allowance=0.0),
             modifications=layout.modifications[number - 1],
@@ -112,7 +112,7 @@ def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
                 spec=laws.law_spec(pair, mesh.model, mesh.slices, refinement, fact.line_load),
                 modules=(f"fem.contact.{mesh.model}",),
                 libraries=("numpy", "scipy"),
-                seconds=8.0 if isinstance(mesh, PlaneMesh) else 0.0,
+                seconds=8.0 if isinstance(mesh, PlaneMesh | SolidMesh) else 0.0,
             )
         )
         if not added.empty:

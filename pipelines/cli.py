@@ -198,6 +198,9 @@ def _inspect(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--stage", type=_count, metavar="N", default=1, help="gear stage to show (default 1)")
     sub.add_argument("--position", type=_number, metavar="C", help="one mesh cycle to show instead of a film")
     sub.add_argument("--frames", type=_count, metavar="N", default=25, help="pictures of the film (25; 1: a still)")
+    sub.add_argument("--stress", action="store_true", help="instead, von Mises stress of the loaded teeth: PNG")
+    sub.add_argument("--mesh", metavar="FILE", help="instead, hexahedra of the loaded teeth: .vtu, .inp, .msh or .bdf")
+    sub.add_argument("--screen", action="store_true", help="instead, a window with a slider for the position")
     sub.add_argument(
         "--casing-mode", type=_count, metavar="N", help="instead, natural mode N of the casing: PNG, GIF and HTML"
     )

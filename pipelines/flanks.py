@@ -110,6 +110,12 @@ def common_wear(scene: Scene, stage: int, gear: str) -> tuple[WornTooth, ...]:
     return tuple(one for one in (damage(f, lifting_sense(scene, stage)) for f in on_all) if isinstance(one, WornTooth))
 
 
+def first_tooth_fault(scene: Scene, stage: int) -> FaultTable | None:
+    """The fault that pictures of a stage (from 1) show: the first missing tooth, else the first of a single tooth."""
+    single = [fault for fault in scene.faults if fault.stage == stage and fault.tooth is not None]
+    return next((fault for fault in single if fault.kind == "missing-tooth"), single[0] if single else None)
+
+
 def fault_name(fault: FaultTable) -> str:
     """Kind and tooth of a fault in words: "missing-tooth 0", "worn-tooth, all teeth"."""
     return f"{fault.kind}, all teeth" if fault.tooth is None else f"{fault.kind} {fault.tooth}"

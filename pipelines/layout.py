@@ -99,9 +99,10 @@ def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """Where the gears and shafts of a scene are: pairs and flank modifications by stage; axes (x, z) in m, senses and speeds by shaft.
+    """Where the gears and shafts of a scene are: pairs and flank modifications by stage, the rest by shaft.
 
-    Shafts are numbered from 0. Ratios of speeds are over that of shaft ``driven``, which the motors turn.
+    Axes are (x, z) in m. Shafts are numbered from 0. Ratios of speeds are over that of shaft ``driven``, which the
+    motors turn.
     """
 
     pairs: tuple[GearPair, ...]

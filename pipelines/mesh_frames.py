@@ -49,9 +49,9 @@ def mesh_frames(
     """
     centre = float(np.median(cycles))
     whole = centre + np.linspace(-PASSAGE, PASSAGE, CURVE_POINTS)
-    teeth = {"clearance_pinion": pinion, "clearance_wheel": wheel}
-    curve = stiffness_curve(law, load, whole, **teeth)
-    states = stiffness_curve(law, load, cycles, **teeth)
+    curve, states = (
+        stiffness_curve(law, load, places, clearance_pinion=pinion, clearance_wheel=wheel) for places in (whole, cycles)
+    )
     solved = [
         line_loads(law, float(c), float(d), 0.0, pinion, wheel)
         for c, d in zip(cycles, states.transmission_error, strict=True)
@@ -64,15 +64,15 @@ def mesh_frames(
         xi = own - pairs[:, None] + law.cycle_shift
         touching = load_of > 0.0
         n = pairs.size
-        points[frame, :n] = _places(pair, xi, law.face_coordinate)
+        points[frame, :n] = contact_places(pair, xi, law.face_coordinate)
         loads[frame, :n] = np.where(touching, load_of, np.nan)
         pressed = contact_pressure(pair, law, float(cycles[frame]), pairs, load_of)
         pressure[frame, :n] = np.where(touching, pressed, np.nan)
     return MeshFrames(name=name, points=points, load=loads, pressure=pressure, curve=curve)
 
 
-def _places(pair: GearPair, xi: np.ndarray, face: np.ndarray) -> np.ndarray:
-    """Points (pair, slice, 3) on the plane of action."""
+def contact_places(pair: GearPair, xi: np.ndarray, face: np.ndarray) -> np.ndarray:
+    """Points (pair, slice, 3), m, on the plane of action at xi (pair, slice) base pitches from the pitch point."""
     alpha, along = pair.working_pressure_angle, xi * pair.base_pitch
     x, y = pair.working_radii[0] + along * np.sin(alpha), along * np.cos(alpha)
     return np.stack([x, y, np.broadcast_to(face, xi.shape)], axis=-1)

@@ -5,20 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pipelines.film import film_page, png, write_gif
 from pipelines.mesh_frames import MeshFrames
-from pipelines.pictures import GearPairView, LeftOut, Picture, render_mesh
+from pipelines.pictures import GearPairView, LeftOut, Picture, render_mesh, show_window
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 MILLISECONDS = 160  # per frame of a film
-PAIR_COLOURS = ("#2a6f97", "#e08e0b", "#3a7d44", "#7b4ea3", "#b5651d", "#6b6b6b")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -61,6 +60,19 @@ def write_mesh(view: MeshView, stem: Path) -> list[Path] | LeftOut:
     return [still, film, page]
 
 
+def show_mesh(view: MeshView, image: Path | None = None) -> None:
+    """The same in a window with a slider for the position, until it is closed; with `image` only until it is written.
+
+    Raises
+    ------
+    InputError : no display, or the window cannot be opened
+    """
+    gears = [view.gears if n == 0 or view.damaged is None else view.damaged for n in range(len(view.states))]
+    marked = ["" if n == 0 or not view.marked else f", {view.marked} red" for n in range(len(view.states))]
+    load = f"load {view.force:.4g} N, law {view.model}"
+    show_window(view.title, load, view.cycles, gears, view.states, marked, image)
+
+
 def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: float) -> Figure:
     """One frame: a row per state of the teeth, and both curves with the position marked."""
     from matplotlib.cm import ScalarMappable
@@ -73,13 +85,14 @@ def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: f
     figure = new_figure(2.4 + 3.4 * rows, 13.0)
     cycle = float(view.cycles[frame])
     figure.suptitle(f"{view.title}\nmesh cycle {cycle:.3f}, load {view.force:.4g} N, law {view.model}")
-    left, right = figure.subfigures(1, 2, width_ratios=[1.15, 1.0])
+    halves: Any = figure.subfigures(1, 2, width_ratios=[1.15, 1.0])
+    left, right = halves
     boxes = np.atleast_1d(left.subplots(rows, 1))
     for axes, picture, state in zip(boxes, pictures, view.states, strict=True):
         _draw_picture(axes, picture, view, state, frame)
     scale = ScalarMappable(Normalize(0.0, most / 1000), cmap=LOAD_COLOURS)
-    left.colorbar(scale, ax=list(boxes), location="bottom", shrink=0.7, aspect=40).set_label("line load, N/mm")
-    stiffness, *shares = right.subplots(1 + rows, 1, sharex=True)
+    left.colorbar(scale, ax=boxes.tolist(), location="bottom", shrink=0.7, aspect=40).set_label("line load, N/mm")
+    stiffness, *shares = np.atleast_1d(right.subplots(1 + rows, 1, sharex=True))
     _draw_stiffness(stiffness, view, cycle)
     for axes, state in zip(shares, view.states, strict=True):
         _draw_shares(axes, state, cycle)
@@ -91,24 +104,25 @@ def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrame
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    from pipelines.callouts import draw_axes, show
+    from pipelines.callouts import corner_axes, show
     from pipelines.view_colours import GONE, PINION, WHEEL
 
-    _, wide, _, high = show(axes, picture, whole=True)
-    places = dict(picture.places) | {"origin": picture.places["mesh"]}
-    draw_axes(axes, Picture(image=picture.image, places=places), (0.09 * wide, 0.88 * high))
+    show(axes, picture, whole=True)
+    corner_axes(axes, picture)
     most = np.nanmax(state.pressure[frame]) / 1e6 if np.isfinite(state.pressure[frame]).any() else 0.0
     axes.set_title(f"{state.name}: greatest Hertz pressure {most:.0f} MPa", fontsize=10, loc="left")
     handles: list[Patch | Line2D] = [
         Patch(color=PINION, alpha=0.6, label="pinion"),
         Patch(color=WHEEL, alpha=0.6, label="wheel"),
-        Line2D([], [], color="#1bcfd4", lw=4, label="contact lines"),
+        Line2D([], [], color="#1bcfd4", lw=4, label="contact lines (colour: load)"),
     ]
     if state is not view.states[0] and view.marked:
-        handles.append(Patch(color=GONE, alpha=0.5, label=view.marked))
+        handles.append(
+            Patch(color=GONE, alpha=0.5 if view.damaged and view.damaged.missing else 1.0, label=view.marked)
+        )
     axes.legend(handles=handles, loc="lower right", fontsize=8, framealpha=0.9)
-    axes.text(0.0, 0.0, f"face width {1000 * view.gears.face_width:.4g} mm along z; x, y, z 1:1", fontsize=8,
-              transform=axes.transAxes, va="bottom")  # fmt: skip
+    axes.text(0.0, -0.01, f"face width {1000 * view.gears.face_width:.4g} mm along z; x, y, z 1:1", fontsize=8,
+              transform=axes.transAxes, va="top")  # fmt: skip
 
 
 def _draw_stiffness(axes: Axes, view: MeshView, cycle: float) -> None:
@@ -128,6 +142,7 @@ def _draw_stiffness(axes: Axes, view: MeshView, cycle: float) -> None:
 
 def _draw_shares(axes: Axes, state: MeshFrames, cycle: float) -> None:
     from pipelines.plots import dress
+    from pipelines.view_colours import PAIR_COLOURS
 
     curve = state.curve
     for number, share in zip(curve.pair, curve.share.T, strict=True):

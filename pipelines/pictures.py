@@ -12,20 +12,25 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pipelines.errors import InputError
 from pipelines.mesh_frames import MeshFrames
 from pipelines.solids import gear_surface, prism_surface, without_tooth
+
+if TYPE_CHECKING:
+    from pipelines.stress_pictures import Teeth
 
 log = logging.getLogger(__name__)
 
 KINDS = ("ground", "bearing", "sensor")
 TIMEOUT = 120.0  # s
+MESH_DIRECTION = (-0.55, -0.35, 1.0)
 RENDERER = ("-P", "-m", "pipelines.view")
 PACKAGES = {
     "libGL.so.1": "libgl1",
@@ -46,8 +51,9 @@ class GearPairView:
     """Two gears in the transverse section at mid face, each about its own centre, turned as they mesh.
 
     The wheel's centre lies at (centre_distance, 0) from the pinion's. Outlines float (n, 2), counter-clockwise, m,
-    with all teeth; twists rad per m of face width. `missing_gear` "pinion" | "wheel" | "" and `missing_angle` (rad,
-    polar angle of the middle of the tooth about its own centre) take one tooth off; `missing_name` names it.
+    with all teeth; twists rad per m of face width. `marked_gear` "pinion" | "wheel" | "" and `marked_angle` (rad,
+    polar angle of the middle of the tooth about its own centre) draw one tooth red, see-through if it is
+    `missing`.
     """
 
     pinion_outline: np.ndarray
@@ -60,9 +66,9 @@ class GearPairView:
     wheel_twist: float
     face_width: float
     centre_distance: float
-    missing_gear: str = ""
-    missing_angle: float = 0.0
-    missing_name: str = "missing tooth"
+    marked_gear: str = ""
+    marked_angle: float = 0.0
+    missing: bool = True
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -90,29 +96,29 @@ class LeftOut:
 
 
 def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Picture | LeftOut:
-    """The gear pair in three dimensions, the missing tooth in red; places "pinion", "wheel", "gone"."""
+    """The gear pair in three dimensions, the damaged tooth in red; places "pinion", "wheel", "marked"."""
     arrays, places = _gear_arrays(view)
     return _single(_render("gears", "gear pair", arrays, places, size, (0.25, -0.4, 1.0), (0.0, 1.0, 0.0), 1.3))
 
 
 def _gear_arrays(view: GearPairView) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Surfaces of the gears and of the tooth that is gone, and where their names stand."""
+    """Surfaces of the gears and of the damaged tooth, and where their names stand."""
     shifts = {"pinion": np.zeros(3), "wheel": np.array([view.centre_distance, 0.0, 0.0])}
     teeth = {"pinion": view.pinion_teeth, "wheel": view.wheel_teeth}
     outlines = {"pinion": view.pinion_outline, "wheel": view.wheel_outline}
     twists = {"pinion": view.pinion_twist, "wheel": view.wheel_twist}
     bores = {"pinion": view.pinion_bore, "wheel": view.wheel_bore}
     front = np.array([0.0, 0.0, view.face_width / 2])
-    arrays: dict[str, Any] = {}
+    arrays: dict[str, Any] = {"marked_gear": np.array(view.marked_gear), "marked_missing": np.array(view.missing)}
     places = {}
     for gear, outline in outlines.items():
-        if gear == view.missing_gear:
-            outline, tooth = without_tooth(outline, teeth[gear], view.missing_angle)
+        if gear == view.marked_gear:
+            outline, tooth = without_tooth(outline, teeth[gear], view.marked_angle)
             points, quads = prism_surface(tooth, twists[gear], view.face_width)
-            arrays["gone_points"], arrays["gone_quads"] = points + shifts[gear], quads
-            angle = view.missing_angle + twists[gear] * view.face_width / 2
+            arrays["marked_points"], arrays["marked_quads"] = points + shifts[gear], quads
+            angle = view.marked_angle + twists[gear] * view.face_width / 2
             middle = np.hypot(*tooth.T).mean() * np.array([np.cos(angle), np.sin(angle), 0.0])
-            places["gone"] = middle + front + shifts[gear]
+            places["marked"] = middle + front + shifts[gear]
         points, quads = gear_surface(outline, bores[gear], twists[gear], view.face_width)
         arrays[f"{gear}_points"], arrays[f"{gear}_quads"] = points + shifts[gear], quads
         places[gear] = front + shifts[gear]
@@ -152,26 +158,118 @@ def render_mesh(
     view: GearPairView, cycles: np.ndarray, frames: MeshFrames, most_load: float, size: tuple[int, int] = (900, 620)
 ) -> list[Picture] | LeftOut:
     """The teeth in mesh at every cycle, seen through, with their contact lines; places "mesh", "x", "y", "z"."""
+    arrays, places, focus = _mesh_arrays(view, cycles, frames, most_load)
+    return _render(
+        "mesh", "contact lines", arrays, places, size, MESH_DIRECTION, (0.0, 1.0, 0.0), 1.0,
+        frames=len(cycles), focus=focus,
+    )  # fmt: skip
+
+
+def _mesh_arrays(
+    view: GearPairView, cycles: np.ndarray, frames: MeshFrames, most_load: float
+) -> tuple[dict[str, Any], dict[str, np.ndarray], tuple[float, float, float, float]]:
+    """What `pipelines.view.draw_mesh` draws, the named places, and the point to look at with half the height seen."""
     pitch = view.centre_distance * view.pinion_teeth / (view.pinion_teeth + view.wheel_teeth)
     half = 0.75 * max(view.face_width, 9 * pitch / view.pinion_teeth)
     arrays, _ = _gear_arrays(view)
-    if view.missing_gear:
-        arrays["marked_points"], arrays["marked_quads"] = arrays.pop("gone_points"), arrays.pop("gone_quads")
-        arrays["marked_gear"] = np.array(view.missing_gear)
     arrays |= {
         "line_points": frames.points,
         "line_load": frames.load,
         "most_load": np.array(most_load),
         "line_radius": np.array(0.02 * half),
+        "toward": 6 * half * np.array(MESH_DIRECTION),  # in parallel projection nothing hides the lines then
         "centre_distance": np.array(view.centre_distance),
         "pinion_turn": 2 * np.pi * cycles / view.pinion_teeth,
         "wheel_turn": -2 * np.pi * cycles / view.wheel_teeth,
     }
     places = {"mesh": np.array([pitch, 0.0, 0.0])}
     places |= {axis: places["mesh"] + 0.2 * half * np.eye(3)[i] for i, axis in enumerate("xyz")}
-    return _render(
-        "mesh", "contact lines", arrays, places, size, (-0.55, -0.35, 1.0), (0.0, 1.0, 0.0), 1.0,
-        frames=len(cycles), focus=(pitch, 0.0, 0.0, half),
+    return arrays, places, (pitch, 0.0, 0.0, half)
+
+
+def show_window(
+    title: str,
+    load: str,
+    cycles: np.ndarray,
+    gears: Sequence[GearPairView],
+    states: Sequence[MeshFrames],
+    marked: Sequence[str],
+    image: Path | None,
+) -> None:
+    """States of the teeth in a window with a slider, stiffness and load share beside them, until it is closed.
+
+    Raises
+    ------
+    InputError : no display, or the window cannot be opened
+    """
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise InputError(
+            "--screen: there is no display (DISPLAY is not set). Run it on a desktop or over ssh -X, or leave --screen "
+            "out: the page mesh_<stage>.html has the same slider."
+        )
+    most = max(float(np.nanmax(state.load)) for state in states)
+    arrays: dict[str, Any] = {"cycles": cycles}
+    for number, (view, state) in enumerate(zip(gears, states, strict=True)):
+        own, _, focus = _mesh_arrays(view, cycles, state, most)
+        own |= {
+            "toward": np.zeros(3),
+            "curve_cycle": state.curve.cycle,
+            "secant": state.curve.secant,
+            "share": state.curve.share,
+        }
+        arrays |= {f"{number}_{key}": value for key, value in (own | {"curve_pair": state.curve.pair}).items()}
+    with tempfile.TemporaryDirectory(prefix="gearcase-") as folder:
+        job: dict[str, Any] = {
+            "kind": "screen",
+            "arrays": str(Path(folder) / "arrays.npz"),
+            "images": [] if image is None else [str(image)],
+            "size": [1500, 950],
+            "title": title,
+            "load": load,
+            "names": [state.name for state in states],
+            "marked": list(marked),
+            "direction": MESH_DIRECTION,
+            "up": (0.0, 1.0, 0.0),
+            "focus": focus,
+        }
+        np.savez(job["arrays"], **arrays)
+        path = Path(folder) / "job.json"
+        path.write_text(json.dumps(job), encoding="utf-8")
+        failure = _run_child(path, timeout=None)
+    if failure is not None:
+        raise InputError(f"--screen: the window is not opened: {failure}. {_remedy(failure)}")
+
+
+def render_stress(
+    view: GearPairView, cycle: float, teeth: Teeth, most: float, size: tuple[int, int] = (1000, 620)
+) -> Picture | LeftOut:
+    """Loaded teeth coloured by von Mises stress up to `most` (Pa); places "mesh", "pinion", "wheel", "x", "y", "z"."""
+    pitch = view.centre_distance * view.pinion_teeth / (view.pinion_teeth + view.wheel_teeth)
+    module = view.centre_distance * 2 / (view.pinion_teeth + view.wheel_teeth)
+    half = 0.56 * max(view.face_width, 9 * module)
+    arrays, _ = _gear_arrays(view)
+    arrays |= {
+        "points": teeth.points,
+        "cells": teeth.cells,
+        "von_mises": teeth.von_mises,
+        "most": np.array(most),
+        "line_points": teeth.line_points,
+        "line_load": teeth.line_load,
+        "line_radius": np.array(0.011 * half),
+        "toward": 6 * half * np.array(MESH_DIRECTION),
+        "centre_distance": np.array(view.centre_distance),
+        "pinion_turn": np.array([2 * np.pi * cycle / view.pinion_teeth]),
+        "wheel_turn": np.array([-2 * np.pi * cycle / view.wheel_teeth]),
+    }
+    front = np.array([0.0, 0.0, view.face_width / 2])
+    places = {"mesh": np.array([pitch, 0.0, 0.0])}
+    places |= {axis: places["mesh"] + 0.2 * half * np.eye(3)[i] for i, axis in enumerate("xyz")}
+    places |= {"pinion": [pitch - 3.2 * module, 0.0, 0.0] + front, "wheel": [pitch + 3.2 * module, 0.0, 0.0] + front}
+    return _single(
+        _render(
+            "stress", "stress", arrays, places, size, MESH_DIRECTION, (0.0, 1.0, 0.0), 1.0,
+            focus=(pitch, 0.0, 0.0, half),
+        )
     )  # fmt: skip
 
 
@@ -203,7 +301,7 @@ def _render(
         np.savez(job["arrays"], **arrays)
         job_path = Path(folder) / "job.json"
         job_path.write_text(json.dumps(job), encoding="utf-8")
-        failure = _run_child(job_path)
+        failure = _run_child(job_path, TIMEOUT)
         if failure is None and not all(Path(file).exists() for file in (*job["images"], job["pixels"])):
             failure = "the renderer wrote no picture"
         if failure is not None:
@@ -218,7 +316,7 @@ def _single(pictures: list[Picture] | LeftOut) -> Picture | LeftOut:
     return pictures if isinstance(pictures, LeftOut) else pictures[0]
 
 
-def _run_child(job: Path) -> str | None:
+def _run_child(job: Path, timeout: float | None) -> str | None:
     """Start the renderer; None if it ended well, else what happened."""
     package_home = str(Path(__file__).resolve().parent.parent)
     path = os.pathsep.join(filter(None, [package_home, os.environ.get("PYTHONPATH", "")]))
@@ -230,11 +328,11 @@ def _run_child(job: Path) -> str | None:
             text=True,
             encoding="utf-8",
             errors="replace",
-            timeout=TIMEOUT,
+            timeout=timeout,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return f"rendering took more than {TIMEOUT:g} s"
+        return f"rendering took more than {timeout:g} s"
     if done.returncode == 0:
         return None
     if done.returncode < 0:

@@ -24,7 +24,7 @@ class ReportContents:
     `runs` maps a name ("missing tooth", "healthy", ...) to a response, the run of the scene first. `diagnoses` are the
     comparisons whose lines are shown in full (rope, constant torque), `seeds` those of further deviations, which enter
     the summary. `settings` say what to look at in a run without control. `gear_names` are words for the places
-    "pinion", "wheel" and "gone" of the picture. `short` is for scenes without fault.
+    "pinion", "wheel" and "marked" of the picture. `short` is for scenes without fault.
     """
 
     title: str

@@ -12,33 +12,35 @@ from fem.gears.geometry import GearPair
 from fem.gears.profile import half_tooth_profile
 from pipelines.pictures import CasingView, GearPairView
 
-VISIBLE = 1 / 7  # of a turn before it meshes: there a missing tooth is not hidden by the other gear
+VISIBLE = 1 / 7  # of a turn before it meshes: there a damaged tooth is not hidden by the other gear
 
 
-def gear_view(pair: GearPair, missing: tuple[str, int] | None = None, *, in_mesh: bool = False) -> GearPairView:
+def gear_view(
+    pair: GearPair, marked: tuple[str, int] | None = None, *, missing: bool = True, in_mesh: bool = False
+) -> GearPairView:
     """The pair at a whole mesh cycle, tooth pairs touching at the pitch point.
 
     The pinion turns counter-clockwise and drives; seen in the picture pinion tooth i follows tooth i - 1 clockwise and
-    wheel tooth j follows tooth j - 1 counter-clockwise, so that pair (i, i) follows pair (i - 1, i - 1). With a missing
+    wheel tooth j follows tooth j - 1 counter-clockwise, so that pair (i, i) follows pair (i - 1, i - 1). With a marked
     tooth the cycle is chosen so that it meshes after a seventh of a turn of its gear.
 
     Parameters
     ----------
-    missing : gear ("pinion" or "wheel") and number of the tooth that is gone, or None
+    marked : gear ("pinion" or "wheel") and number of the damaged tooth, or None
+    missing : the marked tooth is not there
     in_mesh : keep the cycle 0 instead
     """
     radii = pair.working_radii
     # tooth 0 touches at the pitch point with its upper (pinion) or lower (wheel) flank; its middle lies beside it
     pinion_zero = -pair.pinion.half_thickness_angle(radii[0])
     wheel_zero = math.pi - pair.wheel.half_thickness_angle(radii[1])
-    cycle, angle, name = 0, 0.0, ""
-    if missing is not None:
-        gear, tooth = missing
+    cycle, angle = 0, 0.0
+    if marked is not None:
+        gear, tooth = marked
         teeth = pair.pinion.teeth if gear == "pinion" else pair.wheel.teeth
-        cycle = 0 if in_mesh else tooth - round(VISIBLE * teeth)
+        cycle = 0 if in_mesh else shown_cycle(pair, marked)
         turn = 2 * math.pi * (cycle - tooth) / teeth
         angle = pinion_zero + turn if gear == "pinion" else wheel_zero - turn
-        name = f"missing: {gear} tooth {tooth}"
     return GearPairView(
         pinion_outline=outline(pair.pinion, pinion_zero),
         wheel_outline=outline(pair.wheel, wheel_zero),
@@ -50,10 +52,15 @@ def gear_view(pair: GearPair, missing: tuple[str, int] | None = None, *, in_mesh
         wheel_twist=_twist(pair.wheel),
         face_width=pair.face_width,
         centre_distance=pair.axis_distance,
-        missing_gear="" if missing is None else missing[0],
-        missing_angle=angle,
-        missing_name=name,
+        marked_gear="" if marked is None else marked[0],
+        marked_angle=angle,
+        missing=missing,
     )
+
+
+def shown_cycle(pair: GearPair, marked: tuple[str, int] | None) -> int:
+    """The mesh cycle at which a view out of mesh shows the pair."""
+    return 0 if marked is None else marked[1] - round(VISIBLE * getattr(pair, marked[0]).teeth)
 
 
 def outline(gear: Gear, centre_angle: float) -> np.ndarray:

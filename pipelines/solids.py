@@ -63,9 +63,12 @@ def gear_surface(
 def prism_surface(
     outline: np.ndarray, twist: float, face_width: float, layers: int = 13
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Closed surface of a small outline, e.g. one tooth: walls and end faces as fans (quads with a double node)."""
+    """Closed surface of a small outline, e.g. one tooth: walls and end faces as fans.
+
+    The fans (quads with a double node) start in the middle between the first and the last point.
+    """
     count = len(outline)
-    centre = outline.mean(axis=0, keepdims=True)
+    centre = outline[[0, -1]].mean(axis=0, keepdims=True)  # all of a tooth is seen from the middle of its base
     points = np.concatenate(
         [_drawn(outline, twist, face_width, layers), _drawn(centre, twist, face_width, layers)[[0, -1]]]
     )

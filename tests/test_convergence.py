@@ -78,7 +78,8 @@ def test_levels_that_say_nothing_are_refused(sizes, values, word):
 
 def test_a_time_step_study_of_a_scene_finds_the_order_of_the_integrator(tmp_path, monkeypatch):
     monkeypatch.setenv("GEARCASE_CACHE", str(tmp_path))
-    loaded = load_scene("minimal", {"simulation.end_s": 0.2, "diagnosis.windows_s": {"whole": [0.05, 0.2]}})
+    short = {"simulation.end_s": 0.2, "diagnosis.windows_s": {"whole": [0.05, 0.2]}}
+    loaded = load_scene("minimal", {**short, "simulation.integrator": "trapezoidal", "simulation.step_us": 10.0})
     found = refine(loaded, "step", 3, Cache())
     (rms,) = found.quantities.values()
     assert rms.order == pytest.approx(2.0, abs=0.4)

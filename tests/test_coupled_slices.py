@@ -8,7 +8,7 @@ from mesh_laws import made_up_law
 from scipy.optimize import root
 
 from fem.contact.condensation import fit_terms
-from fem.contact.evaluate import LawError, evaluate_law, shares
+from fem.contact.evaluate import LawError, checked_teeth, evaluate, evaluate_law, evaluate_two, law_tables, shares
 
 XI = np.linspace(-1.5, 1.5, 201)
 TERMS = {
@@ -100,6 +100,33 @@ def test_coupled_slices_are_the_dense_solution(name):
         force, moment = dense(LAWS[name], *state)
         assert float(r.force) == pytest.approx(force, rel=1e-6)
         assert float(r.moment) == pytest.approx(moment, rel=1e-5, abs=1e-6 * force * 0.03)
+
+
+def test_a_body_that_tilts_closes_contacts_that_the_free_approach_leaves_open():
+    law = TWO.replaced(body_compliance=8e-10, tilt_compliance=2e-4)
+    stiff = TWO.replaced(body_compliance=8e-10)
+    for state in ((0.1, 4e-6, 8e-4), (0.62, 2e-6, -6e-4)):
+        r = evaluate_law(law, *state)
+        force, moment = dense(law, *state)
+        assert float(r.force) == pytest.approx(force, rel=1e-6)
+        assert float(r.moment) == pytest.approx(moment, rel=1e-5, abs=1e-6 * force * 0.03)
+        lever = abs(float(r.moment / r.force))
+        assert lever < 0.9 * abs(float(evaluate_law(stiff, *state).moment / evaluate_law(stiff, *state).force))
+
+
+@pytest.mark.slow  # compiles the doors for single states
+@EVERY_LAW
+def test_two_states_at_one_cycle_are_two_evaluations(law):
+    tables, teeth = law_tables(law), checked_teeth(law, None, None)
+    c, delta, psi = states(30)
+    _, before, tilt = states(30, seed=9)
+    for k in range(30):
+        both = evaluate_two(tables, c[k], delta[k], psi[k], before[k], tilt[k], *teeth)
+        one = evaluate(tables, c[k], delta[k], psi[k], *teeth)
+        other = evaluate(tables, c[k], before[k], tilt[k], *teeth)
+        scale = np.abs([one[:6], other[:6]]).max(axis=0)
+        assert (np.abs(np.subtract(both[:6], one[:6])) <= [1e-12, 1e-11, 1e-12, 1e-6, 1e-6, 1e-6] * scale).all()
+        assert (np.abs(np.subtract(both[6:], other[:6])) <= [1e-11, 1e-10, 1e-11, 1e-5, 1e-5, 1e-5] * scale).all()
 
 
 @EVERY_LAW

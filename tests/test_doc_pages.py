@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.modules import modules
 from mbd.integrators.methods import METHODS
-from pipelines.tables import casing, gears, motion, shafts
+from pipelines.tables import bearings, casing, gears, losses, motion, shafts
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 
@@ -18,9 +18,12 @@ def choices(table, field="model"):
 
 
 RUNGS = [
-    *(choices(t)[0] for t in (gears.IsoMesh, gears.EnergyMesh, gears.PlaneMesh, shafts.BearingTable)),
+    *(choices(t)[0] for t in (gears.IsoMesh, gears.EnergyMesh, gears.PlaneMesh, gears.SolidMesh)),
     *(choices(t)[0] for t in (casing.NoCasingTable, casing.RigidCasingTable, casing.StaticCasingTable)),
     *(choices(t)[0] for t in (casing.CraigBamptonCasingTable, motion.StaticTorqueTable, motion.RopeTable)),
+    *(choices(t)[0] for t in (bearings.RigidBearings, bearings.LinearBearings, bearings.HertzBearings)),
+    *(choices(t)[0] for t in (losses.NoLosses, losses.EfficiencyLosses, losses.CoulombLosses)),
+    *choices(motion.RopePendulumTable),
     *choices(shafts.ShaftModel),
     *choices(motion.SimulationTable, "integrator"),
 ]

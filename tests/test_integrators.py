@@ -115,6 +115,21 @@ def test_undamped_energy_does_not_drift(method):
     assert energy[1] == pytest.approx(energy[0], rel=1e-8)
 
 
+@pytest.mark.slow
+def test_a_million_undamped_steps_do_not_drift():
+    machine = train(1, profile=RAMP, shaft_tau=0.0, bearing_tau=0.0, coupling_damping=0.0, **LINEAR)
+    system = assemble(machine, no_casing())
+    integrator, state = METHODS["exponential"](system, 2e-5), equilibrium(system)
+    kick = dataclasses.replace(state, velocity=system.basis @ np.full(len(system.frequencies), 1e-3))
+    ends = [integrator.start(kick).states[-1]]
+    for _ in range(100):
+        ends.append(integrator.advance(*np.zeros((3, 10_000))).states[-1])
+    q, v = np.array(ends) @ integrator.displacement.T - state.displacement, np.array(ends) @ integrator.velocity.T
+    energy = 0.5 * np.einsum("ti,ij,tj->t", q, system.stiffness, q)
+    energy += 0.5 * np.einsum("ti,ij,tj->t", v, system.mass, v)
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-9)
+
+
 def nonlinear_system(**options):
     profile = SpeedProfile(times=np.array([0.002, 0.012]), speeds=np.array([0.0, 94.25]))
     machine = train(1, profile=profile, **options)

@@ -16,7 +16,6 @@ from pipelines.trade.tradeoff_page import answers, trade_figure, trade_table
 
 SHORT = {
     "simulation.end_s": 0.15,
-    "simulation.step_us": 10.0,
     "diagnosis.windows_s": {"whole": [0.05, 0.15]},
     "faults": [],
 }
@@ -35,8 +34,8 @@ def test_the_reference_has_no_error_and_stands_on_the_front(found):
 
 def test_a_coarser_step_costs_less_and_errs_more(found):
     steps = {p.choice.label: p for p in found.priced if p.choice.effect == "step"}
-    assert steps["10 us"].error < steps["20 us"].error < steps["40 us"].error
-    assert steps["40 us"].seconds < steps["2.5 us"].seconds
+    assert steps["20 us"].error < steps["50 us"].error < steps["100 us"].error
+    assert steps["100 us"].seconds < steps["5 us"].seconds
 
 
 def test_nothing_beats_what_is_on_the_front(found):

@@ -35,8 +35,8 @@ def pair():
         wheel_twist=-3.6,
         face_width=0.012,
         centre_distance=0.075,
-        missing_gear="wheel",
-        missing_angle=np.pi + np.pi / 55 + 8 * np.pi / 55,
+        marked_gear="wheel",
+        marked_angle=np.pi + np.pi / 55 + 8 * np.pi / 55,
     )
 
 
@@ -87,10 +87,10 @@ def test_gears_of_the_picture_touch_at_the_pitch_point_without_overlap(missing):
     assert view.pinion_twist * gears.working_radii[0] == pytest.approx(-view.wheel_twist * gears.working_radii[1])
     gear_teeth = 55 if missing[0] == "wheel" else 20
     _, tooth = without_tooth(
-        view.wheel_outline if missing[0] == "wheel" else view.pinion_outline, gear_teeth, view.missing_angle
+        view.wheel_outline if missing[0] == "wheel" else view.pinion_outline, gear_teeth, view.marked_angle
     )
     middle = tooth.mean(axis=0)
-    assert np.arctan2(*middle[::-1]) == pytest.approx((view.missing_angle + np.pi) % (2 * np.pi) - np.pi, abs=1e-6)
+    assert np.arctan2(*middle[::-1]) == pytest.approx((view.marked_angle + np.pi) % (2 * np.pi) - np.pi, abs=1e-6)
 
 
 def test_casing_view_keeps_the_surface_alone():
@@ -116,12 +116,12 @@ def test_pictures_show_gears_and_casing_where_they_are_said_to_be():
     if isinstance(gears, LeftOut):
         pytest.skip(gears.reason)
     assert gears.image.shape == (340, 420, 3)
-    column, row = (round(v) for v in gears.places["gone"])
+    column, row = (round(v) for v in gears.places["marked"])
     near = gears.image[row - 6 : row + 7, column - 6 : column + 7].reshape(-1, 3).astype(int)
     assert (near[:, 0] - near[:, 1:].max(axis=1)).max() > 60  # red: the tooth that is gone
     assert (gears.image[0, 0] == 255).all()
     figure = gear_figure(
-        gears, StiffnessPlot(title="Stage 1", cycle=[0, 1], healthy=np.array([2e8, 2e8])), {"gone": "tooth 4"}
+        gears, StiffnessPlot(title="Stage 1", cycle=[0, 1], healthy=np.array([2e8, 2e8])), {"marked": "tooth 4"}
     )
     assert "tooth 4" in {text.get_text() for text in figure.axes[0].texts}
 

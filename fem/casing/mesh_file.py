@@ -149,6 +149,38 @@ def _named_cells(mesh: Any) -> Iterator[tuple[str, int, np.ndarray]]:
                 yield name, number, np.asarray(cells, np.int64)
 
 
+def write_hexahedra(
+    nodes: np.ndarray, cells: np.ndarray, fields: Mapping[str, np.ndarray], groups: Mapping[str, np.ndarray], path: Path
+) -> None:
+    """Write linear hexahedra (cell, 8) as .vtu, .inp, .msh or .bdf.
+
+    Parameters
+    ----------
+    fields : (node,) or (node, 3) by name, kept by .vtu and .msh; the others have no place for them
+    groups : bool (cell,) by name; every cell is in one. Element sets in .inp, physical groups in .msh, property numbers
+        1, 2, ... in .bdf and in the array "group" of .vtu
+    """
+    import meshio
+
+    number = 1 + np.argmax(np.array(list(groups.values())), axis=0).astype(np.int32)
+    blocks = [("hexahedron", cells)]
+    kind = path.suffix.lower()
+    if kind == ".inp":
+        sets = {name: [np.flatnonzero(inside)] for name, inside in groups.items()}
+        mesh = meshio.Mesh(nodes, blocks, cell_sets=sets)
+    elif kind == ".bdf":
+        near = np.round(nodes, 10)  # the field of a coordinate has no room for exponents below
+        mesh = meshio.Mesh(near, blocks, cell_data={"nastran:ref": [number]})
+    elif kind == ".msh":
+        titles = {name: np.array([place, 3]) for place, name in enumerate(groups, 1)}
+        tags = {"gmsh:physical": [number], "gmsh:geometrical": [number]}
+        mesh = meshio.Mesh(nodes, blocks, point_data=dict(fields), cell_data=tags, field_data=titles)
+    else:
+        mesh = meshio.Mesh(nodes, blocks, point_data=dict(fields), cell_data={"group": [number]})
+    formats = {".vtu": "vtu", ".inp": "abaqus", ".msh": "gmsh22", ".bdf": "nastran"}
+    mesh.write(path, file_format=formats[kind])
+
+
 def write_fields(mesh: CasingMesh, fields: Mapping[str, np.ndarray], path: Path) -> None:
     """Write a mesh with fields (node, k) on its nodes as VTU; the nodes of our elements stand in the order of VTK."""
     import meshio

@@ -23,7 +23,7 @@ Loss against the direct solution on the dense record (z 20/55, m_n 2 mm, 30 to 3
     beta 15, b 30          0.15 %         +2 to +4 %        +2.8 %       0.16 mm          +0.2 %
     spur, b 12             0.04 %         -1.5 to 0 %       +0.03 %      0.02 mm           0.01 %
 
-Without E_01 the largest error of e at beta 12 is 1.1 instead of 0.35 % and the centroid is off by 0.14 mm; independent
+Without E_01 the largest error of e at beta 12 is 1.3 instead of 0.35 % and the centroid is off by 0.14 mm; independent
 slices (rung `plane`) are 13 % too stiff in the mean, and 39 % (b 12) and 25 % (b 30) too soft in tilt.
 """
 

@@ -20,9 +20,9 @@ other slices are solved one by one (`fem.contact.slices`). Nothing is kept betwe
 answers.
 
 Measured on the stage 1 pair of the shipped rig with 15 slices (one core of an AMD EPYC, 3 GHz class): 0.85 us per call
-against 3.1 us for a Newton iteration slice by slice. A closed form of the single pair by Lambert's W needs a logarithm
-per step just as well, and a start from the loads of the call before saves at most one of three steps (0.04 us) at the
-price of answers that depend on the history; neither was kept.
+against 3.1 us for a Newton iteration slice by slice. A closed form of the single pair by Lambert's W would need a
+logarithm per step just as well, and a start from the loads of the call before could save one of three steps at most (by
+estimate, not measured) at the price of answers that depend on the history; neither was tried.
 """
 
 from __future__ import annotations

@@ -47,7 +47,8 @@ def evaluate_flank(tables, cycle, delta, psi, pinion, wheel, pair_force):
     """Sum over the blocks; adds each pair's force to pair_force[p - floor(c') + size // 2] where that exists."""
     force = moment = energy = k = mixed = tilt = rate = 0.0
     if tables[COUPLED] > 0.0:
-        return evaluate_coupled(tables, cycle, delta, psi, pinion, wheel, pair_force)
+        r = evaluate_coupled(tables, cycle, (delta, psi, delta, psi), 1, pinion, wheel, pair_force)
+        return r[0], r[1], r[2], r[3], r[4], r[5], r[6]
     own_cycle = tables[SIGN] * cycle + tables[OFFSET]
     work = np.empty((lanes.TOTAL + LARGEST_NEAR // 2, LANES))
     bits = work.view(np.int64)
@@ -84,9 +85,8 @@ def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
     states = (delta, psi, delta_0, psi_0)
     none = np.empty(0)
     if tables[COUPLED] > 0.0:
-        f0, m0, u0, a0, b0, c0, _ = evaluate_coupled(tables, cycle, delta, psi, pinion, wheel, none)
-        f1, m1, u1, a1, b1, c1, _ = evaluate_coupled(tables, cycle, delta_0, psi_0, pinion, wheel, none)
-        return f0, m0, u0, a0, b0, c0, f1, m1, u1, a1, b1, c1
+        r = evaluate_coupled(tables, cycle, states, 2, pinion, wheel, none)
+        return r[0], r[1], r[2], r[3], r[4], r[5], r[7], r[8], r[9], r[10], r[11], r[12]
     own_cycle = tables[SIGN] * cycle + tables[OFFSET]
     work = np.empty((lanes.TOTAL + LARGEST_NEAR // 2, LANES))
     bits = work.view(np.int64)

@@ -3,7 +3,8 @@
 All laws share this one compiled type, whatever they hold, so a machine keeps them in a plain tuple of arrays. Behind a
 header follow
 
-    slices    per block of LANES slices: rows y, width, shift, y / b, lead gap, [least shift, largest shift]
+    slices    per block of LANES slices: rows y, width, shift, y / b, lead gap, [least shift, largest shift],
+              spring a^2 / distance to the next slice, stiffness of the unloaded face before the slice, behind it
     grid      per cell of the position grid: C, dC, B, dB, gap, dgap, phi, dphi, c_1, dc_1, c_2, ..., sqrt(D), change,
               at its lower end
     variants  per damaged tooth form and slice: what it adds to C and to the gap at the grid points
@@ -29,8 +30,8 @@ SLOPE, PULLS, WHEEL_OFFSET, FIRST_SHIFT, LAST_SHIFT = range(8, 13)
 GRID, CELL, VARIANTS, WHEEL_VARIANTS = range(13, 17)
 COUPLED, LENGTH, BODY, SKEW, TILT = range(17, 22)
 SLICE_ROWS = 24  # where the rows of the slices begin
-ROWS_PER_BLOCK = 6
-Y, WIDTH, SHIFT, PART, LEAD, RANGE = range(6)
+ROWS_PER_BLOCK = 9
+Y, WIDTH, SHIFT, PART, LEAD, RANGE, SPRING, BEFORE, BEHIND = range(9)
 C, B, GAP, PHI, NEXT = 0, 2, 4, 6, 8  # columns of the grid; each is followed by its change over the cell
 
 
@@ -46,6 +47,7 @@ def pack(law: MeshLaw) -> np.ndarray:
     for row, values in ((Y, y), (WIDTH, width), (SHIFT, shift), (PART, y / face), (LEAD, lead)):
         rows[:, row] = values.reshape(blocks, LANES)
     rows[:, RANGE, 0], rows[:, RANGE, 1] = rows[:, SHIFT].min(axis=1), rows[:, SHIFT].max(axis=1)
+    rows[:, SPRING : BEHIND + 1] = _springs(law, blocks)
     grid = _cells(law)
     variants = [
         np.stack([compliance, gap], axis=1)
@@ -73,6 +75,21 @@ def pack(law: MeshLaw) -> np.ndarray:
     header[VARIANTS] = header[GRID] + grid.size
     header[WHEEL_VARIANTS] = header[VARIANTS] + variants[0].size
     return np.concatenate([header, rows.ravel(), grid.ravel(), variants[0].ravel(), variants[1].ravel()])
+
+
+def _springs(law: MeshLaw, blocks: int) -> np.ndarray:
+    """Rows SPRING, BEFORE, BEHIND (block, 3, lane), m: an unloaded slice chain acts on its end like one spring."""
+    w, n = law.slice_width, law.slice_width.size
+    rows = np.zeros((3, blocks * LANES))
+    if n > 1:
+        rows[0, : n - 1] = law.spread_length**2 / np.diff(law.face_coordinate)
+    for s in range(1, n):
+        q, rest = rows[0, s - 1], w[s - 1] + rows[1, s - 1]
+        rows[1, s] = q * rest / (q + rest)
+    for s in range(n - 2, -1, -1):
+        q, rest = rows[0, s], w[s + 1] + rows[2, s + 1]
+        rows[2, s] = q * rest / (q + rest)
+    return rows.reshape(3, blocks, LANES).swapaxes(0, 1)
 
 
 def _cells(law: MeshLaw) -> np.ndarray:

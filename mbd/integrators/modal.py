@@ -33,7 +33,7 @@ from mbd.system import System
 logger = logging.getLogger(__name__)
 
 PERTURBATIONS = (0.0, 1e-9, 1e-7, 1e-5)  # shares of the damping
-LARGEST_CONDITION = 1e6
+LARGEST_CONDITION = 1e8
 LARGEST_RESIDUAL = 1e-9
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipelines.building.diagnosing import DiagnosingSpec, diagnoses
-from pipelines.flanks import fault_name
+from pipelines.flanks import fault_name, first_tooth_fault
 from pipelines.scene import Scene
 from pipelines.tables.faults import MissingToothTable
 
@@ -180,20 +180,21 @@ def stiffness_plots(
 
 
 def gear_picture(scene: Scene, layout: Layout, stage: int) -> Picture | LeftOut:
-    """The pair of a stage, its missing tooth shown."""
+    """The pair of a stage, its first damaged tooth shown."""
     from pipelines.pictures import render_gears
     from pipelines.shapes import gear_view
 
-    fault = next((f for f in scene.faults if f.stage == stage and isinstance(f, MissingToothTable)), None)
-    return render_gears(gear_view(layout.pairs[stage - 1], (fault.gear, fault.tooth) if fault else None))
+    fault = first_tooth_fault(scene, stage)
+    marked = None if fault is None else (fault.gear, fault.tooth or 0)
+    return render_gears(gear_view(layout.pairs[stage - 1], marked, missing=isinstance(fault, MissingToothTable)))
 
 
 def gear_names(scene: Scene, stage: int) -> dict[str, str]:
     """Words for the places of that picture."""
     table = scene.stages[stage - 1]
     names = {"pinion": f"pinion, {table.pinion_teeth} teeth", "wheel": f"wheel, {table.wheel_teeth} teeth"}
-    gone = [f.tooth for f in scene.faults if f.stage == stage and isinstance(f, MissingToothTable)]
-    return names | ({"gone": f"tooth {gone[0]} missing"} if gone else {})
+    fault = first_tooth_fault(scene, stage)
+    return names | ({"marked": fault_name(fault).replace("-", " ")} if fault else {})
 
 
 def casing_picture(mesh: CasingMesh | None, body: ReducedBody) -> Picture | LeftOut | None:

@@ -25,7 +25,7 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.derived import derive
     from pipelines.errors import InputError
     from pipelines.layout import lay_out
-    from pipelines.mesh_pictures import write_mesh
+    from pipelines.mesh_pictures import show_mesh, write_mesh
     from pipelines.pictures import Picture
     from pipelines.study import plan_study
     from pipelines.terminal import shown_progress
@@ -36,11 +36,19 @@ def main(options: argparse.Namespace) -> int:
     if stage > len(scene.stages):
         raise InputError(f"--stage {stage}: the scene has {len(scene.stages)} stages. Count from 1.")
     graph = plan_study(loaded, with_control=False, both_loads=False).graph
+    if options.stress or options.mesh is not None:
+        from pipelines.commands.inspect_stress import stress_files
+
+        stressed = stress_files(scene, lay_out(scene), graph, options)
+        sys.stdout.write(_listed(stressed))
+        return 0
     laws = [f"law_{number}" for number in range(1, len(scene.stages) + 1)]
     meshed = "casing mesh" in graph.stages
     elastic = "casing modes" in graph.stages
     wanted = [*laws, *(["casing"] if meshed else [])]
-    if options.casing_mode:
+    if options.screen:
+        wanted = [f"law_{stage}"]
+    elif options.casing_mode:
         wanted = ["casing modes", "casing mesh"] if elastic else ["casing"]
     with shown_progress(len(graph.needed(wanted).stages), quiet=options.quiet) as observer:
         outcome = run_graph(graph, Cache(), wanted, observer=observer, processes=options.processes)
@@ -49,10 +57,12 @@ def main(options: argparse.Namespace) -> int:
     if options.casing_mode:
         if not elastic:
             raise InputError(f"--casing-mode: a {scene.casing.model} casing has no elastic modes")
-        found = casing_mode_files(outcome, scene, options.casing_mode, folder)
-        sys.stdout.write(f"{found.reason}\n" if isinstance(found, LeftOut) else "".join(f"{f}\n" for f in found))
+        sys.stdout.write(_listed(casing_mode_files(outcome, scene, options.casing_mode, folder)))
         return 0
     layout = lay_out(scene)
+    if options.screen:
+        show_mesh(mesh_view(scene, layout, stage, outcome, options))
+        return 0
     curves = reporting.stiffness_plots(scene, layout, derive(scene, layout), [outcome.value(name) for name in laws])
     gears = reporting.gear_picture(scene, layout, stage)
     pictures: dict[str, Picture | LeftOut | None] = {f"gears_{stage}.png": gears}
@@ -63,16 +73,35 @@ def main(options: argparse.Namespace) -> int:
             sys.stdout.write(f"{name}: {picture.reason if picture else 'nothing to show'}\n")
             continue
         if name == "casing.png":
-            figure = casing_figure(picture)
+            figure = casing_figure(picture, f"Casing and key points of {scene.title}")
         else:
-            figure = gear_figure(picture, curves[stage - 1], reporting.gear_names(scene, stage))
+            title = gears_title(scene, layout, stage)
+            figure = gear_figure(picture, curves[stage - 1], reporting.gear_names(scene, stage), title)
         figure.savefig(folder / name, dpi=115)
         sys.stdout.write(f"{folder / name}\n")
     mesh = write_mesh(mesh_view(loaded.scene, layout, stage, outcome, options), folder / f"mesh_{stage}.png")
-    sys.stdout.write(f"{mesh.reason}\n" if isinstance(mesh, LeftOut) else "".join(f"{path}\n" for path in mesh))
+    sys.stdout.write(_listed(mesh))
     if not meshed:
         sys.stdout.write(f"casing {scene.casing.model}: no mesh to show\n")
     return 0
+
+
+def _listed(found: list[Path] | LeftOut) -> str:
+    return f"{found.reason}\n" if isinstance(found, LeftOut) else "".join(f"{path}\n" for path in found)
+
+
+def gears_title(scene: Scene, layout: Layout, stage: int) -> str:
+    """Title of the overview of a stage: scene, position, load and size."""
+    from pipelines.derived import derive
+    from pipelines.flanks import first_tooth_fault
+    from pipelines.shapes import shown_cycle
+
+    pair, fault = layout.pairs[stage - 1], first_tooth_fault(scene, stage)
+    cycle = shown_cycle(pair, None if fault is None else (fault.gear, fault.tooth or 0))
+    meshes = "" if fault is None else f" (damaged tooth in mesh at {fault.tooth})"
+    load = derive(scene, layout).stages[stage - 1].mesh_force or 100e3 * pair.face_width
+    size = f"centre distance {1000 * pair.axis_distance:.4g} mm, face width {1000 * pair.face_width:.4g} mm"
+    return f"{scene.title}: stage {stage}\nmesh cycle {cycle}{meshes}, load {load:.4g} N; {size}"
 
 
 def mesh_view(scene: Scene, layout: Layout, stage: int, outcome: Outcome, options: argparse.Namespace) -> MeshView:
@@ -80,7 +109,7 @@ def mesh_view(scene: Scene, layout: Layout, stage: int, outcome: Outcome, option
     import numpy as np
 
     from pipelines.derived import derive
-    from pipelines.flanks import fault_name
+    from pipelines.flanks import fault_name, first_tooth_fault
     from pipelines.mesh_frames import mesh_frames, passage
     from pipelines.mesh_pictures import MeshView
     from pipelines.parts import fault_terms
@@ -90,7 +119,7 @@ def mesh_view(scene: Scene, layout: Layout, stage: int, outcome: Outcome, option
     law = outcome.value(f"law_{stage}")[0]
     load = derive(scene, layout).stages[stage - 1].mesh_force or 100e3 * pair.face_width
     faults = [fault for fault in scene.faults if fault.stage == stage]
-    first = next((fault for fault in faults if fault.tooth is not None), None)
+    first = first_tooth_fault(scene, stage)
     middle = float(first.tooth) if first is not None and first.tooth is not None else 0.0
     cycles = passage(middle, options.frames) if options.position is None else np.array([options.position])
     sound = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
@@ -100,10 +129,11 @@ def mesh_view(scene: Scene, layout: Layout, stage: int, outcome: Outcome, option
         words = ", ".join(dict.fromkeys(fault.kind.replace("-", " ") for fault in faults))
         states.append(mesh_frames(words, pair, law, load, cycles, *teeth))
     marked = (first.gear, int(middle)) if first is not None else None
+    gone = first is not None and first.kind == "missing-tooth"
     return MeshView(
         title=f"{scene.title}: stage {stage}, {table.pinion_teeth}/{table.wheel_teeth} teeth",
         gears=gear_view(pair),
-        damaged=None if marked is None else gear_view(pair, marked, in_mesh=True),
+        damaged=None if marked is None else gear_view(pair, marked, missing=gone, in_mesh=True),
         marked="" if first is None else f"{fault_name(first).replace('-', ' ')} of the {first.gear}",
         model=law.model,
         force=load,

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from pipelines.scene import Scene
+from pipelines.tables.casing import ElasticBase
 
 Settings = dict[str, object]
 
@@ -45,10 +46,9 @@ def _slices(scene: Scene, fineness: float) -> Settings:
 
 
 def _casing_mesh(scene: Scene, fineness: float) -> Settings:
-    size = getattr(scene.casing, "element_size_mm", None)
-    if size is None:
+    if not isinstance(scene.casing, ElasticBase):
         return _nothing("casing-mesh", "casing.model", scene.casing.model, "craig-bampton")
-    return {"casing.element_size_mm": size / fineness}
+    return {"casing.element_size_mm": scene.casing.element_size_mm / fineness}
 
 
 def _modes(scene: Scene, fineness: float) -> Settings:

@@ -14,10 +14,13 @@ Settings = dict[str, object]
 PRESET, REFERENCE = "preset", "reference"
 MESHES: dict[str, Settings] = {
     "iso": {"model": "iso"},
-    "plane, coarse": {"model": "plane", "refinement": 0.7},
-    "plane": {"model": "plane", "refinement": 1.0},
+    "energy": {"model": "energy"},
+    "plane, coarse": {"model": "plane", "refinement": 0.6},
+    "plane": {"model": "plane"},
+    "solid, coarse": {"model": "solid", "refinement": 0.7, "slices": 15},
+    "solid": {"model": "solid"},
 }
-STEPS_US = (2.5, 5.0, 10.0, 20.0, 40.0)
+STEPS_US = (5.0, 10.0, 20.0, 33.4, 50.0, 100.0)
 INTEGRATORS = ("exponential", "trapezoidal", "generalised-alpha")
 CASING_SIZES, CASING_BANDS = (1.0, 1.3, 1.8), (0.5, 1.0)  # relative to the scene
 
@@ -43,7 +46,7 @@ def choices(scene: Scene) -> Iterator[Choice]:
     for effect, label, change in _single(scene):
         kept = {key: value for key, value in best.items() if not key.startswith(_replaced(change))}
         yield Choice(effect=effect, label=label, settings=kept | change)
-    meshes = {key: value for key, value in best.items() if ".mesh." in key}
+    meshes = {key: value for key, value in best.items() if key.endswith(".mesh")}
     for preset in PRESETS:
         if preset != REFERENCE:
             settings = preset_settings(scene, preset)

@@ -1,0 +1,343 @@
+"""`gearcase inspect`: stress of loaded teeth, their mesh in files, and what every picture must say and show."""
+
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+from test_solid_stiffness import pair_of
+
+from fem.contact.iso import Iso
+from fem.contact.solid import Solid
+from fem.gears.modifications import PairModifications
+from pipelines import mesh_pictures
+from pipelines.building import stress
+from pipelines.building.flanks import FlanksSpec
+from pipelines.callouts import casing_figure, gear_figure
+from pipelines.errors import InputError
+from pipelines.mesh_frames import mesh_frames, passage
+from pipelines.mesh_pictures import MeshView, mesh_figure, show_mesh, write_mesh
+from pipelines.pictures import LeftOut, Picture, render_gears, render_mesh, render_stress
+from pipelines.plots import StiffnessPlot
+from pipelines.shapes import gear_view
+from pipelines.stress_pictures import (
+    StressView,
+    checked_mesh_file,
+    stress_figure,
+    teeth_in_mesh,
+    write_teeth,
+)
+from pipelines.view_colours import GONE
+
+LOAD = 1200.0
+COARSE = Solid(n_slices=5, refinement=0.6, positions=8)
+
+
+def state_of(pair, record, law, wheel, index=24):
+    """Loaded teeth with the terms `wheel` of the wheel's teeth at c = index / 8."""
+    flanks = FlanksSpec(
+        pair=pair, modifications=PairModifications(), pinion_damage=(), wheel_damage=(), pinion_wear=(), wheel_wear=()
+    )
+    spec = stress.StressSpec(
+        flanks=flanks, rung=COARSE, index=index, force=LOAD, pinion_terms=np.zeros(20), wheel_terms=wheel
+    )
+    return stress.build(spec, record, (law, law))
+
+
+@pytest.fixture(scope="module", params=["right", pytest.param("left", marks=pytest.mark.slow)])
+def solved(request):
+    """Pair, healthy state, and (right hand alone) the state without wheel tooth 3."""
+    pair = pair_of(12.0, hand=request.param)
+    record, law = COARSE.compliance(pair), Iso(n_slices=5).law(pair, "drive")
+    gone = np.where(np.arange(55) == 3, np.inf, 0.0)
+    healthy = state_of(pair, record, law, np.zeros(55))
+    return pair, healthy, state_of(pair, record, law, gone) if request.param == "right" else None
+
+
+def corner_volumes(teeth):
+    p = teeth.points[teeth.cells]
+    return np.einsum("ci,ci->c", np.cross(p[:, 1] - p[:, 0], p[:, 3] - p[:, 0]), p[:, 4] - p[:, 0])
+
+
+def test_both_gears_touch_along_the_contact_lines(solved):
+    """The nearest nodes of either gear to a loaded contact point lie within an element; cells are right side out."""
+    pair, healthy, _ = solved
+    teeth = teeth_in_mesh(pair, healthy)
+    assert corner_volumes(teeth).min() > 0.0
+    places = teeth.line_points[np.isfinite(teeth.line_load)]
+    element = 0.25 * pair.pinion.normal_module + pair.face_width / 32
+    for number in (1, 2):
+        nodes = teeth.points[np.unique(teeth.cells[teeth.gear == number])]
+        away = np.linalg.norm(nodes[:, None] - places, axis=2).min(axis=0)
+        assert away.max() < element
+    hot = teeth.points[np.argsort(teeth.von_mises)[-5:]]
+    assert np.linalg.norm(hot[:, None] - places, axis=2).min(axis=1).max() < pair.pinion.normal_module
+
+
+def test_displacements_of_both_gears_close_the_contact(solved):
+    """Seen along the line of action the pinion's flank moves back and the wheel's ahead, together less than delta."""
+    pair, healthy, _ = solved
+    teeth = teeth_in_mesh(pair, healthy)
+    alpha = pair.working_pressure_angle
+    along = teeth.displacement @ [np.sin(alpha), np.cos(alpha), 0.0]
+    places = teeth.line_points[np.isfinite(teeth.line_load)]
+    for number, sign in ((1, -1.0), (2, 1.0)):
+        nodes = np.unique(teeth.cells[teeth.gear == number])
+        nearest = nodes[np.linalg.norm(teeth.points[nodes][:, None] - places, axis=2).argmin(axis=0)]
+        assert (sign * along[nearest] > 0.0).all()
+
+
+def test_a_missing_tooth_leaves_its_rim_and_loads_its_neighbours(solved):
+    pair, healthy, faulty = solved
+    if faulty is None:
+        pytest.skip("solved for the right hand")
+    whole, teeth = teeth_in_mesh(pair, healthy), teeth_in_mesh(pair, faulty)
+    own = teeth.cells[(teeth.gear == 2) & (teeth.tooth_pair == 3)]
+    radius = np.hypot(teeth.points[own][..., 0] - pair.axis_distance, teeth.points[own][..., 1])
+    assert len(own) > 0
+    assert radius.mean(axis=1).max() < pair.wheel.root_radius
+    assert len(whole.cells) > len(teeth.cells)
+    assert np.isnan(teeth.line_load[faulty.pair == 3]).all()
+    assert np.isfinite(whole.line_load[healthy.pair == 3]).any()
+    assert teeth.von_mises.max() > 1.3 * whole.von_mises.max()
+    for state in (healthy, faulty):
+        assert state.line_load.sum() * pair.face_width / COARSE.n_slices == pytest.approx(LOAD, rel=1e-9)
+
+
+@pytest.mark.parametrize("ending", [".vtu", ".inp", ".msh", ".bdf"])
+def test_files_of_teeth_are_read_back(solved, tmp_path, ending):
+    pair, _, faulty = solved
+    if faulty is None:
+        pytest.skip("written for the right hand")
+    teeth = teeth_in_mesh(pair, faulty)
+    path = checked_mesh_file(str(tmp_path / f"teeth{ending}"))
+    write_teeth(teeth, path)
+    found = meshio.read(path)
+    (block,) = found.cells
+    assert block.type == "hexahedron"
+    assert len(found.points) == len(np.unique(teeth.cells))
+    assert np.allclose(found.points[block.data], teeth.points[teeth.cells], rtol=0.0, atol=1e-9)
+    if ending in (".vtu", ".msh"):
+        assert np.allclose(found.point_data["von Mises stress, Pa"][block.data], teeth.von_mises[teeth.cells])
+        moved = found.point_data["displacement, m"][block.data]
+        assert np.allclose(moved, teeth.displacement[teeth.cells], rtol=1e-12, atol=0.0)
+    if ending == ".inp":
+        assert {name: len(cells[0]) for name, cells in found.cell_sets.items()} == {
+            "pinion": np.sum(teeth.gear == 1), "wheel": np.sum(teeth.gear == 2)
+        }  # fmt: skip
+    else:
+        key = {".vtu": "group", ".msh": "gmsh:physical", ".bdf": "nastran:ref"}[ending]
+        assert np.array_equal(np.concatenate(found.cell_data[key]), teeth.gear)
+
+
+def test_an_unknown_ending_is_refused():
+    with pytest.raises(InputError, match=r"ending must be one of \.vtu, \.inp, \.msh, \.bdf"):
+        checked_mesh_file("teeth.stl")
+
+
+def words(figure):
+    """Everything a figure says."""
+    found = [text.get_text() for text in figure.findobj(lambda item: hasattr(item, "get_text"))]
+    return "\n".join(found)
+
+
+def blank(**places):
+    return Picture(image=np.full((60, 100, 3), 255, np.uint8), places=dict.fromkeys(places, (50.0, 30.0)) | places)
+
+
+PLACES = {
+    "mesh": (50.0, 30.0),
+    "x": (60.0, 30.0),
+    "y": (50.0, 20.0),
+    "z": (55.0, 25.0),
+    "pinion": (30.0, 30.0),
+    "wheel": (70.0, 30.0),
+}
+
+
+@pytest.fixture(scope="module")
+def mesh_view():
+    """Three frames around the passage of the missing wheel tooth 3."""
+    pair = pair_of(12.0)
+    law = Iso(n_slices=5).law(pair, "drive")
+    cycles = passage(3.0, 3)
+    gone = np.where(np.arange(55) == 3, np.inf, 0.0)
+    even = np.zeros(20), np.zeros(55)
+    return MeshView(
+        title="A pair: stage 1, 20/55 teeth",
+        gears=gear_view(pair),
+        damaged=gear_view(pair, ("wheel", 3), in_mesh=True),
+        marked="missing tooth 3 of the wheel",
+        model=law.model,
+        force=LOAD,
+        cycles=cycles,
+        states=(
+            mesh_frames("healthy", pair, law, LOAD, cycles, *even),
+            mesh_frames("missing tooth", pair, law, LOAD, cycles, np.zeros(20), gone),
+        ),
+    )
+
+
+def stress_view(pair, healthy, faulty):
+    return StressView(
+        title="A pair: stage 1, 20/55 teeth",
+        gears=gear_view(pair),
+        damaged=gear_view(pair, ("wheel", 3), in_mesh=True),
+        marked="missing tooth 3 of the wheel",
+        note="",
+        rung="rung solid, refinement 0.6, 5 slices along the face",
+        force=LOAD,
+        cycle=3.0,
+        names=("healthy", "missing tooth"),
+        states=(teeth_in_mesh(pair, healthy), teeth_in_mesh(pair, faulty)),
+    )
+
+
+def test_the_mesh_picture_says_what_it_shows(mesh_view):
+    said = words(mesh_figure(mesh_view, [blank(**PLACES)] * 2, 1, 1e5))
+    for phrase in (
+        "A pair: stage 1, 20/55 teeth", "mesh cycle 3.000", "load 1200 N", "law iso", "contact lines",
+        "line load, N/mm",
+        "missing tooth 3 of the wheel", "pinion", "wheel", "stiffness, N/µm", "share, %", "12 mm", "healthy",
+    ):  # fmt: skip
+        assert phrase in said
+
+
+def test_the_stress_picture_says_what_it_shows(solved):
+    pair, healthy, faulty = solved
+    if faulty is None:
+        pytest.skip("solved for the right hand")
+    said = words(stress_figure(stress_view(pair, healthy, faulty), [blank(**PLACES)] * 2, 5e8))
+    for phrase in (
+        "A pair: stage 1, 20/55 teeth", "mesh cycle 3", "load 1200 N", "rung solid, refinement 0.6", "contact lines",
+        "von Mises stress, MPa", "missing tooth 3 of the wheel", "pinion", "wheel", "face width 12 mm", "healthy",
+    ):  # fmt: skip
+        assert phrase in said
+
+
+def reddish(image):
+    """Pixels near the colour of the damaged tooth."""
+    away = image.astype(float) / 255 - np.array(to_rgb(GONE))
+    red = image[..., 0].astype(int) - image[..., 1:].max(axis=2).astype(int)
+    return int(((np.abs(away).max(axis=2) < 0.35) & (red > 60)).sum())
+
+
+def saturated(image):
+    """Sum of how much redder than anything else the red pixels are."""
+    red = image[..., 0].astype(int) - image[..., 1:].max(axis=2)
+    return int(np.maximum(red - 60, 0).sum())
+
+
+def test_a_tooth_that_is_damaged_but_there_is_drawn_solid():
+    view = gear_view(pair_of(12.0), ("wheel", 3), missing=False)
+    there, gone = render_gears(view, (400, 320)), render_gears(replace(view, missing=True), (400, 320))
+    if isinstance(there, LeftOut) or isinstance(gone, LeftOut):
+        pytest.skip("no off-screen rendering")
+    assert min(reddish(there.image), reddish(gone.image)) > 20
+    assert saturated(there.image) > 1.2 * saturated(gone.image)
+    curve = StiffnessPlot(title="Stage 1", cycle=np.array([0.0, 1.0]), healthy=np.array([2e8, 2e8]))
+    said = words(gear_figure(there, curve, {"marked": "cracked tooth 3", "pinion": "pinion, 20 teeth"}, "A pair"))
+    for phrase in ("A pair", "cracked tooth 3", "pinion, 20 teeth", "mesh cycle", "stiffness, N/µm"):
+        assert phrase in said
+
+
+def test_pictures_show_contact_lines_and_the_missing_tooth_in_the_faulty_half_alone(mesh_view):
+    most = max(float(np.nanmax(state.load)) for state in mesh_view.states)
+    found = [
+        render_mesh(gears, mesh_view.cycles, state, most, (300, 210))
+        for gears, state in zip((mesh_view.gears, mesh_view.damaged), mesh_view.states, strict=True)
+    ]
+    if any(isinstance(pictures, LeftOut) for pictures in found):
+        pytest.skip("no off-screen rendering")
+    healthy, faulty = (pictures[1].image for pictures in found)
+    assert (healthy < 250).any(axis=2).mean() > 0.2
+    assert reddish(healthy) == 0
+    assert (np.abs(healthy.astype(int) - faulty).max(axis=2) > 40).sum() > 100
+    colourful = healthy.max(axis=2).astype(int) - healthy.min(axis=2)
+    assert (colourful > 120).sum() > 20  # contact lines; the gears are pale
+    red = faulty[..., 0].astype(int) - faulty[..., 1:].max(axis=2)
+    assert (red > 40).sum() > 100 > (healthy[..., 0].astype(int) - healthy[..., 1:].max(axis=2) > 40).sum()
+
+
+def test_film_and_page_hold_every_frame(mesh_view, tmp_path, monkeypatch):
+    from PIL import Image
+
+    monkeypatch.setattr(mesh_pictures, "render_mesh", lambda *_: [blank(**PLACES)] * 3)
+    files = write_mesh(mesh_view, tmp_path / "mesh_1.png")
+    assert [path.suffix for path in files] == [".png", ".gif", ".html"]
+    with Image.open(files[1]) as film:
+        assert film.n_frames == 3
+    page = files[2].read_text(encoding="utf-8")
+    assert "http" not in page
+    assert page.count("data:image/png;base64,") >= 1
+    assert "mesh cycle 3.000" in page
+    assert 'type="range" min="0" max="2"' in page
+
+
+def test_the_stress_picture_is_coloured(solved):
+    pair, _, faulty = solved
+    if faulty is None:
+        pytest.skip("drawn for the right hand")
+    state = teeth_in_mesh(pair, faulty)
+    gears = gear_view(pair, ("wheel", 3), in_mesh=True)
+    picture = render_stress(gears, 3.0, state, float(state.von_mises.max()), (400, 250))
+    if isinstance(picture, LeftOut):
+        pytest.skip("no off-screen rendering")
+    image = picture.image.astype(int)
+    assert (image < 250).any(axis=2).mean() > 0.3
+    assert reddish(picture.image) > 20  # the edges of the missing tooth
+    assert (image.max(axis=2) < 45).sum() > 20  # contact lines
+    assert ((image[..., 1] > 130) & (image[..., 1] > image[..., 2] + 15)).sum() > 20  # green and yellow: high stress
+
+
+def test_no_display_is_said_with_the_remedy(mesh_view, monkeypatch):
+    if not sys.platform.startswith("linux"):
+        pytest.skip("windows open without DISPLAY")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    with pytest.raises(InputError, match=r"no display.*ssh -X.*mesh_<stage>\.html"):
+        show_mesh(mesh_view)
+
+
+WINDOW = """
+import sys
+from pathlib import Path
+sys.path.insert(0, {tests!r})
+import test_inspect
+test_inspect.show_mesh(test_inspect.mesh_view.__wrapped__(), Path({image!r}))
+"""
+
+
+@pytest.mark.slow
+def test_the_window_opens_on_a_virtual_screen(tmp_path):
+    if shutil.which("xvfb-run") is None:
+        pytest.skip("xvfb-run is not installed")
+    here, image = Path(__file__).resolve().parent, tmp_path / "screen.png"
+    code = WINDOW.format(tests=str(here), image=str(image))
+    done = subprocess.run(
+        ["xvfb-run", "-a", sys.executable, "-c", code],
+        cwd=here.parent,
+        env={**os.environ, "PYTHONPATH": str(here.parent)},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    from matplotlib.image import imread
+
+    assert (imread(image)[..., :3] < 0.98).any(axis=2).mean() > 0.2
+
+
+def test_the_casing_picture_has_its_own_title():
+    points = {"ground_1": (10.0, 10.0), "sensor_1": (90.0, 10.0), "origin": (50.0, 50.0)}
+    picture = blank(**points, x=(60.0, 50.0), y=(50.0, 40.0), z=(55.0, 45.0))
+    said = words(casing_figure(picture, "Casing and key points of a rig"))
+    for phrase in ("Casing and key points of a rig", "ground_1", "sensor points (1)"):
+        assert phrase in said
