@@ -29,10 +29,11 @@ from scipy import linalg
 from fem.records import Record, array, integer, names
 from mbd.checks import MachineError, finite, positive
 from mbd.elements import GYROSCOPIC, WIDTH
-from mbd.forces import LOG_COLUMNS, element_count, reference_stiffness, row_forces, slope_matrix
+from mbd.forces import LOG_COLUMNS, element_count, reference_stiffness, slope_matrix
 from mbd.load import Rope
 from mbd.machine import Machine
 from mbd.reduction import SMALLEST_FREQUENCY
+from mbd.rows_solver import forces_at
 from mbd.statics import State, equilibrium
 from mbd.system import System
 
@@ -128,20 +129,8 @@ def tangent(system: System, state: State) -> Tangent:
     u, force = system.all_rows @ state.displacement, np.zeros(m)
     slope_u, slope_v = np.zeros((m, WIDTH)), np.zeros((m, WIDTH))
     held = np.full(n_flank, -1.0)
-    row_forces(
-        table,
-        state.motor_angle,
-        state.motor_speed,
-        u,
-        np.zeros(m),
-        held,
-        force,
-        slope_u,
-        slope_v,
-        log,
-        np.zeros(0),
-        np.zeros((0, 6)),
-    )
+    still = np.zeros(m)
+    forces_at(table, state.motor_angle, state.motor_speed, u, still, held, force, slope_u, slope_v, log)
     forces = log[: n_flank // 2 * 2, 0].reshape(-1, 2)
     for i, mesh in enumerate(system.machine.meshes):
         if forces[i].max() <= LEAST_LOAD * table.scale[4 * i]:

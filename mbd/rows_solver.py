@@ -196,7 +196,7 @@ def source_digest(*files: str) -> int:
     return total
 
 
-def _compiled(digest: int) -> tuple[Callable, Callable]:
+def _compiled(digest: int) -> tuple[Callable, Callable, Callable]:
     @njit(cache=True, nogil=True, error_model="numpy")
     def solve(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
         if digest < 0:  # part of the key under which the compiled code is stored
@@ -217,7 +217,13 @@ def _compiled(digest: int) -> tuple[Callable, Callable]:
                 frozen[k, 3], frozen[k, 4], frozen[k, 5] = f_d, f_p, m_p
             parametric_work(table, before, after, u_before, u_after, log_before, log_after, frozen)
 
-    return solve, work
+    @njit(cache=True, nogil=True, error_model="numpy")
+    def forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log):
+        if digest >= 0:
+            none = np.empty(0), np.empty((0, 6))
+            row_forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log, none[0], none[1])
+
+    return solve, work, forces
 
 
-solve_rows, parametric = _compiled(source_digest())
+solve_rows, parametric, forces_at = _compiled(source_digest())

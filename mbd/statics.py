@@ -15,10 +15,10 @@ import numpy as np
 
 from mbd.checks import EquilibriumError
 from mbd.elements import WIDTH
-from mbd.forces import LOG_COLUMNS, element_count, row_forces, slope_matrix
+from mbd.forces import LOG_COLUMNS, element_count, slope_matrix
 from mbd.load import Load, Rope, RopePendulum
 from mbd.mesh_reference import LARGEST_APPROACH, nominal_forces, touching_approach
-from mbd.rows_solver import solve_rows
+from mbd.rows_solver import forces_at, solve_rows
 from mbd.system import System
 
 TOLERANCE = 1e-12
@@ -168,7 +168,7 @@ def _touching(
     log, held = np.zeros((element_count(table), len(LOG_COLUMNS))), np.full(len(table.tau), -1.0)
     for _ in range(ROUNDS):
         right, slope_u, slope_v = np.zeros(m), np.zeros((m, WIDTH)), np.zeros((m, WIDTH))
-        row_forces(table, 0.0, speed, u, still, held, right, slope_u, slope_v, log, np.zeros(0), np.zeros((0, 6)))
+        forces_at(table, 0.0, speed, u, still, held, right, slope_u, slope_v, log)
         slope = slope_matrix(slope_u, table)
         slope[drive], slope[drive + 1] = 0.0, 0.0
         slope[drive + 1, drive + 1] = table.stiffness[2 * resting, 1]

@@ -32,7 +32,7 @@ def stored_energy(system):
     return 0.5 * (q @ system.stiffness @ q + turning @ system.mass @ turning)
 
 
-def runs(machine, casing=None, step=5e-6, end=0.05, total=1e-6, rate=5e3):
+def runs(machine, casing=None, step=5e-6, end=0.05, total=1e-6, parts=PARTS, rate=5e3):
     """Run it; finite and closed: to ``total`` of all work of the sources, every part to 1 % of what it dissipates (of
     its peak energy if undamped), and both down to the round-off of the stored energy."""
     system = assemble(machine, rigid_casing(machine) if casing is None else casing)
@@ -40,7 +40,7 @@ def runs(machine, casing=None, step=5e-6, end=0.05, total=1e-6, rate=5e3):
     assert np.isfinite(result.values).all()
     floor = ROUND_OFF * stored_energy(system)
     for part in result.book_parts:
-        share = total if part == "total" else PARTS
+        share = total if part == "total" else parts
         assert abs(result.book(part, "residual")) <= max(share * result.book(part, "scale"), floor), part
     return result
 
@@ -56,16 +56,13 @@ def test_the_default_step_is_that_of_the_list():
     assert pytest.approx(DEFAULT_STEP, rel=0.01) == 1 / STEPS_PER_PERIOD / mode
 
 
-@pytest.mark.parametrize(
-    ("factor", "total"),
-    [
-        (0.1, 1e-6),
-        (1.0, 3e-6),
-        (20.0, 1e-5),
-    ],
-)
-def test_step(factor, total):
-    runs(lifted(), step=factor * DEFAULT_STEP, rate=min(5e3, 1 / (factor * DEFAULT_STEP)), total=total)
+@pytest.mark.parametrize(("factor", "total", "parts"), [(0.1, 1e-6, 0.01), (1.0, 3e-6, 0.01), (20.0, 3e-5, 0.02)])
+def test_step(factor, total, parts):
+    """1e-6 from half the default step on; above, what is left is the work between the cubic that a mesh force is held
+    by and the force itself where steps are cut, at the cells of the law: 1.1e-6 at the default step, 1.9e-5 and 1.2 %
+    of the loss of a mesh at 540 us, twenty times it."""
+    step = factor * DEFAULT_STEP
+    runs(lifted(), step=step, rate=min(5e3, 1 / step), total=total, parts=parts)
 
 
 @pytest.mark.parametrize("factor", [0.0, 10.0])
@@ -109,29 +106,29 @@ def test_backlash(backlash):
     runs(lifted(stage={"backlash": backlash}))
 
 
-def toothless(gears):
-    """A missing tooth on each of ``gears`` of every mesh."""
+def toothless(places):
+    """A missing tooth of the number that ``places`` gives for the pinion and the wheel of every mesh."""
     machine, meshes = lifted(), []
     for mesh in machine.meshes:
         changes = {}
-        for gear, teeth in (("pinion", mesh.drive.pinion_teeth), ("wheel", mesh.drive.wheel_teeth)):
-            if gear in gears:
-                changes |= dict.fromkeys(
-                    (f"{flank}_clearance_{gear}" for flank in ("drive", "coast")),
-                    np.where(np.arange(teeth) == 2, np.inf, 0.0),
-                )
+        for gear, place in places.items():
+            teeth = mesh.drive.pinion_teeth if gear == "pinion" else mesh.drive.wheel_teeth
+            gone = np.where(np.arange(teeth) == place, np.inf, 0.0)
+            changes |= {f"{flank}_clearance_{gear}": gone for flank in ("drive", "coast")}
         meshes.append(dataclasses.replace(mesh, **changes))
     return dataclasses.replace(machine, meshes=tuple(meshes))
 
 
-def test_a_missing_tooth_on_every_wheel_at_once():
-    runs(toothless(("wheel",)))
+@pytest.mark.parametrize("places", [{"wheel": 2}, {"pinion": 2, "wheel": 2}])
+def test_a_missing_tooth_on_every_wheel_at_once(places):
+    runs(toothless(places))
 
 
-def test_a_missing_tooth_on_every_gear_at_once():
-    """Up to 6 % of the teeth that meet are gone: impacts of many times the load in which an end of contact falls into
-    the shortest step; 6e-6 at 5 us."""
-    runs(toothless(("pinion", "wheel")), total=1e-5)
+def test_two_missing_teeth_side_by_side_in_every_mesh():
+    """The load falls through the gap: impacts of many times the load, begun and ended within the shortest step; the
+    total then closes to 6e-6 only."""
+    result = runs(toothless({"pinion": 1, "wheel": 2}), total=1e-5)
+    assert result.book("total", "scale") > 10 * runs(lifted()).book("total", "scale")
 
 
 @pytest.mark.parametrize("length", [0.5, 100.0])
@@ -166,7 +163,7 @@ def test_ten_minutes_of_motion():
     tracemalloc.start()
     for end in (20.0, 600.0):
         tracemalloc.reset_peak()
-        run = simulate(system, Settings(end=end, output_rate=100.0, step=1e-4))
+        run = simulate(system, Settings(end=end, output_rate=100.0, step=2e-4))
         peaks.append(tracemalloc.get_traced_memory()[1] - run.values.nbytes)
     tracemalloc.stop()
     print(f"peak memory {peaks[0] / 1e6:.1f} and {peaks[1] / 1e6:.1f} MB")
