@@ -169,6 +169,7 @@ def draw_stress(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
         centre = 0.0 if gear == "pinion" else float(arrays["centre_distance"])
         tooth.transform(turned(float(arrays[f"{gear}_turn"][0]), centre), inplace=True)
         outline = tooth.extract_feature_edges(FEATURE_ANGLE, **SHARP)
+        outline.translate(0.01 * arrays["toward"], inplace=True)
         if arrays["marked_missing"]:
             plotter.add_mesh(tooth, color=GONE, opacity=0.35)
         plotter.add_mesh(outline, color=GONE, line_width=4.0)

@@ -23,7 +23,8 @@ from pipelines.cache import Cache
 from pipelines.casing_export import checked_target, mode_shapes, write_mat, write_uff, write_vtu
 from pipelines.commands.casing import mode_table
 from pipelines.errors import InputError
-from pipelines.mode_pictures import ModeView, mode_page, write_mode
+from pipelines.film import film_page
+from pipelines.mode_pictures import ModeView, write_mode
 from pipelines.pictures import LeftOut
 from pipelines.stages import Graph, Stage, explain
 
@@ -124,8 +125,8 @@ def mode_view(elastic):
     )
 
 
-def test_a_page_needs_nothing_but_itself(elastic):
-    page = mode_page(mode_view(elastic), [b"one", b"two"])
+def test_a_page_needs_nothing_but_itself():
+    page = film_page("<a & b>", [b"one", b"two"], "phase", ["0", "180"], 70)
     assert "&lt;a &amp; b&gt;" in page
     assert not re.search(r"(src|href)=\"?http", page)
     assert page.count('"b25l"') == 1
