@@ -21,7 +21,7 @@ slices are solved one by one (`fem.contact.turn`). Bodies that tilt can bring pa
 leaves open; the candidates are then collected anew for an approach wide enough, and the answer is checked against it.
 
 Measured on the stage 1 pair of the shipped rig (15 slices, two pairs, start values without history; one core of an AMD
-EPYC, 3 GHz class): 2.6 us per call in 3.8 steps of 0.33 us, two states at one cycle 3.8 us; without coupling 0.83 us.
+EPYC, 3 GHz class): 2.6 us per call in 3.8 steps, two states at one cycle 3.8 us; without coupling 0.83 us.
 """
 
 from __future__ import annotations
