@@ -30,7 +30,7 @@ def approach_at(
     ------
     EquilibriumError : no approach up to 10 mm carries the force (no tooth pair near mesh)
     """
-    tables = law_tables(law)
+    tables, pinion, wheel = law_tables(law), np.array(pinion), np.array(wheel)  # writable: one compiled form
     low, high = -1e-6, 1e-6
     while evaluate(tables, cycle, low, psi, pinion, wheel)[0] > force:
         low *= 4

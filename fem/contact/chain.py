@@ -16,7 +16,6 @@ from fem.contact.joint import A00, A01, A11, FIELD, LINK, P0, P1, RIGHT, TOTAL, 
 from fem.contact.packing import BODY, LANES, ROWS_PER_BLOCK, SKEW, SLICE_ROWS, TILT, Y
 
 _inline: dict[str, Any] = {
-    "cache": True,
     "nogil": True,
     "error_model": "numpy",
     "forceinline": True,

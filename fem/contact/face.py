@@ -51,7 +51,7 @@ from fem.contact.packing import (
 )
 from fem.contact.turn import evaluate_in_turn
 
-_options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
+_options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 _inline: dict[str, Any] = {**_options, "forceinline": True, "fastmath": {"contract"}}
 
 

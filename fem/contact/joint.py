@@ -51,7 +51,6 @@ WIDEST, FREE, GAIN, GAIN_SLOPE, FIELD, LINK, STAY, LINEAR, RIGHT = range(lanes.T
 SWAP, K00, K01, K11, A00, A01, A11, P0, P1, Z0, Z1 = range(lanes.TOTAL + 18, lanes.TOTAL + 29)
 TOTAL = lanes.TOTAL + 29
 _inline: dict[str, Any] = {
-    "cache": True,
     "nogil": True,
     "error_model": "numpy",
     "forceinline": True,

@@ -8,6 +8,9 @@ others one by one in `fem.contact.slices`.
 from __future__ import annotations
 
 import math
+import zlib
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,7 +33,7 @@ from fem.contact.packing import (
     Y,
 )
 
-_options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
+_options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 
 
 @njit(**_options, forceinline=True)
@@ -47,7 +50,7 @@ def evaluate_flank(tables, cycle, delta, psi, pinion, wheel, pair_force):
     """Sum over the blocks; adds each pair's force to pair_force[p - floor(c') + size // 2] where that exists."""
     force = moment = energy = k = mixed = tilt = rate = 0.0
     if tables[COUPLED] > 0.0:
-        r = evaluate_coupled(tables, cycle, (delta, psi, delta, psi), 1, pinion, wheel, pair_force)
+        r = evaluate_coupled(tables, cycle, (delta, psi, delta, psi), np.int64(1), pinion, wheel, pair_force)
         return r[0], r[1], r[2], r[3], r[4], r[5], r[6]
     own_cycle = tables[SIGN] * cycle + tables[OFFSET]
     work = np.empty((lanes.TOTAL + LARGEST_NEAR // 2, LANES))
@@ -73,8 +76,8 @@ def evaluate_flank(tables, cycle, delta, psi, pinion, wheel, pair_force):
 
 
 @njit(**_options)
-def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
-    """Responses at (delta, psi) and at (delta_0, psi_0), both at the same cycle, without dU/dc.
+def evaluate_two_states(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
+    """What `evaluate_two` returns.
 
     The tables are read once and the second Newton iteration starts from the line loads of the first.
 
@@ -85,7 +88,7 @@ def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
     states = (delta, psi, delta_0, psi_0)
     none = np.empty(0)
     if tables[COUPLED] > 0.0:
-        r = evaluate_coupled(tables, cycle, states, 2, pinion, wheel, none)
+        r = evaluate_coupled(tables, cycle, states, np.int64(2), pinion, wheel, none)
         return r[0], r[1], r[2], r[3], r[4], r[5], r[7], r[8], r[9], r[10], r[11], r[12]
     own_cycle = tables[SIGN] * cycle + tables[OFFSET]
     work = np.empty((lanes.TOTAL + LARGEST_NEAR // 2, LANES))
@@ -150,38 +153,67 @@ def rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_for
     return force, moment, energy, k, mixed, tilt, rate
 
 
-@njit(**_options)
-def evaluate(tables, cycle, delta, psi, pinion, wheel):
-    """Response of one flank at one state.
+def _doors(digest: int) -> tuple[Callable, ...]:
+    """What other modules call. Only these are kept on disk, under the digest of all sources that they are made of."""
 
-    Parameters
-    ----------
-    tables : (n,), from `law_tables`
-    cycle : mesh cycle c of the gears (1); the law turns it into its own c'
-    delta, psi : approach along the transverse line of action (m) and tilt (rad)
-    pinion (z1, 6), wheel (z2, 6) : tooth terms, see `fem.contact.teeth`
+    @njit(**_options, cache=True)
+    def evaluate(tables, cycle, delta, psi, pinion, wheel):
+        """Response of one flank at one state.
 
-    Returns
-    -------
-    F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N), dM/d psi (N m), dU/dc (J)
-    """
-    return evaluate_flank(tables, cycle, delta, psi, pinion, wheel, np.empty(0))
+        Parameters
+        ----------
+        tables : (n,), from `law_tables`
+        cycle : mesh cycle c of the gears (1); the law turns it into its own c'
+        delta, psi : approach along the transverse line of action (m) and tilt (rad)
+        pinion (z1, 6), wheel (z2, 6) : tooth terms, see `fem.contact.teeth`
+
+        Returns
+        -------
+        F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N), dM/d psi (N m), dU/dc (J)
+        """
+        here = cycle if digest >= 0 else math.nan
+        return evaluate_flank(tables, here, delta, psi, pinion, wheel, np.empty(0))
+
+    @njit(**_options, cache=True)
+    def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
+        """Responses at (delta, psi) and at (delta_0, psi_0), both at the same cycle, without dU/dc.
+
+        The tables are read once and the second Newton iteration starts from the line loads of the first.
+
+        Returns
+        -------
+        F, M, U, dF/d delta, dF/d psi, dM/d psi of the first state, then the same of the second
+        """
+        here = cycle if digest >= 0 else math.nan
+        return evaluate_two_states(tables, here, delta, psi, delta_0, psi_0, pinion, wheel)
+
+    @njit(**_options, cache=True)
+    def evaluate_shares(tables, cycle, delta, psi, pinion, wheel, pair_force):
+        """As `evaluate`, and add the force (N) of pair p to pair_force[p - floor(c') + pair_force.size // 2].
+
+        c' = cycle_sign c + cycle_offset. Pairs outside the array are left out; 2 `share_reach` + 1 places hold all.
+        """
+        here = cycle if digest >= 0 else math.nan
+        return evaluate_flank(tables, here, delta, psi, pinion, wheel, pair_force)
+
+    @njit(**_options, cache=True)
+    def evaluate_many(tables, cycle, delta, psi, pinion, wheel, out):
+        """Rows of `evaluate` for states given as arrays (n,), into out (n, 7)."""
+        none = np.empty(0)
+        for i in range(cycle.size if digest >= 0 else 0):
+            out[i, 0], out[i, 1], out[i, 2], out[i, 3], out[i, 4], out[i, 5], out[i, 6] = evaluate_flank(
+                tables, cycle[i], delta[i], psi[i], pinion, wheel, none
+            )
+
+    return evaluate, evaluate_two, evaluate_shares, evaluate_many
 
 
-@njit(**_options)
-def evaluate_shares(tables, cycle, delta, psi, pinion, wheel, pair_force):
-    """As `evaluate`, and add the force (N) of pair p to pair_force[p - floor(c') + pair_force.size // 2].
+def _source_digest() -> int:
+    """Checksum of the files of this package: compiled code on disk knows only the file of the function itself."""
+    total = 0
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        total = zlib.crc32(path.read_bytes(), total)
+    return total
 
-    c' = cycle_sign c + cycle_offset. Pairs outside the array are left out; 2 `share_reach` + 1 places hold all.
-    """
-    return evaluate_flank(tables, cycle, delta, psi, pinion, wheel, pair_force)
 
-
-@njit(**_options)
-def evaluate_many(tables, cycle, delta, psi, pinion, wheel, out):
-    """Rows of `evaluate` for states given as arrays (n,), into out (n, 7)."""
-    none = np.empty(0)
-    for i in range(cycle.size):
-        out[i, 0], out[i, 1], out[i, 2], out[i, 3], out[i, 4], out[i, 5], out[i, 6] = evaluate_flank(
-            tables, cycle[i], delta[i], psi[i], pinion, wheel, none
-        )
+evaluate, evaluate_two, evaluate_shares, evaluate_many = _doors(_source_digest())

@@ -69,7 +69,6 @@ _SERIES = (
     1.479819860511658591e-01,
 )
 _options: dict[str, Any] = {
-    "cache": True,
     "nogil": True,
     "error_model": "numpy",
     "forceinline": True,
@@ -165,7 +164,7 @@ def clear(at, s, work):
     work[at + COMPLIANCE_SLOPE, s] = work[at + DEPTH_SLOPE, s] = 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy")
 def damaged(tables, slice_number, at, s, x, k, u, near, m, work):
     """Add to rows `at` of lane s what the damaged teeth of near pair m bring; returns the approach left."""
     positions, per_step = int(tables[POSITIONS]), tables[PER_STEP]

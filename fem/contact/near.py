@@ -19,7 +19,7 @@ from fem.contact.packing import (
     WHEEL_OFFSET,
 )
 
-_options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
+_options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 
 
 @njit(**_options)

@@ -58,7 +58,7 @@ COUPLINGS = SECOND
 SLOPES = COUPLINGS + MAX_PAIRS
 SYSTEM = SLOPES + MAX_PAIRS
 TOTAL = SYSTEM + MAX_PAIRS
-_options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
+_options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 
 
 @njit(**_options)

@@ -38,7 +38,7 @@ from fem.contact.packing import (
 SLOTS = 4  # pairs that one slice loads at most where slices are coupled
 STEPS = 40
 CLOSE = 1e-11  # field step, relative to the largest, at which the loads found before it are taken
-_options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
+_options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 _inline: dict[str, Any] = {**_options, "forceinline": True, "fastmath": {"contract"}}
 
 
