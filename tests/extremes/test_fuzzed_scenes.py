@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import random
 import signal
 import time
@@ -76,6 +77,7 @@ def said(kind: str, error: Exception) -> str:
 def fuzz(name: str, seed: int, count: int, cache) -> dict[str, int]:
     draw, base = random.Random(f"{name} {seed}"), shipped_tree(name)
     counts: dict[str, int] = {}
+    outcome(copy.deepcopy(base), cache)  # compiles what is not yet on disk, which takes longer than a scene may
     for _ in range(count):
         tree, done = mutated(base, draw)
         begin = time.monotonic()
