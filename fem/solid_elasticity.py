@@ -41,9 +41,9 @@ class SectionBlocks:
         turn = np.zeros((count, 9, 3, 9, 3))
         for a in range(9):
             turn[:, a, :, a, :] = frames[:, a]
-        turn = turn.reshape(count, 27, 27)
+        whole = turn.reshape(count, 27, 27)
         return SectionBlocks(
-            *(turn.transpose(0, 2, 1) @ block @ turn for block in (self.plane, self.mixed, self.axial))
+            *(whole.transpose(0, 2, 1) @ block @ whole for block in (self.plane, self.mixed, self.axial))
         )
 
 

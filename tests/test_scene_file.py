@@ -117,7 +117,8 @@ def test_every_problem_is_listed_at_once_with_value_limit_and_remedy(tmp_path):
         "stages.2.face_width_mm": f"stages.2.face_width_mm = 0: {POSITIVE}",
         "stages.1.face_widht_mm": "stages.1.face_widht_mm = 12: is not a key of [stages.1]. "
         "Did you mean face_width_mm?",
-        "stages.1.mesh.model": 'stages.1.mesh.model = "plaen": is not one of iso, energy, plane, solid. Did you mean "plane"?',
+        "stages.1.mesh.model": 'stages.1.mesh.model = "plaen": is not one of iso, energy, plane, solid. '
+        'Did you mean "plane"?',
         "stages.7": "stages.7: there are 3 items. Count from 1 to 3.",
         "cotrol": 'cotrol = "x": is not a key of the scene. Did you mean control?',
         "title": 'title = 3: must be text. Put it in quotes, as in "rigid".',

@@ -172,7 +172,7 @@ def _newton(
             f"rung solid: no tooth pair can touch at state {int(np.argmin(np.isfinite(free).any(axis=1)))}; too many "
             "teeth are missing side by side, or largest_gap is too small"
         )
-    near = free - free.min(axis=1, initial=np.inf)[:, None] if force is not None else free - approach[:, None]
+    near = free - (free.min(axis=1, initial=np.inf) if approach is None else approach)[:, None]
     loaded = near <= (_FIRST_REACH if force is not None else 0.0)
     start = force if force is not None else np.ones(states)
     loads = np.where(loaded, (start / np.maximum(loaded.sum(axis=1), 1))[:, None], 0.0)
