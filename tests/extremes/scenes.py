@@ -18,7 +18,7 @@ from pipelines.study import plan_study
 
 TOTAL_LIMIT = 1e-6  # of all work of the sources
 PART_LIMIT = 0.01  # of what a part dissipates
-ROUND_OFF = 1e-13  # J, left over where next to nothing moves
+ROUND_OFF = 1e-11  # J, of the joule or so that machines of this size hold: left over where next to nothing moves
 
 EXTREMES = (
     *(0, -1, 1, 1e-300, 1e-12, -1e-12, 1e-3, 1e3, 1e6, 1e12, 1e300, -1e300),
