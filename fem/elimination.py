@@ -65,6 +65,7 @@ def group_graph(K: sp.spmatrix, block: int) -> sp.csr_matrix:
     touched = sp.csr_matrix((np.ones(K.nnz, np.int32), K.indices // block, K.indptr), shape=(n, size))
     gather = sp.csr_matrix((np.ones(n, np.int32), np.arange(n), np.arange(0, n + 1, block)), shape=(size, n))
     graph = sp.csr_matrix(gather @ touched)
+    graph = sp.csr_matrix(graph + graph.T)  # an entry may have cancelled to 0 on one side of the diagonal only
     graph.setdiag(0)
     graph.eliminate_zeros()
     graph.sort_indices()
