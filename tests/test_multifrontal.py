@@ -84,17 +84,10 @@ def test_a_singular_matrix_cannot_be_counted():
         count_negative(plan_elimination(A), A, sp.csr_matrix((0, 3)))
 
 
-def test_entries_that_cancelled_on_one_side_do_not_hide_a_coupling(plate):
-    K, M = plate
-    lopsided = K.tolil()
-    rows, columns = sp.tril(K, -1).nonzero()
-    keep = abs(K[rows, columns]).A1 < 1e-3 * abs(K.diagonal()).max()
-    for i, j in list(zip(rows[keep], columns[keep], strict=True))[::7]:
-        lopsided[i, j] = lopsided[j, i] = 0.0
-    half = lopsided.tocsr()
-    half.eliminate_zeros()
-    shifted = sp.csr_matrix(half + 1e9 * sp.eye(K.shape[0]))
-    dropped = sp.csr_matrix(sp.triu(shifted) + sp.tril(shifted, -1).multiply(abs(sp.tril(shifted, -1)) > 1e5))
-    load = np.ones(K.shape[0])
-    found = Cholesky(plan_elimination(dropped, 1), shifted).solve(load)
-    assert shifted @ found == pytest.approx(load, abs=1e-6)
+def test_a_coupling_may_stand_on_one_side_of_the_diagonal_only(plate):
+    """Round-off cancels an entry on one side and not on the other: the plan must know it all the same."""
+    stiffness = plate[0]
+    load = np.ones(stiffness.shape[0])
+    for part in (sp.triu, sp.tril):
+        found = Cholesky(plan_elimination(part(stiffness), 1), stiffness).solve(load)
+        assert stiffness @ found == pytest.approx(load, abs=1e-6)
