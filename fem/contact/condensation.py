@@ -35,7 +35,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from fem.contact.frame import flank_frame
+from fem.contact.frame import flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.contact.plane import Plane
 from fem.contact.solid_compliance import ContactCompliance
@@ -61,7 +61,7 @@ def condense(record: ContactCompliance, pair: GearPair, flank: str, plane: Plane
         contact_slope=slope,
         contact_offset=0.5 + np.log(record.depth**2 / (4 * radius * slope * cosine)),
         gap=path.gap,
-        fraction=np.isfinite(path.gap).astype(float),
+        fraction=window_fraction(path.gap),
         **terms,
     )
 

@@ -34,7 +34,7 @@ from typing import Literal
 
 import numpy as np
 
-from fem.contact.frame import FLANKS, RungError, flank_frame
+from fem.contact.frame import FLANKS, RungError, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
@@ -203,7 +203,7 @@ class Energy:
                 contact_offset=np.zeros(grid.size),
                 coupling=np.zeros((0, grid.size)),
                 gap=path.gap,
-                fraction=np.isfinite(path.gap).astype(float),
+                fraction=window_fraction(path.gap),
             )
             for flank in FLANKS
         )

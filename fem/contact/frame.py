@@ -49,3 +49,14 @@ def flank_frame(pair: GearPair, flank: str, n_slices: int) -> dict[str, Any]:
         "wheel_teeth": pair.wheel.teeth,
         "wheel_tooth_offset": 0 if flank == "drive" else 1,
     }
+
+
+def window_fraction(gap: np.ndarray) -> np.ndarray:
+    """Fraction (position,) of the pairs that the window of finite gaps holds: 1, and 0 at its first and last point.
+
+    Under an approach greater than the gap at its ends a pair enters and leaves the window in contact. It does so over
+    one cell, which keeps the force a continuous function of the position at any load.
+    """
+    finite = np.isfinite(gap)
+    inside = finite[1:-1] & finite[:-2] & finite[2:]
+    return np.concatenate([[0.0], inside.astype(float), [0.0]])

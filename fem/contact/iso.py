@@ -23,7 +23,7 @@ from typing import Literal
 
 import numpy as np
 
-from fem.contact.frame import RungError, flank_frame
+from fem.contact.frame import RungError, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import Gear, GearPair
 from fem.gears.path import contact_window, path_points, slice_fraction
@@ -171,7 +171,8 @@ class Iso:
         fraction = slice_fraction(xi, start, end, ramp) if ramp > 0.0 else np.ones(xi.size)
         # behind a ramp the edges begin after one empty point, so that no cell mixes them with the path
         beside = (xi > start - reach - step) & (xi < end + reach + step) if ramp > 0.0 else on_path
-        return np.where(on_path, 0.0, edge_gap), np.where(beside, fraction, 1.0)
+        gap = np.where(on_path, 0.0, edge_gap)
+        return gap, np.where(beside, fraction, 1.0) * window_fraction(gap)
 
 
 def _grid_step(contact_ratio: float, ramp: float) -> tuple[float, float]:

@@ -32,6 +32,7 @@ from typing import Literal
 
 import numpy as np
 
+from fem.contact.frame import FLANKS, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.contact.ring import FlankCompliance, flank_compliance
 from fem.gears.geometry import GearPair
@@ -105,35 +106,22 @@ class Plane:
         """The laws of drive and coast flank, which share their tables."""
         path = self.path(pair)
         tables = self.tables(pair, path)
-        width = pair.face_width / self.n_slices
-        y = (np.arange(self.n_slices) + 0.5) * width - pair.face_width / 2
-        shift = pair.pinion.hand_sign * y * math.tan(pair.base_helix_angle) / pair.base_pitch
-        laws = []
-        for flank, sign, offset in (("drive", 1, 0.0), ("coast", -1, pair.thickness_cycle)):
-            laws.append(
-                MeshLaw(
-                    model=self.model,
-                    flank=flank,
-                    face_coordinate=y,
-                    slice_width=np.full(self.n_slices, width),
-                    cycle_shift=sign * shift,
-                    cycle_sign=sign,
-                    cycle_offset=offset,
-                    position_start=float(path.xi[0]),
-                    position_step=1.0 / self.positions,
-                    compliance=tables.compliance,
-                    contact_slope=tables.contact_slope,
-                    contact_offset=tables.contact_offset,
-                    coupling=tables.coupling,
-                    gap=path.gap,
-                    fraction=np.isfinite(path.gap).astype(float),
-                    base_pitch=pair.base_pitch,
-                    pinion_teeth=pair.pinion.teeth,
-                    wheel_teeth=pair.wheel.teeth,
-                    wheel_tooth_offset=0 if sign > 0 else 1,
-                )
+        drive, coast = (
+            MeshLaw(
+                model=self.model,
+                **flank_frame(pair, flank, self.n_slices),
+                position_start=float(path.xi[0]),
+                position_step=1.0 / self.positions,
+                compliance=tables.compliance,
+                contact_slope=tables.contact_slope,
+                contact_offset=tables.contact_offset,
+                coupling=tables.coupling,
+                gap=path.gap,
+                fraction=window_fraction(path.gap),
             )
-        return laws[0], laws[1]
+            for flank in FLANKS
+        )
+        return drive, coast
 
     def path(self, pair: GearPair) -> PathPoints:
         """The path of contact on the uniform grid that holds every position whose gap is below `largest_gap`.
@@ -216,6 +204,6 @@ class Plane:
 
 
 def _flank_index(flank: str) -> int:
-    if flank not in ("drive", "coast"):
+    if flank not in FLANKS:
         raise PlaneError(f"rung plane: flank is {flank!r}; choose 'drive' or 'coast'")
-    return ("drive", "coast").index(flank)
+    return FLANKS.index(flank)
