@@ -35,7 +35,7 @@ from pipelines.tables.casing import (
     RigidCasingTable,
     SensorTable,
 )
-from pipelines.tables.gears import IsoMesh, PlaneMesh, SolidMesh
+from pipelines.tables.gears import EnergyMesh, IsoMesh, PlaneMesh, SolidMesh
 from pipelines.tables.housing import HousingTable
 from pipelines.validity import checked_layout
 
@@ -96,6 +96,7 @@ def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
     for number, (table, pair, fact) in enumerate(zip(scene.stages, layout.pairs, facts, strict=True), 1):
         mesh = table.mesh
         refinement = mesh.refinement if isinstance(mesh, PlaneMesh | SolidMesh) else 0.0
+        positions = mesh.positions if isinstance(mesh, EnergyMesh | PlaneMesh | SolidMesh) else 0
         added = flanks.FlanksSpec(
             pair=replace(pair, backlash_allowance=0.0),
             modifications=layout.modifications[number - 1],
@@ -109,7 +110,14 @@ def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
                 name=f"law_{number}" if added.empty else f"sound_law_{number}",
                 kind="law",
                 build=laws.build,
-                spec=laws.law_spec(pair, mesh.model, mesh.slices, refinement, fact.line_load),
+                spec=laws.law_spec(
+                    pair,
+                    mesh.model,
+                    slices=mesh.slices,
+                    refinement=refinement,
+                    positions=positions,
+                    line_load=fact.line_load,
+                ),
                 modules=(f"fem.contact.{mesh.model}",),
                 libraries=("numpy", "scipy"),
                 seconds=8.0 if isinstance(mesh, PlaneMesh | SolidMesh) else 0.0,

@@ -157,7 +157,8 @@ def _modes(sub: argparse.ArgumentParser) -> None:
 
 def _converge(sub: argparse.ArgumentParser) -> None:
     _work(sub)
-    axes = ("gear-mesh", "slices", "casing-mesh", "modes", "shaft-elements", "step")  # as in pipelines.trade.axes
+    # as in pipelines.trade.axes
+    axes = ("gear-mesh", "slices", "positions", "casing-mesh", "modes", "shaft-elements", "step")
     sub.add_argument("--over", choices=axes, required=True, help="what is refined")
     sub.add_argument("--levels", type=_count, metavar="N", default=3, help="levels, one finer than in use (default 3)")
     sub.add_argument("--error", type=_share, metavar="E", default=0.01, help="wanted error, as in 1%% (default)")

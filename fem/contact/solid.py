@@ -60,7 +60,7 @@ class Solid:
     @property
     def plane(self) -> Plane:
         """The rung that gives what a load that is even along the face finds, and the path of contact."""
-        return Plane(refinement=max(1.0, self.refinement), largest_gap=self.largest_gap)
+        return Plane(refinement=max(1.0, self.refinement), positions=2 * self.positions, largest_gap=self.largest_gap)
 
     def law(self, pair: GearPair, flank: str) -> MeshLaw:
         """The law of one flank, "drive" or "coast"."""

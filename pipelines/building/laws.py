@@ -10,22 +10,26 @@ from fem.gears.geometry import GearPair
 
 @dataclass(frozen=True, kw_only=True)
 class LawSpec:
-    """A gear pair and the rung of its law with options; `line_load` (N/m) is read by the rung `iso` alone, else 0."""
+    """A gear pair and the rung of its law with options, 0 where the rung has none; `line_load` (N/m) is for `iso`."""
 
     pair: GearPair
     model: str  # "iso" | "energy" | "plane" | "solid"
     slices: int
     refinement: float
+    positions: int
     line_load: float
 
 
-def law_spec(pair: GearPair, model: str, slices: int, refinement: float, line_load: float) -> LawSpec:
+def law_spec(
+    pair: GearPair, model: str, *, slices: int, refinement: float, positions: int, line_load: float
+) -> LawSpec:
     """The spec without what no law depends on: the play between the flanks, and the load of all rungs but `iso`."""
     return LawSpec(
         pair=replace(pair, backlash_allowance=0.0),
         model=model,
         slices=slices,
         refinement=refinement,
+        positions=positions,
         line_load=line_load if model == "iso" else 0.0,
     )
 
@@ -40,11 +44,11 @@ def build(spec: LawSpec) -> tuple[MeshLaw, MeshLaw]:
     if spec.model == "energy":
         from fem.contact.energy import Energy
 
-        return Energy(n_slices=spec.slices).laws(spec.pair)
+        return Energy(n_slices=spec.slices, positions=spec.positions).laws(spec.pair)
     if spec.model == "solid":
         from fem.contact.solid import Solid
 
-        return Solid(n_slices=spec.slices, refinement=spec.refinement).laws(spec.pair)
+        return Solid(n_slices=spec.slices, refinement=spec.refinement, positions=spec.positions).laws(spec.pair)
     from fem.contact.plane import Plane
 
-    return Plane(n_slices=spec.slices, refinement=spec.refinement).laws(spec.pair)
+    return Plane(n_slices=spec.slices, refinement=spec.refinement, positions=spec.positions).laws(spec.pair)

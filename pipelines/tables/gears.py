@@ -22,6 +22,7 @@ class EnergyMesh(Table):
 
     model: Literal["energy"] = "energy"
     slices: Annotated[Whole, Field(ge=1, le=101, description="slices along the face")] = 15
+    positions: Annotated[Whole, Field(ge=16, le=1024, description="grid points of the tables per base pitch")] = 64
 
 
 class PlaneMesh(Table):
@@ -32,6 +33,7 @@ class PlaneMesh(Table):
     refinement: Annotated[Number, Field(ge=0.5, le=8, description="divides all element sizes of the tooth sector")] = (
         1.0
     )
+    positions: Annotated[Whole, Field(ge=16, le=1024, description="grid points of the tables per base pitch")] = 64
 
 
 class SolidMesh(Table):
@@ -40,6 +42,7 @@ class SolidMesh(Table):
     model: Literal["solid"] = "solid"
     slices: Annotated[Whole, Field(ge=3, le=101, description="slices along the face")] = 21
     refinement: Annotated[Number, Field(ge=0.6, le=3, description="divides all element sizes")] = 1.0
+    positions: Annotated[Whole, Field(ge=8, le=512, description="mesh positions per base pitch that are solved")] = 32
 
 
 MeshModel = Annotated[IsoMesh | EnergyMesh | PlaneMesh | SolidMesh, Field(discriminator="model")]

@@ -45,6 +45,15 @@ def _slices(scene: Scene, fineness: float) -> Settings:
     }
 
 
+def _positions(scene: Scene, fineness: float) -> Settings:
+    found = {
+        f"stages.{number}.mesh.positions": round(stage.mesh.positions * fineness)
+        for number, stage in enumerate(scene.stages, 1)
+        if hasattr(stage.mesh, "positions")
+    }
+    return found or _nothing("positions", "stages.*.mesh.model", [stage.mesh.model for stage in scene.stages], "plane")
+
+
 def _casing_mesh(scene: Scene, fineness: float) -> Settings:
     if not isinstance(scene.casing, ElasticBase):
         return _nothing("casing-mesh", "casing.model", scene.casing.model, "craig-bampton")
@@ -77,6 +86,7 @@ AXES = {
         words="finite elements of the gears", probe="gears", formal_order=4.0, ratio=2**0.5, settings=_gear_mesh
     ),
     "slices": Axis(words="slices along the face", probe="gears", formal_order=2.0, ratio=2.0, settings=_slices),
+    "positions": Axis(words="positions per pitch", probe="gears", formal_order=2.0, ratio=2.0, settings=_positions),
     "casing-mesh": Axis(
         words="tetrahedra of the casing", probe="casing", formal_order=4.0, ratio=1.3, settings=_casing_mesh
     ),
