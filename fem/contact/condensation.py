@@ -161,7 +161,9 @@ def _spread(
             found.append(error[np.ix_(s, s)][apart[np.ix_(s, s)]])
         return np.concatenate(found)
 
-    fit = least_squares(difference, [math.log(0.3), 1.0, 0.0, 0.0], x_scale=[1.0, 1.0, 1.0, 1.0])
+    shortest = math.log(0.5 * w.min() / face)  # below, N is diagonal and a large g would stand for any small rest
+    bounds = [shortest, -np.inf, -np.inf, -np.inf], np.inf
+    fit = least_squares(difference, [max(math.log(0.3), shortest), 1.0, 0.0, 0.0], bounds=bounds)
     return face * math.exp(fit.x[0]), fit.x[1:] * math.sqrt(scale)
 
 
