@@ -1,28 +1,33 @@
-"""The settings whose price is measured: every rung and main setting that a scene can switch, one at a time."""
+"""The settings whose price is measured: every rung and main setting that a scene can switch.
+
+The presets first, then each effect alone changed from the reference, then the combinations from which the presets were
+chosen. What the presets and the combinations share (laws, casings) is built once.
+"""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from pipelines.scene import Scene
-from pipelines.tables.casing import CraigBamptonCasingTable, NoCasingTable
+from pipelines.tables.casing import CraigBamptonCasingTable, NoCasingTable, RigidCasingTable
 from pipelines.trade.presets import PRESETS, preset_settings
 
 Settings = dict[str, object]
 
-PRESET, REFERENCE = "preset", "reference"
+PRESET, REFERENCE, TOGETHER = "preset", "reference", "together"
 MESHES: dict[str, Settings] = {
-    "iso": {"model": "iso"},
-    "energy": {"model": "energy"},
-    "plane, coarse": {"model": "plane", "refinement": 0.6},
-    "plane": {"model": "plane"},
-    "solid, coarse": {"model": "solid", "refinement": 0.7, "slices": 15},
-    "solid": {"model": "solid"},
+    "iso": {"model": "iso", "slices": 21},
+    "energy": {"model": "energy", "slices": 21},
+    "plane": {"model": "plane", "refinement": 1.0, "slices": 21},
+    "solid, 15 slices": {"model": "solid", "refinement": 1.0, "slices": 15},
+    "solid, 31 slices": {"model": "solid", "refinement": 1.0, "slices": 31},
+    "solid, coarse": {"model": "solid", "refinement": 0.6, "slices": 61},
 }
-STEPS_US = (5.0, 10.0, 20.0, 33.4, 50.0, 100.0)
+STEPS_US = (33.4, 50.0, 100.0)
 INTEGRATORS = ("exponential", "trapezoidal", "generalised-alpha")
-CASING_SIZES, CASING_BANDS = (1.0, 1.3, 1.8), (0.5, 1.0)  # relative to the scene
+CASINGS = ((1.0, 1.0), (1.0, 0.5), (1.5, 1.0))  # element size and band relative to the scene
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,18 +45,19 @@ class Choice:
 
 
 def choices(scene: Scene) -> Iterator[Choice]:
-    """The reference first, then each effect alone changed from it, then the presets."""
+    """The reference first, then the other presets, each effect alone changed from the reference, and combinations."""
     best = preset_settings(scene, REFERENCE)
     yield Choice(effect=PRESET, label=REFERENCE, settings=best)
-    for effect, label, change in _single(scene):
-        kept = {key: value for key, value in best.items() if not key.startswith(_replaced(change))}
-        yield Choice(effect=effect, label=label, settings=kept | change)
     meshes = {key: value for key, value in best.items() if key.endswith(".mesh")}
     for preset in PRESETS:
         if preset != REFERENCE:
             settings = preset_settings(scene, preset)
             yield Choice(effect=PRESET, label=preset, settings=settings)
-            yield Choice(effect=PRESET, label=f"{preset}, mesh laws of {REFERENCE}", settings=settings | meshes)
+            yield Choice(effect=PRESET, label=f"{preset}, laws of {REFERENCE}", settings=settings | meshes)
+    for effect, label, change in _single(scene):
+        kept = {key: value for key, value in best.items() if not key.startswith(_replaced(change))}
+        yield Choice(effect=effect, label=label, settings=kept | change)
+    yield from _combinations(scene)
 
 
 def _replaced(change: Settings) -> tuple[str, ...]:
@@ -65,13 +71,12 @@ def _single(scene: Scene) -> Iterator[tuple[str, str, Settings]]:
         yield "mesh law", label, {f"stages.{n}.mesh": table for n in stages}
     casing = scene.casing
     if isinstance(casing, CraigBamptonCasingTable):
-        for size in CASING_SIZES:
-            value = casing.element_size_mm * size
-            yield "casing", f"elements of {value:.3g} mm", {"casing.element_size_mm": value}
-        for band in CASING_BANDS:
-            yield "casing", f"band {band * casing.band_Hz:g} Hz", {"casing.band_Hz": casing.band_Hz * band}
+        for size, band in CASINGS:
+            length, highest = casing.element_size_mm * size, casing.band_Hz * band
+            settings: Settings = {"casing.element_size_mm": length, "casing.band_Hz": highest}
+            yield "casing", f"{length:.3g} mm, {highest:g} Hz", settings
         yield "casing", "static", {"casing.model": "static", "casing.element_size_mm": casing.element_size_mm}
-    if not isinstance(casing, NoCasingTable) and casing.model != "rigid":
+    if not isinstance(casing, NoCasingTable | RigidCasingTable):
         yield "casing", "rigid", {"casing.model": "rigid"}
     if scene.shaft_model.model == "timoshenko":
         length = scene.shaft_model.element_length_mm
@@ -79,6 +84,8 @@ def _single(scene: Scene) -> Iterator[tuple[str, str, Settings]]:
             value = length * factor
             yield "shafts", f"elements of {value:.3g} mm", {"shaft_model.element_length_mm": value}
         yield "shafts", "torsion", {"shaft_model.model": "torsion"}
+    if scene.bearings.model != "rigid":
+        yield "bearings", "rigid", {"bearings.model": "rigid"}
     for step in STEPS_US:
         yield "step", f"{step:g} us", {"simulation.step_us": step}
     for integrator in INTEGRATORS:
@@ -87,3 +94,16 @@ def _single(scene: Scene) -> Iterator[tuple[str, str, Settings]]:
     for rate in (0.5, 2.0):
         value = scene.simulation.output_rate_Hz * rate
         yield "output rate", f"{value:g} Hz", {"simulation.output_rate_Hz": value}
+
+
+def _combinations(scene: Scene) -> Iterator[Choice]:
+    """Laws, casings and steps of the presets below the reference in all other ways, and with the laws of `plane`."""
+    found = {preset: preset_settings(scene, preset) for preset in PRESETS if preset != REFERENCE}
+    laws = {preset: {k: v for k, v in s.items() if k.endswith(".mesh")} for preset, s in found.items()}
+    laws["plane"] = dict.fromkeys(next(iter(laws.values())), MESHES["plane"])
+    casings = {preset: {k: v for k, v in s.items() if k.startswith("casing.")} for preset, s in found.items()}
+    steps = {preset: s["simulation.step_us"] for preset, s in found.items()}
+    for law, casing, step in itertools.product(laws, casings, steps):
+        words = [f"{law} laws", *([f"{casing} casing"] if casings[casing] else []), f"{steps[step]:g} us"]
+        settings = laws[law] | casings[casing] | {"simulation.step_us": steps[step]}
+        yield Choice(effect=TOGETHER, label=", ".join(words), settings=settings)

@@ -12,7 +12,7 @@ from pipelines.errors import SceneError
 from pipelines.scene_file import LoadedScene, changed
 from pipelines.trade.choices import PRESET, Choice, choices
 from pipelines.trade.probes import DECIBEL, PROBES, Value
-from pipelines.trade.variants import Measured, compile_ahead, measure
+from pipelines.trade.variants import Measured, measure, step_costs, time_steps
 
 JUDGE = "signals"  # the probe whose error ranks the choices
 
@@ -65,12 +65,42 @@ def trade(
 ) -> Tradeoff:
     """Run every choice of a scene and compare it with the reference.
 
+    A choice whose motion alone is sure to take longer than all of the reference, which has no error, is not run.
+
     Raises
     ------
     WorkError : a stage failed
     """
-    scenes: dict[str, LoadedScene] = {}
+    found, scenes, refused = _variants(loaded)
+    costs = step_costs(scenes.values(), cache, observer=observer, processes=processes)
+    first, best = next(iter(scenes.items()))
+    whole = measure({first: best}, list(PROBES), cache, observer=observer, processes=processes)[first].total_seconds
+    for name, variant in list(scenes.items())[1:]:
+        motion = costs[variant.scene.simulation.integrator] * time_steps(variant.scene)
+        if motion > whole:
+            del scenes[name]
+            refused[name] = f"its motion alone would take some {motion:.0f} s, the reference takes {whole:.0f} s in all"
+    measured = measure(scenes, list(PROBES), cache, observer=observer, processes=processes)
+    reference = measured[first]
+    prices = {name: _differences(one, reference) for name, one in measured.items()}
+    places = {name: (one.total_seconds, prices[name][0].get(JUDGE, math.nan)) for name, one in measured.items()}
+    priced = tuple(
+        Priced(
+            choice=found[name],
+            measured=one,
+            errors=prices[name][0],
+            decibels=prices[name][1],
+            dominated=_beaten(places[name], (place for other, place in places.items() if other != name)),
+        )
+        for name, one in measured.items()
+    )
+    return Tradeoff(name=loaded.name, priced=priced, refused=refused)
+
+
+def _variants(loaded: LoadedScene) -> tuple[dict[str, Choice], dict[str, LoadedScene], dict[str, str]]:
+    """Choices and scenes by name, each different scene once and all presets; why the others cannot be."""
     found: dict[str, Choice] = {}
+    scenes: dict[str, LoadedScene] = {}
     refused: dict[str, str] = {}
     for choice in choices(loaded.scene):
         try:
@@ -80,23 +110,7 @@ def trade(
             continue
         if choice.effect == PRESET or all(variant.scene != other.scene for other in scenes.values()):
             scenes[choice.name], found[choice.name] = variant, choice
-    compile_ahead(scenes.values(), cache)
-    probes = list(PROBES)
-    measured = measure(scenes, probes, cache, observer=observer, processes=processes)
-    reference = next(iter(measured.values()))
-    prices = {name: _differences(one, reference) for name, one in measured.items()}
-    costs = {name: (one.total_seconds, prices[name][0].get(JUDGE, math.nan)) for name, one in measured.items()}
-    priced = tuple(
-        Priced(
-            choice=found[name],
-            measured=one,
-            errors=prices[name][0],
-            decibels=prices[name][1],
-            dominated=_beaten(costs[name], (cost for other, cost in costs.items() if other != name)),
-        )
-        for name, one in measured.items()
-    )
-    return Tradeoff(name=loaded.name, priced=priced, refused=refused)
+    return found, scenes, refused
 
 
 def _differences(one: Measured, reference: Measured) -> tuple[dict[str, float], dict[str, float]]:

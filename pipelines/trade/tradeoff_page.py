@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 COLOURS = {
     "preset": "#111111", "mesh law": "#c23b22", "casing": "#2a6f97", "shafts": "#3a7d44", "bearings": "#7b4ea3",
-    "step": "#e08e0b", "integrator": "#b5651d", "output rate": "#6b6b6b",
+    "step": "#e08e0b", "integrator": "#b5651d", "output rate": "#6b6b6b", "together": "#00897b",
 }  # fmt: skip
 COLUMNS = {"gears": "gears %", "casing": "casing Hz %", "machine": "machine Hz %", "signals": "sensor rms %"}
 LEVELS = {"frf": "FRF dB", "lines": "lines dB"}

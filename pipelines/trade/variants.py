@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from pipelines.build import Observer, Outcome, run_graph
 from pipelines.cache import Cache
 from pipelines.chain import scene_stages
+from pipelines.scene import Scene
 from pipelines.scene_file import LoadedScene, changed
 from pipelines.stages import Graph, Stage
 from pipelines.study import add_stages
 from pipelines.trade.probes import PROBES, Value
 
-COMPILE_SECONDS = 0.01  # of motion, long enough to compile a time loop
+SHORT_SECONDS = (0.01, 0.02, 0.06)  # of motion: to compile a time loop, and to see what a step costs
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,12 +66,31 @@ def measure(
     }
 
 
-def compile_ahead(scenes: Iterable[LoadedScene], cache: Cache) -> None:
-    """Move every integrator of the scenes for some steps, so that no variant pays for compiling code."""
-    kinds = {loaded.scene.simulation.integrator: loaded for loaded in scenes}
-    for loaded in kinds.values():
-        short = changed(loaded, {"simulation.end_s": COMPILE_SECONDS, "diagnosis.windows_s": {}})
-        measure({"compile": short}, ["signals"], cache)
+def step_costs(
+    scenes: Iterable[LoadedScene], cache: Cache, *, observer: Observer | None = None, processes: int | None = None
+) -> dict[str, float]:
+    """Seconds per time step of every integrator of the scenes, from two short runs; compiles what is not yet compiled.
+
+    Raises
+    ------
+    as `measure`
+    """
+    costs = {}
+    for integrator, loaded in {loaded.scene.simulation.integrator: loaded for loaded in scenes}.items():
+        seconds = []
+        for end in SHORT_SECONDS:
+            short = changed(loaded, {"simulation.end_s": end, "diagnosis.windows_s": {}})
+            name = f"first {end:g} s, {integrator}"
+            found = measure({name: short}, ["signals"], cache, observer=observer, processes=processes)
+            seconds.append(found[name].seconds["simulate"])
+        steps = (SHORT_SECONDS[-1] - SHORT_SECONDS[-2]) / (loaded.scene.simulation.step_us * 1e-6)
+        costs[integrator] = max(seconds[-1] - seconds[-2], 0.0) / steps
+    return costs
+
+
+def time_steps(scene: Scene) -> float:
+    """Number of time steps of a scene, as far as none is cut."""
+    return scene.simulation.end_s / (scene.simulation.step_us * 1e-6)
 
 
 def _measured(loaded: LoadedScene, probes: Sequence[str], names: Mapping[str, str], outcome: Outcome) -> Measured:
