@@ -21,6 +21,7 @@ PARTS = {
     "loop": ("benchmarks.motion", "loop"),
     "rungs": ("benchmarks.motion", "rungs"),
     "precision": ("benchmarks.motion", "precision"),
+    "presets": ("benchmarks.presets", "presets"),
 }
 
 

@@ -32,6 +32,7 @@ def blocks(result: dict[str, Any]) -> dict[str, str]:
         "casing": "\n\n".join([_part(parts, "modes", casing_table), _part(parts, "static", casing_table)]),
         "rungs": _part(parts, "rungs", rung_table),
         "precision": _part(parts, "precision", precision_table),
+        "presets": _part(parts, "presets", preset_table),
     }
 
 
@@ -68,6 +69,8 @@ def benchmarks_page(result: dict[str, Any]) -> str:
         ("Integrators: error against seconds", "The full rig over 0.2 s of motion, channel sensor_3 z after the output "
          "filter. Error: RMS of the difference to the exponential method at 1.25 us over the RMS of the signal.",
          "precision", precision_table),
+        ("Presets", "`gearcase simulate rig-missing-tooth --preset ...`: from an empty cache to written signals, with "
+         "compiled code on disk; errors are the largest against the preset `reference`.", "presets", preset_table),
     ]  # fmt: skip
     text = [
         "# Benchmarks",
@@ -146,6 +149,20 @@ def rung_table(rows: list[dict[str, Any]]) -> str:
     ]  # fmt: skip
     headers = ("rung changed", "coordinates", "modes kept", "seconds per second of motion", "acceleration m/s²",
                "mesh force, stage 1, N", "approach peak to peak, stage 1, µm")  # fmt: skip
+    return markdown(headers, cells)
+
+
+def preset_table(rows: list[dict[str, Any]]) -> str:
+    """Cold time, memory and errors of the presets."""
+    cells = []
+    for r in rows:
+        shares = [f"{100 * r['errors'].get(name, 0.0):.2g} %" for name in ("signals", "gears", "casing", "machine")]
+        levels = [f"{r['decibels'].get(name, 0.0):.2g} dB" for name in ("lines", "frf")]
+        wall = "" if r["wall_seconds"] is None else f"{r['wall_seconds']:.0f}"
+        parts = [f"{r[name]:.1f}" for name in ("law_seconds", "casing_seconds", "motion_seconds")]
+        cells.append([r["preset"], wall, *parts, f"{r['peak_MB']:.0f}", shares[0], levels[0], *shares[1:], levels[1]])
+    headers = ("preset", "cold, s", "laws s", "casing s", "motion s", "MB", "sensor RMS", "fault lines",
+               "stiffness, TE", "casing Hz", "machine Hz", "FRF")  # fmt: skip
     return markdown(headers, cells)
 
 

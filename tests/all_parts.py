@@ -1,11 +1,13 @@
 """Run every test, the slow ones too, file by file; a part that passed on this source tree is not run again.
 
-Usage: python tests/all_parts.py [--restart]. Marks are kept in .test-all/<hash of the sources>/.
+Usage: python tests/all_parts.py [--restart]. Marks are kept in .test-all/<hash of the sources>/. Processor seconds of
+every part are printed, of the extremes also what they counted; a part may take 8 minutes.
 """
 
 from __future__ import annotations
 
 import hashlib
+import os
 import shutil
 import subprocess
 import sys
@@ -31,7 +33,8 @@ def source_hash() -> str:
 
 def run_part(path: Path) -> bool:
     """Run one test file with all markers; True if it passed."""
-    command = [sys.executable, "-m", "pytest", "-m", "slow or not slow", str(path)]
+    counts = ("-s",) if "extremes" in path.parts else ()
+    command = [sys.executable, "-m", "pytest", "-m", "slow or not slow", *counts, str(path)]
     try:
         code = subprocess.run(command, cwd=ROOT, timeout=SECONDS_PER_PART, check=False).returncode
     except subprocess.TimeoutExpired:
@@ -40,26 +43,38 @@ def run_part(path: Path) -> bool:
     return code in (0, NO_TESTS_COLLECTED)
 
 
+def processor_seconds() -> float:
+    """Of all child processes that have ended."""
+    times = os.times()
+    return times.children_user + times.children_system
+
+
 def main() -> int:
     marks = ROOT / ".test-all" / source_hash()
     if "--restart" in sys.argv:
         shutil.rmtree(marks, ignore_errors=True)
     marks.mkdir(parents=True, exist_ok=True)
     parts = sorted((ROOT / "tests").rglob("test_*.py"))
-    passed = failed = 0
+    failed = []
+    taken: dict[str, float] = {}
     for number, path in enumerate(parts, 1):
         mark = marks / path.stem
-        started = time.monotonic()
+        started, before = time.monotonic(), processor_seconds()
         print(f"[{number}/{len(parts)}] {path.relative_to(ROOT)}", flush=True)
         if mark.exists():
-            print("passed before on the same sources", flush=True)
-            passed += 1
-        elif run_part(path):
-            mark.write_text(f"{time.monotonic() - started:.1f} s\n", encoding="utf-8")
-            passed += 1
+            print(f"passed before on the same sources, {mark.read_text(encoding='utf-8').strip()}", flush=True)
+            continue
+        passed = run_part(path)
+        taken[path.name] = processor_seconds() - before
+        words = f"{time.monotonic() - started:.1f} s, {taken[path.name]:.1f} s of the processor"
+        print(words, flush=True)
+        if passed:
+            mark.write_text(words + "\n", encoding="utf-8")
         else:
-            failed += 1
-    print(f"{passed} passed, {failed} failed", flush=True)
+            failed.append(path.name)
+    longest = sorted(taken, key=lambda name: -taken[name])[:5]
+    print("longest: " + ", ".join(f"{name} {taken[name]:.0f} s" for name in longest), flush=True)
+    print(f"{len(parts) - len(failed)} passed, {len(failed)} failed {' '.join(failed)}", flush=True)
     return 1 if failed else 0
 
 

@@ -1,11 +1,14 @@
 """The hand-written pages name what exists: every rung a scene may choose, every integrator, every module."""
 
+import json
 import re
 import typing
 from pathlib import Path
 
 import pytest
 
+from benchmarks import page
+from benchmarks.__main__ import RESULTS
 from benchmarks.modules import modules
 from mbd.integrators.methods import METHODS
 from pipelines.tables import bearings, casing, gears, losses, motion, shafts
@@ -50,3 +53,11 @@ def test_the_module_map_names_nothing_that_is_gone():
 def test_links_between_pages_lead_somewhere(page):
     for target in re.findall(r"\]\(([\w./-]+\.md)\)", (DOCS / page).read_text(encoding="utf-8")):
         assert (DOCS / target).exists()
+
+
+@pytest.mark.parametrize("name", ["conditions", "presets", "mesh", "casing", "rungs", "precision"])
+def test_measured_blocks_of_the_guide_are_what_was_measured(name):
+    text = (DOCS / "choosing-a-rung.md").read_text(encoding="utf-8")
+    block = page.blocks(json.loads(RESULTS.read_text(encoding="utf-8")))[name]
+    assert page.BEGIN.format(name) in text
+    assert page.filled(text, name, block) == text, "run: python -m benchmarks"

@@ -82,7 +82,7 @@ def trade(
             refused[name] = f"its motion alone would take some {motion:.0f} s, the reference takes {whole:.0f} s in all"
     measured = measure(scenes, list(PROBES), cache, observer=observer, processes=processes)
     reference = measured[first]
-    prices = {name: _differences(one, reference) for name, one in measured.items()}
+    prices = {name: differences(one, reference) for name, one in measured.items()}
     places = {name: (one.total_seconds, prices[name][0].get(JUDGE, math.nan)) for name, one in measured.items()}
     priced = tuple(
         Priced(
@@ -113,7 +113,7 @@ def _variants(loaded: LoadedScene) -> tuple[dict[str, Choice], dict[str, LoadedS
     return found, scenes, refused
 
 
-def _differences(one: Measured, reference: Measured) -> tuple[dict[str, float], dict[str, float]]:
+def differences(one: Measured, reference: Measured) -> tuple[dict[str, float], dict[str, float]]:
     """Largest relative difference and largest difference of levels, by probe, over the values both have."""
     known = {value.name: value for value in one.values}
     errors: dict[str, float] = {}

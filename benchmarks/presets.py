@@ -1,0 +1,68 @@
+"""Part `presets`: the full rig under each preset, cold, and how far its answers are from those of the reference.
+
+Cold: an empty cache, compiled code on disk (a run of its own before compiles it), `gearcase simulate` as a user types
+it, from the start of the process to the written signals. The presets share no stage, so one cache serves all three.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from pipelines.cache import Cache
+from pipelines.scene_file import LoadedScene, changed, load_scene
+from pipelines.trade.presets import PRESETS, preset_settings
+from pipelines.trade.probes import PROBES
+from pipelines.trade.tradeoff import differences
+from pipelines.trade.variants import Measured, measure
+
+SCENE, REFERENCE = "rig-missing-tooth", PRESETS[-1]
+COMPILED = ("minimal", "--set", "stages.1.mesh.model=solid", "--set", "simulation.end_s=0.05",
+            "--set", "diagnosis.windows_s={}")  # fmt: skip
+AS_WRITTEN = "as the scene says"
+
+
+def presets(folder: Path) -> list[dict[str, Any]]:
+    """Rows of seconds, memory and largest errors; last, the presets with the laws of the reference injected."""
+    loaded, cold = load_scene(SCENE), folder / "cold"
+    run(folder / "compiled", *COMPILED)
+    walls = {}
+    for preset in (AS_WRITTEN, *PRESETS):
+        walls[preset] = run(cold, SCENE, *(() if preset == AS_WRITTEN else ("--preset", preset)))
+    asked = {preset: preset_settings(loaded.scene, preset) for preset in PRESETS}
+    laws = {key: value for key, value in asked[REFERENCE].items() if key.endswith(".mesh")}
+    asked |= {f"{preset}, laws of {REFERENCE}": asked[preset] | laws for preset in PRESETS if preset != REFERENCE}
+    scenes: dict[str, LoadedScene] = {AS_WRITTEN: loaded}
+    scenes |= {name: changed(loaded, settings) for name, settings in asked.items()}
+    found = measure(scenes, list(PROBES), Cache(cold))
+    return [row(name, one, found[REFERENCE], walls.get(name)) for name, one in found.items()]
+
+
+def run(cache: Path, *arguments: str) -> float:
+    """Wall-clock seconds of `gearcase simulate`."""
+    command = [sys.executable, "-m", "pipelines.cli", "simulate", *arguments, "--out", str(cache / "signals"), "-q"]
+    environment = {**os.environ, "GEARCASE_CACHE": str(cache / "cache"), "PYTHONPATH": os.pathsep.join(sys.path)}
+    start = time.perf_counter()
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"gearcase simulate {' '.join(arguments)} ended with {done.returncode}: {done.stderr}")
+    return time.perf_counter() - start
+
+
+def row(name: str, one: Measured, reference: Measured, wall: float | None) -> dict[str, Any]:
+    """Stage seconds, memory and errors of a preset."""
+    errors, decibels = differences(one, reference)
+    return {
+        "preset": name,
+        "wall_seconds": wall,
+        "law_seconds": sum(s for stage, s in one.seconds.items() if "law" in stage),
+        "casing_seconds": sum(s for stage, s in one.seconds.items() if stage.startswith("casing")),
+        "motion_seconds": one.seconds["simulate"],
+        "peak_MB": one.peak_bytes / 1e6,
+        "errors": errors,
+        "decibels": decibels,
+    }
