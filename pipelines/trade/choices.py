@@ -21,9 +21,9 @@ MESHES: dict[str, Settings] = {
     "iso": {"model": "iso", "slices": 21},
     "energy": {"model": "energy", "slices": 21},
     "plane": {"model": "plane", "refinement": 1.0, "slices": 21},
-    "solid, 15 slices": {"model": "solid", "refinement": 1.0, "slices": 15},
-    "solid, 31 slices": {"model": "solid", "refinement": 1.0, "slices": 31},
-    "solid, coarse": {"model": "solid", "refinement": 0.6, "slices": 61},
+    "solid, 15 slices": {"model": "solid", "refinement": 0.6, "slices": 15},
+    "solid, 31 slices": {"model": "solid", "refinement": 0.6, "slices": 31},
+    "solid, 101 slices": {"model": "solid", "refinement": 0.6, "slices": 101},
 }
 STEPS_US = (33.4, 50.0, 100.0)
 INTEGRATORS = ("exponential", "trapezoidal", "generalised-alpha")
