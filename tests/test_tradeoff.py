@@ -82,7 +82,9 @@ def test_the_plot_names_its_axes_every_choice_and_the_front(found):
     assert axes.get_xlabel().endswith("s")
     assert "%" in axes.get_ylabel()
     written = [text.get_text() for text in axes.texts]
-    assert sorted(written) == sorted(p.choice.label for p in found.priced if not math.isnan(p.error))
+    shown = [p for p in found.priced if not math.isnan(p.error)]
+    assert len(written) == len(shown)
+    assert all(any(p.choice.label in text for text in written) for p in shown)
     assert any("front" in text.get_text() for text in axes.get_legend().get_texts())
     assert len(trade_table(found).rows) == len(found.priced)
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from pipelines.grid import Grid
 from pipelines.report_contents import grid
+from pipelines.trade.choices import PRESET
 from pipelines.trade.tradeoff import Priced, Tradeoff
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ COLOURS = {
 }  # fmt: skip
 COLUMNS = {"gears": "gears %", "casing": "casing Hz %", "machine": "machine Hz %", "signals": "sensor rms %"}
 LEVELS = {"frf": "FRF dB", "lines": "lines dB"}
-LEAST = 1e-3  # per cent, errors below are drawn here
 
 
 def trade_table(found: Tradeoff) -> Grid:
@@ -66,43 +66,48 @@ def _words(one: Priced) -> str:
 
 
 def trade_figure(found: Tradeoff) -> Figure:
-    """Error of sensor rms over seconds, every choice with its label, and the front as a line."""
+    """Error of sensor rms over seconds, every point named; the front as a line."""
+    from matplotlib.ticker import NullFormatter, ScalarFormatter
+
     from pipelines.plots import dress, new_figure
 
-    figure = new_figure(7.5, 12.0)
-    axes = figure.subplots()
     shown = [one for one in found.priced if not math.isnan(one.error)]
-    places = {one.choice.name: (one.seconds, max(100 * one.error, LEAST)) for one in shown}
+    figure = new_figure(max(6.0, 0.2 * len(shown) + 1.5), 13.0)
+    axes = figure.subplots()
+    least = min((one.error for one in shown if one.error > 0.0), default=0.01) / 3
+    places = {one.choice.name: (one.seconds, 100 * max(one.error, least)) for one in shown}
     for effect in dict.fromkeys(one.choice.effect for one in shown):
-        group = [one for one in shown if one.choice.effect == effect]
-        x, y = zip(*(places[one.choice.name] for one in group), strict=True)
-        axes.scatter(x, y, s=46 if effect == "preset" else 24, color=COLOURS[effect], label=effect, zorder=3)
+        x, y = zip(*(places[one.choice.name] for one in shown if one.choice.effect == effect), strict=True)
+        axes.scatter(x, y, s=50 if effect == PRESET else 24, color=COLOURS[effect], label=effect, zorder=3)
     axes.set_xscale("log")
     axes.set_yscale("log")
+    axes.xaxis.set_major_formatter(ScalarFormatter())
+    axes.xaxis.set_minor_formatter(ScalarFormatter() if len(axes.get_xticks()) < 6 else NullFormatter())
+    axes.yaxis.set_major_formatter(ScalarFormatter())
     front = [places[one.choice.name] for one in found.front]
     axes.plot(*zip(*front, strict=True), color="black", lw=0.9, ls="--", label="front: nothing is better in both")
-    axes.margins(x=0.18, y=0.1)
+    axes.margins(x=0.12, y=0.06)
     dress(
         axes, f"{found.name}: speed against accuracy", "time of all stages, cold, s",
-        f"largest error of a sensor's rms against the reference, % (at least {LEAST:g})",
+        f"largest error of a sensor's rms against the reference, % (0 is drawn at {100 * least:.2g})",
     )  # fmt: skip
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=9)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=6, frameon=False, fontsize=9)
     _label(axes, [(one, *places[one.choice.name]) for one in shown])
     return figure
 
 
 def _label(axes: Axes, points: list[tuple[Priced, float, float]]) -> None:
-    """Write every label beside its point, moved up where it would cover one written before."""
-    transform = axes.transData
-    axes.figure.canvas.draw()
-    taken: list[tuple[float, float, float]] = []
-    for one, x, y in sorted(points, key=lambda p: (p[2], p[1])):
-        left, level = transform.transform((x, y))
-        width, place = 6.2 * len(one.choice.label), level
-        while any(abs(place - t) < 11 and left < r and left + width > s for s, r, t in taken):
-            place += 11
-        taken.append((left, left + width, place))
+    """Presets beside their points, every other label in a column at the right, joined to its point by a line."""
+    aside = sorted((p for p in points if p[0].choice.effect != PRESET), key=lambda p: p[2])
+    for one, x, y in points:
+        if one.choice.effect == PRESET:
+            axes.annotate(
+                one.choice.label, (x, y), xytext=(-7, 3), textcoords="offset points", ha="right", fontsize=9, zorder=5
+            )
+    for number, (one, x, y) in enumerate(aside):
+        colour = COLOURS[one.choice.effect]
         axes.annotate(
-            one.choice.label, (x, y), xytext=(6, (place - level) * 0.72 - 3), textcoords="offset points", fontsize=8,
-            color=COLOURS[one.choice.effect],
+            f"{one.choice.name} ({one.seconds:.0f} s, {_percent(one.error)} %)", (x, y),
+            xytext=(1.06, (number + 0.5) / len(aside)), textcoords="axes fraction", va="center", fontsize=8,
+            color=colour, arrowprops={"arrowstyle": "-", "lw": 0.4, "color": colour, "relpos": (0.0, 0.5)},
         )  # fmt: skip
