@@ -75,7 +75,7 @@ def step_costs(
     ------
     as `measure`
     """
-    costs = {}
+    costs: dict[str, float] = {}
     for integrator, loaded in {loaded.scene.simulation.integrator: loaded for loaded in scenes}.items():
         seconds = []
         for end in SHORT_SECONDS:
