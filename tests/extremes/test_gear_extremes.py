@@ -153,9 +153,11 @@ def test_a_left_hand_pair_is_the_mirror_image(rung, name):
 @pytest.mark.parametrize("rung", ["energy", "plane", pytest.param("solid", marks=pytest.mark.slow)])
 @EVERY_PAIR
 def test_exchange_of_pinion_and_wheel_runs_the_law_backwards(rung, name):
-    """Seen turned by half a turn about the shafts: equal at -c on the path of contact. The gap of a tip edge is
-    measured by turning the wheel, so beyond the path only to second order: light loads, which hardly reach it. Not for `iso`: the
-    series of the standard for c' itself weighs the teeth of pinion and wheel differently."""
+    """Seen turned by half a turn about the shafts: equal at -c on the path of contact.
+
+    The gap of a tip edge is measured by turning the wheel, so beyond the path only to second order: light loads, which
+    hardly reach it. Not for `iso`: the series of the standard weighs the teeth of pinion and wheel differently.
+    """
     pair = PAIRS[name]
     law, other = law_of(rung, pair), law_of(rung, GearPair(pinion=pair.wheel, wheel=pair.pinion))
     cycle = np.linspace(0, 1, 17)[:-1] + 1 / 64
