@@ -12,12 +12,13 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import numpy as np
 
 _Number = ctypes.POINTER(ctypes.c_int)
 _Factor = ctypes.POINTER(ctypes.c_double)
-_KINDS = {"c": ctypes.c_char_p, "i": _Number, "f": _Factor, "a": ctypes.c_void_p}
+_KINDS: dict[str, Any] = {"c": ctypes.c_char_p, "i": _Number, "f": _Factor, "a": ctypes.c_void_p}
 _ARGUMENTS = {  # c: option, i: integer, f: factor, a: array
     "dgemm": "cciiifaiaifai",
     "dsyrk": "cciifaifai",
@@ -69,9 +70,9 @@ def _lead(A: np.ndarray) -> int:
     return max(A.strides[1] // 8 if A.shape[1] > 1 else 0, len(A), 1)
 
 
-def _call(name: str, *given: object) -> int:
+def _call(name: str, *given: Any) -> int:
     """Call a routine; its last integer argument as it leaves it."""
-    arguments: list[object] = []
+    arguments: list[Any] = []
     number = ctypes.c_int(0)
     for value in given:
         if isinstance(value, np.ndarray):
@@ -81,7 +82,7 @@ def _call(name: str, *given: object) -> int:
         elif isinstance(value, float):
             arguments.append(ctypes.byref(ctypes.c_double(value)))
         else:
-            number = ctypes.c_int(int(value))  # type: ignore[call-overload]
+            number = ctypes.c_int(value)
             arguments.append(ctypes.byref(number))
     _routine(name)(*arguments)
     return number.value

@@ -67,7 +67,7 @@ def plan_elimination(K: sp.spmatrix, block: int = 1) -> Elimination:
 
 
 def _halves(
-    width: np.ndarray, rows: tuple[np.ndarray, ...], children: tuple[tuple[int, ...], ...]
+    width: np.ndarray, rows: list[np.ndarray], children: tuple[tuple[int, ...], ...]
 ) -> tuple[np.ndarray, tuple[int, int]]:
     """Supernodes in an order of two independent halves of the tree and what lies above both, and where these end.
 
@@ -80,14 +80,14 @@ def _halves(
     for s, own in enumerate(children):
         below[s] += below[list(own)].sum()
         owner[list(own)] = s
-    trees, top = list(np.flatnonzero(owner < 0)), 0.0
+    trees, top = [int(s) for s in np.flatnonzero(owner < 0)], 0.0
     best, half_of, shortest = np.zeros(0, int), np.zeros(0, int), np.inf
     for _ in range(_OPENED):
         trees.sort(key=lambda s: (-below[s], s))
         load, half = [0.0, 0.0], np.zeros(len(trees), int)
-        for place, s in enumerate(trees):
+        for place, tree in enumerate(trees):
             half[place] = int(load[1] < load[0])
-            load[half[place]] += below[s]
+            load[half[place]] += below[tree]
         if top + max(load) < shortest:
             best, half_of, shortest = np.array(trees), half, top + max(load)
         heaviest = trees.pop(0)

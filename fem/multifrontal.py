@@ -204,15 +204,16 @@ def count_negative(plan: Elimination, A: sp.spmatrix, rows: sp.spmatrix) -> int:
             values[strip] = value
             front[behind, strip] = front[behind, strip] @ vector
             turned, load = front[behind, strip], vector.T @ own[strip]
-            blas.add_product(turned, np.asfortranarray((turned[: k - behind.start] / value).T), front[behind, behind], -1.0)
+            scaled = np.asfortranarray((turned[: k - behind.start] / value).T)
+            blas.add_product(turned, scaled, front[behind, behind], -1.0)
             change = turned @ (load.T / value).T
             own[behind] -= change[: k - behind.start]
             leave(number, change[k - behind.start :])
             schur[part] += (load.T / value) @ load
         negative[part] += int((values < 0.0).sum())
-        scaled = front[k:] / np.sqrt(abs(values))
-        blas.add_square(np.asfortranarray(scaled[:, values > 0.0]), C, -1.0)
-        blas.add_square(np.asfortranarray(scaled[:, values < 0.0]), C, 1.0)
+        turned = front[k:] / np.sqrt(abs(values))
+        blas.add_square(np.asfortranarray(turned[:, values > 0.0]), C, -1.0)
+        blas.add_square(np.asfortranarray(turned[:, values < 0.0]), C, 1.0)
 
     def scratch(number: int) -> np.ndarray:
         k = int(plan.starts[number + 1] - plan.starts[number])

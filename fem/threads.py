@@ -16,11 +16,12 @@ import numpy as np
 import scipy.sparse as sp
 from numba import njit
 
-One, Other = TypeVar("One"), TypeVar("Other")
+One = TypeVar("One")
+Other = TypeVar("Other")
 
 
 def side_by_side(one: Callable[[], One], other: Callable[[], Other]) -> tuple[One, Other]:
-    """The results of both; `other` runs in a thread of its own. What either raises is raised here, first that of one."""
+    """The results of both; `other` runs in a thread of its own. What they raise is raised here, that of `one` first."""
     with ThreadPoolExecutor(max_workers=1) as pool:
         later = pool.submit(other)
         result = one()

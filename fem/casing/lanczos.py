@@ -164,16 +164,8 @@ class _Basis:
     def products(self, Y: np.ndarray) -> np.ndarray:
         """Q^T Y (used, k)."""
         halves = [np.array_split(part, 2, axis=1) for part in self._filled()]
-        return np.vstack(
-            [
-                half
-                for pair in zip(
-                    *side_by_side(lambda: [p.T @ Y for p, _ in halves], lambda: [p.T @ Y for _, p in halves]),
-                    strict=True,
-                )
-                for half in pair
-            ]
-        )
+        left, right = side_by_side(lambda: [p.T @ Y for p, _ in halves], lambda: [p.T @ Y for _, p in halves])
+        return np.vstack([some for both in zip(left, right, strict=True) for some in both])
 
     def remove(self, W: np.ndarray, coefficients: np.ndarray) -> None:
         """W -= Q @ coefficients in place, W (n, k)."""
