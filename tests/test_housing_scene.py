@@ -92,7 +92,7 @@ def test_the_shipped_step_file_is_found_and_placed_by_the_shafts():
         ("rig-healthy", {}),
         ("rig-step", {}),
         ("rig-step", {"casing.ground": "springs", "casing.mounts_N_per_um": [[100.0, 100.0, 200.0]]}),
-        ("minimal", {"casing": {"model": "craig-bampton", "element_size_mm": 20.0, "band_Hz": 5000.0}}),
+        ("minimal", {"casing.model": "craig-bampton", "casing.element_size_mm": 20.0, "casing.band_Hz": 5000.0}),
     ],
     ids=["rig", "step", "step on springs", "minimal"],
 )
