@@ -11,7 +11,8 @@ from fem import blas
 from fem.elasticity import assemble
 from fem.elimination import plan_elimination
 from fem.multifrontal import Cholesky, NearlySingularError, NotDefiniteError, count_negative
-from fem.threads import product, side_by_side
+from fem.sparse_product import product
+from fem.threads import side_by_side
 
 STEEL = {"elastic_modulus": 2.0e11, "poisson_ratio": 0.3, "density": 7800.0}
 

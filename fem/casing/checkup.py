@@ -24,7 +24,7 @@ from fem.casing.lanczos import block_lanczos
 from fem.casing.reduction import Reduction
 from fem.elasticity import mass_properties, rigid_body_modes
 from fem.records import Record, array, names, scalar
-from fem.threads import product, side_by_side
+from fem.threads import side_by_side
 
 _LIMITS = {
     "stiffness_asymmetry": 1e-12,
@@ -241,6 +241,8 @@ def _on_springs(casing: GroundedCasing, R: np.ndarray, MR: np.ndarray) -> tuple[
 
 def _reduced_items(casing: GroundedCasing, reduction: Reduction, held: np.ndarray) -> dict[str, float]:
     """Definiteness and block forms by projection of the full matrices, static response of the interface."""
+    from fem.sparse_product import product
+
     b = reduction.constraint.shape[1]
     interface = casing.interface
     coupling = product(casing.K_free, reduction.constraint).T @ reduction.modes

@@ -18,7 +18,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from fem import blas
-from fem.threads import product, side_by_side
+from fem.threads import side_by_side
 
 _TOLERANCE = 1e-7  # residual of a Ritz pair over its theta; the eigenvalue is then good to about its square
 _CHUNK = 8  # blocks that share one array
@@ -69,6 +69,8 @@ def block_lanczos(
     ------
     EigenError : no convergence within `largest_basis` vectors
     """
+    from fem.sparse_product import product
+
     if (smallest is None) == (count is None):
         raise ValueError("give either `smallest` or `count`")
     n = M.shape[0]
