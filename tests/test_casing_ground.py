@@ -14,10 +14,10 @@ from fem.casing.checkup import check_up
 from fem.casing.coupling import CouplingError
 from fem.casing.damping import damping_ratios
 from fem.casing.grounded import BEARING_AXES, ground_casing
-from fem.casing.lanczos import block_lanczos
+from fem.casing.lanczos import EigenError, block_lanczos
 from fem.casing.mesher import mesh_housing
 from fem.casing.modes import casing_modes, kept_modes, natural_modes, reduced_body
-from fem.casing.reduction import count_fixed_modes, reduce_body
+from fem.casing.reduction import count_fixed_modes, reduce_body, reduced_and_counted
 from fem.casing.truncation import TruncationError, kept
 from fem.ledger import counting
 from fem.linear_solver import nested_dissection
@@ -216,6 +216,17 @@ def test_the_law_of_inertia_counts_the_modes_that_are_found(fixed, sprung):
         for limit in (900.0, 1.5 * BAND):
             counted = count_fixed_modes(casing.interface, casing.K_free, casing.M_free, limit)
             assert counted == (reduction.frequencies[: reduction.n_fixed] < limit).sum()
+
+
+def test_a_missed_mode_is_an_error(fixed, monkeypatch):
+    casing = fixed[0]
+    held = (casing.interface, casing.K_free, casing.M_free)
+    reduction, counted = reduced_and_counted(*held, highest=1.5 * BAND)
+    assert reduction.n_fixed == counted
+    assert np.array_equal(reduction.modes, fixed[1].modes)  # the same numbers beside the count as without
+    monkeypatch.setattr("fem.casing.reduction.count_fixed_modes", lambda *_: counted + 1)
+    with pytest.raises(EigenError, match=f"{counted} fixed-interface modes found below 2250 Hz, {counted + 1} exist"):
+        reduced_and_counted(*held, highest=1.5 * BAND)
 
 
 def test_sensor_axes_turn_the_rows(fixed, housing):
