@@ -2,7 +2,8 @@
 
 The housing of the shipped rig, feet held, eight bearings with five coordinates each, every fixed-interface mode to 1.5
 times the band. Every case runs in a process of its own, the BLAS on one thread, the halves of the heavy steps side by
-side on two; 15.8 mm gives about 150,000 unknowns, 9.2 mm about 400,000. Without options all of `CASES`, with some their combinations. Writes benchmarks/results/reduction.json.
+side on two; 15.8 mm gives about 150,000 unknowns, 9.2 mm about 400,000. Without options it runs all of `CASES`, else
+the combinations of what is given. Writes benchmarks/results/reduction.json.
 """
 
 from __future__ import annotations
