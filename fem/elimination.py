@@ -16,6 +16,8 @@ import numpy as np
 import scipy.sparse as sp
 from numba import njit
 
+_OPENED = 30  # subtrees at most that are opened to find two halves
+
 
 @dataclass(frozen=True, eq=False)
 class Elimination:
@@ -25,6 +27,7 @@ class Elimination:
     starts: np.ndarray  # (supernode + 1,) first unknown of each
     rows: tuple[np.ndarray, ...]  # unknowns behind the supernode that its columns touch, ascending
     children: tuple[tuple[int, ...], ...]  # supernodes whose remainder is added to it
+    split: tuple[int, int]  # supernodes before the first, and from it to the second, do not touch each other
 
     @property
     def entries(self) -> int:
@@ -50,12 +53,55 @@ def plan_elimination(K: sp.spmatrix, block: int = 1) -> Elimination:
     order, graph, owner = order[by_owner], _reordered(graph, by_owner), owner[by_owner]
     starts = np.append(np.flatnonzero(np.diff(owner, prepend=-1)), len(order))
     rows, children = _structure(graph, starts, above)
+    turn, split = _halves(np.diff(starts), rows, children)
+    groups, turned = np.split(np.arange(len(order)), starts[1:-1]), np.argsort(turn)
+    by_turn = np.concatenate([groups[s] for s in turn])
+    place = np.argsort(by_turn)
     return Elimination(
-        order=_spread(order, block),
-        starts=starts * block,
-        rows=tuple(_spread(r, block) for r in rows),
-        children=children,
+        order=_spread(order[by_turn], block),
+        starts=np.append(0, np.cumsum(np.diff(starts)[turn])) * block,
+        rows=tuple(_spread(np.sort(place[rows[s]]), block) for s in turn),
+        children=tuple(tuple(int(turned[c]) for c in children[s]) for s in turn),
+        split=split,
     )
+
+
+def _halves(
+    width: np.ndarray, rows: list[np.ndarray], children: tuple[tuple[int, ...], ...]
+) -> tuple[np.ndarray, tuple[int, int]]:
+    """Supernodes in an order of two independent halves of the tree and what lies above both, and where these end.
+
+    The heaviest subtree is opened, its root put to the top, as long as this shortens the way of two that share the
+    work; an order in which children come before parents stays one.
+    """
+    work = np.array([float(w * (w + len(r))) for w, r in zip(width, rows, strict=True)])
+    below = work.copy()
+    owner = np.full(len(work), -1)
+    for s, own in enumerate(children):
+        below[s] += below[list(own)].sum()
+        owner[list(own)] = s
+    trees, top = [int(s) for s in np.flatnonzero(owner < 0)], 0.0
+    best, half_of, shortest = np.zeros(0, int), np.zeros(0, int), np.inf
+    for _ in range(_OPENED):
+        trees.sort(key=lambda s: (-below[s], s))
+        load, half = [0.0, 0.0], np.zeros(len(trees), int)
+        for place, tree in enumerate(trees):
+            half[place] = int(load[1] < load[0])
+            load[half[place]] += below[tree]
+        if top + max(load) < shortest:
+            best, half_of, shortest = np.array(trees), half, top + max(load)
+        heaviest = trees.pop(0)
+        top += work[heaviest]
+        trees += children[heaviest]
+        if not trees:
+            break
+    part = np.full(len(work), 2)
+    part[best] = half_of
+    for s in range(len(work) - 1, -1, -1):
+        if owner[s] >= 0 and part[owner[s]] < 2:
+            part[s] = part[owner[s]]
+    first, second = int((part == 0).sum()), int((part == 1).sum())
+    return np.argsort(part, kind="stable"), (first, first + second)
 
 
 def group_graph(K: sp.spmatrix, block: int) -> sp.csr_matrix:

@@ -7,18 +7,20 @@ import pytest
 import scipy.linalg as la
 import scipy.sparse as sp
 from housings import housing_for_shafts
+from scipy.sparse.linalg import splu
 
-from fem.casing.accuracy import full_response, sensor_rows, state_error, third_octaves
+from fem.casing.accuracy import full_response, reduced_response, sensor_rows, state_error, third_octaves
 from fem.casing.checkup import check_up
 from fem.casing.coupling import CouplingError
 from fem.casing.damping import damping_ratios
 from fem.casing.grounded import BEARING_AXES, ground_casing
-from fem.casing.lanczos import block_lanczos
+from fem.casing.lanczos import EigenError, block_lanczos
 from fem.casing.mesher import mesh_housing
 from fem.casing.modes import casing_modes, kept_modes, natural_modes, reduced_body
-from fem.casing.reduction import count_fixed_modes, reduce_body
+from fem.casing.reduction import count_fixed_modes, reduce_body, reduced_and_counted
 from fem.casing.truncation import TruncationError, kept
 from fem.ledger import counting
+from fem.linear_solver import nested_dissection
 from fem.materials import CAST_IRON
 
 BAND = 1500.0
@@ -216,6 +218,17 @@ def test_the_law_of_inertia_counts_the_modes_that_are_found(fixed, sprung):
             assert counted == (reduction.frequencies[: reduction.n_fixed] < limit).sum()
 
 
+def test_a_missed_mode_is_an_error(fixed, monkeypatch):
+    casing = fixed[0]
+    held = (casing.interface, casing.K_free, casing.M_free)
+    reduction, counted = reduced_and_counted(*held, highest=1.5 * BAND)
+    assert reduction.n_fixed == counted
+    assert np.array_equal(reduction.modes, fixed[1].modes)  # the same numbers beside the count as without
+    monkeypatch.setattr("fem.casing.reduction.count_fixed_modes", lambda *_: counted + 1)
+    with pytest.raises(EigenError, match=f"{counted} fixed-interface modes found below 2250 Hz, {counted + 1} exist"):
+        reduced_and_counted(*held, highest=1.5 * BAND)
+
+
 def test_sensor_axes_turn_the_rows(fixed, housing):
     _, _, modes = fixed
     plain = housing.sensors[0]
@@ -276,6 +289,67 @@ def test_error_statement_of_the_default_reduction(fixed, housing):
     shifted = state_error(casing, wrong, band=BAND, sensors=housing.sensors, damping=0.01)
     assert shifted.frequency_errors == pytest.approx(0.00499, abs=1e-3)
     assert shifted.response_errors.max() > 0.1
+
+
+def direct_response(casing, beta, readings, at):
+    """(K (1 + i w beta) - w^2 M) u = b of the whole mesh, one complex factorisation per frequency, without any mode."""
+    order = nested_dissection(casing.K_free, 3)
+    K, M = (matrix[order][:, order].tocsc() for matrix in (casing.K_free, casing.M_free))
+    loads, readings = casing.interface.rows.T.toarray()[order], readings[:, order]
+    out = []
+    for omega in 2 * np.pi * at:
+        dynamic = ((1 + 1j * omega * beta) * K - omega**2 * M).tocsc()
+        lu = splu(dynamic, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        out.append(readings @ lu.solve(loads.astype(complex)))
+    return np.array(out)
+
+
+STIFFNESS_DAMPING = ((0.0, 0.0), (50.0 * BAND, 0.5))  # zeta = beta omega / 2, 1 % at the band
+BETA = 0.02 / (2 * np.pi * BAND)
+
+
+def test_the_full_response_agrees_with_direct_solutions_of_the_mesh(fixed, housing):
+    """Damping in proportion to the stiffness is modal damping, and viscous damping in physical coordinates, too.
+
+    The hybrid expansion leaves out the damping of the modes beyond its limit only: 2.4 zeta of their share.
+    """
+    casing, _, modes = fixed
+    sensors, at = housing.sensors[-1:], np.array([0.2, 0.7, 1.0]) * BAND
+    readings = sensor_rows(casing, sensors)
+    direct = direct_response(casing, BETA, readings, at)
+    solve, rows = casing.interface.factor.solve, casing.interface.rows
+    theta, phi = block_lanczos(solve, casing.M_free, smallest=(2 * np.pi * 1.5 * BAND) ** -2)
+    zeta = damping_ratios(STIFFNESS_DAMPING, 1 / (2 * np.pi * np.sqrt(theta)))
+    stated = full_response(solve, casing.M_free, theta, phi, zeta, rows, readings, at)
+    assert abs(stated - direct).max() < 6e-3 * abs(direct).max()
+    body = reduced_body(modes, sensors=sensors, damping=STIFFNESS_DAMPING)
+    found = reduced_response(body, casing.coordinate_names, [sensors[0].name], at)
+    assert np.linalg.norm(found - direct) < 0.01 * np.linalg.norm(direct)
+
+
+@pytest.mark.slow
+def test_the_error_statement_agrees_with_direct_solutions_of_the_mesh(fixed, housing):
+    """The errors that it prints for two third octaves, of a good body and of one with every frequency 0.25 % too high.
+
+    Its own uncertainty is the damping of the modes beyond its limit, here 0.2 % of the response.
+    """
+    casing, _, modes = fixed
+    sensors = housing.sensors[-1:]
+    thirds, lines = third_octaves(BAND)
+    chosen = [int(abs(thirds - f).argmin()) for f in (630.0, 1250.0)]
+    at = lines.reshape(len(thirds), -1)[chosen]
+    direct = direct_response(casing, BETA, sensor_rows(casing, sensors), at.ravel())
+    good = reduced_body(modes, sensors=sensors, damping=STIFFNESS_DAMPING)
+    for body, least in ((good, 0.0), (good.replaced(stiffness=1.005 * good.stiffness), 0.02)):
+        statement = state_error(casing, body, band=BAND, sensors=sensors, damping=STIFFNESS_DAMPING)
+        found = reduced_response(body, casing.coordinate_names, [sensors[0].name], at.ravel())
+        for number, bearing in enumerate(statement.bearings):
+            columns = [i for i, n in enumerate(casing.coordinate_names) if n.startswith(f"{bearing}:u")]
+            off, size = (
+                np.linalg.norm(h[..., columns].reshape(len(chosen), -1), axis=1) for h in (found - direct, direct)
+            )
+            assert statement.response_errors[chosen, number, 0] == pytest.approx(off / size, rel=0.05, abs=4e-3)
+            assert (off / size).max() > least
 
 
 def test_third_octaves_end_at_the_band():

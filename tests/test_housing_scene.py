@@ -10,11 +10,14 @@ from fem.casing.housing import Housing
 from fem.casing.imported import ImportedHousing, content_hash
 from fem.casing.locate import ByGroup
 from fem.casing.sizes import bending_wavelength
-from pipelines.chain import scene_stages
+from pipelines.build import run_graph
+from pipelines.cache import Cache
+from pipelines.chain import casing_error_stage, scene_stages
 from pipelines.errors import SceneError
 from pipelines.housing import housing
 from pipelines.layout import lay_out, material
 from pipelines.scene_file import load_scene
+from pipelines.stages import Graph
 
 FEATURES = {
     "casing.housing.side_wall_thickness_mm": 12.0,
@@ -80,6 +83,33 @@ def test_the_shipped_step_file_is_found_and_placed_by_the_shafts():
     assert [seat.name for seat in box.seats] == [f"bearing_{n}" for n in range(1, 9)]
     assert box.seats[4].shaft_point[0] == pytest.approx(0.18274, abs=1e-5)
     assert len(box.sensors) == 9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("rig-healthy", {}),
+        ("rig-step", {}),
+        ("rig-step", {"casing.ground": "springs", "casing.mounts_N_per_um": [[100.0, 100.0, 200.0]]}),
+        ("minimal", {"casing.model": "craig-bampton", "casing.element_size_mm": 20.0, "casing.band_Hz": 5000.0}),
+    ],
+    ids=["rig", "step", "step on springs", "minimal"],
+)
+def test_every_shipped_housing_passes_the_check_up_and_keeps_its_error(name, settings, tmp_path):
+    """With the default reduction: frequencies to 0.1 %, responses of every pair to 6 % in every third octave."""
+    loaded = load_scene(name, settings)
+    graph = Graph(scene_stages(loaded.scene, loaded.source.shown))
+    graph = Graph([*graph, casing_error_stage(graph, loaded.scene.casing.band_Hz)])
+    outcome = run_graph(graph, Cache(tmp_path), ["casing modes", "casing error"], processes=1)
+    modes, check = outcome.value("casing modes")
+    assert check.failures == ()
+    assert modes.counted == modes.mode_set.n_fixed > 20
+    assert (check.effective_mass.sum(axis=0) <= check.movable * (1 + 1e-9)).all()
+    error = outcome.value("casing error")
+    assert len(error.full_frequencies) > 10
+    assert abs(error.frequency_errors).max() < 1e-3
+    assert error.response_errors.max() < 0.06
 
 
 def test_a_file_lies_beside_its_scene(tmp_path):

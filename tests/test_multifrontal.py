@@ -6,9 +6,13 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from solids import box_mesh, unknowns
 
+import fem.multifrontal
+from fem import blas
 from fem.elasticity import assemble
 from fem.elimination import plan_elimination
 from fem.multifrontal import Cholesky, NearlySingularError, NotDefiniteError, count_negative
+from fem.sparse_product import product
+from fem.threads import side_by_side
 
 STEEL = {"elastic_modulus": 2.0e11, "poisson_ratio": 0.3, "density": 7800.0}
 
@@ -91,3 +95,84 @@ def test_a_coupling_may_stand_on_one_side_of_the_diagonal_only(plate):
     for part in (sp.triu, sp.tril):
         found = Cholesky(plan_elimination(part(stiffness), 1), stiffness).solve(load)
         assert stiffness @ found == pytest.approx(load, abs=1e-6)
+
+
+def test_the_halves_of_the_tree_do_not_touch_each_other(plate):
+    plan = plan_elimination(plate[0], 3)
+    first, second = plan.split
+    assert 0 < first < second < len(plan.rows)
+    for number, rows in enumerate(plan.rows[:second]):
+        half = (number >= first) * plan.starts[first], plan.starts[(first, second)[number >= first]]
+        assert ((rows < half[1]) | (rows >= plan.starts[second])).all()
+        assert (rows >= half[0]).all()
+    width = np.diff(plan.starts)
+    work = np.array([float(w * (w + len(r))) for w, r in zip(width, plan.rows, strict=True)])
+    longest = work[second:].sum() + max(work[:first].sum(), work[first:second].sum())
+    assert longest < 0.75 * work.sum()
+
+
+def test_numbers_do_not_depend_on_threads(plate, monkeypatch):
+    """Bit for bit: repeated, and with the halves one after the other, in either order."""
+    K = plate[0]
+    X = np.random.default_rng(2).standard_normal((K.shape[0], 5))
+    plan = plan_elimination(K, 3)
+    factors = [Cholesky(plan, K), Cholesky(plan, K)]
+    solutions = [factor.solve(X) for factor in factors]
+
+    def reverse(one, other):
+        later = other()
+        return one(), later
+
+    monkeypatch.setattr(fem.multifrontal, "side_by_side", reverse)
+    factors.append(Cholesky(plan, K))
+    solutions.append(factors[-1].solve(X))
+    for factor, solution in zip(factors[1:], solutions[1:], strict=True):
+        assert np.array_equal(factor.pivots, factors[0].pivots)
+        assert np.array_equal(solution, solutions[0])
+
+
+def test_a_failure_in_either_thread_is_raised():
+    def fail():
+        raise ValueError("no")
+
+    for work in ((fail, int), (int, fail)):
+        with pytest.raises(ValueError, match="no"):
+            side_by_side(*work)
+
+
+def test_sparse_product_by_halves(plate):
+    X = np.random.default_rng(3).standard_normal((plate[0].shape[0], 7))
+    assert product(plate[0], X) == pytest.approx(plate[0] @ X, rel=1e-12, abs=1e-9 * abs(plate[0] @ X).max())
+
+
+def test_blocks_of_arrays_are_worked_on_in_place():
+    """Every routine on blocks of larger arrays against plain algebra; what lies around a block stays."""
+    rng = np.random.default_rng(4)
+    whole = np.asfortranarray(rng.standard_normal((12, 6)))
+    B, kept = whole[4:9], whole.copy()
+    A = np.asfortranarray(rng.standard_normal((6, 6)))
+    C = np.asfortranarray(A @ A.T + 6.0 * np.eye(6))
+    square = C.copy()
+    assert blas.cholesky(C) == 0
+    L = np.tril(C)
+    assert np.allclose(L @ L.T, square)
+    blas.solve_right(C, B, transposed=True)
+    assert np.allclose(B @ L.T, kept[4:9])
+    blas.solve_right(C, B)
+    assert np.allclose(B @ L @ L.T, kept[4:9])
+    gram = np.zeros((5, 5), order="F")
+    blas.add_square(B, gram, -2.0)
+    assert np.tril(gram) == pytest.approx(np.tril(-2.0 * B @ B.T))
+    right = A.copy()
+    blas.solve_left(C, A)
+    assert np.allclose(L @ A, right)
+    wanted = whole[:4, :3] + 1.5 * B[:4] @ A[:, :3]
+    blas.add_product(B[:4], A[:, :3], whole[:4, :3], 1.5)
+    assert np.allclose(whole[:4, :3], wanted)
+    blas.invert_lower(C)
+    assert np.tril(C) @ L == pytest.approx(np.eye(6))
+    assert np.array_equal(whole[:4, 3:], kept[:4, 3:])
+    assert np.array_equal(whole[9:], kept[9:])
+    assert blas.cholesky(np.asfortranarray(np.diag([1.0, -1.0, 1.0]))) == 2
+    with pytest.raises(ValueError, match="must be contiguous"):
+        blas.add_square(np.ones((3, 3)), gram[:3, :3], 1.0)

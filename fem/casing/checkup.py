@@ -24,6 +24,7 @@ from fem.casing.lanczos import block_lanczos
 from fem.casing.reduction import Reduction
 from fem.elasticity import mass_properties, rigid_body_modes
 from fem.records import Record, array, names, scalar
+from fem.threads import side_by_side
 
 _LIMITS = {
     "stiffness_asymmetry": 1e-12,
@@ -149,12 +150,15 @@ def check_up(casing: GroundedCasing, reduction: Reduction, *, full_band: float |
     effective = (phi.T @ (reduction.basis.T @ force)) ** 2
     moving = np.ones(len(R))
     moving[casing.clamped] = 0.0
+    rigid, reduced = side_by_side(
+        lambda: _rigid_items(casing, R, MR, mass, inertia), lambda: _reduced_items(casing, reduction, held)
+    )
     return CheckUp(
         stiffness_asymmetry=_asymmetry(casing.K),
         mass_asymmetry=_asymmetry(casing.M),
         grounding=float(abs(casing.K @ R).max() / (abs(casing.K).max() * abs(R).max())),
-        **_rigid_items(casing, R, MR, mass, inertia),
-        **_reduced_items(casing, reduction, held),
+        **rigid,
+        **reduced,
         mass=mass,
         centre=centre,
         inertia=inertia,
@@ -237,12 +241,13 @@ def _on_springs(casing: GroundedCasing, R: np.ndarray, MR: np.ndarray) -> tuple[
 
 def _reduced_items(casing: GroundedCasing, reduction: Reduction, held: np.ndarray) -> dict[str, float]:
     """Definiteness and block forms by projection of the full matrices, static response of the interface."""
+    from fem.sparse_product import product
+
     b = reduction.constraint.shape[1]
     interface = casing.interface
-    K_modes = casing.K_free @ reduction.modes
-    coupling = reduction.constraint.T @ K_modes
+    coupling = product(casing.K_free, reduction.constraint).T @ reduction.modes
     scale = np.sqrt(np.outer(np.diag(interface.stiffness), np.maximum((2 * math.pi * reduction.frequencies) ** 2, 1.0)))
-    identity = reduction.modes.T @ (casing.M_free @ reduction.modes)
+    identity = reduction.modes.T @ product(casing.M_free, reduction.modes)
     static = 0.0
     if b:
         exact = interface.rows @ interface.factor.solve(interface.rows.T.toarray())

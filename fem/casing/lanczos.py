@@ -16,7 +16,9 @@ from collections.abc import Callable
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
-from scipy.linalg.blas import dgemm
+
+from fem import blas
+from fem.threads import side_by_side
 
 _TOLERANCE = 1e-7  # residual of a Ritz pair over its theta; the eigenvalue is then good to about its square
 _CHUNK = 8  # blocks that share one array
@@ -67,6 +69,8 @@ def block_lanczos(
     ------
     EigenError : no convergence within `largest_basis` vectors
     """
+    from fem.sparse_product import product
+
     if (smallest is None) == (count is None):
         raise ValueError("give either `smallest` or `count`")
     n = M.shape[0]
@@ -86,9 +90,10 @@ def block_lanczos(
         diagonal = 0.5 * (diagonal + diagonal.T)
         W -= before @ link.T
         W -= X @ diagonal
-        basis.remove(W, basis.products(M @ W))  # full reorthogonalisation
+        MW = product(M, W)
+        basis.remove(W, basis.products(MW))  # full reorthogonalisation
         T = _bordered(T, link, diagonal)
-        combine, rest = m_orthonormal(W, M @ W)
+        combine, rest = m_orthonormal(W, MW)  # MW of before: what was removed is small, and a second pass follows
         exhausted = basis.used >= n or not rest.size or abs(rest).max() < 1e-13 * abs(np.diag(T)).max()
         if exhausted or step % 2 == 0:
             value, vector = la.eigh(T)
@@ -99,7 +104,7 @@ def block_lanczos(
                 return value[:number], basis.combined(vector[:, :number])
         before = X
         X = W @ combine
-        MX = M @ X
+        MX = product(M, X)
         again, more = m_orthonormal(X, MX)  # the first pass squares the condition of the block
         X, MX, link = X @ again, MX @ again, more @ rest
     raise EigenError(
@@ -160,7 +165,9 @@ class _Basis:
 
     def products(self, Y: np.ndarray) -> np.ndarray:
         """Q^T Y (used, k)."""
-        return np.vstack([part.T @ Y for part in self._filled()])
+        halves = [np.array_split(part, 2, axis=1) for part in self._filled()]
+        left, right = side_by_side(lambda: [p.T @ Y for p, _ in halves], lambda: [p.T @ Y for _, p in halves])
+        return np.vstack([some for both in zip(left, right, strict=True) for some in both])
 
     def remove(self, W: np.ndarray, coefficients: np.ndarray) -> None:
         """W -= Q @ coefficients in place, W (n, k)."""
@@ -171,10 +178,15 @@ class _Basis:
         return self._added(np.zeros((self._n, coefficients.shape[1]), order="F"), coefficients, 1.0)
 
     def _added(self, W: np.ndarray, coefficients: np.ndarray, factor: float) -> np.ndarray:
-        """W + factor Q @ coefficients; with contiguous columns the BLAS needs half the time for thin blocks."""
-        start = 0
-        for part in self._filled() if W.size else ():
-            some = np.asfortranarray(coefficients[start : start + part.shape[1]])
-            W = dgemm(factor, part, some, beta=1.0, c=W, overwrite_c=1)
-            start += part.shape[1]
+        """W + factor Q @ coefficients, W by columns, overwritten; by halves of the rows."""
+
+        def run(rows: slice) -> None:
+            start = 0
+            for part in self._filled():
+                some = np.asfortranarray(coefficients[start : start + part.shape[1]])
+                blas.add_product(part[rows], some, W[rows], factor)
+                start += part.shape[1]
+
+        half = self._n // 2
+        side_by_side(lambda: run(slice(half)), lambda: run(slice(half, None)))
         return W

@@ -26,6 +26,7 @@ import scipy.sparse as sp
 
 from fem.casing.lanczos import EigenError, block_lanczos, m_orthonormal
 from fem.linear_solver import Factor, Solver, factorize
+from fem.threads import side_by_side
 
 _DENSE = 400  # up to this many unknowns the modes come from a dense eigensolution on the null space of B
 
@@ -161,6 +162,27 @@ def count_fixed_modes(interface: Interface, K: sp.spmatrix, M: sp.spmatrix, high
         except NearlySingularError as error:
             reason = str(error)
     raise EigenError(f"the modes below {highest:g} Hz cannot be counted ({reason}); choose another band")
+
+
+def reduced_and_counted(
+    interface: Interface, K: sp.spmatrix, M: sp.spmatrix, *, highest: float, enrich: bool = True
+) -> tuple[Reduction, int]:
+    """`reduce_body` and, side by side with it, `count_fixed_modes`.
+
+    Raises
+    ------
+    EigenError : not as many modes found as the law of inertia counts; or see the two
+    """
+    reduction, counted = side_by_side(
+        lambda: reduce_body(interface, K, M, highest=highest, enrich=enrich),
+        lambda: count_fixed_modes(interface, K, M, highest),
+    )
+    if reduction.n_fixed != counted:
+        raise EigenError(
+            f"casing: {reduction.n_fixed} fixed-interface modes found below {highest:g} Hz, {counted} exist; "
+            "choose a slightly different band"
+        )
+    return reduction, counted
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:

@@ -7,12 +7,13 @@ import pytest
 import scipy.linalg as la
 from housings import small_housing
 
+from fem.casing.accuracy import reduced_response
 from fem.casing.grounded import ground_casing
 from fem.casing.housing import HousingError, Sensor
 from fem.casing.mesher import mesh_housing
 from fem.casing.modes import casing_modes, reduced_body
 from fem.casing.reduction import reduce_body
-from fem.casing.rigid import housing_mass
+from fem.casing.rigid import housing_mass, rigid_from_mesh
 from fem.casing.rungs import StaticCasing
 from fem.elasticity import mass_properties
 from fem.materials import Material
@@ -61,6 +62,28 @@ def test_frequencies_go_with_the_root_of_stiffness_over_density(mesh, usual, cha
     modes = reduced(mesh, material(**change), 2500.0 * factor)
     assert len(modes.mass) == len(usual.mass)
     assert frequencies(modes) == pytest.approx(factor * frequencies(usual), rel=1e-6)
+
+
+def test_a_stiff_housing_tends_to_the_rigid_rung(mesh):
+    """On equal mounts, to 1e6 GPa: the accelerance across all mount modes tends to the rigid one as 1/E."""
+    mounts, sensor = 2e7, Sensor(name="sensor_1", position=(0.03, 0.0, 0.08))
+    rigid = rigid_from_mesh(mesh, density=7200.0, mount_stiffness=mounts, damping_ratio=0.01, sensors=[sensor])
+    loads = [f"bearing_1:{axis}" for axis in ("ux", "uy", "uz")]
+    at = np.linspace(20.0, 600.0, 59)
+    acceleration = -((2 * np.pi * at[:, None, None]) ** 2)
+    exact = acceleration * reduced_response(rigid, loads, ["sensor_1"], at)
+    moduli, errors = (1e11, 1e13, 1e15), []
+    for E in moduli:
+        casing = ground_casing(mesh, material(E=E), ground="springs")
+        highest = 2500.0 * (E / 110e9) ** 0.5
+        reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, highest=highest)
+        modes = casing_modes(casing, reduction, model="craig-bampton", band_limit=highest)
+        body = reduced_body(modes, sensors=[sensor], mounts=((mounts,) * 3,))
+        found = acceleration * reduced_response(body, loads, ["sensor_1"], at)
+        errors.append(np.linalg.norm(found - exact) / np.linalg.norm(exact))
+    rate = -np.diff(np.log(errors)) / np.diff(np.log(moduli))
+    assert rate == pytest.approx(1.0, abs=0.1)
+    assert errors[-1] < 2e-4
 
 
 def test_a_nearly_incompressible_housing_does_not_lock(mesh, usual):
