@@ -87,3 +87,15 @@ def test_a_missing_tooth_leaves_its_neighbours(model):
     _, wheel = replace(model, missing=0).wheels
     assert set(wheel.flanks) == {1}
     assert len(wheel.elements) < len(model.wheels[1].elements)
+
+
+@pytest.mark.slow
+def test_the_equations_for_other_integrators_are_those_of_the_machine():
+    """SciPy's DOP853 on the equations handed to the peers finds the motion that the library finds."""
+    from benchmarks.peers.scipy_mesh import gearcase, scipy
+    from benchmarks.peers.single_stage import Equations, error, system
+
+    machine = system()
+    equations = Equations.of(machine)
+    exact = scipy(equations, equations.rate(), "DOP853", 1e-6)
+    assert error(gearcase(machine, 2.5e-6), exact) < 1e-3

@@ -34,7 +34,7 @@ def gearcase(machine: System, step: float, method: str = "exponential") -> np.nd
     every, steps = round(1.0 / (RATE * step)), round(SPAN / step)
     integrator = METHODS[method](machine, step)
     integrator.start(equilibrium(machine))
-    block = integrator.advance(SPEED * step * np.arange(1, steps + 1), np.zeros(steps))
+    block = integrator.advance(SPEED * step * np.arange(1, steps + 1), np.full(steps, SPEED), np.zeros(steps))
     return np.asarray(block.rows[every - 1 :: every, 0])
 
 

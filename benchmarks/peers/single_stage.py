@@ -105,7 +105,8 @@ class Equations:
         """Take them from the assembled system."""
         from numba import njit
 
-        from mbd.forces import LOG_COLUMNS, row_forces
+        from mbd.forces import LOG_COLUMNS
+        from mbd.rows_solver import forces_at
 
         basis, table = machine.basis, machine.table
         u_rows, v_rows = np.ascontiguousarray(machine.all_rows @ basis), np.ascontiguousarray(machine.rows @ basis)
@@ -116,9 +117,10 @@ class Equations:
         def push(t, p, rate):
             force, log = np.zeros(m), np.zeros((elements, columns))
             slope_u, slope_v = np.empty((m, 2)), np.empty((m, 2))
-            row_forces(
+            forces_at(
                 table,
                 SPEED * t,
+                SPEED,
                 u_rows @ np.ascontiguousarray(p),
                 v_rows @ np.ascontiguousarray(rate),
                 held,
