@@ -172,8 +172,7 @@ def start(tables, block, d, t, rows, bits):
             x = rows[FREE + a, s] - d - t * tables[base + Y * LANES + s]
             f = x / rows[P0 + a, s]
             rows[at + ON, s], rows[at + LOAD, s] = 1.0 if x > 0.0 else 0.0, f if x > 0.0 else 1.0
-    lanes.logarithm(0, rows, bits)
-    lanes.logarithm(SECOND, rows, bits)
+    lanes.logarithm(rows, bits)
 
 
 @njit(**_sums)
@@ -253,8 +252,7 @@ def advance(tables, block, d, t, rows, bits):
         bend += w * (rows[K00, s] * step0 * step0 * new0 + rows[K11, s] * step1 * step1 * new1)
         total += step0 * step0 + step1 * step1
     if total > lanes.SERIES * lanes.SERIES:
-        lanes.logarithm(0, rows, bits)
-        lanes.logarithm(SECOND, rows, bits)
+        lanes.logarithm(rows, bits)
     return force, 0.5 * slope * bend, total
 
 

@@ -6,9 +6,6 @@ that does not carry has ON = 0 and f = 0 there and its equation is f = 0, so all
 slice that is not of the usual kind gets RARE = 1 and is left to `fem.contact.slices`: three or more pairs that
 approach, neighbours that pull (negative coupling), a pair switched off by the first guess though it carries, a line
 load beyond the range of the Hertz term, sweeps that do not settle.
-
-After a change here or in `fem.contact.slices`, for callers elsewhere, empty the `__pycache__` folders: numba's cache on
-disk notices a change of the file that holds a function, but not of the files of the functions it calls.
 """
 
 from __future__ import annotations
@@ -206,19 +203,21 @@ def take_state(tables, block, states, before, after, work):
 
 
 @njit(**_options)
-def logarithm(at, work, bits):
-    """ln of the row LOAD into LOG, for positive numbers, to rounding (reduction and series of fdlibm, e_log.c)."""
-    for s in range(LANES):
-        k = bits[at + LOAD, s] + (0x3FF0000000000000 - 0x3FE6A09E667F3BCD)
-        bits[at + SCRATCH, s] = (k & 0xFFFFFFFFFFFFF) + 0x3FE6A09E667F3BCD
-        bits[at + EXPONENT, s] = (k >> 52) | 0x4330000000000000
+def logarithm(work, bits):
+    """ln of the rows LOAD into LOG, for positive numbers, to rounding (reduction and series of fdlibm, e_log.c)."""
     l1, l2, l3, l4, l5, l6, l7 = _SERIES
-    for s in range(LANES):
-        f = work[at + SCRATCH, s] - 1.0
-        q = f / (2.0 + f)
-        z = q * q
-        r = z * (l1 + z * (l2 + z * (l3 + z * (l4 + z * (l5 + z * (l6 + z * l7))))))
-        work[at + LOG, s] = (work[at + EXPONENT, s] - _BIAS) * _LN2 + (f - (0.5 * f * f - q * (0.5 * f * f + r)))
+    for a in range(2):
+        at = a * SECOND
+        for s in range(LANES):
+            k = bits[at + LOAD, s] + (0x3FF0000000000000 - 0x3FE6A09E667F3BCD)
+            bits[at + SCRATCH, s] = (k & 0xFFFFFFFFFFFFF) + 0x3FE6A09E667F3BCD
+            bits[at + EXPONENT, s] = (k >> 52) | 0x4330000000000000
+        for s in range(LANES):
+            f = work[at + SCRATCH, s] - 1.0
+            q = f / (2.0 + f)
+            z = q * q
+            r = z * (l1 + z * (l2 + z * (l3 + z * (l4 + z * (l5 + z * (l6 + z * l7))))))
+            work[at + LOG, s] = (work[at + EXPONENT, s] - _BIAS) * _LN2 + (f - (0.5 * f * f - q * (0.5 * f * f + r)))
 
 
 @njit(**_options)
@@ -246,8 +245,7 @@ def guess(slope, work, bits):
         work[ON, s], work[SECOND + ON, s] = 1.0 if on0 else 0.0, 1.0 if on1 else 0.0
         work[LOAD, s], work[SECOND + LOAD, s] = f0 if on0 else 1.0, f1 if on1 else 1.0
         work[UPPER, s], work[LOWER, s] = u if on0 and on1 else 0.0, v if on0 and on1 else 0.0
-    logarithm(0, work, bits)
-    logarithm(SECOND, work, bits)
+    logarithm(work, bits)
 
 
 @njit(**_sums)
@@ -270,8 +268,7 @@ def sweep(slope, work, bits):
         work[STEP, s] = square
         total += square
     if total > SERIES * SERIES:
-        logarithm(0, work, bits)
-        logarithm(SECOND, work, bits)
+        logarithm(work, bits)
     return total
 
 

@@ -9,11 +9,13 @@ approach; coordinate descent, which always converges for a convex function, wher
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 
+from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, sources, stored
 from fem.contact.lanes import (
     COMPLIANCE,
     COMPLIANCE_SLOPE,
@@ -61,7 +63,11 @@ TOTAL = SYSTEM + MAX_PAIRS
 _options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 
 
-@njit(**_options)
+@apart(
+    types.Tuple((INTEGER, FLOAT, FLOAT, FLOAT, FLOAT)),
+    VECTOR, INTEGER, INTEGER, FLOAT, FLOAT, FLOAT, MATRIX, INTEGER, VECTOR, MATRIX,
+)  # fmt: skip
+@stored(sources(str(Path(__file__).parent)))
 def solve_slice(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, work):
     """Solve one slice; returns its number of pairs and, per unit width, load, stiffness, energy, d(energy)/d xi.
 
@@ -103,15 +109,15 @@ def _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, wo
     reach, per_step = int(tables[REACH]), tables[PER_STEP]
     lowest = NEVER if tables[PULLS] != 0.0 else 0.0
     cells, inside = np.empty(MAX_PAIRS, np.int64), np.empty(MAX_PAIRS)
-    n = 0
+    n, first = np.int64(0), np.int64(0)  # plain numbers: a literal is a type of its own, compiled for itself
     for m in range(n_near):
         x, k, u = approach_of(tables, here, approach, tables[base + PART * LANES], near, m)
         x -= relief[m]
         if not x > lowest:
             continue
-        fill(tables, 0, n, x, k, u, here, near, m, work)
+        fill(tables, first, n, x, k, u, here, near, m, work)
         if near[m, PINION_VARIANT] != 0.0 or near[m, WHEEL_VARIANT] != 0.0:
-            x = damaged(tables, block * LANES + lane, 0, n, x, k, u, near, m, work)
+            x = damaged(tables, block * LANES + lane, first, n, x, k, u, near, m, work)
         if not x > lowest:
             continue
         cells[n], inside[n] = k, u

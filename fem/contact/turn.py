@@ -7,11 +7,13 @@ those move by a Newton step with the stiffnesses of the slices, in turn: slow an
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 
+from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, sources, stored
 from fem.contact import lanes, slices
 from fem.contact.chain import in_series
 from fem.contact.packing import (
@@ -223,7 +225,8 @@ def solve_in_turn(
     return energy, rate, d, t
 
 
-@njit(**_options)
+@apart(types.UniTuple(FLOAT, 7), VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, INTEGER, VECTOR)
+@stored(sources(str(Path(__file__).parent)))
 def evaluate_in_turn(tables, own_cycle, delta, psi, near, n_near, pair_force):
     """F, M, U, dF/d delta, dF/d psi, dM/d psi, dU/dc' at one state; pair_force as in `fem.contact.face`."""
     n_s = int(tables[SLICES])
@@ -244,7 +247,7 @@ def evaluate_in_turn(tables, own_cycle, delta, psi, near, n_near, pair_force):
         for a in range(count[s]):
             force, moment = force + w * load[s, a], moment + w * load[s, a] * y
             if lines > 0:
-                g, g_slope = amplitude(tables, s, own_cycle, first + line[s, a])
+                g, g_slope = amplitude(tables, s, own_cycle, float(first + line[s, a]))
                 energy += 0.5 * w * g * load[s, a] * v[s, line[s, a]]
                 rate -= w * g_slope * load[s, a] * v[s, line[s, a]]
             place = first + line[s, a] - math.floor(own_cycle) + pair_force.size // 2
