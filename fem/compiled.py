@@ -23,7 +23,8 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 FLOAT, INTEGER = types.float64, types.int64
-VECTOR, MATRIX = types.Array(FLOAT, 1, "C"), types.Array(FLOAT, 2, "C")
+VECTOR, MATRIX, CUBE = (types.Array(FLOAT, n, "C") for n in (1, 2, 3))
+INTEGERS, INTEGER_MATRIX = types.Array(INTEGER, 1, "C"), types.Array(INTEGER, 2, "C")
 
 _kept: list[Any] = []  # compiled code refers to the cells as long as the process lives
 _ADDRESS = ir.IntType(8).as_pointer()
@@ -34,11 +35,11 @@ class _Cell(ctypes.Structure):
     _fields_ = (("address", ctypes.c_void_p), ("fill", ctypes.c_void_p))
 
 
-def sources(*names: str) -> tuple[Path, ...]:
-    """Files and the Python files of folders, in order, and this one."""
+def sources(*places: Path) -> tuple[Path, ...]:
+    """This file, the files given and the Python files of the folders given, for `stored`."""
     found = [Path(__file__)]
-    for name in map(Path, names):
-        found += sorted(name.glob("*.py")) if name.is_dir() else [name]
+    for place in places:
+        found += sorted(place.glob("*.py")) if place.is_dir() else [place]
     return tuple(found)
 
 
@@ -62,8 +63,8 @@ def stored(files: tuple[Path, ...], **options: Any) -> Callable:
 def apart(result: types.Type, *arguments: types.Type) -> Callable:
     """Decorator of a compiled function (what `njit` returns), for compiled callers: a call through its address.
 
-    The function takes `arguments` and returns `result`. Callers get a RuntimeError where it cannot be compiled; what the
-    compiler says is printed then.
+    The function takes `arguments` and returns `result`. Callers get a RuntimeError where it cannot be compiled; what
+    the compiler says is printed then.
     """
 
     def decorate(function: Any) -> Callable:

@@ -29,12 +29,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from numba import njit
 from scipy import optimize, special
 
+from fem.compiled import sources, stored
 from mbd.checks import MachineError, finite, not_negative, positive
 
 LAMINAE = 5
@@ -193,7 +195,7 @@ def tangent_at_load(elements: RollingElements) -> tuple[float, float, float]:
     return float(stiff[0, 0] + stiff[2, 2]) / 2, float(stiff[1, 1]), float(stiff[3, 3] + stiff[4, 4]) / 2
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+@stored(sources(Path(__file__)), fastmath={"contract"})
 def ball_forces(values, angle, u, v, force, stiff, loss):
     """Force of a ball bearing on the shaft's rows times -1 (restoring, (5,)), tangents dF/du, dF/dv (5, 5).
 
@@ -250,7 +252,7 @@ def ball_forces(values, angle, u, v, force, stiff, loss):
     return energy, power, -values[3] * turned
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+@stored(sources(Path(__file__)), fastmath={"contract"})
 def roller_forces(values, angle, u, v, force, stiff, loss):
     """The same for a roller bearing."""
     count, k = int(values[0]), values[1]

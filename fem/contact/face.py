@@ -27,13 +27,12 @@ EPYC, 3 GHz class): 2.6 us per call in 3.8 steps, two states at one cycle 3.8 us
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numba import njit, types
 
-from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, sources, stored
+from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, stored
 from fem.contact import chain, joint, lanes
 from fem.contact.joint import TOTAL
 from fem.contact.near import pairs_near
@@ -57,10 +56,8 @@ _options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 _inline: dict[str, Any] = {**_options, "forceinline": True, "fastmath": {"contract"}}
 
 
-@apart(
-    types.UniTuple(FLOAT, 14), VECTOR, FLOAT, types.UniTuple(FLOAT, 4), INTEGER, MATRIX, MATRIX, VECTOR
-)
-@stored(sources(str(Path(__file__).parent)))
+@apart(types.UniTuple(FLOAT, 14), VECTOR, FLOAT, types.UniTuple(FLOAT, 4), INTEGER, MATRIX, MATRIX, VECTOR)
+@stored(lanes.SOURCES)
 def evaluate_coupled(tables, cycle, states, count, pinion, wheel, pair_force):
     """F, M, U, dF/d delta, dF/d psi, dM/d psi, dU/dc of a law with coupling along the face, at `count` states (1, 2).
 

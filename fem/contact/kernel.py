@@ -8,13 +8,12 @@ others one by one in `fem.contact.slices`.
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numba import njit, types
 
-from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, sources, stored
+from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, stored
 from fem.contact import lanes, slices
 from fem.contact.face import evaluate_coupled
 from fem.contact.near import pairs_near
@@ -33,7 +32,6 @@ from fem.contact.packing import (
 )
 
 _options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
-_SOURCES = sources(str(Path(__file__).parent))
 
 
 @njit(**_options, forceinline=True)
@@ -46,7 +44,7 @@ def settle(slope, work, bits):
 
 
 @apart(types.UniTuple(FLOAT, 14), VECTOR, FLOAT, types.UniTuple(FLOAT, 4), INTEGER, MATRIX, MATRIX, VECTOR)
-@stored(_SOURCES)
+@stored(lanes.SOURCES)
 def evaluate_uncoupled(tables, cycle, states, count, pinion, wheel, pair_force):
     """What `fem.contact.face.evaluate_coupled` returns, of a law whose slices are not coupled along the face.
 
@@ -73,9 +71,7 @@ def evaluate_uncoupled(tables, cycle, states, count, pinion, wheel, pair_force):
                 add_shares(tables, block, math.floor(own_cycle), work, pair_force)
             if rare > 0.0:
                 delta, psi = states[2 * i], states[2 * i + 1]
-                add_to(
-                    answer, 7 * i, rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_force)
-                )
+                add_to(answer, 7 * i, rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_force))
     a = answer
     first = a[0], a[1], a[2], a[3], a[4], a[5], sign * a[6]
     return first + (a[7], a[8], a[9], a[10], a[11], a[12], sign * a[13])
@@ -131,7 +127,7 @@ def rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_for
     return force, moment, energy, k, mixed, tilt, rate
 
 
-@stored(_SOURCES)
+@stored(lanes.SOURCES)
 def evaluate(tables, cycle, delta, psi, pinion, wheel):
     """Response of one flank at one state.
 
@@ -149,7 +145,7 @@ def evaluate(tables, cycle, delta, psi, pinion, wheel):
     return respond(tables, cycle, (delta, psi, delta, psi), np.int64(1), pinion, wheel, np.empty(0))[:7]
 
 
-@stored(_SOURCES)
+@stored(lanes.SOURCES)
 def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
     """Responses at (delta, psi) and at (delta_0, psi_0), both at the same cycle, without dU/dc.
 
@@ -163,7 +159,7 @@ def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
     return found[:6] + found[7:13]
 
 
-@stored(_SOURCES)
+@stored(lanes.SOURCES)
 def evaluate_shares(tables, cycle, delta, psi, pinion, wheel, pair_force):
     """As `evaluate`, and add the force (N) of pair p to pair_force[p - floor(c') + pair_force.size // 2].
 
@@ -172,7 +168,7 @@ def evaluate_shares(tables, cycle, delta, psi, pinion, wheel, pair_force):
     return respond(tables, cycle, (delta, psi, delta, psi), np.int64(1), pinion, wheel, pair_force)[:7]
 
 
-@stored(_SOURCES)
+@stored(lanes.SOURCES)
 def evaluate_many(tables, cycle, delta, psi, pinion, wheel, out):
     """Rows of `evaluate` for states given as arrays (n,), into out (n, 7)."""
     none = np.empty(0)

@@ -9,13 +9,12 @@ approach; coordinate descent, which always converges for a convex function, wher
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numba import njit, types
 
-from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, sources, stored
+from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, stored
 from fem.contact.lanes import (
     COMPLIANCE,
     COMPLIANCE_SLOPE,
@@ -32,6 +31,7 @@ from fem.contact.lanes import (
     PAIR,
     PINION_VARIANT,
     SECOND,
+    SOURCES,
     WHEEL_VARIANT,
     X,
     approach_of,
@@ -67,7 +67,7 @@ _options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
     types.Tuple((INTEGER, FLOAT, FLOAT, FLOAT, FLOAT)),
     VECTOR, INTEGER, INTEGER, FLOAT, FLOAT, FLOAT, MATRIX, INTEGER, VECTOR, MATRIX,
 )  # fmt: skip
-@stored(sources(str(Path(__file__).parent)))
+@stored(SOURCES)
 def solve_slice(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, work):
     """Solve one slice; returns its number of pairs and, per unit width, load, stiffness, energy, d(energy)/d xi.
 

@@ -7,13 +7,12 @@ those move by a Newton step with the stiffnesses of the slices, in turn: slow an
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numba import njit, types
 
-from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, sources, stored
+from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, stored
 from fem.contact import lanes, slices
 from fem.contact.chain import in_series
 from fem.contact.packing import (
@@ -226,7 +225,7 @@ def solve_in_turn(
 
 
 @apart(types.UniTuple(FLOAT, 7), VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, INTEGER, VECTOR)
-@stored(sources(str(Path(__file__).parent)))
+@stored(lanes.SOURCES)
 def evaluate_in_turn(tables, own_cycle, delta, psi, near, n_near, pair_force):
     """F, M, U, dF/d delta, dF/d psi, dM/d psi, dU/dc' at one state; pair_force as in `fem.contact.face`."""
     n_s = int(tables[SLICES])
