@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from benchmarks.checks import gears, motion, plane, signals, structures
+from benchmarks.checks import gears, motion, plane, signals, solid, structures
 from benchmarks.checks.invariants import INVARIANTS
 from benchmarks.checks.record import Check, Values, numbers
 
@@ -27,7 +27,7 @@ rates) stands in the last table.
 
 def all_checks() -> Iterator[Check]:
     """Every row, in the order of the page."""
-    for module in (gears, plane, structures, motion, signals):
+    for module in (gears, plane, solid, structures, motion, signals):
         yield from module.checks()
 
 

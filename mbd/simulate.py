@@ -103,7 +103,10 @@ def _simulate(system: System, settings: Settings, progress: Progress | None, sta
             progress(done / books.steps)
     counters = integrator.counters | books.events()
     logger.info("simulated %d steps of %.3g s: %s", done, step, counters)
-    return _trajectory(system, settings, integrator, step, recorder, books, counters)
+    trajectory = _trajectory(system, settings, integrator, step, recorder, books, counters)
+    if trajectory.open_books():
+        logger.warning("%s. Take a smaller step or a wider band of modes.", "; ".join(trajectory.open_books()))
+    return trajectory
 
 
 def _advance(

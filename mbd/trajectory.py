@@ -8,6 +8,10 @@ import numpy as np
 
 from fem.records import Record, array, names, scalar, text
 
+TOTAL_LIMIT = 1e-6  # of all work of the sources
+PART_LIMIT = 0.01  # of what a part dissipates, see `mbd.books`
+ROUND_OFF = 1e-11  # of all work of the sources
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Trajectory(Record):
@@ -41,3 +45,15 @@ class Trajectory(Record):
     def book(self, part: str, entry: str) -> float:
         """One entry (J) of the energy book, e.g. ``("total", "residual")``."""
         return float(self.books[self.book_parts.index(part), self.book_columns.index(entry)])
+
+    def open_books(self) -> tuple[str, ...]:
+        """A sentence for every energy book whose residual is beyond its limit; none for a sound run."""
+        found, floor = [], ROUND_OFF * self.book("total", "scale")
+        for part in self.book_parts:
+            residual, scale = self.book(part, "residual"), self.book(part, "scale")
+            limit = TOTAL_LIMIT if part == "total" else PART_LIMIT
+            if abs(residual) > max(limit * scale, floor):
+                found.append(
+                    f"energy book of {part}: {residual:.2g} J left over, the limit is {limit:g} of {scale:.2g} J"
+                )
+        return tuple(found)

@@ -108,5 +108,6 @@ def make_response(scene: Scene, machine: Machine, trajectory: Trajectory) -> xar
             "pass_band_Hz": trajectory.pass_band,
             "counters": json.dumps(dict(zip(trajectory.counter_names, map(int, trajectory.counters), strict=True))),
             "energy_books_J": json.dumps(books),
+            "open_energy_books": json.dumps(trajectory.open_books()),
         },
     )

@@ -47,6 +47,20 @@ def test_books_close_through_contact_loss_and_impacts():
     assert_closed(result)
 
 
+def test_an_open_book_is_named_with_its_residual(caplog):
+    """Modes left out are missing from the books of their parts: the run says so, and so does a changed residual."""
+    machine = train(1, profile=RAMP)
+    whole = books(machine, end=0.03, step=5e-6)
+    assert whole.open_books() == ()
+    assert not caplog.records
+    changed = whole.books.copy()
+    changed[0, whole.book_columns.index("residual")] = 2 * changed[-1, whole.book_columns.index("scale")]
+    (sentence,) = dataclasses.replace(whole, books=changed).open_books()
+    assert sentence.startswith(f"energy book of {whole.book_parts[0]}: ")
+    simulate(assemble(machine, rigid_casing(machine, extra=10), (), band=1500.0), Settings(end=0.03, step=5e-6))
+    assert "Take a smaller step or a wider band" in caplog.text
+
+
 def test_books_close_without_damping():
     machine = train(1, profile=RAMP, shaft_tau=0.0, bearing_tau=0.0, coupling_damping=0.0)
     machine = dataclasses.replace(machine, meshes=(dataclasses.replace(machine.meshes[0], damping_time=0.0),))

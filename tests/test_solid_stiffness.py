@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.checks import solid
 from fem.contact.frame import RungError
 from fem.contact.plane import Plane
 from fem.contact.solid import Solid
@@ -50,17 +51,16 @@ def spur():
 @pytest.mark.slow
 def test_approach_of_a_helical_pair_against_a_contact_solution_in_space():
     """17/43, m_n 1, beta 20, b 10 mm, 2 N m at c = 0.1325: 1.222 um along the normal (full contact FE)."""
-    beta = math.radians(20.0)
-    pair = GearPair(
-        pinion=gear(17, 1e-3, beta, 10e-3, bore=5.568e-3),
-        wheel=gear(43, 1e-3, beta, 10e-3, "left", bore=15.450e-3),
-        centre_distance=31.925333e-3,
-    )
-    force = 2.0 / pair.pinion.base_radius
-    state = solve(Solid().compliance(pair), np.arange(33), force=force)
-    delta = np.interp(0.1325, state.cycle, state.approach)
-    assert delta * math.cos(pair.base_helix_angle) == pytest.approx(1.222e-6, rel=0.02)
-    assert force / delta == pytest.approx(183.7e6, rel=0.02)
+    normal, stiffness = solid.helical()
+    assert normal == pytest.approx(1.222, rel=0.02)
+    assert stiffness == pytest.approx(183.7, rel=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("cycle", "missing", "approach"), solid.calculix_positions())
+def test_whole_wheels_against_calculix(cycle, missing, approach):
+    """Stage 1 of the rig with full contact between whole wheels, healthy and with a missing tooth."""
+    assert solid.rig_approach(cycle, missing) == pytest.approx(approach, rel=0.02)
 
 
 def test_energy_is_the_potential_of_force_and_moment(helical):
@@ -158,11 +158,12 @@ def test_tilt_that_unloads_half_of_the_face_moves_the_load(helical):
 
 
 def test_spur_pair_at_the_pitch_point_against_contact_in_the_plane():
-    """c' of one pair, 20/55, m 2: 15.547 N/(mm um) in plane strain at 100 N/mm; 2 % with free end faces."""
+    """c' of one pair, 20/55, m 2, in plane strain; 2 % with free end faces."""
     record = QUICK.compliance(pair_of(face=30e-3))
-    state = solve(record, np.array([0]), force=100e3 * 30e-3)
-    assert state.share[0].max() == pytest.approx(1.0, rel=1e-12)
-    assert 100e3 / state.approach[0] / 1e9 == pytest.approx(15.547, rel=0.02)
+    for line_load, stiffness in ((50e3, 15.090), (100e3, 15.547), (400e3, 16.550)):
+        state = solve(record, np.array([0]), force=line_load * 30e-3)
+        assert state.share[0].max() == pytest.approx(1.0, rel=1e-12)
+        assert line_load / state.approach[0] / 1e9 == pytest.approx(stiffness, rel=0.02)
 
 
 def test_coupling_along_the_face_is_what_plane_slices_lack(helical, spur):

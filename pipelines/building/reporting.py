@@ -91,7 +91,7 @@ def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
         energy=energy_rows(responses[0]),
         ledger=spec.ledger,
         provenance=spec.provenance,
-        warnings=(*facts.warnings, *spec.warnings),
+        warnings=(*facts.warnings, *spec.warnings, *json.loads(responses[0].attrs.get("open_energy_books", "[]"))),
         reasons={"Envelope table": f"Left out: {spec.failure}"} if spec.failure else {},
         short=spec.diagnosing is None,
     )

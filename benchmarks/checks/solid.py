@@ -1,0 +1,107 @@
+"""Mesh stiffness, rung solid: contact solutions in space and in the plane."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from functools import cache
+
+import numpy as np
+
+from benchmarks.checks.gears import pair_of
+from benchmarks.checks.record import Check
+from benchmarks.peers.calculix_contact import POSITIONS_PER_CYCLE, RESULTS
+from benchmarks.rig import read
+from fem.contact.solid import Solid
+from fem.contact.solid_compliance import ContactCompliance
+from fem.contact.solid_contact import solve
+from pipelines.derived import derive
+
+SUBJECT = "Mesh stiffness, rung solid"
+
+
+@cache
+def helical() -> tuple[float, float]:
+    """Approach normal to the flank (um) and secant stiffness (N/um) of z 17/43 at c = 0.1325 under 2 N m."""
+    pair = pair_of((17, 43), 1, 20, 10, centre_mm=31.925333, bores_mm=(2 * 5.568, 2 * 15.450))
+    force = 2.0 / pair.pinion.base_radius
+    state = solve(Solid().compliance(pair), np.arange(32), force=force)
+    delta = float(np.interp(0.1325, state.cycle, state.approach))
+    return 1e6 * delta * math.cos(pair.base_helix_angle), 1e-6 * force / delta
+
+
+@cache
+def _spur() -> ContactCompliance:
+    roots = [2 * (z - 2.5) for z in (20, 55)]
+    return Solid(positions=8).compliance(pair_of((20, 55), 2, 0, 30, bores_mm=(roots[0] / 1.4, roots[1] / 1.4)))
+
+
+def single_pair(line_load: float) -> float:
+    """c' (N/(mm um)) of the one pair that touches at the pitch point of the spur pair z 20/55, m 2 mm, b 30 mm."""
+    state = solve(_spur(), np.array([0]), force=line_load * 30e-3)
+    return line_load / float(state.approach[0]) / 1e9
+
+
+def calculix_positions() -> list[tuple[float, bool, float]]:
+    """Mesh cycle, whether wheel tooth 0 is missing, and the extrapolated approach (m) of each stored position."""
+    places = json.loads(RESULTS.read_text(encoding="utf-8"))["positions"]
+    return [(place["cycle"], place["missing"], place["extrapolated_m"]) for place in places]
+
+
+@cache
+def _stage_1() -> tuple[float, ContactCompliance]:
+    scene, layout = read()
+    force = derive(scene, layout).stages[0].mesh_force
+    return force, Solid(positions=POSITIONS_PER_CYCLE).compliance(layout.pairs[0])
+
+
+def rig_approach(cycle: float, missing: bool) -> float:
+    """Approach (m) of stage 1 of the rig under its nominal load."""
+    force, record = _stage_1()
+    index = np.array([round(cycle * POSITIONS_PER_CYCLE)])
+    return float(solve(record, index, force=force, clearance={0: math.inf} if missing else None).approach[0])
+
+
+def checks() -> Iterator[Check]:
+    """All rows of this subject."""
+    for quantity, unit, value, index in (
+        ("approach normal to the flank", "µm", 1.222, 0),
+        ("secant stiffness k_s", "N/µm", 183.7, 1),
+    ):
+        yield Check(
+            subject=SUBJECT,
+            quantity=f"{quantity}, z 17/43, m_n 1 mm, β 20°, b 10 mm, 2 N m, c = 0.1325",
+            source="independent 3-D contact FE",
+            unit=unit,
+            reference=(value,),
+            gate=2e-2,
+            compute=lambda i=index: [helical()[i]],
+            test="test_solid_stiffness.py::test_approach_of_a_helical_pair_against_a_contact_solution_in_space",
+            cheap=False,
+        )
+    yield Check(
+        subject=SUBJECT,
+        quantity="c' of a single pair at the pitch point, z 20/55, m 2 mm, spur, free end faces, 50, 100, 400 N/mm",
+        source="independent plane strain contact FE of the real flanks",
+        unit="N/(mm µm)",
+        reference=(15.090, 15.547, 16.550),
+        gate=2e-2,
+        compute=lambda: [single_pair(load) for load in (50e3, 100e3, 400e3)],
+        test="test_solid_stiffness.py::test_spur_pair_at_the_pitch_point_against_contact_in_the_plane",
+        cheap=False,
+    )
+    for cycle, missing, approach in calculix_positions():
+        yield Check(
+            subject=SUBJECT,
+            quantity=f"approach δ, stage 1 of the rig, nominal load, c = {cycle:g}"
+            f"{', wheel tooth 0 missing' if missing else ''}",
+            source="CalculiX, whole wheels with contact, two meshes extrapolated (`python -m "
+            "benchmarks.peers.calculix_contact`)",
+            unit="µm",
+            reference=(1e6 * approach,),
+            gate=2e-2,
+            compute=lambda c=cycle, m=missing: [1e6 * rig_approach(c, m)],
+            test="test_solid_stiffness.py::test_whole_wheels_against_calculix",
+            cheap=False,
+        )
