@@ -10,6 +10,7 @@ and the cell filled. So a function is optimised once, and only if it is called a
 from __future__ import annotations
 
 import ctypes
+import functools
 import inspect
 import zlib
 from collections.abc import Callable
@@ -20,12 +21,13 @@ import llvmlite.binding as llvm
 from llvmlite import ir
 from numba import njit, types
 from numba.core import cgutils
-from numba.extending import intrinsic
+from numba.extending import intrinsic, typeof_impl
 
 FLOAT, INTEGER = types.float64, types.int64
 VECTOR, MATRIX, CUBE = (types.Array(FLOAT, n, "C") for n in (1, 2, 3))
 INTEGERS, INTEGER_MATRIX = types.Array(INTEGER, 1, "C"), types.Array(INTEGER, 2, "C")
 
+_NO_ENTRY = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _kept: list[Any] = []  # compiled code refers to the cells as long as the process lives
 _ADDRESS = ir.IntType(8).as_pointer()
 _CELL = ir.LiteralStructType((_ADDRESS, ir.FunctionType(ir.VoidType(), ()).as_pointer()))
@@ -43,21 +45,43 @@ def sources(*places: Path) -> tuple[Path, ...]:
     return tuple(found)
 
 
-def stored(files: tuple[Path, ...], **options: Any) -> Callable:
+def stored(files: tuple[Path, ...], entry: bool = True, **options: Any) -> Callable:
     """`njit` with a copy on disk that is used as long as the `files` the function is made of stay as they are.
 
     The compiler itself looks at the file of the function alone, not at those of the functions it calls; the checksum of
-    all is made part of the name under which the code is stored.
+    all is made part of the name under which the code is stored. Without ``entry`` Python must not call it.
     """
+    options = {"nogil": True, "error_model": "numpy", **({} if entry else _NO_ENTRY), **options}
     total = 0
     for file in files:
         total = zlib.crc32(file.read_bytes(), total)
 
     def decorate(function: Callable) -> Any:
         function.__qualname__ = f"{function.__qualname__}_{total:08x}"
-        return njit(cache=True, nogil=True, error_model="numpy", **options)(function)
+        return njit(cache=True, **options)(function)
 
     return decorate
+
+
+class Inner:
+    """A compiled function for compiled callers; called from Python, it runs as Python."""
+
+    def __init__(self, function: Callable, **options: Any) -> None:
+        self.compiled = njit(nogil=True, error_model="numpy", **_NO_ENTRY, **options)(function)
+        functools.update_wrapper(self, function)
+
+    def __call__(self, *values: Any) -> Any:
+        return self.compiled.py_func(*values)
+
+
+@typeof_impl.register(Inner)
+def _type_of_inner(value: Inner, _: Any) -> types.Type:
+    return types.Dispatcher(value.compiled)
+
+
+def inner(**options: Any) -> Callable:
+    """`njit` without the entry from Python, which is half of a small function's code or of one that takes tables."""
+    return functools.partial(Inner, **options)
 
 
 def apart(result: types.Type, *arguments: types.Type) -> Callable:

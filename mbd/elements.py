@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
-from fem.compiled import CUBE, FLOAT, INTEGER, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, stored
+from fem.compiled import CUBE, FLOAT, INTEGER, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, inner, stored
 from fem.contact.lanes import SOURCES as CONTACT
 from mbd import hertz
 from mbd.hanging import ground_push, rope_pull
@@ -56,7 +56,7 @@ ball_forces, roller_forces = _bearing(hertz.ball_forces), _bearing(hertz.roller_
 
 
 @apart(types.none, EXTRA, FLOAT, FLOAT, VECTOR, VECTOR, INTEGER, VECTOR, MATRIX, MATRIX, MATRIX, INTEGER)
-@stored(SOURCES)
+@stored(SOURCES, entry=False)
 def extra_forces(extra, angle, speed, u, v, first, force, slope_u, slope_v, log, n_log):
     """Fill force and slopes of the rows from ``first`` on, and the log from element ``n_log`` on."""
     f3, f5 = np.empty(3), np.empty(5)
@@ -124,7 +124,7 @@ def extra_forces(extra, angle, speed, u, v, first, force, slope_u, slope_v, log,
         log[k, 8] = push
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def _rows(kind):
     if kind == BALL or kind == ROLLER:
         return 5
@@ -133,7 +133,7 @@ def _rows(kind):
     return 2 if kind == SLIDING or kind == GYROSCOPIC else 1
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def _own(extra, u, v, first, r, n, restoring, stiff, loss, force, slope_u, slope_v):
     """An element that reads nothing but its own rows."""
     for i in range(n):
@@ -148,7 +148,7 @@ def _own(extra, u, v, first, r, n, restoring, stiff, loss, force, slope_u, slope
 
 
 @apart(types.none, EXTRA, FLOAT, FLOAT, MATRIX, MATRIX, INTEGER)
-@stored(SOURCES)
+@stored(SOURCES, entry=False)
 def extra_work(extra, before, after, log_before, log_after, n_log):
     """Fill the parametric work of the step from motor angle ``before`` to ``after`` (rad)."""
     for e in range(len(extra.kind)):
@@ -158,7 +158,7 @@ def extra_work(extra, before, after, log_before, log_after, n_log):
 
 
 @apart(types.none, EXTRA, FLOAT, VECTOR, VECTOR, INTEGER, VECTOR, MATRIX, INTEGER)
-@stored(SOURCES)
+@stored(SOURCES, entry=False)
 def extra_follow(extra, speed, u, v, first, force, log, n_log):
     """Lost power and rolling force of losses, brake and ground anew, where the solution ``force`` is known."""
     for e in range(len(extra.kind)):

@@ -25,9 +25,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
-from fem.compiled import FLOAT, INTEGER_MATRIX, MATRIX, VECTOR, apart, stored
+from fem.compiled import FLOAT, INTEGER_MATRIX, MATRIX, VECTOR, apart, inner, stored
 from fem.contact.evaluate import evaluate, law_tables
 from fem.contact.kernel import evaluate_two
 from fem.contact.teeth import least_clearance
@@ -156,13 +156,13 @@ def _rope_constants(machine: Machine, ratios: dict[str, float]) -> dict[str, np.
     }
 
 
-@njit(nogil=True, error_model="numpy", inline="always")
+@inner(inline="always")
 def touches(table, k, delta, psi):
     """False if flank k is clear of contact everywhere."""
     return delta - table.backlash[k] + abs(psi) * table.reach[k] > table.floor[k]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def flank(table, k, angle, rotation, delta, psi):
     """What `evaluate` returns for flank k at the motor angle and the elastic rotation of its driving gear (rad)."""
     if not touches(table, k, delta, psi):
@@ -176,7 +176,7 @@ def flank(table, k, angle, rotation, delta, psi):
     return evaluate(law, cycle, approach, psi, pinion, wheel)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def flank_and_before(table, k, angle, rotation, delta, psi, before, frozen):
     """`flank` without dU/dc, and into ``frozen`` (6,) the same at the rows ``before`` and the same mesh cycle."""
     i, b = k // 2, table.backlash[k]
@@ -191,14 +191,14 @@ def flank_and_before(table, k, angle, rotation, delta, psi, before, frozen):
     return f, m, energy, f_d, f_p, m_p
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def rope_stiffness(table, j, angle):
     """Stiffness (N/m) of the falls of drum j at the motor angle."""
     return table.rope_ea[j] / (table.rope_length[j] - table.rope_travel[j] * angle)
 
 
 @apart(types.none, TABLE, FLOAT, FLOAT, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, MATRIX, VECTOR, MATRIX)
-@stored(SOURCES)
+@stored(SOURCES, entry=False)
 def row_forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log, before, frozen):
     """Residual forces at row displacements u and rates v, motor angle and speed (rad, rad/s); fills force, slopes, log.
 
@@ -273,7 +273,7 @@ def row_forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log, be
         )
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def follow_tangent(table, angle, before, u, v, force, log):
     """Move the log from the rows ``before`` where it was evaluated to u, v nearby, where ``force`` is the solution."""
     n_flank = len(table.tau)
@@ -296,7 +296,7 @@ def follow_tangent(table, angle, before, u, v, force, log):
             log[k, 3] = max(table.rope_stiffness[j] * u[r] + table.rope_damping[j] * v[r] - force[r], 0.0)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def parametric_work(table, before, after, u_before, u_after, log_before, log_after, frozen):
     """Fill the last three log columns of the step from motor angle ``before`` to ``after`` (rad); ``frozen`` (flank, 6)
     are the flanks at the new cycle and the old rows."""
@@ -324,7 +324,7 @@ def parametric_work(table, before, after, u_before, u_after, log_before, log_aft
     extra_work(table.extra, before, after, log_before, log_after, n_flank + n_rope)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def partner(row, n_flank):
     """First and second row of the element that ``row`` belongs to."""
     if row < 2 * n_flank:
@@ -332,7 +332,7 @@ def partner(row, n_flank):
     return row, row
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def solve_dense(matrix, right):
     """Gaussian elimination with partial pivoting in place; the answer is in ``right``; False if singular."""
     n = len(right)

@@ -18,9 +18,8 @@ in the log are moved along by their tangents. A time step then costs one evaluat
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, stored
+from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, inner, stored
 from mbd.elements import SOURCES, WIDTH, extra_follow
 from mbd.forces import TABLE, flank, follow_tangent, parametric_work, partner, row_forces, solve_dense
 
@@ -29,7 +28,7 @@ MAX_HALVINGS = 8
 NEAR = 0.01  # of the scale: what is left is below 1e-5 of it in 99 of 100 steps of 33 us
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def move_rows(predicted, flexibility, force, result):
     """result = predicted + flexibility @ force; rows beyond the forces are observed only."""
     for r in range(len(predicted)):
@@ -40,14 +39,14 @@ def move_rows(predicted, flexibility, force, result):
                 result[r] += flexibility[r, j] * force[j]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def copy_to(target, source):
     """Copy element by element: an array assignment drags its error text into the compilation, which costs seconds."""
     for r in range(len(target)):
         target[r] = source[r]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def residual_size(force, target, scale):
     """Largest |target - force| in units of ``scale``."""
     worst = 0.0
@@ -61,7 +60,7 @@ def residual_size(force, target, scale):
     *(TABLE, FLOAT, FLOAT, VECTOR, VECTOR, MATRIX, MATRIX, VECTOR, VECTOR, VECTOR, MATRIX, FLOAT, FLOAT, FLOAT),
     *(VECTOR, VECTOR, MATRIX),
 )
-@stored(SOURCES)
+@stored(SOURCES, entry=False)
 def iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance, near, limit, quality, before, frozen):
     """Iterate on ``force`` (in: guess, out: solution); returns the iterations used, or -1 without convergence.
 
@@ -91,7 +90,7 @@ def iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance
     return -1
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def newton(
     table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance, near, limit, quality, before,
     frozen,
@@ -139,7 +138,7 @@ def newton(
     return -1
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def newton_step(n_flank, pattern, g_u, g_v, slope_u, slope_v, step):
     """Solve (1 - S_u G_u - S_v G_v) step = residual in place; rows whose force does not depend on the motion stay.
 

@@ -8,12 +8,11 @@ others one by one in `fem.contact.slices`.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
-from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, stored
+from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, inner, stored
 from fem.contact import lanes, slices
 from fem.contact.face import evaluate_coupled
 from fem.contact.near import pairs_near
@@ -31,10 +30,8 @@ from fem.contact.packing import (
     Y,
 )
 
-_options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 
-
-@njit(**_options, forceinline=True)
+@inner(forceinline=True)
 def settle(slope, work, bits):
     """Newton sweeps of a block until they settle; returns the number of rare slices."""
     for _ in range(lanes.SWEEPS):
@@ -44,7 +41,7 @@ def settle(slope, work, bits):
 
 
 @apart(types.UniTuple(FLOAT, 14), VECTOR, FLOAT, types.UniTuple(FLOAT, 4), INTEGER, MATRIX, MATRIX, VECTOR)
-@stored(lanes.SOURCES)
+@stored(lanes.SOURCES, entry=False)
 def evaluate_uncoupled(tables, cycle, states, count, pinion, wheel, pair_force):
     """What `fem.contact.face.evaluate_coupled` returns, of a law whose slices are not coupled along the face.
 
@@ -77,14 +74,14 @@ def evaluate_uncoupled(tables, cycle, states, count, pinion, wheel, pair_force):
     return first + (a[7], a[8], a[9], a[10], a[11], a[12], sign * a[13])
 
 
-@njit(**_options, forceinline=True)
+@inner(forceinline=True)
 def add_to(answer, at, sums):
     """Add the seven sums of a block."""
     for i in range(7):
         answer[at + i] += sums[i]
 
 
-@njit(**_options)
+@inner()
 def respond(tables, cycle, states, count, pinion, wheel, pair_force):
     """Answer (14,) at `count` states (1, 2), see `fem.contact.face.evaluate_coupled`."""
     if tables[COUPLED] > 0.0:
@@ -92,7 +89,7 @@ def respond(tables, cycle, states, count, pinion, wheel, pair_force):
     return evaluate_uncoupled(tables, cycle, states, count, pinion, wheel, pair_force)
 
 
-@njit(**_options)
+@inner()
 def add_shares(tables, block, anchor, work, pair_force):
     """Forces of the pairs in the slices that are not rare."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -105,7 +102,7 @@ def add_shares(tables, block, anchor, work, pair_force):
                     pair_force[place] += force
 
 
-@njit(**_options)
+@inner()
 def rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_force):
     """The sums of the slices that `lanes` left over, and their shares."""
     force = moment = energy = k = mixed = tilt = rate = 0.0

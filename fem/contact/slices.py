@@ -9,12 +9,11 @@ approach; coordinate descent, which always converges for a convex function, wher
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
-from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, stored
+from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, inner, stored
 from fem.contact.lanes import (
     COMPLIANCE,
     COMPLIANCE_SLOPE,
@@ -60,14 +59,13 @@ COUPLINGS = SECOND
 SLOPES = COUPLINGS + MAX_PAIRS
 SYSTEM = SLOPES + MAX_PAIRS
 TOTAL = SYSTEM + MAX_PAIRS
-_options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 
 
 @apart(
     types.Tuple((INTEGER, FLOAT, FLOAT, FLOAT, FLOAT)),
     VECTOR, INTEGER, INTEGER, FLOAT, FLOAT, FLOAT, MATRIX, INTEGER, VECTOR, MATRIX,
 )  # fmt: skip
-@stored(SOURCES)
+@stored(SOURCES, entry=False)
 def solve_slice(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, work):
     """Solve one slice; returns its number of pairs and, per unit width, load, stiffness, energy, d(energy)/d xi.
 
@@ -100,7 +98,7 @@ def solve_slice(tables, block, lane, own_cycle, delta, psi, near, n_near, relief
     return n, load, stiffness, energy, rate
 
 
-@njit(**_options)
+@inner()
 def _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, work):
     """Columns of the pairs of one slice, in rising order of p; returns their number."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES + lane
@@ -136,7 +134,7 @@ def _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, wo
     return n
 
 
-@njit(**_options)
+@inner()
 def slice_stiffness(n, slope, work, stiffness):
     """d(phi_p f_p) / d(approach of pair q) of a solved slice, into stiffness (n, n)."""
     for q in range(n):
@@ -148,7 +146,7 @@ def slice_stiffness(n, slope, work, stiffness):
             stiffness[p, q] = work[FRACTION, p] * work[REST, p]
 
 
-@njit(**_options)
+@inner()
 def _relieved(n, p, work):
     """Approach left to pair p itself: x_p - sum_q c_pq phi_q f_q."""
     x = work[X, p]
@@ -157,7 +155,7 @@ def _relieved(n, p, work):
     return x
 
 
-@njit(**_options)
+@inner()
 def _solve_system(n, work):
     """(diag(D) + c phi) d = rest over the loaded pairs (f > 0), in place of rest; 0 for the others.
 
@@ -185,7 +183,7 @@ def _solve_system(n, work):
         work[REST, p] /= work[SYSTEM + p, p]
 
 
-@njit(**_options)
+@inner()
 def _loads(n, slope, work):
     """Line loads of the gathered pairs."""
     for p in range(n):
@@ -231,7 +229,7 @@ def _loads(n, slope, work):
             return
 
 
-@njit(**_options)
+@inner()
 def _alone(p, x, slope, work):
     """Load of pair p by itself at the approach x."""
     work[LOAD, p] = work[LOG, p] = 0.0

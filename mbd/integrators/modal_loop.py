@@ -12,9 +12,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
-from fem.compiled import stored
+from fem.compiled import inner, stored
 from mbd.elements import SOURCES
 from mbd.forces import parametric_work
 from mbd.rows_solver import NEAR, iterate
@@ -53,7 +52,7 @@ class Memory(NamedTuple):
     changes: np.ndarray  # (2,) sum of the squared residuals of the guesses, and of ones
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+@inner(fastmath={"reassoc", "contract", "nsz"})
 def _dot(a, b):
     total = 0.0
     for j in range(len(a)):
@@ -61,13 +60,13 @@ def _dot(a, b):
     return total
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+@inner(fastmath={"contract"})
 def _add(target, factor, vector):
     for j in range(len(target)):
         target[j] += factor * vector[j]
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+@inner(fastmath={"contract"})
 def _free_step(before, growth, load, ramp, acceleration, after):
     """after = E before + the part of the prescribed forces."""
     n = len(before) // 2
@@ -77,7 +76,7 @@ def _free_step(before, growth, load, ramp, acceleration, after):
         after[n + j] = er * i + ei * r + load[n + j] + acceleration * ramp[n + j]
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+@inner(fastmath={"contract"})
 def _add_product(target, weight, push):
     """target += weight * push, complex."""
     n = len(target) // 2
@@ -87,7 +86,7 @@ def _add_product(target, weight, push):
         target[n + j] += wr * pi + wi * pr
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def _kink(before, after, n_contact):
     """True if one of the first elements, flanks and ropes, touched or let go."""
     changed = False
@@ -96,7 +95,7 @@ def _kink(before, after, n_contact):
     return changed
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def _extrapolate(forces, past, smooth, h, guess):
     """Forces h after the last instant: the parabola, line or constant through as many instants as are smooth."""
     near, far = past[0], past[0] + past[1]
@@ -111,7 +110,7 @@ def _extrapolate(forces, past, smooth, h, guess):
         guess[r] = a * forces[0, r] + b * forces[1, r] + c * forces[2, r]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def _choose_hold(counts, level, n_past):
     """Which hold: the line after a kink or a step more than four times as long or as short."""
     apart = counts[2] - level
@@ -120,7 +119,7 @@ def _choose_hold(counts, level, n_past):
     return 1 if apart == 0 else (2 if apart == 1 else 3)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def _remember(constants, memory, hold, level, n_contact, eta, force, row_values, log, held):
     """Finish the step: its own part of the state, the polynomials of the forces, and the memory."""
     _, _, _, weights, powers, _, _, enter, _, _, _ = constants
