@@ -27,7 +27,7 @@ FLOAT, INTEGER = types.float64, types.int64
 VECTOR, MATRIX, CUBE = (types.Array(FLOAT, n, "C") for n in (1, 2, 3))
 INTEGERS, INTEGER_MATRIX = types.Array(INTEGER, 1, "C"), types.Array(INTEGER, 2, "C")
 
-_NO_ENTRY = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_NO_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _kept: list[Any] = []  # compiled code refers to the cells as long as the process lives
 _ADDRESS = ir.IntType(8).as_pointer()
 _CELL = ir.LiteralStructType((_ADDRESS, ir.FunctionType(ir.VoidType(), ()).as_pointer()))
@@ -67,7 +67,7 @@ class Inner:
     """A compiled function for compiled callers; called from Python, it runs as Python."""
 
     def __init__(self, function: Callable, **options: Any) -> None:
-        self.compiled = njit(nogil=True, error_model="numpy", **_NO_ENTRY, **options)(function)
+        self.compiled: Any = njit(**{"nogil": True, "error_model": "numpy", **_NO_ENTRY, **options})(function)
         functools.update_wrapper(self, function)
 
     def __call__(self, *values: Any) -> Any:

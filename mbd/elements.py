@@ -20,7 +20,7 @@ import numpy as np
 from numba import types
 
 from fem.compiled import CUBE, FLOAT, INTEGER, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, inner, stored
-from fem.contact.lanes import SOURCES as CONTACT
+from fem.contact.kernel import SOURCES as CONTACT
 from mbd import hertz
 from mbd.hanging import ground_push, rope_pull
 from mbd.losses import drag, efficiency_loss, tooth_friction
