@@ -166,7 +166,9 @@ def covered(tables, n_s, states, which, d, t):
     """True if no slice approaches further than the states for which the pairs were collected."""
     for s in range(n_s):
         y = tables[SLICE_ROWS + ((s // LANES) * ROWS_PER_BLOCK + Y) * LANES + s % LANES]
-        if (states[2 * which] - d) + (states[2 * which + 1] - t) * y > lanes.largest_approach(states, y):
+        own = states[2 * which] + states[2 * which + 1] * y
+        room = lanes.largest_approach(states, y) - own + 1e-14 * abs(own)  # of rounding, where nothing moves
+        if -(d + t * y) > room:
             return False
     return True
 

@@ -59,20 +59,27 @@ def evaluate_uncoupled(tables, cycle, states, count, pinion, wheel, pair_force):
     for block in range(int(tables[BLOCKS])):
         if not lanes.gather(tables, block, own_cycle, states, near, n_near, work):
             continue
-        for i in range(count):
-            lanes.take_state(tables, block, states, i - 1, i, work)
-            if i == 0:
-                lanes.guess(slope, work, bits)
-            rare = settle(slope, work, bits)
-            add_to(answer, 7 * i, lanes.block_sums(tables, block, work))
-            if pair_force.size > 0:
-                add_shares(tables, block, math.floor(own_cycle), work, pair_force)
-            if rare > 0.0:
-                delta, psi = states[2 * i], states[2 * i + 1]
-                add_to(answer, 7 * i, rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_force))
+        lanes.take_state(tables, block, states, -1, 0, work)
+        lanes.guess(slope, work, bits)
+        solve_block(tables, block, own_cycle, states, 0, near, n_near, work, bits, pair_force, answer)
+        if count > 1:
+            lanes.take_state(tables, block, states, 0, 1, work)
+            solve_block(tables, block, own_cycle, states, 1, near, n_near, work, bits, pair_force, answer)
     a = answer
     first = a[0], a[1], a[2], a[3], a[4], a[5], sign * a[6]
     return first + (a[7], a[8], a[9], a[10], a[11], a[12], sign * a[13])
+
+
+@inner(forceinline=True)
+def solve_block(tables, block, own_cycle, states, which, near, n_near, work, bits, pair_force, answer):
+    """Add the seven sums of a block at one state to the answer, and its forces to pair_force if that is not empty."""
+    rare = settle(tables[SLOPE], work, bits)
+    add_to(answer, 7 * which, lanes.block_sums(tables, block, work))
+    if pair_force.size > 0:
+        add_shares(tables, block, math.floor(own_cycle), work, pair_force)
+    if rare > 0.0:
+        delta, psi = states[2 * which], states[2 * which + 1]
+        add_to(answer, 7 * which, rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_force))
 
 
 @inner(forceinline=True)
