@@ -27,6 +27,7 @@ FLOAT, INTEGER = types.float64, types.int64
 VECTOR, MATRIX, CUBE = (types.Array(FLOAT, n, "C") for n in (1, 2, 3))
 INTEGERS, INTEGER_MATRIX = types.Array(INTEGER, 1, "C"), types.Array(INTEGER, 2, "C")
 
+PLAIN: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 _NO_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _kept: list[Any] = []  # compiled code refers to the cells as long as the process lives
 _ADDRESS = ir.IntType(8).as_pointer()
@@ -51,7 +52,7 @@ def stored(files: tuple[Path, ...], entry: bool = True, **options: Any) -> Calla
     The compiler itself looks at the file of the function alone, not at those of the functions it calls; the checksum of
     all is made part of the name under which the code is stored. Without ``entry`` Python must not call it.
     """
-    options = {"nogil": True, "error_model": "numpy", **({} if entry else _NO_ENTRY), **options}
+    options = {**PLAIN, **({} if entry else _NO_ENTRY), **options}
     total = 0
     for file in files:
         total = zlib.crc32(file.read_bytes(), total)
@@ -67,7 +68,7 @@ class Inner:
     """A compiled function for compiled callers; called from Python, it runs as Python."""
 
     def __init__(self, function: Callable, **options: Any) -> None:
-        self.compiled: Any = njit(**{"nogil": True, "error_model": "numpy", **_NO_ENTRY, **options})(function)
+        self.compiled: Any = njit(**{**PLAIN, **_NO_ENTRY, **options})(function)
         functools.update_wrapper(self, function)
 
     def __call__(self, *values: Any) -> Any:
@@ -80,7 +81,10 @@ def _type_of_inner(value: Inner, _: Any) -> types.Type:
 
 
 def inner(**options: Any) -> Callable:
-    """`njit` without the entry from Python, which is half of a small function's code or of one that takes tables."""
+    """`njit` without the entry from Python, which is half of a small function's code or of one that takes tables.
+
+    A function with no second user of its code is always inlined, so this is not for what a hot loop rarely calls.
+    """
     return functools.partial(Inner, **options)
 
 

@@ -30,9 +30,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import types
+from numba import njit, types
 
-from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, inner, stored
+from fem.compiled import FLOAT, INTEGER, MATRIX, PLAIN, VECTOR, apart, stored
 from fem.contact import chain, joint, lanes
 from fem.contact.joint import TOTAL
 from fem.contact.near import pairs_near
@@ -56,7 +56,7 @@ _inline: dict[str, Any] = {"forceinline": True, "fastmath": {"contract"}}
 
 
 @apart(types.UniTuple(FLOAT, 14), VECTOR, FLOAT, types.UniTuple(FLOAT, 4), INTEGER, MATRIX, MATRIX, VECTOR)
-@stored(lanes.SOURCES, entry=False)
+@stored(lanes.SOURCES)
 def evaluate_coupled(tables, cycle, states, count, pinion, wheel, pair_force):
     """F, M, U, dF/d delta, dF/d psi, dM/d psi, dU/dc of a law with coupling along the face, at `count` states (1, 2).
 
@@ -112,7 +112,7 @@ def evaluate_coupled(tables, cycle, states, count, pinion, wheel, pair_force):
     return first + (a[7], a[8], a[9], a[10], a[11], a[12], sign * a[13])
 
 
-@inner(**_inline)
+@njit(**PLAIN, **_inline)
 def settle(tables, blocks, n_s, states, which, warm, work, bits, answer, done):
     """Newton iteration from scratch or from the loads there are; fills the answer. True if it holds, and d, t."""
     d = t = k00 = k01 = k11 = force = moment = stiff = mixed = tilt = 0.0
@@ -161,7 +161,7 @@ def settle(tables, blocks, n_s, states, which, warm, work, bits, answer, done):
     return settled and beyond == 0.0, d, t
 
 
-@inner(**_inline)
+@njit(**PLAIN, **_inline)
 def covered(tables, n_s, states, which, d, t):
     """True if no slice approaches further than the states for which the pairs were collected."""
     for s in range(n_s):
@@ -173,7 +173,7 @@ def covered(tables, n_s, states, which, d, t):
     return True
 
 
-@inner()
+@njit(**PLAIN)
 def add_forces(tables, n_s, anchor, work, pair_force):
     """Forces of the pairs of a settled state."""
     for s in range(n_s):

@@ -19,7 +19,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fem.compiled import inner
+from numba import njit
+
+from fem.compiled import PLAIN
 from fem.contact import lanes
 from fem.contact.lanes import COMPLIANCE, COUPLING, DEPTH, FRACTION, LOAD, LOG, NEVER, ON, PAIR, SECOND, X
 from fem.contact.packing import (
@@ -54,7 +56,7 @@ _sums = {**_inline, "fastmath": {"contract", "reassoc", "nsz"}}
 _LN2 = 0.6931471805599453
 
 
-@inner(**_inline)
+@njit(**PLAIN, **_inline)
 def prepare(tables, block, own_cycle, rows):
     """Put odd pairs into the second rows and read sqrt(D); False where both pairs of a slice are odd or even."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -90,7 +92,7 @@ def prepare(tables, block, own_cycle, rows):
     return good
 
 
-@inner(**_inline)
+@njit(**PLAIN, **_inline)
 def link(tables, n_s, work):
     """Springs between the slices that one line runs through; False where a line comes back after another."""
     good = True
@@ -119,7 +121,7 @@ def link(tables, n_s, work):
     return good
 
 
-@inner(**_inline)
+@njit(**PLAIN, **_inline)
 def take_state(tables, block, states, which, rows):
     """Free approaches of the state `which`; rows WIDEST belong to the larger approach of the two states."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -129,7 +131,7 @@ def take_state(tables, block, states, which, rows):
         rows[FREE, s], rows[FREE + 1, s] = rows[WIDEST, s] - back, rows[WIDEST + 1, s] - back
 
 
-@inner(**_sums)
+@njit(**PLAIN, **_sums)
 def estimate(tables, block, rows, bits):
     """Secant compliances into P0, P1 as if all slices were loaded alike, and the sums F, M, k, k y, k y^2 with them."""
     slope, base = tables[SLOPE], SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -156,7 +158,7 @@ def estimate(tables, block, rows, bits):
     return force, moment, k, mixed, tilt
 
 
-@inner(**_inline)
+@njit(**PLAIN, **_inline)
 def start(tables, block, d, t, rows, bits):
     """First line loads, from the secant compliances at the body displacements d, t."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -169,7 +171,7 @@ def start(tables, block, d, t, rows, bits):
     lanes.logarithm(rows, bits)
 
 
-@inner(**_sums)
+@njit(**PLAIN, **_sums)
 def linearise(tables, block, rows):
     """phi l, K and the block's part of the field equations; returns the sums F, M, k, k y, k y^2 without fields."""
     slope, base = tables[SLOPE], SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -206,7 +208,7 @@ def linearise(tables, block, rows):
     return force, moment, k, mixed, tilt
 
 
-@inner(**_sums)
+@njit(**PLAIN, **_sums)
 def advance(tables, block, d, t, rows, bits):
     """Loads at the fields and body displacements; FREE keeps the free approach, X takes what is left to the slice.
 
@@ -250,7 +252,7 @@ def advance(tables, block, d, t, rows, bits):
     return force, 0.5 * slope * bend, total
 
 
-@inner(**_sums)
+@njit(**PLAIN, **_sums)
 def finish(tables, block, rows):
     """Idle pairs to f = 0, as `lanes.block_sums` wants them; sum of w sqrt(D) phi f v and of w (sqrt(D))' phi f v.
 
@@ -274,7 +276,7 @@ def finish(tables, block, rows):
     return held, along, beyond
 
 
-@inner(**_inline)
+@njit(**PLAIN, **_inline)
 def resume(rows):
     """Loads of a finished block as the start of the next state."""
     for s in range(LANES):

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import types
+from numba import njit, types
 
-from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, inner, stored
+from fem.compiled import FLOAT, INTEGER, MATRIX, PLAIN, VECTOR, apart, stored
 from fem.contact import lanes, slices
 from fem.contact.face import evaluate_coupled
 from fem.contact.lanes import SOURCES
@@ -32,7 +32,7 @@ from fem.contact.packing import (
 )
 
 
-@inner(forceinline=True)
+@njit(**PLAIN, forceinline=True)
 def settle(slope, work, bits):
     """Newton sweeps of a block until they settle; returns the number of rare slices."""
     for _ in range(lanes.SWEEPS):
@@ -42,7 +42,7 @@ def settle(slope, work, bits):
 
 
 @apart(types.UniTuple(FLOAT, 14), VECTOR, FLOAT, types.UniTuple(FLOAT, 4), INTEGER, MATRIX, MATRIX, VECTOR)
-@stored(SOURCES, entry=False)
+@stored(SOURCES)
 def evaluate_uncoupled(tables, cycle, states, count, pinion, wheel, pair_force):
     """What `fem.contact.face.evaluate_coupled` returns, of a law whose slices are not coupled along the face.
 
@@ -70,7 +70,7 @@ def evaluate_uncoupled(tables, cycle, states, count, pinion, wheel, pair_force):
     return first + (a[7], a[8], a[9], a[10], a[11], a[12], sign * a[13])
 
 
-@inner(forceinline=True)
+@njit(**PLAIN, forceinline=True)
 def solve_block(tables, block, own_cycle, states, which, near, n_near, work, bits, pair_force, answer):
     """Add the seven sums of a block at one state to the answer, and its forces to pair_force if that is not empty."""
     rare = settle(tables[SLOPE], work, bits)
@@ -82,14 +82,14 @@ def solve_block(tables, block, own_cycle, states, which, near, n_near, work, bit
         add_to(answer, 7 * which, rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_force))
 
 
-@inner(forceinline=True)
+@njit(**PLAIN, forceinline=True)
 def add_to(answer, at, sums):
     """Add the seven sums of a block."""
     for i in range(7):
         answer[at + i] += sums[i]
 
 
-@inner()
+@njit(**PLAIN)
 def respond(tables, cycle, states, count, pinion, wheel, pair_force):
     """Answer (14,) at `count` states (1, 2), see `fem.contact.face.evaluate_coupled`."""
     if tables[COUPLED] > 0.0:
@@ -97,7 +97,7 @@ def respond(tables, cycle, states, count, pinion, wheel, pair_force):
     return evaluate_uncoupled(tables, cycle, states, count, pinion, wheel, pair_force)
 
 
-@inner()
+@njit(**PLAIN)
 def add_shares(tables, block, anchor, work, pair_force):
     """Forces of the pairs in the slices that are not rare."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -110,7 +110,7 @@ def add_shares(tables, block, anchor, work, pair_force):
                     pair_force[place] += force
 
 
-@inner()
+@njit(**PLAIN)
 def rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_force):
     """The sums of the slices that `lanes` left over, and their shares."""
     force = moment = energy = k = mixed = tilt = rate = 0.0

@@ -14,7 +14,9 @@ import math
 from pathlib import Path
 from typing import Any
 
-from fem.compiled import inner, sources
+from numba import njit
+
+from fem.compiled import PLAIN, sources
 from fem.contact.packing import (
     CELL,
     GAP,
@@ -73,7 +75,7 @@ _options: dict[str, Any] = {
 _sums = {**_options, "fastmath": {"contract", "reassoc", "nsz"}}  # the order of the lanes in a sum is free
 
 
-@inner()
+@njit(**PLAIN, **_options)
 def gather(tables, block, own_cycle, states, near, n_near, work):
     """Fill the rows of the block with those of the pairs `near` (n_near, 8) that approach in one of two states.
 
@@ -118,7 +120,7 @@ def gather(tables, block, own_cycle, states, near, n_near, work):
     return touched
 
 
-@inner()
+@njit(**PLAIN, **_options)
 def approach_of(tables, here, approach, part, near, m):
     """Free approach x of near pair m (NEVER out of reach), place of its cell in `tables`, position inside the cell."""
     xi = here - near[m, NUMBER]
@@ -136,7 +138,7 @@ def approach_of(tables, here, approach, part, near, m):
     return x, k, u
 
 
-@inner()
+@njit(**PLAIN, **_options)
 def fill(tables, at, s, x, k, u, here, near, m, work):
     """Rows `at` of lane s for near pair m of sound teeth."""
     per_step = tables[PER_STEP]
@@ -152,7 +154,7 @@ def fill(tables, at, s, x, k, u, here, near, m, work):
     work[at + PAIR, s] = near[m, NUMBER]
 
 
-@inner()
+@njit(**PLAIN, **_options)
 def clear(at, s, work):
     """Rows `at` of lane s without a pair."""
     work[at + X, s], work[at + COMPLIANCE, s], work[at + FRACTION, s], work[at + DEPTH, s] = NEVER, 1.0, 0.0, 2.0
@@ -160,7 +162,7 @@ def clear(at, s, work):
     work[at + COMPLIANCE_SLOPE, s] = work[at + DEPTH_SLOPE, s] = 0.0
 
 
-@inner()
+@njit(**PLAIN)
 def damaged(tables, slice_number, at, s, x, k, u, near, m, work):
     """Add to rows `at` of lane s what the damaged teeth of near pair m bring; returns the approach left."""
     positions, per_step = int(tables[POSITIONS]), tables[PER_STEP]
@@ -181,13 +183,13 @@ def damaged(tables, slice_number, at, s, x, k, u, near, m, work):
     return x
 
 
-@inner()
+@njit(**PLAIN, **_options)
 def largest_approach(states, y):
     """The larger approach of the two states at face coordinate y."""
     return max(states[0] + states[1] * y, states[2] + states[3] * y)
 
 
-@inner()
+@njit(**PLAIN, **_options)
 def take_state(tables, block, states, before, after, work):
     """Move X from the approach `before` (0 or 1: a state; -1: the larger one) to that of the state `after`."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -201,7 +203,7 @@ def take_state(tables, block, states, before, after, work):
         work[SECOND + LOAD, s] = work[SECOND + LOAD, s] if work[SECOND + LOAD, s] > 0.0 else 1.0
 
 
-@inner()
+@njit(**PLAIN, **_options)
 def logarithm(work, bits):
     """ln of the rows LOAD into LOG, for positive numbers, to rounding (reduction and series of fdlibm, e_log.c)."""
     l1, l2, l3, l4, l5, l6, l7 = _SERIES
@@ -219,7 +221,7 @@ def logarithm(work, bits):
             work[at + LOG, s] = (work[at + EXPONENT, s] - _BIAS) * _LN2 + (f - (0.5 * f * f - q * (0.5 * f * f + r)))
 
 
-@inner()
+@njit(**PLAIN, **_options)
 def guess(slope, work, bits):
     """First line loads, about 1 % off, with a rough logarithm; a pair that its neighbour pushes out is switched off."""
     for s in range(LANES):
@@ -247,7 +249,7 @@ def guess(slope, work, bits):
     logarithm(work, bits)
 
 
-@inner(**_sums)
+@njit(**PLAIN, **_sums)
 def sweep(slope, work, bits):
     """One Newton step of all line loads; returns the sum of the squares of the relative steps."""
     total = 0.0
@@ -271,13 +273,13 @@ def sweep(slope, work, bits):
     return total
 
 
-@inner()
+@njit(**PLAIN, **_options)
 def log_of_growth(t):
     """ln(1 + t), to rounding up to |t| = SERIES."""
     return t * (1 - t * (1 / 2 - t * (1 / 3 - t * (1 / 4 - t * (1 / 5 - t * (1 / 6 - t * (1 / 7 - t * 0.125)))))))
 
 
-@inner(**_sums)
+@njit(**PLAIN, **_sums)
 def switch_off(slope, work):
     """f = 0 where a pair does not carry; RARE = 1 where the answer does not hold; returns their number."""
     rare = 0.0
@@ -302,7 +304,7 @@ def switch_off(slope, work):
     return rare
 
 
-@inner(**_sums)
+@njit(**PLAIN, **_sums)
 def block_sums(tables, block, work):
     """F, M, U, k, k y, k y^2 and dU/dc' of the slices of the block that are not rare."""
     slope, base = tables[SLOPE], SLICE_ROWS + block * ROWS_PER_BLOCK * LANES

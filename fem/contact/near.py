@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 
-from fem.compiled import inner
+from numba import njit
+
+from fem.compiled import PLAIN
 from fem.contact import lanes
 from fem.contact.packing import (
     FIRST_SHIFT,
@@ -18,7 +20,7 @@ from fem.contact.packing import (
 )
 
 
-@inner()
+@njit(**PLAIN)
 def pairs_near(tables, own_cycle, pinion, wheel, near):
     """Pairs with both teeth that may touch somewhere on the face, rows of `near` in rising order; their number."""
     sign = 1 if tables[SIGN] > 0.0 else -1

@@ -11,9 +11,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import types
+from numba import njit, types
 
-from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, inner, stored
+from fem.compiled import FLOAT, INTEGER, MATRIX, PLAIN, VECTOR, apart, stored
 from fem.contact.lanes import (
     COMPLIANCE,
     COMPLIANCE_SLOPE,
@@ -65,7 +65,7 @@ TOTAL = SYSTEM + MAX_PAIRS
     types.Tuple((INTEGER, FLOAT, FLOAT, FLOAT, FLOAT)),
     VECTOR, INTEGER, INTEGER, FLOAT, FLOAT, FLOAT, MATRIX, INTEGER, VECTOR, MATRIX,
 )  # fmt: skip
-@stored(SOURCES, entry=False)
+@stored(SOURCES)
 def solve_slice(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, work):
     """Solve one slice; returns its number of pairs and, per unit width, load, stiffness, energy, d(energy)/d xi.
 
@@ -98,7 +98,7 @@ def solve_slice(tables, block, lane, own_cycle, delta, psi, near, n_near, relief
     return n, load, stiffness, energy, rate
 
 
-@inner()
+@njit(**PLAIN)
 def _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, work):
     """Columns of the pairs of one slice, in rising order of p; returns their number."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES + lane
@@ -134,7 +134,7 @@ def _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, wo
     return n
 
 
-@inner()
+@njit(**PLAIN)
 def slice_stiffness(n, slope, work, stiffness):
     """d(phi_p f_p) / d(approach of pair q) of a solved slice, into stiffness (n, n)."""
     for q in range(n):
@@ -146,7 +146,7 @@ def slice_stiffness(n, slope, work, stiffness):
             stiffness[p, q] = work[FRACTION, p] * work[REST, p]
 
 
-@inner()
+@njit(**PLAIN)
 def _relieved(n, p, work):
     """Approach left to pair p itself: x_p - sum_q c_pq phi_q f_q."""
     x = work[X, p]
@@ -155,7 +155,7 @@ def _relieved(n, p, work):
     return x
 
 
-@inner()
+@njit(**PLAIN)
 def _solve_system(n, work):
     """(diag(D) + c phi) d = rest over the loaded pairs (f > 0), in place of rest; 0 for the others.
 
@@ -183,7 +183,7 @@ def _solve_system(n, work):
         work[REST, p] /= work[SYSTEM + p, p]
 
 
-@inner()
+@njit(**PLAIN)
 def _loads(n, slope, work):
     """Line loads of the gathered pairs."""
     for p in range(n):
@@ -229,7 +229,7 @@ def _loads(n, slope, work):
             return
 
 
-@inner()
+@njit(**PLAIN)
 def _alone(p, x, slope, work):
     """Load of pair p by itself at the approach x."""
     work[LOAD, p] = work[LOG, p] = 0.0
