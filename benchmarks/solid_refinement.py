@@ -23,9 +23,9 @@ from fem.contact.solid_contact import solve
 from fem.gears.geometry import Gear, GearPair
 
 CASES = ((0.0, 12e-3), (12.0, 12e-3), (15.0, 30e-3))  # beta in degrees, b in m
-DEFAULT = (1.0, 21)  # refinement, slices
+DEFAULT = (1.0, 31)  # refinement, slices
 RATIO = 5 / 3
-AXES = {"mesh": ((0.6, 21), DEFAULT, (RATIO, 21)), "slices": (DEFAULT, (1.0, 35), (1.0, 59))}
+AXES = {"mesh": ((0.6, 31), DEFAULT, (RATIO, 31)), "slices": (DEFAULT, (1.0, 51), (1.0, 85))}
 LINE_LOAD = 100e3  # N/m
 QUANTITIES = {"mean": "mean_N_per_m", "peak_to_peak": "peak_to_peak_m"}
 
@@ -96,7 +96,7 @@ def plot(entries: list[dict[str, Any]], path: Path) -> None:
 
     figure = Figure(figsize=(10, 7.5), layout="constrained")
     panels = figure.subplots(2, 2)
-    labels = {"mesh": "refinement of the mesh (1: default)", "slices": "slices along the face (21: default)"}
+    labels = {"mesh": "refinement of the mesh (1: default)", "slices": "slices along the face (31: default)"}
     titles = {"mean": ("Mean secant stiffness", 1.0), "peak_to_peak": ("Transmission error, peak-to-peak", 5.0)}
     for row, quantity in zip(panels, QUANTITIES, strict=True):
         for panel, axis in zip(row, AXES, strict=True):

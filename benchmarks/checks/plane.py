@@ -135,18 +135,28 @@ def checks() -> Iterator[Check]:
             test="test_plane_stiffness.py::test_single_pair_stiffness_against_a_contact_solution",
             cheap=False,
         )
+    yield from helical_rows(
+        SUBJECT,
+        3e-2,
+        _helical_state,
+        "test_plane_stiffness.py::test_helical_approach_against_a_contact_solution_in_space",
+    )
+
+
+def helical_rows(subject: str, gate: float, state: Callable[[], tuple[float, float]], test: str) -> Iterator[Check]:
+    """Rows of a helical pair against contact in space; ``state`` returns approach (um) and stiffness (N/um)."""
     for quantity, unit, value, index in (
         ("approach normal to the flank", "µm", 1.222, 0),
         ("secant stiffness k_s", "N/µm", 183.7, 1),
     ):
         yield Check(
-            subject=SUBJECT,
+            subject=subject,
             quantity=f"{quantity}, z 17/43, m_n 1 mm, β 20°, b 10 mm, 2 N m, c = 0.1325",
             source="independent 3-D contact FE",
             unit=unit,
             reference=(value,),
-            gate=3e-2,
-            compute=lambda i=index: [_helical_state()[i]],
-            test="test_plane_stiffness.py::test_helical_approach_against_a_contact_solution_in_space",
+            gate=gate,
+            compute=lambda i=index: [state()[i]],
+            test=test,
             cheap=False,
         )

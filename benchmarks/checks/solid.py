@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 
 from benchmarks.checks.gears import pair_of
+from benchmarks.checks.plane import helical_rows
 from benchmarks.checks.record import Check
 from benchmarks.peers.calculix_contact import POSITIONS_PER_CYCLE, RESULTS
 from benchmarks.rig import read
@@ -65,21 +66,12 @@ def rig_approach(cycle: float, missing: bool) -> float:
 
 def checks() -> Iterator[Check]:
     """All rows of this subject."""
-    for quantity, unit, value, index in (
-        ("approach normal to the flank", "µm", 1.222, 0),
-        ("secant stiffness k_s", "N/µm", 183.7, 1),
-    ):
-        yield Check(
-            subject=SUBJECT,
-            quantity=f"{quantity}, z 17/43, m_n 1 mm, β 20°, b 10 mm, 2 N m, c = 0.1325",
-            source="independent 3-D contact FE",
-            unit=unit,
-            reference=(value,),
-            gate=2e-2,
-            compute=lambda i=index: [helical()[i]],
-            test="test_solid_stiffness.py::test_approach_of_a_helical_pair_against_a_contact_solution_in_space",
-            cheap=False,
-        )
+    yield from helical_rows(
+        SUBJECT,
+        2e-2,
+        helical,
+        "test_solid_stiffness.py::test_approach_of_a_helical_pair_against_a_contact_solution_in_space",
+    )
     yield Check(
         subject=SUBJECT,
         quantity="c' of a single pair at the pitch point, z 20/55, m 2 mm, spur, free end faces, 50, 100, 400 N/mm",

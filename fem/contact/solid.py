@@ -40,7 +40,7 @@ class Solid:
     """
 
     model: Literal["solid"] = "solid"
-    n_slices: int = 21
+    n_slices: int = 31
     refinement: float = 1.0
     positions: int = 32
     largest_gap: float = 0.05
@@ -53,8 +53,8 @@ class Solid:
                 raise RungError(f"rung solid: {name} is {value!r}; give a value in [{low}, {high}]")
 
     def axial_elements(self, pair: GearPair) -> int:
-        """Elements along the face: 8, and more where one would be longer than 2.5 m_n; times the refinement."""
-        longest = 2.5 * pair.pinion.normal_module
+        """Elements along the face: 8, and more where one would be longer than 1.25 m_n; times the refinement."""
+        longest = 1.25 * pair.pinion.normal_module
         return math.ceil(self.refinement * max(8.0, pair.face_width / longest) - 1e-9)
 
     @property

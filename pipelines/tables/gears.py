@@ -38,7 +38,7 @@ class SolidMesh(Table):
     """Mesh stiffness by 3-D finite elements of both whole wheels and contact along the face. Ten seconds."""
 
     model: Literal["solid"] = "solid"
-    slices: Annotated[Whole, Field(ge=3, le=101, description="slices along the face")] = 21
+    slices: Annotated[Whole, Field(ge=3, le=101, description="slices along the face")] = 31
     refinement: Annotated[Number, Field(ge=0.6, le=3, description="divides all element sizes")] = 1.0
 
 
