@@ -81,10 +81,7 @@ def _type_of_inner(value: Inner, _: Any) -> types.Type:
 
 
 def inner(**options: Any) -> Callable:
-    """`njit` without the entry from Python, which is half of a small function's code or of one that takes tables.
-
-    A function with no second user of its code is always inlined, so this is not for what a hot loop rarely calls.
-    """
+    """`njit` without the entry from Python, which is half of a small function's code or of one that takes tables."""
     return functools.partial(Inner, **options)
 
 
