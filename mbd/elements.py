@@ -13,13 +13,16 @@ times the rolling rate of its rows per motor angle: the rows of losses, brake an
 # ruff: noqa: SIM109 - compiled code compares numbers, it does not build tuples
 from __future__ import annotations
 
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import types
 
+from fem.compiled import CUBE, FLOAT, INTEGER, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, inner, stored
+from fem.contact.kernel import SOURCES as CONTACT
+from mbd import hertz
 from mbd.hanging import ground_push, rope_pull
-from mbd.hertz import ball_forces, roller_forces
 from mbd.losses import drag, efficiency_loss, tooth_friction
 
 WIDTH = 6  # columns of a row's slopes
@@ -43,7 +46,17 @@ class Extra(NamedTuple):
     roll: np.ndarray  # (row,) motion of the row per motor angle when the train rolls
 
 
-@njit(nogil=True, error_model="numpy")
+EXTRA = types.NamedTuple(
+    (INTEGERS, INTEGERS, INTEGERS, MATRIX, CUBE, INTEGER_MATRIX, VECTOR, VECTOR, VECTOR, VECTOR), Extra
+)
+_FILES = ("elements", "forces", "hanging", "hertz", "losses", "rows_solver", "integrators/modal_loop")
+SOURCES = CONTACT + tuple(Path(__file__).parent / f"{name}.py" for name in _FILES)  # of all that is stored on disk
+_bearing = apart(types.UniTuple(FLOAT, 3), VECTOR, FLOAT, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX)
+ball_forces, roller_forces = _bearing(hertz.ball_forces), _bearing(hertz.roller_forces)
+
+
+@apart(types.none, EXTRA, FLOAT, FLOAT, VECTOR, VECTOR, INTEGER, VECTOR, MATRIX, MATRIX, MATRIX, INTEGER)
+@stored(SOURCES, entry=False)
 def extra_forces(extra, angle, speed, u, v, first, force, slope_u, slope_v, log, n_log):
     """Fill force and slopes of the rows from ``first`` on, and the log from element ``n_log`` on."""
     f3, f5 = np.empty(3), np.empty(5)
@@ -111,7 +124,7 @@ def extra_forces(extra, angle, speed, u, v, first, force, slope_u, slope_v, log,
         log[k, 8] = push
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def _rows(kind):
     if kind == BALL or kind == ROLLER:
         return 5
@@ -120,7 +133,7 @@ def _rows(kind):
     return 2 if kind == SLIDING or kind == GYROSCOPIC else 1
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def _own(extra, u, v, first, r, n, restoring, stiff, loss, force, slope_u, slope_v):
     """An element that reads nothing but its own rows."""
     for i in range(n):
@@ -134,7 +147,8 @@ def _own(extra, u, v, first, r, n, restoring, stiff, loss, force, slope_u, slope
         slope_v[r + i, i] += c0
 
 
-@njit(nogil=True, error_model="numpy")
+@apart(types.none, EXTRA, FLOAT, FLOAT, MATRIX, MATRIX, INTEGER)
+@stored(SOURCES, entry=False)
 def extra_work(extra, before, after, log_before, log_after, n_log):
     """Fill the parametric work of the step from motor angle ``before`` to ``after`` (rad)."""
     for e in range(len(extra.kind)):
@@ -143,7 +157,8 @@ def extra_work(extra, before, after, log_before, log_after, n_log):
         log_after[k, 9] = 0.0
 
 
-@njit(nogil=True, error_model="numpy")
+@apart(types.none, EXTRA, FLOAT, VECTOR, VECTOR, INTEGER, VECTOR, MATRIX, INTEGER)
+@stored(SOURCES, entry=False)
 def extra_follow(extra, speed, u, v, first, force, log, n_log):
     """Lost power and rolling force of losses, brake and ground anew, where the solution ``force`` is known."""
     for e in range(len(extra.kind)):

@@ -22,16 +22,16 @@ where the last bracket, central differences over the neighbouring steps, is adde
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import types
 
+from fem.compiled import FLOAT, INTEGER_MATRIX, MATRIX, VECTOR, apart, inner, stored
 from fem.contact.evaluate import evaluate, law_tables
 from fem.contact.kernel import evaluate_two
-from fem.contact.law import MeshLaw
 from fem.contact.teeth import least_clearance
-from mbd.elements import Extra, extra_forces, extra_work
+from mbd.elements import EXTRA, SOURCES, Extra, extra_forces, extra_work
 from mbd.load import vertical_rope
 from mbd.machine import Machine
 
@@ -39,13 +39,13 @@ LOG_COLUMNS = (
     "force", "moment", "energy", "total_force", "stiffness", "coupling", "tilt", "parametric", "push_force",
     "push_moment",
 )  # fmt: skip
-FLANK_GROUP = 8  # laws are padded to a multiple of this, so that compiled code is shared between machines
 
 
 class ForceTable(NamedTuple):
     """All constants of the nonlinear elements as flat arrays (a tuple that numba reads)."""
 
-    laws: Any  # padded tuple: drive and coast tables of each mesh
+    laws: np.ndarray  # drive and coast tables of each mesh, one after another
+    law_at: np.ndarray  # (flank, 2) start and end in `laws`
     clearances: np.ndarray  # (tooth, 6) tooth terms of all gears, one after another
     clearance_at: np.ndarray  # (flank, 2) start in `clearances`: pinion, wheel
     teeth: np.ndarray  # (flank, 2)
@@ -65,6 +65,16 @@ class ForceTable(NamedTuple):
     rope_loss: np.ndarray  # (rope,) 2 zeta sqrt(mass per rope)
     scale: np.ndarray  # (row,) force or moment that counts as 1 for convergence
     extra: Extra  # further elements, see `mbd.elements`
+
+
+TABLE = types.NamedTuple(
+    (
+        *(VECTOR, INTEGER_MATRIX, MATRIX, INTEGER_MATRIX, INTEGER_MATRIX, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX),
+        *(VECTOR,) * 10,
+        EXTRA,
+    ),
+    ForceTable,
+)
 
 
 def element_count(table: ForceTable) -> int:
@@ -98,9 +108,8 @@ def force_table(
         scale += [loads[mesh.name], loads[mesh.name] * width] * 2
     sizes = np.array([len(c) for c in clearances], dtype=np.int64)
     starts = np.concatenate([[0], np.cumsum(sizes)])[:-1].astype(np.int64)
+    ends = np.cumsum([len(law) for law in laws], dtype=np.int64)
     n_mesh = len(machine.meshes)
-    groups = max(1, -(-len(laws) // FLANK_GROUP))
-    laws += [laws[0] if laws else law_tables(_empty_law())] * (groups * FLANK_GROUP - len(laws))
     stiff = np.zeros((2 * n_mesh, 2))
     for i, mesh in enumerate(machine.meshes):
         stiff[2 * i] = stiffness[mesh.name]
@@ -109,7 +118,8 @@ def force_table(
     if vertical_rope(load):
         scale += [max(load.container_mass * machine.gravity, 1.0) / len(load.drums)] * len(load.drums)
     return ForceTable(
-        laws=tuple(laws),
+        laws=np.concatenate([*laws, np.zeros(0)]),
+        law_at=np.stack([np.concatenate([[0], ends])[:-1], ends], axis=1),
         clearances=np.concatenate([*clearances, np.zeros((1, 6))]),
         clearance_at=starts.reshape(-1, 2),
         teeth=sizes.reshape(-1, 2),
@@ -124,32 +134,6 @@ def force_table(
         scale=np.concatenate([scale, extra.scale]),
         extra=extra,
         **ropes,
-    )
-
-
-def _empty_law() -> MeshLaw:
-    """A law without contact: gives the compiled code its types when a machine has no mesh."""
-    two, none = np.ones(2), np.full(2, np.inf)
-    return MeshLaw(
-        model="none",
-        flank="drive",
-        face_coordinate=np.zeros(1),
-        slice_width=np.ones(1),
-        cycle_shift=np.zeros(1),
-        cycle_sign=1,
-        cycle_offset=0.0,
-        position_start=0.0,
-        position_step=1.0,
-        compliance=two,
-        contact_slope=0.0,
-        contact_offset=two,
-        coupling=np.zeros((0, 2)),
-        gap=none,
-        fraction=two,
-        base_pitch=1.0,
-        pinion_teeth=1,
-        wheel_teeth=1,
-        wheel_tooth_offset=0,
     )
 
 
@@ -172,13 +156,13 @@ def _rope_constants(machine: Machine, ratios: dict[str, float]) -> dict[str, np.
     }
 
 
-@njit(nogil=True, error_model="numpy", inline="always")
+@inner(inline="always")
 def touches(table, k, delta, psi):
     """False if flank k is clear of contact everywhere."""
     return delta - table.backlash[k] + abs(psi) * table.reach[k] > table.floor[k]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def flank(table, k, angle, rotation, delta, psi):
     """What `evaluate` returns for flank k at the motor angle and the elastic rotation of its driving gear (rad)."""
     if not touches(table, k, delta, psi):
@@ -188,10 +172,11 @@ def flank(table, k, angle, rotation, delta, psi):
     at, teeth = table.clearance_at[k], table.teeth[k]
     pinion = table.clearances[at[0] : at[0] + teeth[0]]
     wheel = table.clearances[at[1] : at[1] + teeth[1]]
-    return evaluate(table.laws[k], cycle, approach, psi, pinion, wheel)
+    law = table.laws[table.law_at[k, 0] : table.law_at[k, 1]]
+    return evaluate(law, cycle, approach, psi, pinion, wheel)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def flank_and_before(table, k, angle, rotation, delta, psi, before, frozen):
     """`flank` without dU/dc, and into ``frozen`` (6,) the same at the rows ``before`` and the same mesh cycle."""
     i, b = k // 2, table.backlash[k]
@@ -199,19 +184,21 @@ def flank_and_before(table, k, angle, rotation, delta, psi, before, frozen):
     at, teeth = table.clearance_at[k], table.teeth[k]
     pinion = table.clearances[at[0] : at[0] + teeth[0]]
     wheel = table.clearances[at[1] : at[1] + teeth[1]]
+    law = table.laws[table.law_at[k, 0] : table.law_at[k, 1]]
     f, m, energy, f_d, f_p, m_p, frozen[0], frozen[1], frozen[2], frozen[3], frozen[4], frozen[5] = evaluate_two(
-        table.laws[k], cycle, delta - b, psi, before[2 * k] - b, before[2 * k + 1], pinion, wheel
+        law, cycle, delta - b, psi, before[2 * k] - b, before[2 * k + 1], pinion, wheel
     )
     return f, m, energy, f_d, f_p, m_p
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def rope_stiffness(table, j, angle):
     """Stiffness (N/m) of the falls of drum j at the motor angle."""
     return table.rope_ea[j] / (table.rope_length[j] - table.rope_travel[j] * angle)
 
 
-@njit(nogil=True, error_model="numpy")
+@apart(types.none, TABLE, FLOAT, FLOAT, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, MATRIX, VECTOR, MATRIX)
+@stored(SOURCES, entry=False)
 def row_forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log, before, frozen):
     """Residual forces at row displacements u and rates v, motor angle and speed (rad, rad/s); fills force, slopes, log.
 
@@ -286,7 +273,7 @@ def row_forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log, be
         )
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def follow_tangent(table, angle, before, u, v, force, log):
     """Move the log from the rows ``before`` where it was evaluated to u, v nearby, where ``force`` is the solution."""
     n_flank = len(table.tau)
@@ -309,7 +296,7 @@ def follow_tangent(table, angle, before, u, v, force, log):
             log[k, 3] = max(table.rope_stiffness[j] * u[r] + table.rope_damping[j] * v[r] - force[r], 0.0)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def parametric_work(table, before, after, u_before, u_after, log_before, log_after, frozen):
     """Fill the last three log columns of the step from motor angle ``before`` to ``after`` (rad); ``frozen`` (flank, 6)
     are the flanks at the new cycle and the old rows."""
@@ -337,7 +324,7 @@ def parametric_work(table, before, after, u_before, u_after, log_before, log_aft
     extra_work(table.extra, before, after, log_before, log_after, n_flank + n_rope)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def partner(row, n_flank):
     """First and second row of the element that ``row`` belongs to."""
     if row < 2 * n_flank:
@@ -345,7 +332,7 @@ def partner(row, n_flank):
     return row, row
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def solve_dense(matrix, right):
     """Gaussian elimination with partial pivoting in place; the answer is in ``right``; False if singular."""
     n = len(right)

@@ -17,8 +17,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from numba import njit
-
+from fem.compiled import inner
 from mbd.checks import finite, not_negative, positive
 
 
@@ -37,7 +36,7 @@ class Ground:
         not_negative("ground damping_ratio", self.damping_ratio)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def rope_pull(values, angle, u, v, force, stiff, loss):
     """Forces (3,) on (stretch, X, Y) times -1, tangents by u and v (3, 3); elastic force, potential U, lost power,
     dU/d angle at fixed u."""
@@ -72,7 +71,7 @@ def rope_pull(values, angle, u, v, force, stiff, loss):
     return elastic, 0.5 * elastic * s, (total - elastic) * rate, -values[2] * by_length
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def ground_push(values, angle, speed, u, v):
     """Force on the lift times -1 (so it is negative), slopes by lift and rate, elastic force, potential, lost power."""
     stiffness, damping, level, rise = values[0], values[1], values[2], values[3]

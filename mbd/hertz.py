@@ -29,12 +29,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numba import njit
 from scipy import optimize, special
 
+from fem.compiled import inner, sources, stored
 from mbd.checks import MachineError, finite, not_negative, positive
 
 LAMINAE = 5
@@ -193,7 +194,7 @@ def tangent_at_load(elements: RollingElements) -> tuple[float, float, float]:
     return float(stiff[0, 0] + stiff[2, 2]) / 2, float(stiff[1, 1]), float(stiff[3, 3] + stiff[4, 4]) / 2
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+@stored(sources(Path(__file__)), fastmath={"contract"})
 def ball_forces(values, angle, u, v, force, stiff, loss):
     """Force of a ball bearing on the shaft's rows times -1 (restoring, (5,)), tangents dF/du, dF/dv (5, 5).
 
@@ -250,7 +251,7 @@ def ball_forces(values, angle, u, v, force, stiff, loss):
     return energy, power, -values[3] * turned
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+@stored(sources(Path(__file__)), fastmath={"contract"})
 def roller_forces(values, angle, u, v, force, stiff, loss):
     """The same for a roller bearing."""
     count, k = int(values[0]), values[1]
@@ -309,7 +310,7 @@ def roller_forces(values, angle, u, v, force, stiff, loss):
     return energy, power, -values[3] * turned
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+@inner(fastmath={"contract"})
 def _spread(matrix, c, s, radius, rr, ra, aa):
     """Add rr, ra, aa on (rho, w) of one element to the upper triangle over (ux uy uz rx rz)."""
     gx, gz = -radius * s, radius * c  # w per rx, rz
@@ -330,7 +331,7 @@ def _spread(matrix, c, s, radius, rr, ra, aa):
     matrix[4, 4] += aa * gz * gz
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+@inner(fastmath={"contract"})
 def _spread_line(matrix, c, s, radius, n_r, n_a, k0, k1, k2):
     """Add the stiffness of a line: delta = n_r rho + n_a w + (-place) g, moments k0, k1, k2 over -place."""
     row = (n_r * c, n_a, n_r * s, -radius * n_a * s, radius * n_a * c)
@@ -340,7 +341,7 @@ def _spread_line(matrix, c, s, radius, n_r, n_a, k0, k1, k2):
             matrix[i, j] += k0 * row[i] * row[j] + k1 * (row[i] * turn[j] + turn[i] * row[j]) + k2 * turn[i] * turn[j]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def _mirror(matrix):
     for i in range(5):
         for j in range(i):

@@ -37,8 +37,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numba import njit
 
+from fem.compiled import inner
 from mbd.checks import MachineError, not_negative
 from mbd.gear_mesh import MeshSpec
 from mbd.shafts import ShaftSpec
@@ -110,7 +110,7 @@ def sliding_rows(mesh: MeshSpec, driving: ShaftSpec, driven: ShaftSpec, flank: i
     return rows
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def efficiency_loss(values, speed, rate, force, f_d, f_p, slope_u, slope_v):
     """Torque on kappa times -1; slopes by (drive delta, psi, coast delta, psi) and by kappa'; power lost.
 
@@ -135,7 +135,7 @@ def efficiency_loss(values, speed, rate, force, f_d, f_p, slope_u, slope_v):
     return torque, torque * total
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def tooth_friction(values, shares, cycle, speed, rate_w, rate_kappa, force, f_d, f_p, out, slope_u, slope_v):
     """Forces (2,) on w, kappa of one flank times -1, slopes by (delta, psi) (2, 2) and by kappa' (2,); power lost."""
     mu, roll, smooth = values[0], values[1], values[2]
@@ -155,7 +155,7 @@ def tooth_friction(values, shares, cycle, speed, rate_w, rate_kappa, force, f_d,
     return out[0] * rate_w + out[1] * total
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def drag(values, speed, rate):
     """Torque of a drag or brake times -1, its slope by the rate, the power lost."""
     torque, roll, smooth, closing = values[0], values[1], values[2], values[3]

@@ -13,35 +13,22 @@ A Newton step leaves 0.05 r^2 to r^2 of the residual r it starts from (measured 
 time r falls with a power of the time step, so what is left after one step is far below the error of the step itself:
 from a residual below ``near`` the step is taken without evaluating the forces again, and forces, moments and energies
 in the log are moved along by their tangents. A time step then costs one evaluation.
-
-Compiled code is kept on disk. The compiler looks only at the file of the function it stores, so what is stored is made
-by a factory whose argument is a digest of every file it is built from.
 """
 
 from __future__ import annotations
 
-import zlib
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
-from numba import njit
 
-import fem.contact.evaluate
-import mbd.elements
-import mbd.forces
-import mbd.hanging
-import mbd.hertz
-import mbd.losses
-from mbd.elements import WIDTH, extra_follow
-from mbd.forces import flank, follow_tangent, parametric_work, partner, row_forces, solve_dense
+from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, inner, stored
+from mbd.elements import SOURCES, WIDTH, extra_follow
+from mbd.forces import TABLE, flank, follow_tangent, parametric_work, partner, row_forces, solve_dense
 
 MAX_ITERATIONS = 60
 MAX_HALVINGS = 8
 NEAR = 0.01  # of the scale: what is left is below 1e-5 of it in 99 of 100 steps of 33 us
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def move_rows(predicted, flexibility, force, result):
     """result = predicted + flexibility @ force; rows beyond the forces are observed only."""
     for r in range(len(predicted)):
@@ -52,14 +39,14 @@ def move_rows(predicted, flexibility, force, result):
                 result[r] += flexibility[r, j] * force[j]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def copy_to(target, source):
     """Copy element by element: an array assignment drags its error text into the compilation, which costs seconds."""
     for r in range(len(target)):
         target[r] = source[r]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def residual_size(force, target, scale):
     """Largest |target - force| in units of ``scale``."""
     worst = 0.0
@@ -68,7 +55,12 @@ def residual_size(force, target, scale):
     return worst
 
 
-@njit(nogil=True, error_model="numpy")
+@apart(
+    INTEGER,
+    *(TABLE, FLOAT, FLOAT, VECTOR, VECTOR, MATRIX, MATRIX, VECTOR, VECTOR, VECTOR, MATRIX, FLOAT, FLOAT, FLOAT),
+    *(VECTOR, VECTOR, MATRIX),
+)
+@stored(SOURCES, entry=False)
 def iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance, near, limit, quality, before, frozen):
     """Iterate on ``force`` (in: guess, out: solution); returns the iterations used, or -1 without convergence.
 
@@ -98,7 +90,7 @@ def iterate(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance
     return -1
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def newton(
     table, angle, speed, u_p, v_p, g_u, g_v, held, force, u, v, log, tolerance, near, limit, quality, before,
     frozen,
@@ -146,7 +138,7 @@ def newton(
     return -1
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def newton_step(n_flank, pattern, g_u, g_v, slope_u, slope_v, step):
     """Solve (1 - S_u G_u - S_v G_v) step = residual in place; rows whose force does not depend on the motion stay.
 
@@ -186,44 +178,28 @@ def newton_step(n_flank, pattern, g_u, g_v, slope_u, slope_v, step):
     return True
 
 
-def source_digest(*files: str) -> int:
-    """Checksum of the sources that the compiled row solver is made of, and of ``files``."""
-    total = 0
-    contact = sorted(Path(str(fem.contact.evaluate.__file__)).parent.glob("*.py"))
-    own = (mbd.forces, mbd.elements, mbd.hertz, mbd.losses, mbd.hanging)
-    for name in (*contact, *(module.__file__ for module in own), __file__, *files):
-        total = zlib.crc32(Path(str(name)).read_bytes(), total)
-    return total
+@stored(SOURCES)
+def solve_rows(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
+    """`iterate` for one instant, to the tolerance."""
+    quality, none = np.empty(1), np.empty((0, 6))
+    return iterate(
+        table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance, 0.0, np.inf, quality, quality[:0], none
+    )
 
 
-def _compiled(digest: int) -> tuple[Callable, Callable, Callable]:
-    @njit(cache=True, nogil=True, error_model="numpy")
-    def solve(table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance):
-        if digest < 0:  # part of the key under which the compiled code is stored
-            return -1
-        return iterate(
-            table, angle, speed, u_p, v_p, g_u, g_v, force, u, v, log, tolerance, 0.0, np.inf, np.empty(1), np.empty(0),
-            np.empty((0, 6)),
-        )  # fmt: skip
-
-    @njit(cache=True, nogil=True, error_model="numpy")
-    def work(table, before, after, u_before, u_after, log_before, log_after):
-        if digest >= 0:
-            frozen, observed = np.zeros((len(table.tau), 6)), len(u_after) - len(table.ratio)
-            for k in range(len(table.tau)):
-                turned = u_after[observed + k // 2]
-                f, m, energy, f_d, f_p, m_p, _ = flank(table, k, after, turned, u_before[2 * k], u_before[2 * k + 1])
-                frozen[k, 0], frozen[k, 1], frozen[k, 2] = f, m, energy
-                frozen[k, 3], frozen[k, 4], frozen[k, 5] = f_d, f_p, m_p
-            parametric_work(table, before, after, u_before, u_after, log_before, log_after, frozen)
-
-    @njit(cache=True, nogil=True, error_model="numpy")
-    def forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log):
-        if digest >= 0:
-            none = np.empty(0), np.empty((0, 6))
-            row_forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log, none[0], none[1])
-
-    return solve, work, forces
+@stored(SOURCES)
+def parametric(table, before, after, u_before, u_after, log_before, log_after):
+    """`mbd.forces.parametric_work` with the flanks at the new cycle and the old rows evaluated."""
+    frozen, observed = np.zeros((len(table.tau), 6)), len(u_after) - len(table.ratio)
+    for k in range(len(table.tau)):
+        turned = u_after[observed + k // 2]
+        f, m, energy, f_d, f_p, m_p, _ = flank(table, k, after, turned, u_before[2 * k], u_before[2 * k + 1])
+        frozen[k, 0], frozen[k, 1], frozen[k, 2] = f, m, energy
+        frozen[k, 3], frozen[k, 4], frozen[k, 5] = f_d, f_p, m_p
+    parametric_work(table, before, after, u_before, u_after, log_before, log_after, frozen)
 
 
-solve_rows, parametric, forces_at = _compiled(source_digest())
+@stored(SOURCES)
+def forces_at(table, angle, speed, u, v, held, force, slope_u, slope_v, log):
+    """`mbd.forces.row_forces` at one instant."""
+    row_forces(table, angle, speed, u, v, held, force, slope_u, slope_v, log, np.empty(0), np.empty((0, 6)))

@@ -22,6 +22,7 @@ ONLY_IN = {  # package: modules or packages that may import it
 }
 MBD_TAKES = {
     "fem.contact.law",
+    "fem.compiled",
     "fem.contact.evaluate",
     "fem.contact.kernel",
     "fem.contact.teeth",

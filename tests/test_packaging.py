@@ -64,6 +64,7 @@ def test_every_module_scene_and_mesh_is_in_the_wheel(wheel):
     assert any(name.endswith("licenses/LICENSE") for name in inside)
 
 
+@pytest.mark.slow
 def test_the_installed_command_works_from_another_folder(installed, tmp_path):
     command, python = installed
     where = run(python, "-c", "import pipelines; print(pipelines.__file__)", cwd=tmp_path, env=elsewhere())

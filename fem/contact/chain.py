@@ -12,18 +12,14 @@ from typing import Any
 
 from numba import njit
 
+from fem.compiled import PLAIN
 from fem.contact.joint import A00, A01, A11, FIELD, LINK, P0, P1, RIGHT, TOTAL, Z0, Z1
 from fem.contact.packing import BODY, LANES, ROWS_PER_BLOCK, SKEW, SLICE_ROWS, TILT, Y
 
-_inline: dict[str, Any] = {
-    "nogil": True,
-    "error_model": "numpy",
-    "forceinline": True,
-    "fastmath": {"contract"},
-}
+_inline: dict[str, Any] = {"forceinline": True, "fastmath": {"contract"}}
 
 
-@njit(**_inline)
+@njit(**PLAIN, **_inline)
 def in_series(tables, k00, k01, k11, force, moment):
     """d, t of (d, t) = E (F - k d, M - k t) and the stiffnesses k00, k01, k11 with the bodies E in series."""
     e0, e01, e1 = tables[BODY], tables[SKEW], tables[TILT]
@@ -35,7 +31,7 @@ def in_series(tables, k00, k01, k11, force, moment):
     return d, t, (k00 * a11 - k01 * a10) * scale, (k01 * a00 - k00 * a01) * scale, (k11 * a00 - k01 * a01) * scale
 
 
-@njit(**_inline)
+@njit(**PLAIN, **_inline)
 def eliminate(tables, n_s, work):
     """Eliminate from both ends to the middle; p' A^-1 r, q' A^-1 r, p' A^-1 p, p' A^-1 q, q' A^-1 q."""
     middle = n_s // 2
@@ -66,7 +62,7 @@ def eliminate(tables, n_s, work):
     return t0 + sums[0], t1 + sums[1], t2 + sums[2], t3 + sums[3], t4 + sums[4]
 
 
-@njit(**_inline)
+@njit(**PLAIN, **_inline)
 def _pivot(tables, s, work, taken, link0, link1):
     """Eliminate slice s; what it hands to the slice behind the springs link0, link1, and its five inner products."""
     top, lane = (s // LANES) * TOTAL, s % LANES
@@ -105,7 +101,7 @@ def _pivot(tables, s, work, taken, link0, link1):
     )
 
 
-@njit(**_inline)
+@njit(**PLAIN, **_inline)
 def substitute(n_s, d, t, work):
     """The fields, from the middle to both ends."""
     middle = n_s // 2
@@ -121,7 +117,7 @@ def substitute(n_s, d, t, work):
             right0, right1 = _field(s, d, t, work[top + LINK, lane] * right0, work[top + LINK + 1, lane] * right1, work)
 
 
-@njit(**_inline)
+@njit(**PLAIN, **_inline)
 def _field(s, d, t, pull0, pull1, work):
     top, lane = (s // LANES) * TOTAL, s % LANES
     r0 = work[top + RIGHT, lane] - d * work[top + P0, lane] - t * work[top + Z0, lane] + pull0

@@ -30,8 +30,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 
+from fem.compiled import FLOAT, INTEGER, MATRIX, PLAIN, VECTOR, apart, stored
 from fem.contact import chain, joint, lanes
 from fem.contact.joint import TOTAL
 from fem.contact.near import pairs_near
@@ -51,16 +52,16 @@ from fem.contact.packing import (
 )
 from fem.contact.turn import evaluate_in_turn
 
-_options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
-_inline: dict[str, Any] = {**_options, "forceinline": True, "fastmath": {"contract"}}
+_inline: dict[str, Any] = {"forceinline": True, "fastmath": {"contract"}}
 
 
-@njit(**_options)
+@apart(types.UniTuple(FLOAT, 14), VECTOR, FLOAT, types.UniTuple(FLOAT, 4), INTEGER, MATRIX, MATRIX, VECTOR)
+@stored(lanes.SOURCES)
 def evaluate_coupled(tables, cycle, states, count, pinion, wheel, pair_force):
     """F, M, U, dF/d delta, dF/d psi, dM/d psi, dU/dc of a law with coupling along the face, at `count` states (1, 2).
 
     states (delta, psi, delta_0, psi_0); the seven numbers of the second state follow those of the first in the answer
-    (16,). Each pair's force is added to pair_force[p - floor(c') + size // 2] where that exists.
+    (14,). Each pair's force is added to pair_force[p - floor(c') + size // 2] where that exists.
     """
     own_cycle = tables[SIGN] * cycle + tables[OFFSET]
     blocks, n_s, top = int(tables[BLOCKS]), int(tables[SLICES]), int(tables[BLOCKS]) * TOTAL
@@ -69,15 +70,15 @@ def evaluate_coupled(tables, cycle, states, count, pinion, wheel, pair_force):
     answer[:] = 0.0
     near = work[top : top + LARGEST_NEAR // 2].reshape((LARGEST_NEAR, 8))
     n_near = pairs_near(tables, own_cycle, pinion, wheel, near)
-    done, retry, fresh, warm = 0 if n_near > 0 else count, False, True, False
+    done, retry, fresh, warm = 0 if n_near > 0 else count, False, True, 0
     usual, touched, wide = True, False, states
     while done < count:
         if fresh:
-            usual, touched, fresh, warm = tables[PULLS] == 0.0, False, False, False
+            usual, touched, fresh, warm = tables[PULLS] == 0.0, False, False, 0
             for k in range(blocks):
                 rows = work[k * TOTAL : (k + 1) * TOTAL]
-                found = lanes.gather(tables, k, own_cycle, wide, near, n_near, rows)
-                touched = touched or found
+                touches = lanes.gather(tables, k, own_cycle, wide, near, n_near, rows)
+                touched = touched or touches
                 rare = 0.0
                 for s in range(LANES):
                     rare += rows[lanes.RARE, s]
@@ -88,25 +89,30 @@ def evaluate_coupled(tables, cycle, states, count, pinion, wheel, pair_force):
         if touched:
             settled, good, d, t = False, False, 0.0, 0.0
             if usual:
-                settled, d, t = settle(tables, blocks, n_s, wide, 0 if retry else done, warm, work, bits, answer, done)
-                good = settled and covered(tables, n_s, wide, 0 if retry else done, d, t)
+                which = 0 if retry else done
+                settled, d, t = settle(tables, blocks, n_s, wide, which, warm > 0, work, bits, answer, done)
+                good = settled and covered(tables, n_s, wide, which, d, t)
             if settled and not good and not retry:
                 delta, psi = states[2 * done], states[2 * done + 1]
                 wide, retry, fresh = (delta, psi, delta - 2.0 * d, psi - 2.0 * t), True, True
                 continue
-            warm = good
+            warm = 1 if good else 0
             if not good:
-                in_turn(tables, own_cycle, states, done, near, n_near, pair_force, answer)
+                delta, psi = states[2 * done], states[2 * done + 1]
+                found = evaluate_in_turn(tables, own_cycle, delta, psi, near, n_near, pair_force)
+                for i in range(7):
+                    answer[7 * done + i] = found[i]
             elif pair_force.size > 0:
                 add_forces(tables, n_s, math.floor(own_cycle), work, pair_force)
         if retry:
             wide, retry, fresh = states, False, True
         done += 1
-    answer[6], answer[13] = tables[SIGN] * answer[6], tables[SIGN] * answer[13]
-    return answer
+    a, sign = answer, tables[SIGN]
+    first = a[0], a[1], a[2], a[3], a[4], a[5], sign * a[6]
+    return first + (a[7], a[8], a[9], a[10], a[11], a[12], sign * a[13])
 
 
-@njit(**_inline)
+@njit(**PLAIN, **_inline)
 def settle(tables, blocks, n_s, states, which, warm, work, bits, answer, done):
     """Newton iteration from scratch or from the loads there are; fills the answer. True if it holds, and d, t."""
     d = t = k00 = k01 = k11 = force = moment = stiff = mixed = tilt = 0.0
@@ -155,25 +161,19 @@ def settle(tables, blocks, n_s, states, which, warm, work, bits, answer, done):
     return settled and beyond == 0.0, d, t
 
 
-@njit(**_inline)
+@njit(**PLAIN, **_inline)
 def covered(tables, n_s, states, which, d, t):
     """True if no slice approaches further than the states for which the pairs were collected."""
     for s in range(n_s):
         y = tables[SLICE_ROWS + ((s // LANES) * ROWS_PER_BLOCK + Y) * LANES + s % LANES]
-        if (states[2 * which] - d) + (states[2 * which + 1] - t) * y > lanes.largest_approach(states, y):
+        own = states[2 * which] + states[2 * which + 1] * y
+        room = lanes.largest_approach(states, y) - own + 1e-14 * abs(own)  # of rounding, where nothing moves
+        if -(d + t * y) > room:
             return False
     return True
 
 
-@njit(**_options)
-def in_turn(tables, own_cycle, states, which, near, n_near, pair_force, answer):
-    """One state slice by slice, into the answer."""
-    found = evaluate_in_turn(tables, own_cycle, states[2 * which], states[2 * which + 1], near, n_near, pair_force)
-    for i in range(7):
-        answer[7 * which + i] = found[i]
-
-
-@njit(**_options)
+@njit(**PLAIN)
 def add_forces(tables, n_s, anchor, work, pair_force):
     """Forces of the pairs of a settled state."""
     for s in range(n_s):

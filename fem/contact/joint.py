@@ -21,6 +21,7 @@ from typing import Any
 
 from numba import njit
 
+from fem.compiled import PLAIN
 from fem.contact import lanes
 from fem.contact.lanes import COMPLIANCE, COUPLING, DEPTH, FRACTION, LOAD, LOG, NEVER, ON, PAIR, SECOND, X
 from fem.contact.packing import (
@@ -50,17 +51,12 @@ CLOSE = 1e-12  # of F: error at which the iteration ends
 WIDEST, FREE, GAIN, GAIN_SLOPE, FIELD, LINK, STAY, LINEAR, RIGHT = range(lanes.TOTAL, lanes.TOTAL + 18, 2)
 SWAP, K00, K01, K11, A00, A01, A11, P0, P1, Z0, Z1 = range(lanes.TOTAL + 18, lanes.TOTAL + 29)
 TOTAL = lanes.TOTAL + 29
-_inline: dict[str, Any] = {
-    "nogil": True,
-    "error_model": "numpy",
-    "forceinline": True,
-    "fastmath": {"contract"},
-}
+_inline: dict[str, Any] = {"forceinline": True, "fastmath": {"contract"}}
 _sums = {**_inline, "fastmath": {"contract", "reassoc", "nsz"}}
 _LN2 = 0.6931471805599453
 
 
-@njit(**_inline)
+@njit(**PLAIN, **_inline)
 def prepare(tables, block, own_cycle, rows):
     """Put odd pairs into the second rows and read sqrt(D); False where both pairs of a slice are odd or even."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -96,7 +92,7 @@ def prepare(tables, block, own_cycle, rows):
     return good
 
 
-@njit(**_inline)
+@njit(**PLAIN, **_inline)
 def link(tables, n_s, work):
     """Springs between the slices that one line runs through; False where a line comes back after another."""
     good = True
@@ -125,7 +121,7 @@ def link(tables, n_s, work):
     return good
 
 
-@njit(**_inline)
+@njit(**PLAIN, **_inline)
 def take_state(tables, block, states, which, rows):
     """Free approaches of the state `which`; rows WIDEST belong to the larger approach of the two states."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -135,7 +131,7 @@ def take_state(tables, block, states, which, rows):
         rows[FREE, s], rows[FREE + 1, s] = rows[WIDEST, s] - back, rows[WIDEST + 1, s] - back
 
 
-@njit(**_sums)
+@njit(**PLAIN, **_sums)
 def estimate(tables, block, rows, bits):
     """Secant compliances into P0, P1 as if all slices were loaded alike, and the sums F, M, k, k y, k y^2 with them."""
     slope, base = tables[SLOPE], SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -162,7 +158,7 @@ def estimate(tables, block, rows, bits):
     return force, moment, k, mixed, tilt
 
 
-@njit(**_inline)
+@njit(**PLAIN, **_inline)
 def start(tables, block, d, t, rows, bits):
     """First line loads, from the secant compliances at the body displacements d, t."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -172,11 +168,10 @@ def start(tables, block, d, t, rows, bits):
             x = rows[FREE + a, s] - d - t * tables[base + Y * LANES + s]
             f = x / rows[P0 + a, s]
             rows[at + ON, s], rows[at + LOAD, s] = 1.0 if x > 0.0 else 0.0, f if x > 0.0 else 1.0
-    lanes.logarithm(0, rows, bits)
-    lanes.logarithm(SECOND, rows, bits)
+    lanes.logarithm(rows, bits)
 
 
-@njit(**_sums)
+@njit(**PLAIN, **_sums)
 def linearise(tables, block, rows):
     """phi l, K and the block's part of the field equations; returns the sums F, M, k, k y, k y^2 without fields."""
     slope, base = tables[SLOPE], SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -213,7 +208,7 @@ def linearise(tables, block, rows):
     return force, moment, k, mixed, tilt
 
 
-@njit(**_sums)
+@njit(**PLAIN, **_sums)
 def advance(tables, block, d, t, rows, bits):
     """Loads at the fields and body displacements; FREE keeps the free approach, X takes what is left to the slice.
 
@@ -253,12 +248,11 @@ def advance(tables, block, d, t, rows, bits):
         bend += w * (rows[K00, s] * step0 * step0 * new0 + rows[K11, s] * step1 * step1 * new1)
         total += step0 * step0 + step1 * step1
     if total > lanes.SERIES * lanes.SERIES:
-        lanes.logarithm(0, rows, bits)
-        lanes.logarithm(SECOND, rows, bits)
+        lanes.logarithm(rows, bits)
     return force, 0.5 * slope * bend, total
 
 
-@njit(**_sums)
+@njit(**PLAIN, **_sums)
 def finish(tables, block, rows):
     """Idle pairs to f = 0, as `lanes.block_sums` wants them; sum of w sqrt(D) phi f v and of w (sqrt(D))' phi f v.
 
@@ -282,7 +276,7 @@ def finish(tables, block, rows):
     return held, along, beyond
 
 
-@njit(**_inline)
+@njit(**PLAIN, **_inline)
 def resume(rows):
     """Loads of a finished block as the start of the next state."""
     for s in range(LANES):

@@ -8,16 +8,14 @@ others one by one in `fem.contact.slices`.
 from __future__ import annotations
 
 import math
-import zlib
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 
+from fem.compiled import FLOAT, INTEGER, MATRIX, PLAIN, VECTOR, apart, stored
 from fem.contact import lanes, slices
 from fem.contact.face import evaluate_coupled
+from fem.contact.lanes import SOURCES
 from fem.contact.near import pairs_near
 from fem.contact.packing import (
     BLOCKS,
@@ -33,10 +31,8 @@ from fem.contact.packing import (
     Y,
 )
 
-_options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 
-
-@njit(**_options, forceinline=True)
+@njit(**PLAIN, forceinline=True)
 def settle(slope, work, bits):
     """Newton sweeps of a block until they settle; returns the number of rare slices."""
     for _ in range(lanes.SWEEPS):
@@ -45,80 +41,63 @@ def settle(slope, work, bits):
     return lanes.switch_off(slope, work)
 
 
-@njit(**_options)
-def evaluate_flank(tables, cycle, delta, psi, pinion, wheel, pair_force):
-    """Sum over the blocks; adds each pair's force to pair_force[p - floor(c') + size // 2] where that exists."""
-    force = moment = energy = k = mixed = tilt = rate = 0.0
-    if tables[COUPLED] > 0.0:
-        r = evaluate_coupled(tables, cycle, (delta, psi, delta, psi), np.int64(1), pinion, wheel, pair_force)
-        return r[0], r[1], r[2], r[3], r[4], r[5], r[6]
-    own_cycle = tables[SIGN] * cycle + tables[OFFSET]
-    work = np.empty((lanes.TOTAL + LARGEST_NEAR // 2, LANES))
-    bits = work.view(np.int64)
-    near = work[lanes.TOTAL :].reshape((LARGEST_NEAR, 8))
-    n_near = pairs_near(tables, own_cycle, pinion, wheel, near)
-    slope = tables[SLOPE]
-    for block in range(int(tables[BLOCKS])):
-        if not lanes.gather(tables, block, own_cycle, (delta, psi, delta, psi), near, n_near, work):
-            continue
-        lanes.guess(slope, work, bits)
-        rare = settle(slope, work, bits)
-        f, m, u, a, b, c, r = lanes.block_sums(tables, block, work)
-        force, moment, energy, rate = force + f, moment + m, energy + u, rate + r
-        k, mixed, tilt = k + a, mixed + b, tilt + c
-        if pair_force.size > 0:
-            add_shares(tables, block, math.floor(own_cycle), work, pair_force)
-        if rare > 0.0:
-            f, m, u, a, b, c, r = rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_force)
-            force, moment, energy, rate = force + f, moment + m, energy + u, rate + r
-            k, mixed, tilt = k + a, mixed + b, tilt + c
-    return force, moment, energy, k, mixed, tilt, tables[SIGN] * rate
+@apart(types.UniTuple(FLOAT, 14), VECTOR, FLOAT, types.UniTuple(FLOAT, 4), INTEGER, MATRIX, MATRIX, VECTOR)
+@stored(SOURCES)
+def evaluate_uncoupled(tables, cycle, states, count, pinion, wheel, pair_force):
+    """What `fem.contact.face.evaluate_coupled` returns, of a law whose slices are not coupled along the face.
 
-
-@njit(**_options)
-def evaluate_two_states(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
-    """What `evaluate_two` returns.
-
-    The tables are read once and the second Newton iteration starts from the line loads of the first.
-
-    Returns
-    -------
-    F, M, U, dF/d delta, dF/d psi, dM/d psi of the first state, then the same of the second
+    The tables are read once, and the second Newton iteration starts from the line loads of the first.
     """
-    states = (delta, psi, delta_0, psi_0)
-    none = np.empty(0)
-    if tables[COUPLED] > 0.0:
-        r = evaluate_coupled(tables, cycle, states, np.int64(2), pinion, wheel, none)
-        return r[0], r[1], r[2], r[3], r[4], r[5], r[7], r[8], r[9], r[10], r[11], r[12]
-    own_cycle = tables[SIGN] * cycle + tables[OFFSET]
-    work = np.empty((lanes.TOTAL + LARGEST_NEAR // 2, LANES))
-    bits = work.view(np.int64)
-    near = work[lanes.TOTAL :].reshape((LARGEST_NEAR, 8))
+    own_cycle, sign = tables[SIGN] * cycle + tables[OFFSET], tables[SIGN]
+    work = np.empty((lanes.TOTAL + LARGEST_NEAR // 2 + 1, LANES))
+    bits, answer = work.view(np.int64), work[lanes.TOTAL + LARGEST_NEAR // 2]
+    for i in range(LANES):
+        answer[i] = 0.0
+    near = work[lanes.TOTAL : lanes.TOTAL + LARGEST_NEAR // 2].reshape((LARGEST_NEAR, 8))
     n_near = pairs_near(tables, own_cycle, pinion, wheel, near)
     slope = tables[SLOPE]
-    f0 = m0 = u0 = a0 = b0 = c0 = f1 = m1 = u1 = a1 = b1 = c1 = 0.0
     for block in range(int(tables[BLOCKS])):
         if not lanes.gather(tables, block, own_cycle, states, near, n_near, work):
             continue
         lanes.take_state(tables, block, states, -1, 0, work)
         lanes.guess(slope, work, bits)
-        rare = settle(slope, work, bits)
-        f, m, u, a, b, c, _ = lanes.block_sums(tables, block, work)
-        f0, m0, u0, a0, b0, c0 = f0 + f, m0 + m, u0 + u, a0 + a, b0 + b, c0 + c
-        if rare > 0.0:
-            f, m, u, a, b, c, _ = rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, none)
-            f0, m0, u0, a0, b0, c0 = f0 + f, m0 + m, u0 + u, a0 + a, b0 + b, c0 + c
-        lanes.take_state(tables, block, states, 0, 1, work)
-        rare = settle(slope, work, bits)
-        f, m, u, a, b, c, _ = lanes.block_sums(tables, block, work)
-        f1, m1, u1, a1, b1, c1 = f1 + f, m1 + m, u1 + u, a1 + a, b1 + b, c1 + c
-        if rare > 0.0:
-            f, m, u, a, b, c, _ = rare_sums(tables, block, own_cycle, delta_0, psi_0, near, n_near, work, none)
-            f1, m1, u1, a1, b1, c1 = f1 + f, m1 + m, u1 + u, a1 + a, b1 + b, c1 + c
-    return f0, m0, u0, a0, b0, c0, f1, m1, u1, a1, b1, c1
+        solve_block(tables, block, own_cycle, states, 0, near, n_near, work, bits, pair_force, answer)
+        if count > 1:
+            lanes.take_state(tables, block, states, 0, 1, work)
+            solve_block(tables, block, own_cycle, states, 1, near, n_near, work, bits, pair_force, answer)
+    a = answer
+    first = a[0], a[1], a[2], a[3], a[4], a[5], sign * a[6]
+    return first + (a[7], a[8], a[9], a[10], a[11], a[12], sign * a[13])
 
 
-@njit(**_options)
+@njit(**PLAIN, forceinline=True)
+def solve_block(tables, block, own_cycle, states, which, near, n_near, work, bits, pair_force, answer):
+    """Add the seven sums of a block at one state to the answer, and its forces to pair_force if that is not empty."""
+    rare = settle(tables[SLOPE], work, bits)
+    add_to(answer, 7 * which, lanes.block_sums(tables, block, work))
+    if pair_force.size > 0:
+        add_shares(tables, block, math.floor(own_cycle), work, pair_force)
+    if rare > 0.0:
+        delta, psi = states[2 * which], states[2 * which + 1]
+        add_to(answer, 7 * which, rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_force))
+
+
+@njit(**PLAIN, forceinline=True)
+def add_to(answer, at, sums):
+    """Add the seven sums of a block."""
+    for i in range(7):
+        answer[at + i] += sums[i]
+
+
+@njit(**PLAIN)
+def respond(tables, cycle, states, count, pinion, wheel, pair_force):
+    """Answer (14,) at `count` states (1, 2), see `fem.contact.face.evaluate_coupled`."""
+    if tables[COUPLED] > 0.0:
+        return evaluate_coupled(tables, cycle, states, count, pinion, wheel, pair_force)
+    return evaluate_uncoupled(tables, cycle, states, count, pinion, wheel, pair_force)
+
+
+@njit(**PLAIN)
 def add_shares(tables, block, anchor, work, pair_force):
     """Forces of the pairs in the slices that are not rare."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -131,7 +110,7 @@ def add_shares(tables, block, anchor, work, pair_force):
                     pair_force[place] += force
 
 
-@njit(**_options)
+@njit(**PLAIN)
 def rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_force):
     """The sums of the slices that `lanes` left over, and their shares."""
     force = moment = energy = k = mixed = tilt = rate = 0.0
@@ -153,67 +132,53 @@ def rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_for
     return force, moment, energy, k, mixed, tilt, rate
 
 
-def _doors(digest: int) -> tuple[Callable, ...]:
-    """What other modules call. Only these are kept on disk, under the digest of all sources that they are made of."""
+@stored(SOURCES)
+def evaluate(tables, cycle, delta, psi, pinion, wheel):
+    """Response of one flank at one state.
 
-    @njit(**_options, cache=True)
-    def evaluate(tables, cycle, delta, psi, pinion, wheel):
-        """Response of one flank at one state.
+    Parameters
+    ----------
+    tables : (n,), from `law_tables`
+    cycle : mesh cycle c of the gears (1); the law turns it into its own c'
+    delta, psi : approach along the transverse line of action (m) and tilt (rad)
+    pinion (z1, 6), wheel (z2, 6) : tooth terms, see `fem.contact.teeth`
 
-        Parameters
-        ----------
-        tables : (n,), from `law_tables`
-        cycle : mesh cycle c of the gears (1); the law turns it into its own c'
-        delta, psi : approach along the transverse line of action (m) and tilt (rad)
-        pinion (z1, 6), wheel (z2, 6) : tooth terms, see `fem.contact.teeth`
-
-        Returns
-        -------
-        F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N), dM/d psi (N m), dU/dc (J)
-        """
-        here = cycle if digest >= 0 else math.nan
-        return evaluate_flank(tables, here, delta, psi, pinion, wheel, np.empty(0))
-
-    @njit(**_options, cache=True)
-    def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
-        """Responses at (delta, psi) and at (delta_0, psi_0), both at the same cycle, without dU/dc.
-
-        The tables are read once and the second Newton iteration starts from the line loads of the first.
-
-        Returns
-        -------
-        F, M, U, dF/d delta, dF/d psi, dM/d psi of the first state, then the same of the second
-        """
-        here = cycle if digest >= 0 else math.nan
-        return evaluate_two_states(tables, here, delta, psi, delta_0, psi_0, pinion, wheel)
-
-    @njit(**_options, cache=True)
-    def evaluate_shares(tables, cycle, delta, psi, pinion, wheel, pair_force):
-        """As `evaluate`, and add the force (N) of pair p to pair_force[p - floor(c') + pair_force.size // 2].
-
-        c' = cycle_sign c + cycle_offset. Pairs outside the array are left out; 2 `share_reach` + 1 places hold all.
-        """
-        here = cycle if digest >= 0 else math.nan
-        return evaluate_flank(tables, here, delta, psi, pinion, wheel, pair_force)
-
-    @njit(**_options, cache=True)
-    def evaluate_many(tables, cycle, delta, psi, pinion, wheel, out):
-        """Rows of `evaluate` for states given as arrays (n,), into out (n, 7)."""
-        none = np.empty(0)
-        for i in range(cycle.size if digest >= 0 else 0):
-            out[i, 0], out[i, 1], out[i, 2], out[i, 3], out[i, 4], out[i, 5], out[i, 6] = evaluate_flank(
-                tables, cycle[i], delta[i], psi[i], pinion, wheel, none
-            )
-
-    return evaluate, evaluate_two, evaluate_shares, evaluate_many
+    Returns
+    -------
+    F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N), dM/d psi (N m), dU/dc (J)
+    """
+    return respond(tables, cycle, (delta, psi, delta, psi), np.int64(1), pinion, wheel, np.empty(0))[:7]
 
 
-def _source_digest() -> int:
-    """Checksum of the files of this package: compiled code on disk knows only the file of the function itself."""
-    total = 0
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        total = zlib.crc32(path.read_bytes(), total)
-    return total
+@stored(SOURCES)
+def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
+    """Responses at (delta, psi) and at (delta_0, psi_0), both at the same cycle, without dU/dc.
+
+    The tables are read once and the second Newton iteration starts from the line loads of the first.
+
+    Returns
+    -------
+    F, M, U, dF/d delta, dF/d psi, dM/d psi of the first state, then the same of the second
+    """
+    found = respond(tables, cycle, (delta, psi, delta_0, psi_0), np.int64(2), pinion, wheel, np.empty(0))
+    return found[:6] + found[7:13]
 
 
-evaluate, evaluate_two, evaluate_shares, evaluate_many = _doors(_source_digest())
+@stored(SOURCES)
+def evaluate_shares(tables, cycle, delta, psi, pinion, wheel, pair_force):
+    """As `evaluate`, and add the force (N) of pair p to pair_force[p - floor(c') + pair_force.size // 2].
+
+    c' = cycle_sign c + cycle_offset. Pairs outside the array are left out; 2 `share_reach` + 1 places hold all.
+    """
+    return respond(tables, cycle, (delta, psi, delta, psi), np.int64(1), pinion, wheel, pair_force)[:7]
+
+
+@stored(SOURCES)
+def evaluate_many(tables, cycle, delta, psi, pinion, wheel, out):
+    """Rows of `evaluate` for states given as arrays (n,), into out (n, 7)."""
+    none = np.empty(0)
+    for i in range(cycle.size):
+        state = (delta[i], psi[i], delta[i], psi[i])
+        found = respond(tables, cycle[i], state, np.int64(1), pinion, wheel, none)
+        for j in range(7):
+            out[i, j] = found[j]

@@ -6,18 +6,17 @@ that does not carry has ON = 0 and f = 0 there and its equation is f = 0, so all
 slice that is not of the usual kind gets RARE = 1 and is left to `fem.contact.slices`: three or more pairs that
 approach, neighbours that pull (negative coupling), a pair switched off by the first guess though it carries, a line
 load beyond the range of the Hertz term, sweeps that do not settle.
-
-After a change here or in `fem.contact.slices`, for callers elsewhere, empty the `__pycache__` folders: numba's cache on
-disk notices a change of the file that holds a function, but not of the files of the functions it calls.
 """
 
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 from numba import njit
 
+from fem.compiled import PLAIN, sources
 from fem.contact.packing import (
     CELL,
     GAP,
@@ -45,6 +44,7 @@ from fem.contact.packing import (
     Y,
 )
 
+SOURCES = sources(Path(__file__).parent)  # what compiled laws are made of
 # rows of the first pair; those of the second stand SECOND rows further
 X, GAP_SLOPE, FRACTION, FRACTION_SLOPE, COMPLIANCE, COMPLIANCE_SLOPE, DEPTH, DEPTH_SLOPE = range(8)
 LOAD, LOG, ON, PAIR, SCRATCH, EXPONENT = range(8, 14)
@@ -69,15 +69,13 @@ _SERIES = (
     1.479819860511658591e-01,
 )
 _options: dict[str, Any] = {
-    "nogil": True,
-    "error_model": "numpy",
     "forceinline": True,
     "fastmath": {"contract"},
 }
 _sums = {**_options, "fastmath": {"contract", "reassoc", "nsz"}}  # the order of the lanes in a sum is free
 
 
-@njit(**_options)
+@njit(**PLAIN, **_options)
 def gather(tables, block, own_cycle, states, near, n_near, work):
     """Fill the rows of the block with those of the pairs `near` (n_near, 8) that approach in one of two states.
 
@@ -122,7 +120,7 @@ def gather(tables, block, own_cycle, states, near, n_near, work):
     return touched
 
 
-@njit(**_options)
+@njit(**PLAIN, **_options)
 def approach_of(tables, here, approach, part, near, m):
     """Free approach x of near pair m (NEVER out of reach), place of its cell in `tables`, position inside the cell."""
     xi = here - near[m, NUMBER]
@@ -140,7 +138,7 @@ def approach_of(tables, here, approach, part, near, m):
     return x, k, u
 
 
-@njit(**_options)
+@njit(**PLAIN, **_options)
 def fill(tables, at, s, x, k, u, here, near, m, work):
     """Rows `at` of lane s for near pair m of sound teeth."""
     per_step = tables[PER_STEP]
@@ -156,7 +154,7 @@ def fill(tables, at, s, x, k, u, here, near, m, work):
     work[at + PAIR, s] = near[m, NUMBER]
 
 
-@njit(**_options)
+@njit(**PLAIN, **_options)
 def clear(at, s, work):
     """Rows `at` of lane s without a pair."""
     work[at + X, s], work[at + COMPLIANCE, s], work[at + FRACTION, s], work[at + DEPTH, s] = NEVER, 1.0, 0.0, 2.0
@@ -164,7 +162,7 @@ def clear(at, s, work):
     work[at + COMPLIANCE_SLOPE, s] = work[at + DEPTH_SLOPE, s] = 0.0
 
 
-@njit(nogil=True, error_model="numpy")
+@njit(**PLAIN)
 def damaged(tables, slice_number, at, s, x, k, u, near, m, work):
     """Add to rows `at` of lane s what the damaged teeth of near pair m bring; returns the approach left."""
     positions, per_step = int(tables[POSITIONS]), tables[PER_STEP]
@@ -185,13 +183,13 @@ def damaged(tables, slice_number, at, s, x, k, u, near, m, work):
     return x
 
 
-@njit(**_options)
+@njit(**PLAIN, **_options)
 def largest_approach(states, y):
     """The larger approach of the two states at face coordinate y."""
     return max(states[0] + states[1] * y, states[2] + states[3] * y)
 
 
-@njit(**_options)
+@njit(**PLAIN, **_options)
 def take_state(tables, block, states, before, after, work):
     """Move X from the approach `before` (0 or 1: a state; -1: the larger one) to that of the state `after`."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
@@ -205,23 +203,25 @@ def take_state(tables, block, states, before, after, work):
         work[SECOND + LOAD, s] = work[SECOND + LOAD, s] if work[SECOND + LOAD, s] > 0.0 else 1.0
 
 
-@njit(**_options)
-def logarithm(at, work, bits):
-    """ln of the row LOAD into LOG, for positive numbers, to rounding (reduction and series of fdlibm, e_log.c)."""
-    for s in range(LANES):
-        k = bits[at + LOAD, s] + (0x3FF0000000000000 - 0x3FE6A09E667F3BCD)
-        bits[at + SCRATCH, s] = (k & 0xFFFFFFFFFFFFF) + 0x3FE6A09E667F3BCD
-        bits[at + EXPONENT, s] = (k >> 52) | 0x4330000000000000
+@njit(**PLAIN, **_options)
+def logarithm(work, bits):
+    """ln of the rows LOAD into LOG, for positive numbers, to rounding (reduction and series of fdlibm, e_log.c)."""
     l1, l2, l3, l4, l5, l6, l7 = _SERIES
-    for s in range(LANES):
-        f = work[at + SCRATCH, s] - 1.0
-        q = f / (2.0 + f)
-        z = q * q
-        r = z * (l1 + z * (l2 + z * (l3 + z * (l4 + z * (l5 + z * (l6 + z * l7))))))
-        work[at + LOG, s] = (work[at + EXPONENT, s] - _BIAS) * _LN2 + (f - (0.5 * f * f - q * (0.5 * f * f + r)))
+    for a in range(2):
+        at = a * SECOND
+        for s in range(LANES):
+            k = bits[at + LOAD, s] + (0x3FF0000000000000 - 0x3FE6A09E667F3BCD)
+            bits[at + SCRATCH, s] = (k & 0xFFFFFFFFFFFFF) + 0x3FE6A09E667F3BCD
+            bits[at + EXPONENT, s] = (k >> 52) | 0x4330000000000000
+        for s in range(LANES):
+            f = work[at + SCRATCH, s] - 1.0
+            q = f / (2.0 + f)
+            z = q * q
+            r = z * (l1 + z * (l2 + z * (l3 + z * (l4 + z * (l5 + z * (l6 + z * l7))))))
+            work[at + LOG, s] = (work[at + EXPONENT, s] - _BIAS) * _LN2 + (f - (0.5 * f * f - q * (0.5 * f * f + r)))
 
 
-@njit(**_options)
+@njit(**PLAIN, **_options)
 def guess(slope, work, bits):
     """First line loads, about 1 % off, with a rough logarithm; a pair that its neighbour pushes out is switched off."""
     for s in range(LANES):
@@ -246,11 +246,10 @@ def guess(slope, work, bits):
         work[ON, s], work[SECOND + ON, s] = 1.0 if on0 else 0.0, 1.0 if on1 else 0.0
         work[LOAD, s], work[SECOND + LOAD, s] = f0 if on0 else 1.0, f1 if on1 else 1.0
         work[UPPER, s], work[LOWER, s] = u if on0 and on1 else 0.0, v if on0 and on1 else 0.0
-    logarithm(0, work, bits)
-    logarithm(SECOND, work, bits)
+    logarithm(work, bits)
 
 
-@njit(**_sums)
+@njit(**PLAIN, **_sums)
 def sweep(slope, work, bits):
     """One Newton step of all line loads; returns the sum of the squares of the relative steps."""
     total = 0.0
@@ -270,18 +269,17 @@ def sweep(slope, work, bits):
         work[STEP, s] = square
         total += square
     if total > SERIES * SERIES:
-        logarithm(0, work, bits)
-        logarithm(SECOND, work, bits)
+        logarithm(work, bits)
     return total
 
 
-@njit(**_options)
+@njit(**PLAIN, **_options)
 def log_of_growth(t):
     """ln(1 + t), to rounding up to |t| = SERIES."""
     return t * (1 - t * (1 / 2 - t * (1 / 3 - t * (1 / 4 - t * (1 / 5 - t * (1 / 6 - t * (1 / 7 - t * 0.125)))))))
 
 
-@njit(**_sums)
+@njit(**PLAIN, **_sums)
 def switch_off(slope, work):
     """f = 0 where a pair does not carry; RARE = 1 where the answer does not hold; returns their number."""
     rare = 0.0
@@ -306,7 +304,7 @@ def switch_off(slope, work):
     return rare
 
 
-@njit(**_sums)
+@njit(**PLAIN, **_sums)
 def block_sums(tables, block, work):
     """F, M, U, k, k y, k y^2 and dU/dc' of the slices of the block that are not rare."""
     slope, base = tables[SLOPE], SLICE_ROWS + block * ROWS_PER_BLOCK * LANES

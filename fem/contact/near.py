@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from numba import njit
 
+from fem.compiled import PLAIN
 from fem.contact import lanes
 from fem.contact.packing import (
     FIRST_SHIFT,
@@ -19,10 +19,8 @@ from fem.contact.packing import (
     WHEEL_OFFSET,
 )
 
-_options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 
-
-@njit(**_options)
+@njit(**PLAIN)
 def pairs_near(tables, own_cycle, pinion, wheel, near):
     """Pairs with both teeth that may touch somewhere on the face, rows of `near` in rising order; their number."""
     sign = 1 if tables[SIGN] > 0.0 else -1

@@ -10,10 +10,12 @@ import math
 
 from numba import njit
 
+from fem.compiled import PLAIN
+
 CLOSE = 1e-6  # a Newton step this small (relative) leaves an error of about its square times 0.1
 
 
-@njit(nogil=True, error_model="numpy")
+@njit(**PLAIN)
 def contact_approach(f: float, log: float, slope: float, offset: float) -> tuple[float, float]:
     """Hertz approach A f (B - ln f) and its derivative, held constant above ln f = B - 1."""
     depth = offset - log
@@ -22,7 +24,7 @@ def contact_approach(f: float, log: float, slope: float, offset: float) -> tuple
     return slope * math.exp(offset - 1.0), 0.0
 
 
-@njit(nogil=True, error_model="numpy")
+@njit(**PLAIN)
 def contact_energy(f: float, log: float, slope: float, offset: float) -> tuple[float, float]:
     """Complementary energy of the Hertz approach and its derivative by B."""
     depth = offset - log
@@ -32,7 +34,7 @@ def contact_energy(f: float, log: float, slope: float, offset: float) -> tuple[f
     return slope * top * (f - 0.25 * top), slope * top * (f - 0.5 * top)
 
 
-@njit(nogil=True, error_model="numpy")
+@njit(**PLAIN)
 def secant_compliance(x: float, compliance: float, slope: float, offset: float) -> float:
     """Secant compliance C + A (B - ln f) of one pair, within a few per cent (one logarithm at x / C)."""
     secant = compliance + slope * max(1.0, offset - math.log(x / compliance))
@@ -40,7 +42,7 @@ def secant_compliance(x: float, compliance: float, slope: float, offset: float) 
     return secant + 2.0 * slope * (ratio - 1.0) / (ratio + 1.0)
 
 
-@njit(nogil=True, error_model="numpy")
+@njit(**PLAIN)
 def moved_log(log: float, f: float, step: float) -> float:
     """ln f after f grew by the part `step`; the series is exact to rounding below 1e-3."""
     if abs(step) < 1e-3:
@@ -48,7 +50,7 @@ def moved_log(log: float, f: float, step: float) -> float:
     return math.log(f)
 
 
-@njit(nogil=True, error_model="numpy")
+@njit(**PLAIN)
 def single_load(x: float, compliance: float, slope: float, offset: float) -> tuple[float, float]:
     """Line load f of one pair without neighbours, C f + A f (B - ln f) = x > 0, and ln f (0 when A = 0)."""
     if slope == 0.0:

@@ -9,11 +9,11 @@ approach; coordinate descent, which always converges for a convex function, wher
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 
+from fem.compiled import FLOAT, INTEGER, MATRIX, PLAIN, VECTOR, apart, stored
 from fem.contact.lanes import (
     COMPLIANCE,
     COMPLIANCE_SLOPE,
@@ -30,6 +30,7 @@ from fem.contact.lanes import (
     PAIR,
     PINION_VARIANT,
     SECOND,
+    SOURCES,
     WHEEL_VARIANT,
     X,
     approach_of,
@@ -58,10 +59,13 @@ COUPLINGS = SECOND
 SLOPES = COUPLINGS + MAX_PAIRS
 SYSTEM = SLOPES + MAX_PAIRS
 TOTAL = SYSTEM + MAX_PAIRS
-_options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 
 
-@njit(**_options)
+@apart(
+    types.Tuple((INTEGER, FLOAT, FLOAT, FLOAT, FLOAT)),
+    VECTOR, INTEGER, INTEGER, FLOAT, FLOAT, FLOAT, MATRIX, INTEGER, VECTOR, MATRIX,
+)  # fmt: skip
+@stored(SOURCES)
 def solve_slice(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, work):
     """Solve one slice; returns its number of pairs and, per unit width, load, stiffness, energy, d(energy)/d xi.
 
@@ -94,7 +98,7 @@ def solve_slice(tables, block, lane, own_cycle, delta, psi, near, n_near, relief
     return n, load, stiffness, energy, rate
 
 
-@njit(**_options)
+@njit(**PLAIN)
 def _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, work):
     """Columns of the pairs of one slice, in rising order of p; returns their number."""
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES + lane
@@ -103,15 +107,15 @@ def _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, wo
     reach, per_step = int(tables[REACH]), tables[PER_STEP]
     lowest = NEVER if tables[PULLS] != 0.0 else 0.0
     cells, inside = np.empty(MAX_PAIRS, np.int64), np.empty(MAX_PAIRS)
-    n = 0
+    n, first = np.int64(0), np.int64(0)  # plain numbers: a literal is a type of its own, compiled for itself
     for m in range(n_near):
         x, k, u = approach_of(tables, here, approach, tables[base + PART * LANES], near, m)
         x -= relief[m]
         if not x > lowest:
             continue
-        fill(tables, 0, n, x, k, u, here, near, m, work)
+        fill(tables, first, n, x, k, u, here, near, m, work)
         if near[m, PINION_VARIANT] != 0.0 or near[m, WHEEL_VARIANT] != 0.0:
-            x = damaged(tables, block * LANES + lane, 0, n, x, k, u, near, m, work)
+            x = damaged(tables, block * LANES + lane, first, n, x, k, u, near, m, work)
         if not x > lowest:
             continue
         cells[n], inside[n] = k, u
@@ -130,7 +134,7 @@ def _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, wo
     return n
 
 
-@njit(**_options)
+@njit(**PLAIN)
 def slice_stiffness(n, slope, work, stiffness):
     """d(phi_p f_p) / d(approach of pair q) of a solved slice, into stiffness (n, n)."""
     for q in range(n):
@@ -142,7 +146,7 @@ def slice_stiffness(n, slope, work, stiffness):
             stiffness[p, q] = work[FRACTION, p] * work[REST, p]
 
 
-@njit(**_options)
+@njit(**PLAIN)
 def _relieved(n, p, work):
     """Approach left to pair p itself: x_p - sum_q c_pq phi_q f_q."""
     x = work[X, p]
@@ -151,7 +155,7 @@ def _relieved(n, p, work):
     return x
 
 
-@njit(**_options)
+@njit(**PLAIN)
 def _solve_system(n, work):
     """(diag(D) + c phi) d = rest over the loaded pairs (f > 0), in place of rest; 0 for the others.
 
@@ -179,7 +183,7 @@ def _solve_system(n, work):
         work[REST, p] /= work[SYSTEM + p, p]
 
 
-@njit(**_options)
+@njit(**PLAIN)
 def _loads(n, slope, work):
     """Line loads of the gathered pairs."""
     for p in range(n):
@@ -225,7 +229,7 @@ def _loads(n, slope, work):
             return
 
 
-@njit(**_options)
+@njit(**PLAIN)
 def _alone(p, x, slope, work):
     """Load of pair p by itself at the approach x."""
     work[LOAD, p] = work[LOG, p] = 0.0

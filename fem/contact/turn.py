@@ -10,8 +10,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 
+from fem.compiled import FLOAT, INTEGER, MATRIX, PLAIN, VECTOR, apart, stored
 from fem.contact import lanes, slices
 from fem.contact.chain import in_series
 from fem.contact.packing import (
@@ -38,11 +39,10 @@ from fem.contact.packing import (
 SLOTS = 4  # pairs that one slice loads at most where slices are coupled
 STEPS = 40
 CLOSE = 1e-11  # field step, relative to the largest, at which the loads found before it are taken
-_options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
-_inline: dict[str, Any] = {**_options, "forceinline": True, "fastmath": {"contract"}}
+_inline: dict[str, Any] = {"forceinline": True, "fastmath": {"contract"}}
 
 
-@njit(**_inline)
+@njit(**PLAIN, **_inline)
 def amplitude(tables, s, own_cycle, number):
     """g = sqrt(D) of pair `number` in slice s and its slope along xi."""
     base = SLICE_ROWS + (s // LANES) * ROWS_PER_BLOCK * LANES + s % LANES
@@ -52,7 +52,7 @@ def amplitude(tables, s, own_cycle, number):
     return tables[k] + (place - cell) * tables[k + 1], tables[k + 1] * tables[PER_STEP]
 
 
-@njit(**_options)
+@njit(**PLAIN)
 def assemble(tables, lines, count, line, gain, load, stiffness, v, inverse, right, own):
     """Blocks w + springs + w g K g, right-hand sides (residual, w g K 1, w g K y); own: F, M, k, k y, k y^2."""
     n_s = count.size
@@ -90,7 +90,7 @@ def assemble(tables, lines, count, line, gain, load, stiffness, v, inverse, righ
             own[4] += w * row * y * y
 
 
-@njit(**_options)
+@njit(**PLAIN)
 def field_step(tables, lines, inverse, right, taken, work):
     """Solve the block-tridiagonal system; the three solutions stand in `right`.
 
@@ -133,13 +133,13 @@ def field_step(tables, lines, inverse, right, taken, work):
             taken[4] += work[s, 1, p] * right[s, 2, p]
 
 
-@njit(**_inline)
+@njit(**PLAIN, **_inline)
 def spring(tables, s):
     """Spring a^2 / distance between slice s and the next; 0 before the first and behind the last."""
     return tables[SLICE_ROWS + ((s // LANES) * ROWS_PER_BLOCK + SPRING) * LANES + s % LANES] if s >= 0 else 0.0
 
 
-@njit(**_options)
+@njit(**PLAIN)
 def invert(n, matrix):
     """Inverse of a small symmetric positive definite matrix, in place (Gauss-Jordan without pivoting)."""
     if n == 2:
@@ -162,7 +162,7 @@ def invert(n, matrix):
                         matrix[i, j] -= factor * matrix[k, j]
 
 
-@njit(**_options)
+@njit(**PLAIN)
 def body_step(tables, own, taken, d, t, out):
     """Changes of d and t, then the total stiffnesses k, k y, k y^2 with fields and bodies in series."""
     k00, k01, k11 = own[2] - taken[2], own[3] - taken[3], own[4] - taken[4]
@@ -171,7 +171,7 @@ def body_step(tables, own, taken, d, t, out):
     out[0], out[1] = new_d - d, new_t - t
 
 
-@njit(**_options)
+@njit(**PLAIN)
 def solve_in_turn(
     tables, own_cycle, delta, psi, near, n_near, first, lines, count, line, gain, load, stiffness, v, inverse, right,
     scratch, own, taken, out,
@@ -223,7 +223,8 @@ def solve_in_turn(
     return energy, rate, d, t
 
 
-@njit(**_options)
+@apart(types.UniTuple(FLOAT, 7), VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, INTEGER, VECTOR)
+@stored(lanes.SOURCES)
 def evaluate_in_turn(tables, own_cycle, delta, psi, near, n_near, pair_force):
     """F, M, U, dF/d delta, dF/d psi, dM/d psi, dU/dc' at one state; pair_force as in `fem.contact.face`."""
     n_s = int(tables[SLICES])
@@ -244,7 +245,7 @@ def evaluate_in_turn(tables, own_cycle, delta, psi, near, n_near, pair_force):
         for a in range(count[s]):
             force, moment = force + w * load[s, a], moment + w * load[s, a] * y
             if lines > 0:
-                g, g_slope = amplitude(tables, s, own_cycle, first + line[s, a])
+                g, g_slope = amplitude(tables, s, own_cycle, float(first + line[s, a]))
                 energy += 0.5 * w * g * load[s, a] * v[s, line[s, a]]
                 rate -= w * g_slope * load[s, a] * v[s, line[s, a]]
             place = first + line[s, a] - math.floor(own_cycle) + pair_force.size // 2

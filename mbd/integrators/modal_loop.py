@@ -9,14 +9,14 @@ are kept for every length, so that a cut costs only its evaluations.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from fem.compiled import inner, stored
+from mbd.elements import SOURCES
 from mbd.forces import parametric_work
-from mbd.rows_solver import NEAR, iterate, source_digest
+from mbd.rows_solver import NEAR, iterate
 
 QUARTERS = 4
 ROUGH, SMOOTH = 0.025, 0.005
@@ -52,7 +52,7 @@ class Memory(NamedTuple):
     changes: np.ndarray  # (2,) sum of the squared residuals of the guesses, and of ones
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+@inner(fastmath={"reassoc", "contract", "nsz"})
 def _dot(a, b):
     total = 0.0
     for j in range(len(a)):
@@ -60,13 +60,13 @@ def _dot(a, b):
     return total
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+@inner(fastmath={"contract"})
 def _add(target, factor, vector):
     for j in range(len(target)):
         target[j] += factor * vector[j]
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+@inner(fastmath={"contract"})
 def _free_step(before, growth, load, ramp, acceleration, after):
     """after = E before + the part of the prescribed forces."""
     n = len(before) // 2
@@ -76,7 +76,7 @@ def _free_step(before, growth, load, ramp, acceleration, after):
         after[n + j] = er * i + ei * r + load[n + j] + acceleration * ramp[n + j]
 
 
-@njit(nogil=True, error_model="numpy", fastmath={"contract"})
+@inner(fastmath={"contract"})
 def _add_product(target, weight, push):
     """target += weight * push, complex."""
     n = len(target) // 2
@@ -86,7 +86,7 @@ def _add_product(target, weight, push):
         target[n + j] += wr * pi + wi * pr
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def _kink(before, after, n_contact):
     """True if one of the first elements, flanks and ropes, touched or let go."""
     changed = False
@@ -95,7 +95,7 @@ def _kink(before, after, n_contact):
     return changed
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def _extrapolate(forces, past, smooth, h, guess):
     """Forces h after the last instant: the parabola, line or constant through as many instants as are smooth."""
     near, far = past[0], past[0] + past[1]
@@ -110,7 +110,7 @@ def _extrapolate(forces, past, smooth, h, guess):
         guess[r] = a * forces[0, r] + b * forces[1, r] + c * forces[2, r]
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def _choose_hold(counts, level, n_past):
     """Which hold: the line after a kink or a step more than four times as long or as short."""
     apart = counts[2] - level
@@ -119,7 +119,7 @@ def _choose_hold(counts, level, n_past):
     return 1 if apart == 0 else (2 if apart == 1 else 3)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner()
 def _remember(constants, memory, hold, level, n_contact, eta, force, row_values, log, held):
     """Finish the step: its own part of the state, the polynomials of the forces, and the memory."""
     _, _, _, weights, powers, _, _, enter, _, _, _ = constants
@@ -151,67 +151,60 @@ def _remember(constants, memory, hold, level, n_contact, eta, force, row_values,
         state[j] = eta[j]
 
 
-def _compiled(digest: int) -> Callable:
-    @njit(cache=True, nogil=True, error_model="numpy")
-    def advance(table, first, angles, speeds, accelerations, constants, memory, block, tolerance):
-        if digest < 0:  # part of the key under which the compiled code is stored
-            return -1, 0, 0, False
-        length, growth, rate, weights, _, load, ramp, enter, rows, g_u, g_v = constants
-        state, past_forces, pushes, past, counts, motor, last_rows, last_log, changes = memory
-        states, _, forces, row_values, log, clock, whole, holds = block
-        m, n_rows, n_past, finest = len(enter), len(rows), len(pushes), len(length) - 1
-        units = QUARTERS**finest
-        u_p, v_p, v, guess = np.empty(n_rows), np.empty(m), np.empty(m), np.empty(m)
-        moving, quality, frozen = np.empty(len(state)), np.zeros(1), np.zeros((len(table.tau), 6))
-        iterations, n, n_contact = 0, 0, len(table.tau) + len(table.rope_ea)
-        for i in range(first, len(angles)):
-            if n + units > len(states):
-                return i, n, iterations, False
-            angle_0, speed_0, a, position = motor[0], motor[1], accelerations[i], 0
-            mismatch = angles[i] - angle_0 - length[0] * (speed_0 + 0.5 * a * length[0])  # a kink of the speed table
-            while position < units:
-                level = counts[1]
-                own = QUARTERS ** (finest - level)
-                share = (position + own) / units
-                t = share * length[0]
-                angle, speed = angle_0 + t * (speed_0 + 0.5 * a * t) + share * mismatch, speed_0 + a * t
-                hold = _choose_hold(counts, level, n_past)
-                eta = states[n]
-                _free_step(state, growth[level], load[level], ramp[level], a, eta)
-                for s in range(1, n_past if hold > 0 else 2):
-                    _add_product(eta, weights[level, hold, s], pushes[s - 1])
-                moving[:] = 0.0
-                _add_product(moving, rate, eta)
-                for r in range(n_rows):
-                    u_p[r] = _dot(rows[r], eta)
-                for r in range(m):
-                    v_p[r] = _dot(rows[r], moving)
-                _extrapolate(past_forces, past, counts[0], length[level], guess)
-                used = iterate(
-                    table, angle, speed, u_p, v_p, g_u[level, hold], g_v[level, hold], guess, row_values[n], v, log[n],
-                    tolerance, NEAR, ROUGH if level < finest else np.inf, quality, last_rows, frozen,
-                )  # fmt: skip
-                if level < finest and (used < 0 or _kink(last_log, log[n], n_contact)):
-                    counts[1] += 1
-                    continue
-                if used < 0:
-                    return i, n, iterations, True
-                iterations += used
-                parametric_work(table, motor[0], angle, last_rows, row_values[n], last_log, log[n], frozen)
-                for r in range(m):
-                    forces[n, r] = guess[r]
-                clock[n, 0], clock[n, 1], clock[n, 2], clock[n, 3] = length[level], angle, speed, a
-                _remember(constants, memory, hold, level, n_contact, eta, guess, row_values[n], log[n], holds[n])
-                motor[0], motor[1] = angle, speed
-                changes[0], changes[1] = changes[0] + quality[0] ** 2, changes[1] + 1.0
-                position += own
-                n += 1
-                if level > 0 and position % (QUARTERS * own) == 0 and quality[0] < SMOOTH:
-                    counts[1] -= 1
-            whole[i] = n - 1
-        return len(angles), n, iterations, False
-
-    return advance
-
-
-advance_modes = _compiled(source_digest(__file__))
+@stored(SOURCES)
+def advance_modes(table, first, angles, speeds, accelerations, constants, memory, block, tolerance):
+    """Steps from `first` on, as far as the block reaches; next step, instants, iterations, True if one failed."""
+    length, growth, rate, weights, _, load, ramp, enter, rows, g_u, g_v = constants
+    state, past_forces, pushes, past, counts, motor, last_rows, last_log, changes = memory
+    states, _, forces, row_values, log, clock, whole, holds = block
+    m, n_rows, n_past, finest = len(enter), len(rows), len(pushes), len(length) - 1
+    units = QUARTERS**finest
+    u_p, v_p, v, guess = np.empty(n_rows), np.empty(m), np.empty(m), np.empty(m)
+    moving, quality, frozen = np.empty(len(state)), np.zeros(1), np.zeros((len(table.tau), 6))
+    iterations, n, n_contact = 0, 0, len(table.tau) + len(table.rope_ea)
+    for i in range(first, len(angles)):
+        if n + units > len(states):
+            return i, n, iterations, False
+        angle_0, speed_0, a, position = motor[0], motor[1], accelerations[i], 0
+        mismatch = angles[i] - angle_0 - length[0] * (speed_0 + 0.5 * a * length[0])  # a kink of the speed table
+        while position < units:
+            level = counts[1]
+            own = QUARTERS ** (finest - level)
+            share = (position + own) / units
+            t = share * length[0]
+            angle, speed = angle_0 + t * (speed_0 + 0.5 * a * t) + share * mismatch, speed_0 + a * t
+            hold = _choose_hold(counts, level, n_past)
+            eta = states[n]
+            _free_step(state, growth[level], load[level], ramp[level], a, eta)
+            for s in range(1, n_past if hold > 0 else 2):
+                _add_product(eta, weights[level, hold, s], pushes[s - 1])
+            moving[:] = 0.0
+            _add_product(moving, rate, eta)
+            for r in range(n_rows):
+                u_p[r] = _dot(rows[r], eta)
+            for r in range(m):
+                v_p[r] = _dot(rows[r], moving)
+            _extrapolate(past_forces, past, counts[0], length[level], guess)
+            used = iterate(
+                table, angle, speed, u_p, v_p, g_u[level, hold], g_v[level, hold], guess, row_values[n], v, log[n],
+                tolerance, NEAR, ROUGH if level < finest else np.inf, quality, last_rows, frozen,
+            )  # fmt: skip
+            if level < finest and (used < 0 or _kink(last_log, log[n], n_contact)):
+                counts[1] += 1
+                continue
+            if used < 0:
+                return i, n, iterations, True
+            iterations += used
+            parametric_work(table, motor[0], angle, last_rows, row_values[n], last_log, log[n], frozen)
+            for r in range(m):
+                forces[n, r] = guess[r]
+            clock[n, 0], clock[n, 1], clock[n, 2], clock[n, 3] = length[level], angle, speed, a
+            _remember(constants, memory, hold, level, n_contact, eta, guess, row_values[n], log[n], holds[n])
+            motor[0], motor[1] = angle, speed
+            changes[0], changes[1] = changes[0] + quality[0] ** 2, changes[1] + 1.0
+            position += own
+            n += 1
+            if level > 0 and position % (QUARTERS * own) == 0 and quality[0] < SMOOTH:
+                counts[1] -= 1
+        whole[i] = n - 1
+    return len(angles), n, iterations, False

@@ -1,0 +1,136 @@
+"""Compiled functions: kept on disk under a digest of their sources, and called through their address.
+
+The compiler links whatever a function calls into it and optimises the whole again, at every level of the calls and in
+every entry point that is stored on disk: a large function called from ten places is compiled ten times. What `apart`
+returns is called in compiled code like the function itself, but the caller holds no more than a call through a cell of
+memory, which it knows by name. The cell is empty at first; the first call has the function compiled, or read from disk,
+and the cell filled. So a function is optimised once, and only if it is called at all. A call costs about 10 ns.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import inspect
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import llvmlite.binding as llvm
+from llvmlite import ir
+from numba import njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic, typeof_impl
+
+FLOAT, INTEGER = types.float64, types.int64
+VECTOR, MATRIX, CUBE = (types.Array(FLOAT, n, "C") for n in (1, 2, 3))
+INTEGERS, INTEGER_MATRIX = types.Array(INTEGER, 1, "C"), types.Array(INTEGER, 2, "C")
+
+PLAIN: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+_NO_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_kept: list[Any] = []  # compiled code refers to the cells as long as the process lives
+_ADDRESS = ir.IntType(8).as_pointer()
+_CELL = ir.LiteralStructType((_ADDRESS, ir.FunctionType(ir.VoidType(), ()).as_pointer()))
+
+
+class _Cell(ctypes.Structure):
+    _fields_ = (("address", ctypes.c_void_p), ("fill", ctypes.c_void_p))
+
+
+def sources(*places: Path) -> tuple[Path, ...]:
+    """This file, the files given and the Python files of the folders given, for `stored`."""
+    found = [Path(__file__)]
+    for place in places:
+        found += sorted(place.glob("*.py")) if place.is_dir() else [place]
+    return tuple(found)
+
+
+def stored(files: tuple[Path, ...], entry: bool = True, **options: Any) -> Callable:
+    """`njit` with a copy on disk that is used as long as the `files` the function is made of stay as they are.
+
+    The compiler itself looks at the file of the function alone, not at those of the functions it calls; the checksum of
+    all is made part of the name under which the code is stored. Without ``entry`` Python must not call it.
+    """
+    options = {**PLAIN, **({} if entry else _NO_ENTRY), **options}
+    total = 0
+    for file in files:
+        total = zlib.crc32(file.read_bytes(), total)
+
+    def decorate(function: Callable) -> Any:
+        function.__qualname__ = f"{function.__qualname__}_{total:08x}"
+        return njit(cache=True, **options)(function)
+
+    return decorate
+
+
+class Inner:
+    """A compiled function for compiled callers; called from Python, it runs as Python."""
+
+    def __init__(self, function: Callable, **options: Any) -> None:
+        self.compiled: Any = njit(**{**PLAIN, **_NO_ENTRY, **options})(function)
+        functools.update_wrapper(self, function)
+
+    def __call__(self, *values: Any) -> Any:
+        return self.compiled.py_func(*values)
+
+
+@typeof_impl.register(Inner)
+def _type_of_inner(value: Inner, _: Any) -> types.Type:
+    return types.Dispatcher(value.compiled)
+
+
+def inner(**options: Any) -> Callable:
+    """`njit` without the entry from Python, which is half of a small function's code or of one that takes tables."""
+    return functools.partial(Inner, **options)
+
+
+def apart(result: types.Type, *arguments: types.Type) -> Callable:
+    """Decorator of a compiled function (what `njit` returns), for compiled callers: a call through its address.
+
+    The function takes `arguments` and returns `result`. Callers get a RuntimeError where it cannot be compiled; what
+    the compiler says is printed then.
+    """
+
+    def decorate(function: Any) -> Callable:
+        cell = _Cell()
+
+        @ctypes.CFUNCTYPE(None)
+        def fill() -> None:
+            function.compile(arguments)
+            code = function.overloads[arguments]
+            cell.address = code.library.get_pointer_to_function(code.fndesc.llvm_func_name)
+
+        cell.fill = ctypes.cast(fill, ctypes.c_void_p)
+        _kept.append((cell, fill))
+        symbol = f"gearcase.{function.py_func.__module__}.{function.py_func.__name__}"
+        llvm.add_symbol(symbol, ctypes.addressof(cell))
+
+        def call(typingctx: Any, *_: types.Type) -> tuple[Any, Callable]:
+            return result(*arguments), lambda *parts: _generate(symbol, *parts)
+
+        own = inspect.signature(function.py_func).parameters.values()
+        first = inspect.Parameter("typingctx", inspect.Parameter.POSITIONAL_OR_KEYWORD)
+        call.__signature__ = inspect.Signature([first, *own])  # type: ignore[attr-defined]
+        call.__name__, call.__doc__ = function.py_func.__name__, function.py_func.__doc__
+        return intrinsic(call)
+
+    return decorate
+
+
+def _generate(symbol: str, context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    """The call through the cell that the linker knows as `symbol`."""
+    if symbol not in builder.module.globals:
+        ir.GlobalVariable(builder.module, _CELL, symbol)
+    cell = builder.module.globals[symbol]
+    place = cgutils.gep_inbounds(builder, cell, 0, 0)
+    with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(place))):
+        builder.call(builder.load(cgutils.gep_inbounds(builder, cell, 0, 1)), ())
+        with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(place))):
+            context.call_conv.return_user_exc(builder, RuntimeError, (f"{symbol} could not be compiled",))
+    kind = context.call_conv.get_function_type(signature.return_type, signature.args)
+    target = builder.bitcast(builder.load(place), kind.as_pointer())
+    status, answer = context.call_conv.call_function(builder, target, signature.return_type, signature.args, values)
+    with cgutils.if_unlikely(builder, status.is_error):
+        context.call_conv.return_status_propagate(builder, status)
+    return answer
