@@ -202,6 +202,11 @@ def _bearing(lay: Layout, bearing: BearingSpec, axis: str, rows: np.ndarray, row
 
 
 def bearing_row(lay: Layout, bearing: BearingSpec, axis: str) -> np.ndarray:
-    """Displacement of the shaft relative to the support in a bearing, axis ux uy uz rx rz."""
+    """Displacement of the shaft relative to the support in a bearing, axis ux uy uz rx rz.
+
+    A casing may leave out the motion that no bearing holds: there the shaft moves against the ground.
+    """
     shaft = lay.axis_row(bearing.shaft, bearing.y, ("ux", "uy", "uz", "rx", "ry", "rz").index(axis))
-    return shaft if bearing.support == "ground" else shaft - lay.casing_row(f"{bearing.name}:{axis}")
+    name = f"{bearing.name}:{axis}"
+    free = bearing.stiffness[BEARING_AXES.index(axis)] == 0.0 and name not in lay.casing.row_names
+    return shaft if bearing.support == "ground" or free else shaft - lay.casing_row(name)

@@ -8,10 +8,7 @@ import pytest
 from gear_pairs import gear_pair
 
 from fem.contact import ring
-from fem.contact.curves import stiffness_curve
-from fem.contact.evaluate import evaluate_law
 from fem.contact.iso import Iso, blank_factor
-from fem.contact.plane import Plane
 from fem.gears.gear import GeometryError
 from fem.gears.interference import root_penetration
 from fem.gears.path import path_points

@@ -234,3 +234,19 @@ def test_multibody_needs_none_of_the_mesh_packages():
 def test_equilibrium_state_has_no_rates():
     machine = train(1)
     assert not equilibrium(assemble(machine, no_casing())).velocity.any()
+
+
+def test_a_casing_may_leave_out_a_tilt_that_no_bearing_holds():
+    """As the interfaces of a reduced casing do: the machine is the same to the last bit."""
+    machine = train(1, torque=5.0)
+    bearings = [dataclasses.replace(b, stiffness_tilt_x=0.0, stiffness_tilt_z=0.0) for b in machine.bearings]
+    machine, body = dataclasses.replace(machine, bearings=tuple(bearings)), rigid_casing(machine)
+    kept = [n for n, name in enumerate(body.row_names) if not name.endswith((":rx", ":rz"))]
+    names = tuple(body.row_names[n] for n in kept)
+    lean = dataclasses.replace(body, row_names=names, rows=body.rows[kept])
+    assert np.array_equal(assemble(machine, lean).stiffness, assemble(machine, body).stiffness)
+    held = dataclasses.replace(
+        machine, bearings=(dataclasses.replace(bearings[0], stiffness_tilt_x=1.0), *bearings[1:])
+    )
+    with pytest.raises(MachineError, match="has no row"):
+        assemble(held, lean)

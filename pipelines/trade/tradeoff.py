@@ -80,7 +80,8 @@ def trade(
         if motion > whole:
             del scenes[name]
             refused[name] = f"its motion alone would take some {motion:.0f} s, the reference takes {whole:.0f} s in all"
-    measured = measure(scenes, list(PROBES), cache, observer=observer, processes=processes)
+    measured, failed = _measured(scenes, cache, observer, processes)
+    refused |= failed
     reference = measured[first]
     prices = {name: differences(one, reference) for name, one in measured.items()}
     places = {name: (one.total_seconds, prices[name][0].get(JUDGE, math.nan)) for name, one in measured.items()}
@@ -111,6 +112,24 @@ def _variants(loaded: LoadedScene) -> tuple[dict[str, Choice], dict[str, LoadedS
         if choice.effect == PRESET or all(variant.scene != other.scene for other in scenes.values()):
             scenes[choice.name], found[choice.name] = variant, choice
     return found, scenes, refused
+
+
+def _measured(
+    scenes: dict[str, LoadedScene], cache: Cache, observer: Observer | None, processes: int | None
+) -> tuple[dict[str, Measured], dict[str, str]]:
+    """All at once; if a stage refuses its scene, one by one on what is built, with the reasons of those that failed."""
+    probes = list(PROBES)
+    try:
+        return measure(scenes, probes, cache, observer=observer, processes=processes), {}
+    except (ValueError, RuntimeError):
+        measured: dict[str, Measured] = {}
+        failed: dict[str, str] = {}
+        for name, loaded in scenes.items():
+            try:
+                measured |= measure({name: loaded}, probes, cache, observer=observer, processes=processes)
+            except (ValueError, RuntimeError) as error:
+                failed[name] = " ".join(str(error).split())
+        return measured, failed
 
 
 def differences(one: Measured, reference: Measured) -> tuple[dict[str, float], dict[str, float]]:
