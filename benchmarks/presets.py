@@ -44,7 +44,8 @@ def presets(folder: Path) -> list[dict[str, Any]]:
 
 def run(cache: Path, *arguments: str) -> float:
     """Wall-clock seconds of `gearcase simulate`."""
-    command = [sys.executable, "-m", "pipelines.cli", "simulate", *arguments, "--out", str(cache / "signals"), "-q"]
+    out = cache / f"signals {len(list(cache.glob('signals *')))}"
+    command = [sys.executable, "-m", "pipelines.cli", "simulate", *arguments, "--out", str(out), "-q"]
     environment = {**os.environ, "GEARCASE_CACHE": str(cache / "cache"), "PYTHONPATH": os.pathsep.join(sys.path)}
     start = time.perf_counter()
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
