@@ -36,8 +36,8 @@ class Level:
 
 
 LEVELS = {
-    "draft": Level(refinement=0.6, slices=21, element_size=0.9, bore_size=0.36, band=0.3, step_us=50.0),
-    "standard": Level(refinement=0.7, slices=61, element_size=0.64, bore_size=0.25, band=0.7, step_us=33.4),
+    "draft": Level(refinement=0.6, slices=61, element_size=0.9, bore_size=0.36, band=0.3, step_us=50.0),
+    "standard": Level(refinement=0.7, slices=61, element_size=0.64, bore_size=0.25, band=0.7, step_us=50.0),
     "reference": Level(refinement=1.0, slices=61, element_size=0.64, bore_size=0.25, band=1.0, step_us=20.0),
 }
 PRESETS = tuple(LEVELS)
