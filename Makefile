@@ -12,7 +12,7 @@ run: $(BIN)/.installed
 	$(BIN)/gearcase run rig-missing-tooth
 
 test: $(BIN)/.installed-dev
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 test-all: $(BIN)/.installed-dev
 	$(BIN)/python tests/all_parts.py

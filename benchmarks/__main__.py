@@ -1,6 +1,6 @@
 """Measures gearcase on the shipped scenes: python -m benchmarks [PART ...].
 
-Every part runs in a process of its own, on one thread. Writes benchmarks/results/latest.json (each of the other
+Every part runs in a process of its own, BLAS on one thread. Writes benchmarks/results/latest.json (each of the other
 programs its own file beside it), docs/benchmarks.md and the measured tables of docs/choosing-a-rung.md. Parts named
 on the command line are measured again, the others are taken over from the last result; a part that needs what another
 leaves behind measures that one, too.

@@ -86,8 +86,9 @@ def conditions_text(found: dict[str, Any]) -> str:
     """The conditions in one paragraph."""
     versions = ", ".join(f"{name} {version}" for name, version in found["libraries"].items())
     return (
-        f"Conditions: {found['system']} on {found['architecture']}, {found['cores']} cores of which one thread is "
-        f"used, not reserved for the measurement; Python {found['python']}, {versions}. Seconds are wall-clock "
+        f"Conditions: {found['system']} on {found['architecture']}, {found['cores']} cores, not reserved for the "
+        "measurement; one thread but for the casing, whose heavy steps run in two halves side by side; "
+        f"Python {found['python']}, {versions}. Seconds are wall-clock "
         "medians of the stated number of calls (one call where it takes longer than 8 s), in brackets the processor's. "
         "Memory is the peak of the process that did the part, imports included."
     )

@@ -9,11 +9,15 @@ and the cell filled. So a function is optimised once, and only if it is called a
 
 from __future__ import annotations
 
+import _thread
+import contextlib
 import ctypes
 import functools
 import inspect
+import signal
+import threading
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -97,9 +101,10 @@ def apart(result: types.Type, *arguments: types.Type) -> Callable:
 
         @ctypes.CFUNCTYPE(None)
         def fill() -> None:
-            function.compile(arguments)
-            code = function.overloads[arguments]
-            cell.address = code.library.get_pointer_to_function(code.fndesc.llvm_func_name)
+            with _interrupts_held():
+                function.compile(arguments)
+                code = function.overloads[arguments]
+                cell.address = code.library.get_pointer_to_function(code.fndesc.llvm_func_name)
 
         cell.fill = ctypes.cast(fill, ctypes.c_void_p)
         _kept.append((cell, fill))
@@ -116,6 +121,22 @@ def apart(result: types.Type, *arguments: types.Type) -> Callable:
         return intrinsic(call)
 
     return decorate
+
+
+@contextlib.contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Ctrl-C raised in what compiled code calls would be lost; it is passed on when the caller has gone on."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    held: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: held.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
+        if held:
+            threading.Timer(0.01, _thread.interrupt_main).start()
 
 
 def _generate(symbol: str, context: Any, builder: Any, signature: Any, values: Any) -> Any:

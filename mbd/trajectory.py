@@ -10,7 +10,7 @@ from fem.records import Record, array, names, scalar, text
 
 TOTAL_LIMIT = 1e-6  # of all work of the sources
 PART_LIMIT = 0.01  # of what a part dissipates, see `mbd.books`
-ROUND_OFF = 1e-11  # of all work of the sources
+ROUND_OFF = 1e-11  # of all work of the sources, and of the joule or so of strain that machines at rest hold
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -46,14 +46,23 @@ class Trajectory(Record):
         """One entry (J) of the energy book, e.g. ``("total", "residual")``."""
         return float(self.books[self.book_parts.index(part), self.book_columns.index(entry)])
 
+    def open_parts(self) -> tuple[str, ...]:
+        """Parts, and the total, whose energy book leaves a residual beyond its limit; none for a sound run."""
+        floor = ROUND_OFF * max(1.0, self.book("total", "scale"))
+        return tuple(
+            part
+            for part in self.book_parts
+            if abs(self.book(part, "residual")) > max(_limit(part) * self.book(part, "scale"), floor)
+        )
+
     def open_books(self) -> tuple[str, ...]:
-        """A sentence for every energy book whose residual is beyond its limit; none for a sound run."""
-        found, floor = [], ROUND_OFF * self.book("total", "scale")
-        for part in self.book_parts:
-            residual, scale = self.book(part, "residual"), self.book(part, "scale")
-            limit = TOTAL_LIMIT if part == "total" else PART_LIMIT
-            if abs(residual) > max(limit * scale, floor):
-                found.append(
-                    f"energy book of {part}: {residual:.2g} J left over, the limit is {limit:g} of {scale:.2g} J"
-                )
-        return tuple(found)
+        """A sentence for every one of `open_parts`."""
+        return tuple(
+            f"energy book of {part}: {self.book(part, 'residual'):.2g} J left over; limit {_limit(part):g} of "
+            f"{self.book(part, 'scale'):.2g} J"
+            for part in self.open_parts()
+        )
+
+
+def _limit(part: str) -> float:
+    return TOTAL_LIMIT if part == "total" else PART_LIMIT

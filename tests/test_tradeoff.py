@@ -50,7 +50,7 @@ def test_the_reference_has_no_error_and_stands_on_the_front(found):
 
 def test_a_coarser_step_costs_less_and_errs_more(found):
     steps = {p.choice.label: p for p in found.priced if p.choice.effect == "step"}
-    assert 0.0 < steps["50 us"].error < steps["100 us"].error
+    assert 0.0 < steps["33.4 us"].error < steps["100 us"].error
     assert steps["100 us"].measured.seconds["simulate"] < found.priced[0].measured.seconds["simulate"]
 
 
