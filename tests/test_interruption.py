@@ -78,7 +78,8 @@ def test_the_next_run_goes_on_and_gives_the_same_bits(undisturbed, tmp_path, nam
 
 
 PARENT = """
-import sys
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts in the background ignores it
 sys.path[:0] = {path!r}
 from pipelines.build import run_graph
 from pipelines.cache import Cache
