@@ -50,6 +50,7 @@ def program(tmp_path, monkeypatch):
     """A small program of two files; `start` runs it in a process of its own."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "stored"))
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1]))
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")  # by its time, a file changed within a second is the old one
     (tmp_path / "whole.py").write_text(MODULE, encoding="utf-8")
 
     def start(factor):
