@@ -10,6 +10,7 @@ The last two go through stages that can be stored one by one: `mesh`, `modes` (w
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -62,7 +63,7 @@ class RigidCasing:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Elastic:
+class _Elastic(ABC):
     """What the rungs with finite elements share."""
 
     element_size: float = 0.022  # m
@@ -88,9 +89,9 @@ class _Elastic:
             solver=self.solver,
         )
 
+    @abstractmethod
     def modes(self, mesh: CasingMesh, material: Material) -> tuple[CasingModes, CheckUp]:
         """Second stage: factorise and reduce; the check-up tells whether the result can be trusted."""
-        raise NotImplementedError
 
     def body(self, modes: CasingModes, sensors: Sequence[Sensor] = ()) -> ReducedBody:
         """Last stage: mounts, damping and the rows of the sensors asked."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
@@ -70,7 +71,7 @@ class HousingTable(Table):
     ribs: RibTable | None = None
 
 
-class _PlaceTable(Table):
+class _PlaceTable(Table, ABC):
     """A place on the surface of an imported housing: exactly one way to find it."""
 
     @model_validator(mode="after")
@@ -82,8 +83,9 @@ class _PlaceTable(Table):
             raise ValueError(f"is located by {', '.join(sorted(given)) or 'nothing'}; give {choices}")
         return self
 
+    @abstractmethod
     def _ways(self) -> tuple[tuple[str, ...], ...]:
-        raise NotImplementedError
+        """The sets of keys that locate a place."""
 
 
 class SeatTable(_PlaceTable):

@@ -104,3 +104,5 @@ def test_a_broken_scene_is_refused_in_words(name, tmp_path):
 def test_thousands_of_broken_scenes(part, tmp_path):
     counts = fuzz("minimal" if part % 4 else "rig-missing-tooth", part, SCENES_PER_PART, tmp_path)
     print(f"part {part}: {sum(counts.values())} scenes: {counts}")
+    assert sum(counts.values()) == SCENES_PER_PART
+    assert counts.get("refused", 0) > SCENES_PER_PART // 4
