@@ -121,6 +121,7 @@ def run_graph(
         processes = min(2, os.cpu_count() or 1)
     results = {name: result for name, result in (known or {}).items() if name in graph.stages}
     verified: set[str] = set()
+    urgency = graph.seconds_to_the_end()  # what the most must wait for starts first
     with one_thread(), Pool() as pool:
         while len(results) < len(graph.stages):
             ready = _take_what_is_cached(graph, cache, results, wanted, pool.names(), observer)
@@ -128,6 +129,7 @@ def run_graph(
             if _drop_damaged(ready, cache, results, verified):
                 continue
             long = [(stage, key) for stage, key in ready if stage.seconds >= _LONG_SECONDS]
+            long.sort(key=lambda one: -urgency[one[0].name])
             if processes > 1 and (len({key for _, key in long}) > 1 or (long and len(pool))):
                 for stage, key in long:
                     if len(pool) < processes and not pool.builds(key):

@@ -119,6 +119,16 @@ class Graph:
                 waiting.extend(self.stages[name].takes)
         return Graph(stage for stage in self if stage.name in keep)
 
+    def seconds_to_the_end(self) -> dict[str, float]:
+        """Expected seconds of every stage with the longest chain of stages that follow it."""
+        behind = dict.fromkeys(self.stages, 0.0)
+        whole = {}
+        for stage in reversed(self.stages.values()):
+            whole[stage.name] = stage.seconds + behind[stage.name]
+            for name in stage.takes:
+                behind[name] = max(behind[name], whole[stage.name])
+        return whole
+
 
 def stored(stage: Stage, cache: Cache, contents: Mapping[str, str], *, thorough: bool) -> Entry | None:
     """The entry that serves a stage: its own, or that with the next larger number where more is `enough`."""

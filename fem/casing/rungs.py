@@ -15,6 +15,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from threadpoolctl import threadpool_limits
+
 from fem.casing.body import MODES_OVER_BAND, ReducedBody
 from fem.casing.checkup import CheckUp, check_up
 from fem.casing.damping import DampingRatio
@@ -110,9 +112,10 @@ class StaticCasing(_Elastic):
 
     def modes(self, mesh: CasingMesh, material: Material) -> tuple[CasingModes, CheckUp]:
         """Second stage: factorise and condense."""
-        casing = self.casing(mesh, material)
-        reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=0, enrich=False)
-        return casing_modes(casing, reduction, model=self.model, band_limit=0.0), check_up(casing, reduction)
+        with threadpool_limits(1):  # the heavy steps run in two halves side by side
+            casing = self.casing(mesh, material)
+            reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=0, enrich=False)
+            return casing_modes(casing, reduction, model=self.model, band_limit=0.0), check_up(casing, reduction)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,12 +138,13 @@ class CraigBamptonCasing(_Elastic):
         EigenError : the modes found are not as many as the law of inertia counts
         """
         limit = MODES_OVER_BAND * self.band
-        casing = self.casing(mesh, material)
-        reduction, counted = reduced_and_counted(
-            casing.interface, casing.K_free, casing.M_free, highest=limit, enrich=self.inertia_correction
-        )
-        result = casing_modes(casing, reduction, model=self.model, band_limit=limit, counted=counted)
-        return result, check_up(casing, reduction)
+        with threadpool_limits(1):  # the heavy steps run in two halves side by side
+            casing = self.casing(mesh, material)
+            reduction, counted = reduced_and_counted(
+                casing.interface, casing.K_free, casing.M_free, highest=limit, enrich=self.inertia_correction
+            )
+            result = casing_modes(casing, reduction, model=self.model, band_limit=limit, counted=counted)
+            return result, check_up(casing, reduction)
 
     def body(self, modes: CasingModes, sensors: Sequence[Sensor] = ()) -> ReducedBody:
         """Last stage: mounts, damping, the modes that are kept and the rows of the sensors asked."""

@@ -13,7 +13,8 @@ with N the influence function of 1 - a^2 d^2/dy^2 with free ends. The terms are 
 3. C(xi) so that a load that is even along the face finds the displacement of the record, on average over the slices at
    that position (Galerkin projection on even loads), and c_n, >= 0, likewise.
 
-All terms are positive semidefinite, so the law is convex whatever the record.
+All terms are positive semidefinite, so the law is convex whatever the record; C(xi) takes from g^2 what the chain of
+coupled pairs needs for that.
 
 Loss against the direct solution on the dense record (z 20/55, m_n 2 mm, 30 to 300 N/mm, level and tilted by 0.3 and
 0.12 mrad; 16 positions of a cycle):
@@ -42,7 +43,9 @@ from fem.contact.solid_compliance import ContactCompliance
 from fem.gears.geometry import GearPair
 
 KNOTS = 16  # per base pitch, of the fitted tables
-SMALLEST = 0.05  # of the largest spread compliance: floor of C(xi), below 0.03 the coupled solution may not settle
+SMALLEST = 0.02  # of the largest spread compliance: floor of C(xi); at 0.001 the coupled solution may not settle
+MARGIN = 1.25  # of C(xi) over what the coupled pairs need: on the limit itself the compliance would be singular
+LONGEST = 10.0  # face widths: bound of the length a, where the influence is even within 0.1 %
 
 
 def condense(record: ContactCompliance, pair: GearPair, flank: str, plane: Plane, model: str = "solid") -> MeshLaw:
@@ -91,19 +94,35 @@ def fit_terms(record: ContactCompliance, xi: np.ndarray) -> dict[str, Any]:
     table = _table(np.concatenate(local_at), np.concatenate(local), xi)
     g = np.polynomial.polynomial.polyval(np.clip(xi, places[here].min(), places[here].max()), shape)
     spread = g**2
+    shared = _table(np.concatenate(coupled_at), np.concatenate(coupled), xi).clip(0.0) if coupled else np.zeros(xi.size)
+    least = np.maximum(SMALLEST * spread.max(), chain_floor(xi, shared))
     if spread.any():  # what the spread part overshoots is taken from it, so that even loads keep their displacement
-        short = np.maximum(SMALLEST * spread.max() - table, 0.0)
+        short = np.maximum(least - table, 0.0)
         table, spread = table + short, np.maximum(spread - short, 0.0)
-    shared = _table(np.concatenate(coupled_at), np.concatenate(coupled), xi) if coupled else np.zeros(xi.size)
     return {
         "compliance": table,
-        "coupling": np.maximum(shared, 0.0)[None, :],
+        "coupling": shared[None, :],
         "spread_compliance": spread,
         "spread_length": length,
         "body_compliance": float(body[0, 0]),
         "skew_compliance": float(body[0, 1]) * (1.0 - 1e-12),
         "tilt_compliance": float(body[1, 1]),
     }
+
+
+def chain_floor(xi: np.ndarray, coupling: np.ndarray) -> np.ndarray:
+    """C(xi) at which the pairs that a slice can hold, each coupled to the next, are safely positive definite.
+
+    Eigenvalues of a chain of n equal pairs: C - 2 c_1 cos(k pi / (n + 1)), k = 1 ... n. c_1 stands at the xi of the
+    pair that is ahead and counts at xi - 1, too, if both pairs are on the grid.
+    """
+    step = xi[1] - xi[0]
+    pitch = round(1.0 / step)
+    alone = np.arange(xi.size) < pitch
+    with_next = np.where(alone, 0.0, coupling)
+    with_last = np.append(with_next[pitch:], np.zeros(min(pitch, xi.size)))
+    pairs = np.floor(xi - xi[0] + step) + np.floor(xi[-1] - xi + step) + 1
+    return MARGIN * 2.0 * np.cos(np.pi / (pairs + 1)) * np.maximum(with_next, with_last)
 
 
 def _common(record: ContactCompliance, here: np.ndarray) -> np.ndarray:
@@ -162,7 +181,7 @@ def _spread(
         return np.concatenate(found)
 
     shortest = math.log(0.5 * w.min() / face)  # below, N is diagonal and a large g would stand for any small rest
-    bounds = [shortest, -np.inf, -np.inf, -np.inf], np.inf
+    bounds = [shortest, -np.inf, -np.inf, -np.inf], [math.log(LONGEST), np.inf, np.inf, np.inf]
     fit = least_squares(difference, [max(math.log(0.3), shortest), 1.0, 0.0, 0.0], bounds=bounds)
     return face * math.exp(fit.x[0]), fit.x[1:] * math.sqrt(scale)
 

@@ -36,7 +36,7 @@ from fem.contact.packing import (
     Y,
 )
 
-SLOTS = 4  # pairs that one slice loads at most where slices are coupled
+SLOTS = slices.MAX_PAIRS  # pairs that one slice loads at most
 STEPS = 40
 CLOSE = 1e-11  # field step, relative to the largest, at which the loads found before it are taken
 _inline: dict[str, Any] = {"forceinline": True, "fastmath": {"contract"}}

@@ -57,7 +57,8 @@ def _positions(scene: Scene, fineness: float) -> Settings:
 def _casing_mesh(scene: Scene, fineness: float) -> Settings:
     if not isinstance(scene.casing, ElasticBase):
         return _nothing("casing-mesh", "casing.model", scene.casing.model, "craig-bampton")
-    return {"casing.element_size_mm": scene.casing.element_size_mm / fineness}
+    sizes = {"element_size_mm": scene.casing.element_size_mm, "bore_element_size_mm": scene.casing.bore_element_size_mm}
+    return {f"casing.{name}": size / fineness for name, size in sizes.items() if size is not None}
 
 
 def _modes(scene: Scene, fineness: float) -> Settings:

@@ -63,13 +63,10 @@ def law_of(rung: str, pair: GearPair, flank: str = "drive"):
     return found[flank == "coast"]
 
 
-HEAVY = {"solid": 5.0}  # times the nominal load: above 20, four coupled pairs (z 250) do not always settle
-
-
 def states(law, count: int, seed: int = 3):
     """Cycles, approaches from apart to heavily pressed, and tilts of up to a whole approach over the face."""
     draw = np.random.default_rng(seed)
-    load = HEAVY.get(law.model, 100.0) * NOMINAL * law.slice_width.sum()
+    load = 100.0 * NOMINAL * law.slice_width.sum()
     heavy = stiffness_curve(law, load, np.linspace(0, 1, 5)).transmission_error.max()
     delta = heavy * draw.uniform(-0.1, 1.0, count) ** 3
     return draw.uniform(-3, 3, count), delta, draw.uniform(-1, 1, count) * delta / law.slice_width.sum()
@@ -100,7 +97,7 @@ def test_every_force_and_moment_is_that_of_one_convex_potential(rung, name):
         ahead, behind = (evaluate_law(law, c, delta + s * dd, psi + s * dp) for s in (1, -1))
         numeric = (getattr(ahead, field) - getattr(behind, field)) / (2 * (dd + dp))
         close = np.abs(exact - numeric) <= 1e-4 * np.abs(exact) + 1e-6 * np.abs(exact).max()
-        assert close.mean() >= 0.92, field  # the rest stand where a slice of a pair is just touching
+        assert close.mean() >= 0.95, field  # the rest stand where a slice of a pair is just touching
     print(f"{rung}, {name}: {3 * c.size} states")
 
 
