@@ -11,6 +11,7 @@ Scenes that are run together (`pipelines.study`) share the stages that do not di
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from fem.casing.body import MODES_OVER_BAND
 from fem.casing.geometry import Geometry
@@ -38,6 +39,9 @@ from pipelines.tables.casing import (
 from pipelines.tables.gears import EnergyMesh, IsoMesh, PlaneMesh, SolidMesh
 from pipelines.tables.housing import HousingTable
 from pipelines.validity import checked_layout
+
+if TYPE_CHECKING:
+    from pipelines.building.casing_modes import CasingModesSpec
 
 _NUMERIC = ("numpy", "scipy", "numba")
 _ZERO = (0.0, 0.0, 0.0)
@@ -175,20 +179,23 @@ def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
         takes = ("casing mesh",)
         return [mesh, Stage(name="casing", kind="casing", build=body.build_rigid_mesh, spec=meshed, takes=takes)]
     band = table.band_Hz if isinstance(table, CraigBamptonCasingTable) else 0.0
+    reduced = casing_modes.CasingModesSpec(
+        material=iron,
+        model=table.model,
+        band=band,
+        ground=table.ground,
+        coupling=table.coupling,
+        interfaces=loaded_axes(scene),
+    )
+    coarser = _coarser_stages(mesh, reduced) if table.extrapolated else []
     return [
         mesh,
+        *coarser,
         Stage(
             name="casing modes",
             kind="casing-modes",
             build=casing_modes.build,
-            spec=casing_modes.CasingModesSpec(
-                material=iron,
-                model=table.model,
-                band=band,
-                ground=table.ground,
-                coupling=table.coupling,
-                interfaces=loaded_axes(scene),
-            ),
+            spec=reduced,
             takes=("casing mesh",),
             libraries=("numpy", "scipy", "pymetis"),
             seconds=30.0,
@@ -205,7 +212,27 @@ def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
                 limit=MODES_OVER_BAND * band if band else None,
                 frequency_error=getattr(table, "frequency_error", None),
             ),
-            takes=("casing modes",),
+            takes=("casing modes", *(stage.name for stage in coarser[1:])),
+        ),
+    ]
+
+
+def _coarser_stages(mesh: Stage, reduced: CasingModesSpec) -> list[Stage]:
+    """A second mesh with larger elements, and its lowest frequencies."""
+    from fem.casing.extrapolation import RATIO
+    from pipelines.building import coarser_casing
+
+    spec = replace(mesh.spec, sizes=mesh.spec.sizes.times(RATIO))
+    return [
+        replace(mesh, name="coarser casing mesh", spec=spec, seconds=mesh.seconds / 2),
+        Stage(
+            name="coarser casing",
+            kind="casing-coarser",
+            build=coarser_casing.build,
+            spec=replace(reduced, band=0.0),
+            takes=("coarser casing mesh",),
+            libraries=("numpy", "scipy", "pymetis"),
+            seconds=8.0,
         ),
     ]
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
 
-from fem.records import Record, array, names, text
+from fem.records import Record, array, names, scalar, text
 
 MODES_OVER_BAND = 1.5  # fixed-interface modes are kept to this multiple of the wanted band
 
@@ -29,6 +30,7 @@ class ReducedBody(Record):
     rows: np.ndarray = array("row", "coordinate", units="SI")
     point_names: tuple[str, ...] = names("point")
     point_positions: np.ndarray = array("point", "axis", units="m")
+    stiffness_factor: float = dataclasses.field(default=1.0, metadata=scalar(units="1").metadata)  # by extrapolation
 
     def row(self, name: str) -> np.ndarray:
         """The row (coordinate,) of ``"<point>:<axis>"``; KeyError with the known names if absent."""

@@ -168,6 +168,7 @@ def reduced_body(
     mounts: Mounts | None = None,
     limit: float | None = None,
     frequency_error: float | None = None,
+    stiffness_factor: float = 1.0,
 ) -> ReducedBody:
     """The casing as the multibody model sees it; three rows per sensor asked, moved to the nearest surface point.
 
@@ -176,6 +177,7 @@ def reduced_body(
     damping : modal damping ratio, or rows (Hz, ratio)
     mounts : stiffness of every foot (N/m), if and only if the modes are those of a casing on springs
     limit, frequency_error : see `kept_modes`
+    stiffness_factor : of all but the mounts, see `fem.casing.extrapolation`
 
     Raises
     ------
@@ -185,7 +187,7 @@ def reduced_body(
     springs = modes.springs(mounts)
     chosen = kept_modes(modes, springs, limit=limit, frequency_error=frequency_error)
     b, extra = chosen.n_interface, len(chosen.mass) - chosen.n_interface - chosen.n_fixed
-    stiffness = chosen.stiffness.copy()
+    stiffness = stiffness_factor * chosen.stiffness
     stiffness[np.arange(b), np.arange(b)] += springs
     rows, row_names = [*np.eye(b, len(stiffness))], list(modes.interface_names)
     places = dict(zip(modes.point_names, modes.point_positions, strict=True))
@@ -206,6 +208,7 @@ def reduced_body(
         rows=np.array(rows).reshape(len(rows), len(stiffness)),
         point_names=tuple(places),
         point_positions=np.array(list(places.values())),
+        stiffness_factor=stiffness_factor,
     )
 
 
@@ -219,11 +222,13 @@ class NaturalModes(Record):
     vectors: np.ndarray = array("coordinate", "mode", units="SI")  # of the stored coordinates, mass-normalised
 
 
-def natural_modes(modes: CasingModes, mounts: Mounts | None = None, *, limit: float | None = None) -> NaturalModes:
-    """Frequencies, effective masses (phi^T M R)^2 and shapes; `mounts` and `limit` as in `reduced_body`."""
+def natural_modes(
+    modes: CasingModes, mounts: Mounts | None = None, *, limit: float | None = None, stiffness_factor: float = 1.0
+) -> NaturalModes:
+    """Frequencies, effective masses (phi^T M R)^2 and shapes; the arguments are those of `reduced_body`."""
     springs = modes.springs(mounts)
     chosen = kept_modes(modes, springs, limit=limit)
-    stiffness = chosen.stiffness.copy()
+    stiffness = stiffness_factor * chosen.stiffness
     stiffness[np.arange(chosen.n_interface), np.arange(chosen.n_interface)] += springs
     square, phi = la.eigh(stiffness, chosen.mass)
     vectors = chosen.basis @ phi

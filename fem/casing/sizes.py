@@ -40,6 +40,11 @@ class Sizes:
             if value is not None and not (math.isfinite(value) and value > 0.0):
                 raise MeshError(f"{name} size is {value!r} m; give a positive, finite length")
 
+    def times(self, factor: float) -> Sizes:
+        """All edge lengths longer by a factor."""
+        bore, foot = (None if size is None else factor * size for size in (self.bore, self.foot))
+        return Sizes(element=factor * self.element, bore=bore, foot=foot)
+
     def at_bore(self, diameter: float) -> float:
         """At a seat: as asked, and at least twelve elements around it."""
         return min(self.element, self.bore or self.element, math.pi * diameter / AROUND_A_BORE)

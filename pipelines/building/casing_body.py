@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 
 from fem.casing.housing import Housing, Sensor
 from fem.materials import Material
+from pipelines.errors import WorkError
 from pipelines.stages import Built
 
 if TYPE_CHECKING:
     from fem.casing.body import ReducedBody
     from fem.casing.checkup import CheckUp
     from fem.casing.damping import DampingRatio
+    from fem.casing.extrapolation import LowestFrequencies
     from fem.casing.mesh import CasingMesh
     from fem.casing.modes import CasingModes
 
@@ -90,9 +92,17 @@ def build_rigid_mesh(spec: RigidMeshSpec, mesh: CasingMesh) -> Built:
     )
 
 
-def build_elastic(spec: ElasticSpec, modes: tuple[CasingModes, CheckUp]) -> Built:
-    """Bearing coordinates and modes."""
+def build_elastic(
+    spec: ElasticSpec, modes: tuple[CasingModes, CheckUp], coarser: LowestFrequencies | None = None
+) -> Built:
+    """Bearing coordinates and modes; the stiffness is extrapolated where there is a coarser mesh."""
+    from fem.casing.extrapolation import ExtrapolationError, stiffness_factor
     from fem.casing.modes import reduced_body
+
+    try:
+        factor = 1.0 if coarser is None else stiffness_factor(modes[0], coarser)
+    except ExtrapolationError as error:
+        raise WorkError(str(error)) from error
 
     return _built(
         reduced_body(
@@ -102,6 +112,7 @@ def build_elastic(spec: ElasticSpec, modes: tuple[CasingModes, CheckUp]) -> Buil
             mounts=spec.mounts,
             limit=spec.limit,
             frequency_error=spec.frequency_error,
+            stiffness_factor=factor,
         )
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from fem.casing.housing import Sensor
@@ -31,14 +31,13 @@ class CasingErrorSpec:
 def build(
     spec: CasingErrorSpec, mesh: CasingMesh, modes: tuple[CasingModes, CheckUp], body: ReducedBody
 ) -> ErrorStatement:
-    """The error statement."""
+    """The error statement; both casings with the stiffness factor of the body."""
     from fem.casing.accuracy import state_error
     from fem.casing.grounded import ground_casing
 
     given = spec.modes
-    casing = ground_casing(
-        mesh, given.material, interfaces=given.interfaces, ground=given.ground, coupling=given.coupling
-    )
+    iron = replace(given.material, elastic_modulus=body.stiffness_factor * given.material.elastic_modulus)
+    casing = ground_casing(mesh, iron, interfaces=given.interfaces, ground=given.ground, coupling=given.coupling)
     return state_error(
         casing,
         body,

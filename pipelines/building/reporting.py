@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -216,11 +217,14 @@ def _casing_rows(body: ReducedBody, modes: tuple[CasingModes, CheckUp] | None) -
     ]
     if modes is not None:
         kept, check = modes
+        extrapolated = [{"what": "stiffness, extrapolated", "value": f"times {body.stiffness_factor:.4f}"}]
+        first = check.frequencies[:6] * math.sqrt(body.stiffness_factor)
         rows += [
             {"what": "unknowns of the mesh", "value": kept.unknowns},
             {"what": "solver", "value": kept.solver},
             {"what": "mass kg", "value": check.mass},
-            {"what": "first grounded modes Hz", "value": ", ".join(f"{f:.1f}" for f in check.frequencies[:6])},
+            {"what": "first grounded modes Hz", "value": ", ".join(f"{f:.1f}" for f in first)},
+            *(extrapolated if body.stiffness_factor != 1.0 else []),
             {"what": "check-up", "value": f"all {len(check.limit_names)} items within their limits"},
         ]
     return rows

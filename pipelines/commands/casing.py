@@ -46,17 +46,19 @@ def main(options: argparse.Namespace) -> int:
 
         modes, check = outcome.value("casing modes")
         limit = None if modes.band_limit == 0.0 else 1.5 * _band(loaded.scene)
-        natural = natural_modes(modes, casing_mounts(loaded.scene), limit=limit)
-        sys.stdout.write(f"{describe(modes)}\n{check.report(0)}\n{mode_table(natural, options.modes)}\n")
+        mounts, factor = casing_mounts(loaded.scene), body.stiffness_factor
+        natural = natural_modes(modes, mounts, limit=limit, stiffness_factor=factor)
+        extrapolated = f"stiffness times {factor:.4f}, extrapolated to elements of size zero\n" if factor != 1.0 else ""
+        sys.stdout.write(f"{describe(modes)}\n{extrapolated}{check.report(0)}\n{mode_table(natural, options.modes)}\n")
     if options.error_check:
         sys.stdout.write(f"{outcome.value('casing error').report()}\n")
     sys.stdout.write(f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} rows\n")
     for name, (x, y, z) in zip(body.point_names, body.point_positions * 1000, strict=True):
         sys.stdout.write(f"  {name:10} x {x:8.2f}  y {y:8.2f}  z {z:8.2f} mm\n")
     for record in outcome.records:
-        if record.name.startswith("casing"):
+        if "casing" in record.name:
             reused = ", taken from the cache" if record.reused else ""
-            sys.stdout.write(f"  {record.name:13} {record.seconds:7.1f} s {record.peak_bytes / 1e6:6.0f} MB{reused}\n")
+            sys.stdout.write(f"  {record.name:19} {record.seconds:7.1f} s {record.peak_bytes / 1e6:6.0f} MB{reused}\n")
     for target in targets:
         _write(target, outcome, loaded.scene, natural)
         sys.stdout.write(f"{target}\n")

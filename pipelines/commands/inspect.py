@@ -49,7 +49,7 @@ def main(options: argparse.Namespace) -> int:
     if options.screen:
         wanted = [f"law_{stage}"]
     elif options.casing_mode:
-        wanted = ["casing modes", "casing mesh"] if elastic else ["casing"]
+        wanted = ["casing", *(["casing modes", "casing mesh"] if elastic else [])]
     with shown_progress(len(graph.needed(wanted).stages), quiet=options.quiet) as observer:
         outcome = run_graph(graph, Cache(), wanted, observer=observer, processes=options.processes)
     folder = Path(options.out)
@@ -151,7 +151,8 @@ def casing_mode_files(outcome: Outcome, scene: Scene, number: int, folder: Path)
     from pipelines.mode_pictures import ModeView, write_mode
 
     modes, mesh = outcome.value("casing modes")[0], outcome.value("casing mesh")
-    natural = natural_modes(modes, casing_mounts(scene))
+    factor = outcome.value("casing").stiffness_factor
+    natural = natural_modes(modes, casing_mounts(scene), stiffness_factor=factor)
     if number > len(natural.frequencies):
         raise InputError(f"--casing-mode {number}: the reduced casing has {len(natural.frequencies)} modes")
     view = ModeView(

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from pipelines.tables.base import MaterialTable, NotNegative, Number, Positive, Table
-from pipelines.tables.housing import Axes, HousingModel
+from pipelines.tables.housing import Axes, HousingModel, MeshHousingTable
 
 Damping = Annotated[Number, Field(ge=0, lt=1)]
 Spring = Annotated[Number, Field(gt=0, le=1e7)]
@@ -65,6 +65,15 @@ class ElasticBase(FlexibleBase):
         Literal["mean", "rigid"],
         Field(description="of bearing and mount points to their faces: mean motion (RBE3) or rigid (RBE2)"),
     ] = "mean"
+    extrapolated: Annotated[
+        bool, Field(description="stiffness extrapolated to elements of size zero, by a mesh of 1.5 times their size")
+    ] = False
+
+    @model_validator(mode="after")
+    def _meshed_twice(self) -> ElasticBase:
+        if self.extrapolated and isinstance(self.housing, MeshHousingTable):
+            raise ValueError("extrapolated: a mesh file has one element size only; give a STEP file, or leave this out")
+        return self
 
 
 class StaticCasingTable(ElasticBase):

@@ -74,7 +74,9 @@ def _single(scene: Scene) -> Iterator[tuple[str, str, Settings]]:
         for size, band in CASINGS:
             length, highest = casing.element_size_mm * size, casing.band_Hz * band
             settings: Settings = {"casing.element_size_mm": length, "casing.band_Hz": highest}
+            settings["casing.bore_element_size_mm"] = 0.5 * length
             yield "casing", f"{length:.3g} mm, {highest:g} Hz", settings
+        yield "casing", "not extrapolated", {"casing.extrapolated": False}
         yield "casing", "static", {"casing.model": "static", "casing.element_size_mm": casing.element_size_mm}
     if not isinstance(casing, NoCasingTable | RigidCasingTable):
         yield "casing", "rigid", {"casing.model": "rigid"}

@@ -7,7 +7,8 @@ too.
 What decides, on the shipped rig: `plane` shifts the lines of the fault by 5 dB, which no refinement of it cures, so all
 presets take `solid`. Each slice of the face enters the mesh as a whole and so adds a tone at its own passing
 frequency, n f_m / eps_beta, among the modes of the casing; the tones fall with n^2. The flexibility of the bearing
-seats moves the lines of the fault more than the rest of the casing does, so elements are finest at the bores.
+seats moves the lines of the fault more than the rest of the casing does, so elements are finest at the bores. The
+stiffness of the casing is extrapolated from two meshes: without it, twice as fine elements move these lines by 3.4 dB.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from pipelines.scene import Scene
 from pipelines.scene_file import LoadedScene, changed, load_scene
 from pipelines.scene_file import Settings as Given
 from pipelines.tables.casing import CraigBamptonCasingTable, ElasticBase
+from pipelines.tables.housing import MeshHousingTable
 
 Settings = dict[str, object]
 
@@ -36,8 +38,8 @@ class Level:
 
 
 LEVELS = {
-    "draft": Level(refinement=0.6, slices=61, element_size=0.9, bore_size=0.36, band=0.3, step_us=50.0),
-    "standard": Level(refinement=0.7, slices=61, element_size=0.64, bore_size=0.25, band=0.7, step_us=50.0),
+    "draft": Level(refinement=0.6, slices=31, element_size=1.0, bore_size=0.5, band=0.3, step_us=50.0),
+    "standard": Level(refinement=0.7, slices=61, element_size=0.8, bore_size=0.32, band=0.7, step_us=50.0),
     "reference": Level(refinement=1.0, slices=61, element_size=0.64, bore_size=0.25, band=1.0, step_us=20.0),
 }
 PRESETS = tuple(LEVELS)
@@ -54,6 +56,7 @@ def preset_settings(scene: Scene, preset: str) -> Settings:
         size = scene.casing.element_size_mm
         settings["casing.element_size_mm"] = size * level.element_size
         settings["casing.bore_element_size_mm"] = size * level.bore_size
+        settings["casing.extrapolated"] = not isinstance(scene.casing.housing, MeshHousingTable)
     if isinstance(scene.casing, CraigBamptonCasingTable):
         settings["casing.band_Hz"] = scene.casing.band_Hz * level.band
     return settings
