@@ -10,7 +10,7 @@ from fem.records import Record, array, names, scalar, text
 
 TOTAL_LIMIT = 1e-6  # of all work of the sources
 PART_LIMIT = 0.01  # of what a part dissipates, see `mbd.books`
-ROUND_OFF = 1e-11  # of all work of the sources, and of the joule or so of strain that machines at rest hold
+ROUND_OFF = 1e-10  # of all work of the sources, and of the joule or so of strain that machines at rest hold
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
