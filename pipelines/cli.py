@@ -162,14 +162,14 @@ def _converge(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--over", choices=axes, required=True, help="what is refined")
     sub.add_argument("--levels", type=_count, metavar="N", default=3, help="levels, one finer than in use (default 3)")
     sub.add_argument("--error", type=_share, metavar="E", default=0.01, help="wanted error, as in 1%% (default)")
-    sub.add_argument("--out", metavar="FILE", help="plot to write (default: convergence-<scene>-<what>.png here)")
+    sub.add_argument("--out", type=_picture, metavar="FILE", help="plot to write (convergence-<scene>-<what>.png here)")
 
 
 def _tradeoff(sub: argparse.ArgumentParser) -> None:
     _work(sub)
     sub.add_argument("--error", type=_share, metavar="E", default=0.02, help="name the cheapest within it (2%%)")
     sub.add_argument("--time", type=_seconds, metavar="T", default=10.0, help="name the most accurate within it (10s)")
-    sub.add_argument("--out", metavar="FILE", help="plot to write (default: tradeoff-<scene>.png here)")
+    sub.add_argument("--out", type=_picture, metavar="FILE", help="plot to write (default: tradeoff-<scene>.png here)")
 
 
 def _simulate(sub: argparse.ArgumentParser) -> None:
@@ -240,6 +240,13 @@ def _positive(text: str) -> float:
     if _number(text) <= 0:
         raise argparse.ArgumentTypeError(f"{text!r} is not above 0")
     return _number(text)
+
+
+def _picture(text: str) -> str:
+    suffix = text.rpartition(".")[2].lower() if "." in text.rpartition("/")[2] else ""
+    if suffix not in ("", "png", "svg", "pdf"):
+        raise argparse.ArgumentTypeError(f"{text!r} is no picture that can be written; end it in .png, .svg or .pdf")
+    return text if suffix else f"{text}.png"
 
 
 def _share(text: str) -> float:

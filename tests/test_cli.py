@@ -183,6 +183,13 @@ def test_gears_and_casing_print_what_they_built(capsys):
     assert "bearing_4" in out
 
 
+def test_a_plot_that_cannot_be_written_is_refused_before_anything_is_computed(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["tradeoff", "minimal", "--out", "plot.xyz"])
+    assert ended.value.code == 2
+    assert "end it in .png, .svg or .pdf" in capsys.readouterr().err
+
+
 def test_inspect_writes_a_picture_or_says_why_not(capsys, here):
     code, out, _ = gearcase(capsys, "inspect", "minimal", "--out", "pictures", "--quiet")
     assert code == 0
