@@ -52,7 +52,8 @@ def convergence_figure(name: str, found: RefinementStudy) -> Figure:
     figure = new_figure(5.0)
     axes = figure.subplots()
     sizes = [1 / fineness for fineness in found.fineness]
-    floor = 1e-10
+    known = [error for c in found.quantities.values() for error in (*c.errors, *c.relative_bands) if error > 0.0]
+    floor = max(min(known, default=1.0) / 10, 1e-10)  # where a finest value, taken as the limit itself, is drawn
     for quantity, convergence in found.quantities.items():
         order = convergence.kind if convergence.order is None else f"order {convergence.order:.2g}"
         errors = [100 * max(error, floor) for error in convergence.errors]
@@ -61,7 +62,7 @@ def convergence_figure(name: str, found: RefinementStudy) -> Figure:
         axes.plot([1.0], [band], marker="_", ms=14, mew=2, color=line.get_color())
     axes.axvline(1.0, color="black", lw=0.8, ls=":", label="setting in use; bars: its error bands")
     title = f"{name}: convergence over the {AXES[found.axis].words}"
-    dress(axes, title, "size relative to the setting in use", "distance from the limit, %")
+    dress(axes, title, "size relative to the setting in use", "distance from the limit, % (0 at the lower edge)")
     axes.set_xticks(sizes, labels=[f"{size:.3g}" for size in sizes])
     axes.set_xticks([], minor=True)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=9)
