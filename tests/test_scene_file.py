@@ -263,3 +263,9 @@ def test_a_sensor_far_from_the_housing_is_refused():
     scene = load_scene("minimal", ["sensors.1.position_mm=[7000, -80, 35]"]).scene
     with pytest.raises(SceneError, match="6810 mm outside the housing"):
         checked_layout(scene, "minimal")
+
+
+def test_a_motion_shorter_than_one_sample_is_refused():
+    settings = {"simulation.end_s": 0.004, "simulation.output_rate_Hz": 100.0, "diagnosis.windows_s": {}}
+    with pytest.raises(SceneError, match=r"0\.004 s is shorter than one sample.*at least 0\.01 s"):
+        load_scene("minimal", settings)

@@ -114,3 +114,12 @@ class SimulationTable(Table):
     integrator: Annotated[
         Literal["exponential", "trapezoidal", "generalised-alpha"], Field(description="see docs/choosing-a-rung.md")
     ] = "exponential"
+
+    @model_validator(mode="after")
+    def _one_sample(self) -> SimulationTable:
+        if self.end_s * self.output_rate_Hz < 1.0:
+            raise ValueError(
+                f"end_s: {self.end_s:g} s is shorter than one sample at output_rate_Hz = {self.output_rate_Hz:g}; "
+                f"simulate at least {1.0 / self.output_rate_Hz:g} s, or raise the rate"
+            )
+        return self

@@ -53,7 +53,8 @@ def outcome(tree, cache) -> str:
     if scene.casing.model not in ("none", "rigid") or any(stage.mesh.model != "iso" for stage in scene.stages):
         return "valid"  # finite elements have extremes of their own
     step = scene.simulation.step_us * 1e-6
-    end = min(scene.simulation.end_s, max(SHORT, 20 * step), 2000 * step)
+    sample = 1.0 / scene.simulation.output_rate_Hz
+    end = min(scene.simulation.end_s, max(min(max(SHORT, 20 * step), 2000 * step), sample))
     short = scene.simulation.model_copy(update={"end_s": end})
     diagnosis = scene.diagnosis.model_copy(update={"windows_s": {}})
     scene = scene.model_copy(update={"simulation": short, "diagnosis": diagnosis})
