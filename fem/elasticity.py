@@ -209,15 +209,17 @@ def rigid_body_modes(nodes: np.ndarray, centre: np.ndarray | None = None) -> np.
 
 def mass_properties(nodes: np.ndarray, elements: np.ndarray, density: float) -> tuple[float, np.ndarray, np.ndarray]:
     """Mass (kg), centre of gravity (3,) (m) and inertia tensor about it (3, 3) (kg m2) by integration over the mesh."""
-    points, weights = conical_rule()
-    gradients, values = shape_gradients(points), shape_values(points)
     moment = np.zeros((4, 4))  # integral of [1, x]^T [1, x] dV
-    for start in range(0, len(elements), _CHUNK // 8):
-        coordinates = nodes[elements[start : start + _CHUNK // 8]]
-        determinant = np.linalg.det(np.einsum("ead,qar->eqdr", coordinates, gradients, optimize=True))
-        place = np.einsum("qa,ead->eqd", values, coordinates, optimize=True)
-        place = np.concatenate([np.ones((*place.shape[:2], 1)), place], axis=2).reshape(-1, 4)
-        moment += place.T @ (place * (determinant * weights).reshape(-1, 1))
+    is_curved = curved(nodes, elements)
+    for group, rule in ((elements[~is_curved], four_point_rule()), (elements[is_curved], conical_rule())):
+        points, weights = rule
+        gradients, values = shape_gradients(points), shape_values(points)
+        for start in range(0, len(group), _CHUNK // 8):
+            coordinates = nodes[group[start : start + _CHUNK // 8]]
+            determinant = np.linalg.det(np.einsum("ead,qar->eqdr", coordinates, gradients, optimize=True))
+            place = np.einsum("qa,ead->eqd", values, coordinates, optimize=True)
+            place = np.concatenate([np.ones((*place.shape[:2], 1)), place], axis=2).reshape(-1, 4)
+            moment += place.T @ (place * (determinant * weights).reshape(-1, 1))
     mass, centre = density * moment[0, 0], moment[0, 1:] / moment[0, 0]
     second = density * moment[1:, 1:] - mass * np.outer(centre, centre)
     return float(mass), centre, np.trace(second) * np.eye(3) - second

@@ -12,7 +12,6 @@ Oppenheim & Schafer (2010), Discrete-Time Signal Processing, section 7.6 (Kaiser
 from __future__ import annotations
 
 import numpy as np
-from scipy import signal
 
 from mbd.integrators.base import ACCELERATION, Block, Integrator
 from mbd.system import System
@@ -26,6 +25,8 @@ def low_pass(steps_per_sample: int) -> np.ndarray:
     """Filter taps (odd number, sum 1); the single tap 1 when every step is a sample."""
     if steps_per_sample == 1:
         return np.ones(1)
+    from scipy import signal  # dear to import, and not needed where every step is a sample
+
     width = 2 * (1 - 2 * PASS_SHARE) / steps_per_sample  # of the Nyquist frequency of the steps
     taps, beta = signal.kaiserord(ATTENUATION, width)
     pairs = int(np.ceil((taps - 1) / (2 * steps_per_sample)))  # a delay of whole samples

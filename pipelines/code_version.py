@@ -10,6 +10,7 @@ import ast
 import functools
 import hashlib
 import importlib.util
+from collections.abc import Iterable, Iterator
 from importlib import metadata
 from pathlib import Path
 
@@ -54,7 +55,7 @@ def _version(name: str) -> str:
 @functools.cache
 def _imports(module: str) -> tuple[str, ...]:
     out: set[str] = set()
-    for node in ast.walk(ast.parse(_source(module))):
+    for node in _statements(ast.parse(_source(module)).body):
         if isinstance(node, ast.Import):
             out.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
@@ -62,6 +63,14 @@ def _imports(module: str) -> tuple[str, ...]:
                 deeper if _path(deeper := f"{node.module}.{alias.name}") else node.module for alias in node.names
             )
     return tuple(name for name in out if name.partition(".")[0] in OWN_PACKAGES and _path(name))
+
+
+def _statements(body: Iterable[ast.AST]) -> Iterator[ast.AST]:
+    """All statements, those inside others too, without their expressions, which are most of a tree."""
+    for node in body:
+        yield node
+        for inner in ("body", "orelse", "handlers", "finalbody", "cases"):
+            yield from _statements(getattr(node, inner, ()))
 
 
 @functools.cache

@@ -1,7 +1,8 @@
 """Build stages in processes of their own: started as commands, so that a user's script needs no main guard.
 
-The parent writes a job file and holds the child's standard input open; a child whose parent is gone reads the end of
-its input and stops. The child stores its result in the cache and answers with a file.
+The parent writes a job file and its name on the child's standard input; the child stores its result in the cache,
+answers with a file and waits for the next job, because starting Python and its libraries is dear. A child whose parent
+is gone reads the end of its input and stops.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import logging
 import os
 import pickle
+import queue
 import signal
 import subprocess
 import sys
@@ -16,10 +18,10 @@ import tempfile
 import threading
 import time
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import IO, Any, Self, cast
 
 from pipelines.build import Result, build_here, one_thread
 from pipelines.cache import Cache
@@ -31,95 +33,119 @@ _GONE = 3  # exit code of a child whose parent is gone
 
 
 @dataclass(frozen=True)
-class _Child:
+class _Job:
     stage: Stage
     key: str
-    process: subprocess.Popen
-    job: Path
+    path: Path
 
-    def close(self) -> None:
-        """Free the pipe that tells the child that we are alive."""
-        if self.process.stdin is not None:
-            self.process.stdin.close()
+    @property
+    def answer(self) -> Path:
+        return self.path.with_suffix(".answer")
 
 
 class Pool:
-    """Children at work. Leaving the block ends those that still run."""
+    """Children at work or waiting for it. Leaving the block ends them all."""
 
     def __init__(self) -> None:
-        self._children: dict[str, _Child] = {}
+        self._working: list[tuple[subprocess.Popen, _Job]] = []
+        self._idle: list[subprocess.Popen] = []
         self._folder: tempfile.TemporaryDirectory | None = None
+        self._jobs = 0
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        for child in self._children.values():
-            child.process.kill()
-        for child in self._children.values():
-            child.process.wait()
-            child.close()
-        self._children.clear()
+        children = [*self._idle, *(child for child, _ in self._working)]
+        for child in children:
+            child.kill()
+        for child in children:
+            child.wait()
+            _input(child).close()
+        self._idle.clear()
+        self._working.clear()
         if self._folder is not None:
             self._folder.cleanup()
 
     def __len__(self) -> int:
-        return len(self._children)
+        return len(self._working)
 
     def names(self) -> set[str]:
         """Names of the stages at work."""
-        return set(self._children)
+        return {job.stage.name for _, job in self._working}
 
     def builds(self, key: str) -> bool:
         """True if a stage with this key is at work."""
-        return any(key == child.key for child in self._children.values())
+        return any(key == job.key for _, job in self._working)
 
     def start(self, stage: Stage, key: str, upstream: Mapping[str, Result], cache_folder: Path) -> None:
         """Begin to build a stage."""
         if self._folder is None:
             self._folder = tempfile.TemporaryDirectory(prefix="gearcase-", ignore_cleanup_errors=True)
-        job = Path(self._folder.name) / f"{len(list(Path(self._folder.name).iterdir()))}.job"
-        job.write_bytes(pickle.dumps((stage, key, {n: r.stored() for n, r in upstream.items()}, cache_folder)))
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
-        command = [sys.executable, "-m", "pipelines.processes", str(job)]
-        alone = os.name == "posix"  # an interrupt from the keyboard reaches the parent only, which ends its children
-        process = subprocess.Popen(command, stdin=subprocess.PIPE, env=environment, start_new_session=alone)
-        self._children[stage.name] = _Child(stage, key, process, job)
+        job = _Job(stage, key, Path(self._folder.name) / f"{self._jobs}.job")
+        self._jobs += 1
+        job.path.write_bytes(pickle.dumps((stage, key, {n: r.stored() for n, r in upstream.items()}, cache_folder)))
+        child = self._idle.pop() if self._idle else _new_child(Path(self._folder.name))
+        self._working.append((child, job))
+        try:
+            _input(child).write(f"{job.path.name}\n".encode())
+        except BrokenPipeError as error:  # it died while it waited
+            raise _lost(stage, child) from error
 
     def wait(self) -> list[tuple[Stage, Result]]:
-        """Sleep until at least one child is done; raises what a stage raised."""
+        """Sleep until at least one job is done; raises what a stage raised."""
         while True:
-            done = [name for name, child in self._children.items() if child.process.poll() is not None]
+            done = [one for one in self._working if one[1].answer.exists() or one[0].poll() is not None]
             if done:
-                return [self._answer(name) for name in done]
+                return [self._result(child, job) for child, job in done]
             time.sleep(_POLL_SECONDS)
 
-    def _answer(self, name: str) -> tuple[Stage, Result]:
-        child = self._children.pop(name)
-        child.close()
-        answer = child.job.with_suffix(".answer")
-        if not answer.exists():
-            raise WorkError(
-                f"stage {name}: its process ended with code {child.process.returncode} and no answer, perhaps for lack "
-                "of memory. Run again with --processes 1, or with a coarser model."
-            )
-        kind, content, notes = pickle.loads(answer.read_bytes())
+    def _result(self, child: subprocess.Popen, job: _Job) -> tuple[Stage, Result]:
+        if not job.answer.exists():
+            raise _lost(job.stage, child)
+        self._working.remove((child, job))
+        self._idle.append(child)
+        kind, content, notes = pickle.loads(job.answer.read_bytes())
         for category, text in notes:
             warnings.warn(category(text), stacklevel=2)
         if kind == "error":
             raise content
-        return child.stage, content
+        return job.stage, content
 
 
-def _stop_with_parent() -> None:
-    """End this process when its standard input ends."""
+def _new_child(folder: Path) -> subprocess.Popen:
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
+    command = [sys.executable, "-m", "pipelines.processes", str(folder)]
+    alone = os.name == "posix"  # an interrupt from the keyboard reaches the parent only, which ends its children
+    return subprocess.Popen(command, bufsize=0, stdin=subprocess.PIPE, env=environment, start_new_session=alone)
+
+
+def _input(child: subprocess.Popen) -> IO[bytes]:
+    return cast("IO[bytes]", child.stdin)
+
+
+def _lost(stage: Stage, child: subprocess.Popen) -> WorkError:
+    return WorkError(
+        f"stage {stage.name}: its process ended with code {child.wait()} and no answer, perhaps for lack of memory. "
+        "Run again with --processes 1, or with a coarser model."
+    )
+
+
+def _asked() -> Iterator[str]:
+    """Names of job files as the parent writes them. The end of the input ends this process, at work or not."""
+    names: queue.SimpleQueue[str] = queue.SimpleQueue()
 
     def watch() -> None:
-        while os.read(0, 1):  # not sys.stdin, whose lock would be held at the end of the interpreter
-            pass
+        given = b""
+        while more := os.read(0, 4096):  # not sys.stdin, whose lock would be held at the end of the interpreter
+            *lines, given = (given + more).split(b"\n")
+            for line in lines:
+                names.put(line.decode())
         os._exit(_GONE)
 
     threading.Thread(target=watch, name="parent watch", daemon=True).start()
+    while True:
+        yield names.get()
 
 
 def _sendable(error: Exception) -> Exception:
@@ -153,5 +179,5 @@ def work(job: Path) -> None:
 
 if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
-    _stop_with_parent()
-    work(Path(sys.argv[1]))
+    for asked in _asked():
+        work(Path(sys.argv[1]) / asked)

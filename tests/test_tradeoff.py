@@ -25,7 +25,10 @@ SHORT = {
 }
 
 
-COARSE = {preset: replace(level, refinement=0.6, slices=9) for preset, level in LEVELS.items()}
+STEPS_US = {"draft": 60.0, "standard": 50.0, "reference": 20.0}  # none of those that are tried one by one, but 50
+COARSE = {
+    preset: replace(level, refinement=0.6, slices=9, step_us=STEPS_US[preset]) for preset, level in LEVELS.items()
+}
 
 
 @pytest.fixture(scope="module")

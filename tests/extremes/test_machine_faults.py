@@ -4,106 +4,16 @@ from __future__ import annotations
 
 import os
 import random
-import resource
-import shutil
-import signal
 import subprocess
-import sys
 import time
 import warnings
-from pathlib import Path
 
 import pytest
-import xarray
+from machine import SHORT, bits, start, whole_results
 
-from pipelines.payload import digest
-from pipelines.results import CONTROL, RESPONSE
 from pipelines.runs import run
 
-SHORT = {"simulation.end_s": 0.05, "diagnosis.windows_s": {}}
-ARGUMENTS = [part for name, value in SHORT.items() for part in ("--set", f"{name}={value}")]
-KILLS, KILLS_PER_CACHE = 100, 10
-PROVENANCE = ("provenance", "stages", "build_ledger", "folder")
-
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits as POSIX has them")
-
-
-def bits(data: xarray.Dataset) -> str:
-    """Digest of a response without what tells when and by whom it was made."""
-    data.attrs = {name: value for name, value in data.attrs.items() if name not in PROVENANCE}
-    return digest(data.load())
-
-
-def whole_results(folder: Path) -> dict[str, str]:
-    """Digest of every result under ``folder`` that looks whole, by its name."""
-    found = {}
-    for place in sorted((folder / "runs" / "minimal").glob("[!.]*/")):
-        for name in (RESPONSE, CONTROL):
-            if (place / name).exists():
-                with xarray.open_dataset(place / name, engine="h5netcdf") as data:
-                    found[f"{place.name}/{name}"] = bits(data)
-    return found
-
-
-def start(folder: Path, *, limit: int | None = None, cache: Path | None = None) -> subprocess.Popen:
-    """``gearcase run minimal`` in its own process; ``limit`` is the largest file it may write, as a full disk is."""
-    environment = {
-        **os.environ,
-        "GEARCASE_CACHE": str(cache or folder / "cache"),
-        "PYTHONPATH": os.pathsep.join(sys.path),
-    }
-    command = [sys.executable, "-m", "pipelines.cli", "run", "minimal", "--no-control", *ARGUMENTS]
-    tight = None if limit is None else (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
-    return subprocess.Popen(
-        command,
-        cwd=folder,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=tight,
-    )
-
-
-@pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory) -> tuple[str, float]:
-    """Digest of an undisturbed run, and its seconds once the compiled code is stored."""
-    seconds, found = 0.0, set()
-    for _ in range(2):
-        folder = tmp_path_factory.mktemp("undisturbed")
-        begin = time.perf_counter()
-        process = start(folder)
-        _, err = process.communicate()
-        assert process.returncode == 0, err
-        seconds = time.perf_counter() - begin
-        found |= set(whole_results(folder).values())
-    assert len(found) == 1
-    return found.pop(), seconds
-
-
-@pytest.mark.slow
-def test_kill_9_at_a_hundred_moments(undisturbed, tmp_path):
-    wanted, seconds = undisturbed
-    draw = random.Random(9)
-    kills = half_done = 0
-    for _ in range(KILLS // KILLS_PER_CACHE):
-        shutil.rmtree(tmp_path / "cache", ignore_errors=True)
-        for moment in sorted(draw.uniform(0.02, 1.0) * seconds for _ in range(KILLS_PER_CACHE)):
-            process = start(tmp_path)
-            time.sleep(moment)
-            half_done += process.poll() is None
-            process.send_signal(signal.SIGKILL)
-            process.communicate(timeout=60)
-            kills += 1
-        assert set(whole_results(tmp_path).values()) <= {wanted}, "half a result looks whole"
-        process = start(tmp_path)
-        _, err = process.communicate(timeout=120)
-        assert process.returncode == 0, err
-        assert "damaged" not in err
-        assert set(whole_results(tmp_path).values()) == {wanted}
-    print(f"{kills} kills, {half_done} of them while the run was at work")
-    assert kills == KILLS
-    assert half_done > KILLS // 2
 
 
 @pytest.mark.parametrize("limit", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in (3000, 40_000))])
