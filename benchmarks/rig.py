@@ -21,7 +21,7 @@ from pipelines.housing import housing
 from pipelines.layout import Layout, lay_out, material
 from pipelines.machine import machine
 from pipelines.parts import mesh_inputs
-from pipelines.response import wanted_channels
+from pipelines.scene_channels import wanted_channels
 from pipelines.scene import Scene
 from pipelines.scene_file import load_scene
 from pipelines.tables.casing import NoCasingTable, RigidCasingTable

@@ -18,12 +18,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.linalg import solve_triangular
+from numba import njit
 
+from fem import blas
 from fem.solid_elasticity import SectionBlocks, axial_matrices, product_stiffness
 
 INNER, KEPT, FIXED, TIED = range(4)
 _LEAF_SECTION, _LEAF_AXIAL = 6, 2  # largest box that is assembled at once
+
+_Part = tuple[np.ndarray, np.ndarray]  # numbers of unknowns, rising, and a matrix on them whose lower triangle counts
 
 
 class CondensationError(RuntimeError):
@@ -90,7 +93,8 @@ class Prism:
         CondensationError : a part of the body is not held, or has a negative modulus
         """
         numbers, matrix = self._box(np.arange(len(self.elements)), 0, len(self.ends) - 1)
-        return numbers, (matrix + matrix.T) / 2
+        lower = np.tril(matrix)
+        return numbers, lower + np.tril(matrix, -1).T
 
     def recover(self, numbers: np.ndarray, values: np.ndarray) -> np.ndarray:
         """All unknowns (size + tied, columns) from the surviving ones, when nothing loads the interior."""
@@ -100,10 +104,10 @@ class Prism:
             out[front.inner] = -front.solution @ out[front.rest]
         return out
 
-    def _box(self, members: np.ndarray, low: int, high: int) -> tuple[np.ndarray, np.ndarray]:
+    def _box(self, members: np.ndarray, low: int, high: int) -> _Part:
         layers = high - low
         if len(members) <= _LEAF_SECTION and layers <= _LEAF_AXIAL:
-            numbers, matrix = self._leaf(members, low, high)
+            halves = [self._leaf(members, low, high)]
         else:
             spread = self.centres[members] - self.centres[members].mean(axis=0)
             longer = self.ends[high] - self.ends[low] > 1.2 * np.ptp(spread, axis=0).max()
@@ -115,12 +119,7 @@ class Prism:
                 order = members[np.argsort(spread @ axis, kind="stable")]
                 cut = len(members) // 2
                 halves = [self._box(np.sort(part), low, high) for part in (order[:cut], order[cut:])]
-            numbers = np.union1d(halves[0][0], halves[1][0])
-            matrix = np.zeros((len(numbers), len(numbers)))
-            for own, part in halves:
-                at = np.searchsorted(numbers, own)
-                matrix[np.ix_(at, at)] += part
-        return self._eliminate(numbers, matrix, self._inside(numbers, members, low, high))
+        return self._eliminate(halves, members, low, high)
 
     def _place(self, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Section node, axial node and component of unknowns of the mesh."""
@@ -135,25 +134,34 @@ class Prism:
         node, place, component = self._place(np.where(mesh, numbers, 0))
         return mesh & full[node] & layer[place] & (self.roles[node, component] == INNER)
 
-    def _eliminate(self, numbers: np.ndarray, matrix: np.ndarray, inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        if not inside.any():
-            return numbers, matrix
-        inner, rest = np.flatnonzero(inside), np.flatnonzero(~inside)
-        try:
-            factor = np.linalg.cholesky(matrix[np.ix_(inner, inner)])
-        except np.linalg.LinAlgError as error:
-            node, place, _ = self._place(numbers[inner[:1]])
+    def _eliminate(self, parts: list[_Part], members: np.ndarray, low: int, high: int) -> _Part:
+        """Add the parts of a box and eliminate what lies inside it for good: those unknowns come first in the front."""
+        numbers = parts[0][0] if len(parts) == 1 else np.union1d(parts[0][0], parts[1][0])
+        inside = self._inside(numbers, members, low, high)
+        inner, rest = numbers[inside], numbers[~inside]
+        place = np.where(inside, np.cumsum(inside) - 1, len(inner) + np.cumsum(~inside) - 1)
+        front = np.zeros((len(numbers), len(numbers)), order="F")
+        for own, matrix in parts:
+            _add_lower(front, matrix, place[np.searchsorted(numbers, own)])
+        k = len(inner)
+        if not k:
+            return rest, front
+        L, B, C = front[:k, :k], front[k:, :k], front[k:, k:]
+        if failed := blas.cholesky(L):
+            node, layer, _ = self._place(inner[failed - 1 : failed])
             raise CondensationError(
-                f"solid mesh: the stiffness of a box of {len(inner)} unknowns near section node {node[0]}, layer "
-                f"{place[0]} is not positive definite. Check bore radius, material and mesh refinement."
-            ) from error
-        half = solve_triangular(factor, matrix[np.ix_(inner, rest)], lower=True, check_finite=False)
+                f"solid mesh: the stiffness of a box of {k} unknowns near section node {node[0]}, layer {layer[0]} is "
+                "not positive definite. Check bore radius, material and mesh refinement."
+            )
+        blas.solve_right(L, B, transposed=True)
         if self.fronts is not None:
-            whole = solve_triangular(factor, half, lower=True, trans="T", check_finite=False)
-            self.fronts.append(Front(numbers[inner], numbers[rest], whole))
-        return numbers[rest], matrix[np.ix_(rest, rest)] - half.T @ half
+            solution = B.copy(order="F")
+            blas.solve_right(L, solution)
+            self.fronts.append(Front(inner, rest, solution.T))
+        blas.add_square(B, C, -1.0)
+        return rest, C.copy(order="F")
 
-    def _leaf(self, members: np.ndarray, low: int, high: int) -> tuple[np.ndarray, np.ndarray]:
+    def _leaf(self, members: np.ndarray, low: int, high: int) -> _Part:
         nodes = np.unique(self.elements[members])
         at = np.searchsorted(nodes, self.elements[members])
         dofs = (3 * at[:, :, None] + np.arange(3)).reshape(len(members), 27)
@@ -170,3 +178,14 @@ class Prism:
         right = matrix[:, tied] @ rows
         joined = np.block([[matrix[np.ix_(free, free)], right[free]], [right[free].T, rows.T @ right[tied]]])
         return np.concatenate([numbers[free], self.size + columns]), joined
+
+
+@njit(nogil=True, cache=True)
+def _add_lower(front: np.ndarray, matrix: np.ndarray, place: np.ndarray) -> None:
+    """Add the lower triangle of `matrix` to that of `front`; unknown i of it stands at place[i] there."""
+    for j in range(len(place)):
+        for i in range(j, len(place)):
+            row, column = place[i], place[j]
+            if row < column:
+                row, column = column, row
+            front[row, column] += matrix[i, j]

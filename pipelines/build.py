@@ -141,6 +141,9 @@ def run_graph(
                 observer.started(stage)
                 _keep(results, stage, build_here(stage, key, _upstream(stage, results), cache), observer)
             elif len(pool):
+                for stage in graph:
+                    if stage.name not in results and stage.takes:
+                        stage.load()  # while the children work
                 for stage, result in pool.wait():
                     _keep(results, stage, result, observer)
     return Outcome({name: results[name] for name in graph.stages})

@@ -78,6 +78,7 @@ def scene_stages(scene: Scene, source: str) -> list[Stage]:
             build=motion.build,
             spec=motion.MotionSpec(scene=motion_scene(scene)),
             takes=(casing[-1].name, *takes),
+            modules=("mbd.simulate",),
             libraries=_NUMERIC,
             seconds=1.5 * scene.simulation.end_s,
         ),
@@ -87,6 +88,7 @@ def scene_stages(scene: Scene, source: str) -> list[Stage]:
             build=signals.build,
             spec=signals.SignalsSpec(scene=_labelled(scene)),
             takes=("simulate", *takes),
+            modules=("pipelines.response",),
             libraries=("numpy", "xarray"),
         ),
     ]

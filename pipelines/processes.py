@@ -87,9 +87,11 @@ class Pool:
         job.path.write_bytes(pickle.dumps((stage, key, {n: r.stored() for n, r in upstream.items()}, cache_folder)))
         child = self._idle.pop() if self._idle else _new_child(Path(self._folder.name))
         self._working.append((child, job))
+        if child.poll() is not None:
+            raise _lost(stage, child)
         try:
             _input(child).write(f"{job.path.name}\n".encode())
-        except BrokenPipeError as error:  # it died while it waited
+        except BrokenPipeError as error:
             raise _lost(stage, child) from error
 
     def wait(self) -> list[tuple[Stage, Result]]:

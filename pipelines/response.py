@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray
 
 from mbd import channels
 from mbd.load import Rope
@@ -14,18 +14,7 @@ from mbd.machine import Machine
 from mbd.trajectory import Trajectory
 from pipelines.scene import Scene
 
-if TYPE_CHECKING:
-    import xarray
-
 AXES = list(channels.DIRECTIONS)
-
-
-def wanted_channels(scene: Scene, machine: Machine) -> tuple[str, ...]:
-    """All channels of the machine with the scene's sensors; without a casing, the journals stand in for sensors."""
-    names = channels.channel_names(machine, tuple(sensor.name for sensor in scene.sensors))
-    if scene.casing.model == "none":
-        names += tuple(channels.journal_acceleration(b.name, a) for b in machine.bearings for a in AXES)
-    return names
 
 
 def fault_state(scene: Scene) -> str:
@@ -35,7 +24,6 @@ def fault_state(scene: Scene) -> str:
 
 def make_response(scene: Scene, machine: Machine, trajectory: Trajectory) -> xarray.Dataset:
     """The dataset: named dimensions, units on every variable, labels as attributes."""
-    import xarray
 
     def by(*parts: str) -> np.ndarray:
         return np.array([trajectory.channel(name) for name in parts]).T

@@ -8,6 +8,7 @@ libraries it names. An upstream stage that was built again with the same content
 from __future__ import annotations
 
 import hashlib
+import importlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -42,6 +43,12 @@ class Stage:
     def code(self) -> str:
         """Version of the code."""
         return code_version(self.build.__module__, *self.modules)
+
+    def load(self) -> str:
+        """Import the modules that it names and read its code, ahead of the build; the version of the code."""
+        for module in self.modules:
+            importlib.import_module(module)
+        return self.code
 
     def facts(self, contents: Mapping[str, str]) -> dict[str, Any]:
         """Everything the result depends on, in a form that can be compared; `contents` are digests by stage name."""

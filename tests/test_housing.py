@@ -1,5 +1,8 @@
 """Features of the parametric housing: exact volumes, refusals with numbers, meshes with everything on."""
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -204,6 +207,19 @@ def test_elements_are_finer_at_bores_and_feet(small):
     assert same.digest() == coarse.digest()
     with pytest.raises(MeshError, match=r"bore size is -0\.01 m"):
         Sizes(element=0.04, bore=-0.01)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals as POSIX has them")
+def test_a_closed_pipe_is_still_an_error_after_meshing_and_not_the_end_of_the_process():
+    code = (
+        "import os; from fem.casing.mesher import session\n"
+        "with session(): pass\n"
+        "end, start = os.pipe(); os.close(end)\n"
+        "try: os.write(start, b'x')\n"
+        "except BrokenPipeError: print('told')\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.strip()) == (0, "told"), done.stderr
 
 
 def test_sensor_axes_must_be_orthonormal():

@@ -29,7 +29,7 @@ def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw]) -
     from pipelines.layout import lay_out
     from pipelines.machine import machine
     from pipelines.parts import mesh_inputs
-    from pipelines.response import wanted_channels
+    from pipelines.scene_channels import wanted_channels
 
     scene, table = spec.scene, spec.scene.simulation
     layout = lay_out(scene)

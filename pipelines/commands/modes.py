@@ -24,7 +24,7 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.layout import lay_out
     from pipelines.machine import machine
     from pipelines.parts import mesh_inputs
-    from pipelines.response import wanted_channels
+    from pipelines.scene_channels import wanted_channels
     from pipelines.study import plan_study
     from pipelines.terminal import shown_progress
     from pipelines.trade.presets import load_asked

@@ -38,7 +38,7 @@ class Level:
 
 
 LEVELS = {
-    "draft": Level(refinement=0.6, slices=31, element_size=1.1, bore_size=0.55, band=0.3, step_us=100.0),
+    "draft": Level(refinement=0.6, slices=21, element_size=1.1, bore_size=0.55, band=0.3, step_us=100.0),
     "standard": Level(refinement=0.7, slices=61, element_size=0.8, bore_size=0.32, band=0.7, step_us=50.0),
     "reference": Level(refinement=1.0, slices=61, element_size=0.64, bore_size=0.25, band=1.0, step_us=20.0),
 }

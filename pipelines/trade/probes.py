@@ -103,7 +103,7 @@ def _machine(scene: Scene, outcome: Outcome) -> list[Value]:
     from mbd.system import assemble
     from pipelines.machine import machine
     from pipelines.parts import mesh_inputs
-    from pipelines.response import wanted_channels
+    from pipelines.scene_channels import wanted_channels
 
     layout = lay_out(scene)
     train = machine(scene, layout, mesh_inputs(scene, layout, [outcome.value(name) for name in _laws(scene)]))
