@@ -21,8 +21,8 @@ from pipelines.housing import housing
 from pipelines.layout import Layout, lay_out, material
 from pipelines.machine import machine
 from pipelines.parts import mesh_inputs
-from pipelines.scene_channels import wanted_channels
 from pipelines.scene import Scene
+from pipelines.scene_channels import wanted_channels
 from pipelines.scene_file import load_scene
 from pipelines.tables.casing import NoCasingTable, RigidCasingTable
 from pipelines.tables.gears import EnergyMesh, IsoMesh
