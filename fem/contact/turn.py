@@ -21,6 +21,7 @@ from fem.contact.packing import (
     LANES,
     LARGEST_NEAR,
     LENGTH,
+    MAX_PAIRS,
     NEXT,
     PER_STEP,
     POSITIONS,
@@ -36,7 +37,6 @@ from fem.contact.packing import (
     Y,
 )
 
-SLOTS = slices.MAX_PAIRS  # pairs that one slice loads at most
 STEPS = 40
 CLOSE = 1e-11  # field step, relative to the largest, at which the loads found before it are taken
 _inline: dict[str, Any] = {"forceinline": True, "fastmath": {"contract"}}
@@ -179,8 +179,8 @@ def solve_in_turn(
     """Slices solved at fixed fields, then the fields, in turn: for any number of pairs; U, dU/dc', d, t."""
     slope = tables[SLOPE]
     n_s = count.size
-    one, relief = np.empty((slices.TOTAL, slices.MAX_PAIRS)), np.zeros(LARGEST_NEAR)
-    matrix = np.empty((slices.MAX_PAIRS, slices.MAX_PAIRS))
+    one, relief = np.empty((slices.TOTAL, MAX_PAIRS)), np.zeros(LARGEST_NEAR)
+    matrix = np.empty((MAX_PAIRS, MAX_PAIRS))
     energy = rate = d = t = scale = 0.0
     for step in range(STEPS):
         energy = rate = 0.0
@@ -195,7 +195,7 @@ def solve_in_turn(
             )
             w = tables[SLICE_ROWS + (block * ROWS_PER_BLOCK + WIDTH) * LANES + lane]
             energy, rate = energy + w * u, rate + w * r
-            count[s] = min(n, SLOTS)
+            count[s] = n
             slices.slice_stiffness(n, slope, one, matrix)
             for a in range(count[s]):
                 line[s, a] = int(one[lanes.PAIR, a]) - first
@@ -230,8 +230,9 @@ def evaluate_in_turn(tables, own_cycle, delta, psi, near, n_near, pair_force):
     n_s = int(tables[SLICES])
     first = int(near[0, 0])
     lines = int(near[n_near - 1, 0]) - first + 1 if tables[LENGTH] > 0.0 else 0
-    count, line = np.zeros(n_s, np.int64), np.zeros((n_s, SLOTS), np.int64)
-    gain, load, stiffness = np.zeros((n_s, SLOTS)), np.empty((n_s, SLOTS)), np.empty((n_s, SLOTS, SLOTS))
+    count, line = np.zeros(n_s, np.int64), np.zeros((n_s, MAX_PAIRS), np.int64)
+    gain, load = np.zeros((n_s, MAX_PAIRS)), np.empty((n_s, MAX_PAIRS))
+    stiffness = np.empty((n_s, MAX_PAIRS, MAX_PAIRS))
     v, inverse, right = np.zeros((n_s, lines)), np.empty((n_s, lines, lines)), np.empty((n_s, 3, lines))
     scratch, own, taken, out = np.empty((n_s, 3, lines)), np.empty(5), np.zeros(5), np.empty(5)
     energy, rate, d, t = solve_in_turn(
