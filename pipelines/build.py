@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-import contextlib
-import logging
 import os
-import threading
-import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from fem.ledger import counting
-from pipelines.cache import Cache, Entry
-from pipelines.errors import WorkError
-from pipelines.payload import PayloadError, digest, load_payload, save_payload
-from pipelines.stages import Built, Graph, Stage, StageRecord, stored
+from pipelines.built import Result, build_here, one_thread, stage_record
+from pipelines.cache import Cache
+from pipelines.processes import Pool
+from pipelines.stages import Graph, Stage, StageRecord, stored
 
-_LOG = logging.getLogger(__name__)
 _LONG_SECONDS = 3.0  # stages expected to take longer may go to a process of their own
-_THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
 class Observer(Protocol):
@@ -40,31 +33,6 @@ class Silent:
 
     def finished(self, stage: Stage, record: StageRecord) -> None:
         """Nothing."""
-
-
-@dataclass(frozen=True)
-class Result:
-    """A stage's record with the way to its value: an entry of the cache, or the value itself if none was stored."""
-
-    record: StageRecord
-    entry: Entry | None
-    value: Any = None
-
-    def load(self) -> Any:
-        """The value, read from the cache if it is there."""
-        if self.entry is None or self.value is not None:
-            return self.value
-        try:
-            return load_payload(self.entry.folder)
-        except OSError as error:
-            raise WorkError(
-                f"stage {self.record.name}: its stored result {self.entry.name} was removed while it was needed "
-                f"({error}). Run again; do not clear the cache during a run."
-            ) from error
-
-    def stored(self) -> Result:
-        """The same without the value, where the cache holds it."""
-        return self if self.entry is None else Result(self.record, self.entry)
 
 
 @dataclass(frozen=True)
@@ -112,8 +80,6 @@ def run_graph(
     whatever a stage raises, with the stage's name added; WorkError if a process ends without an answer.
     Finished stages stay in the cache.
     """
-    from pipelines.processes import Pool
-
     wanted = set(wanted)
     graph = graph.needed(wanted)
     observer = observer or Silent()
@@ -165,10 +131,10 @@ def _take_what_is_cached(
         same = next((r for r in results.values() if r.record.key == key), None)
         entry = same.entry if same else stored(stage, cache, contents, thorough=stage.name in wanted)
         if same is not None:
-            record = _record(stage, key, _facts_of(same.record), reused=True)
+            record = stage_record(stage, key, _facts_of(same.record), reused=True)
             _keep(results, stage, Result(record, entry, same.value), observer)
         elif entry is not None:
-            record = _record(stage, entry.facts["key"], entry.facts, reused=True)
+            record = stage_record(stage, entry.facts["key"], entry.facts, reused=True)
             _keep(results, stage, Result(record, entry), observer)
         else:
             ready.append((stage, key))
@@ -198,92 +164,5 @@ def _upstream(stage: Stage, results: Mapping[str, Result]) -> dict[str, Result]:
     return {name: results[name] for name in stage.takes}
 
 
-def build_here(stage: Stage, key: str, upstream: Mapping[str, Result], cache: Cache) -> Result:
-    """Build one stage in this process and store it."""
-    inputs = [upstream[name].load() for name in stage.takes]
-    start = time.perf_counter()
-    with peak_memory() as peak, counting() as book:
-        try:
-            made = stage.build(stage.spec, *inputs)
-        except Exception as error:
-            error.add_note(f"in stage {stage.name}")
-            raise
-    built = made if isinstance(made, Built) else Built(made)
-    facts = {
-        **stage.facts({name: upstream[name].record.content for name in stage.takes}),
-        "content": digest(built.value),
-        "seconds": round(time.perf_counter() - start, 6),
-        "peak_bytes": peak.bytes,
-        "ledger": {**book, **built.ledger},
-        "stage": stage.name,
-    }
-    try:
-        entry = cache.store(stage.kind, key, lambda folder: save_payload(folder, built.value), facts)
-    except PayloadError as error:
-        raise WorkError(f"stage {stage.name}: its result cannot be stored: {error}") from error
-    return Result(_record(stage, key, facts, reused=False), entry, built.value)
-
-
-def _record(stage: Stage, key: str, facts: Mapping[str, Any], *, reused: bool) -> StageRecord:
-    return StageRecord(
-        name=stage.name,
-        kind=stage.kind,
-        key=key,
-        content=facts["content"],
-        reused=reused,
-        seconds=facts["seconds"],
-        peak_bytes=facts["peak_bytes"],
-        ledger=facts["ledger"],
-    )
-
-
 def _facts_of(record: StageRecord) -> dict[str, Any]:
     return {name: getattr(record, name) for name in ("content", "seconds", "peak_bytes", "ledger")}
-
-
-@contextlib.contextmanager
-def one_thread() -> Iterator[None]:
-    """BLAS and OpenMP limited to one thread, in libraries loaded before and after."""
-    from threadpoolctl import threadpool_limits
-
-    before = {name: os.environ.get(name) for name in _THREAD_VARIABLES}
-    os.environ.update(dict.fromkeys(_THREAD_VARIABLES, "1"))
-    try:
-        with threadpool_limits(1):
-            yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
-
-
-class Peak:
-    """Largest resident memory seen, in bytes."""
-
-    bytes = 0
-
-
-@contextlib.contextmanager
-def peak_memory(interval: float = 0.05) -> Iterator[Peak]:
-    """Sample the resident memory of this process while the block runs."""
-    import psutil
-
-    process, peak, done = psutil.Process(), Peak(), threading.Event()
-
-    def look() -> None:
-        peak.bytes = max(peak.bytes, process.memory_info().rss)
-
-    def watch() -> None:
-        while not done.wait(interval):
-            look()
-
-    thread = threading.Thread(target=watch, name="peak memory", daemon=True)
-    thread.start()
-    try:
-        yield peak
-    finally:
-        done.set()
-        thread.join()
-        look()

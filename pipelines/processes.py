@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any, Self, cast
 
-from pipelines.build import Result, build_here, one_thread
+from pipelines.built import Result, build_here, one_thread
 from pipelines.cache import Cache
 from pipelines.errors import WorkError
 from pipelines.stages import Stage

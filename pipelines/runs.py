@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from fem.hdf5 import hdf5_file
 from pipelines import results
-from pipelines.build import Outcome, Result, run_graph
+from pipelines.build import Outcome, run_graph
+from pipelines.built import Result
 from pipelines.cache import Cache
 from pipelines.code_version import library_versions
 from pipelines.scene_file import LoadedScene, control_differences
