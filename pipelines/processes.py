@@ -85,14 +85,21 @@ class Pool:
         job = _Job(stage, key, Path(self._folder.name) / f"{self._jobs}.job")
         self._jobs += 1
         job.path.write_bytes(pickle.dumps((stage, key, {n: r.stored() for n, r in upstream.items()}, cache_folder)))
-        child = self._idle.pop() if self._idle else _new_child(Path(self._folder.name))
+        child = self._waiting_child() or _new_child(Path(self._folder.name))
         self._working.append((child, job))
-        if child.poll() is not None:
-            raise _lost(stage, child)
         try:
             _input(child).write(f"{job.path.name}\n".encode())
         except BrokenPipeError as error:
             raise _lost(stage, child) from error
+
+    def _waiting_child(self) -> subprocess.Popen | None:
+        """One that is alive; those that died while they waited have nothing to lose."""
+        while self._idle:
+            child = self._idle.pop()
+            if child.poll() is None:
+                return child
+            _input(child).close()
+        return None
 
     def wait(self) -> list[tuple[Stage, Result]]:
         """Sleep until at least one job is done; raises what a stage raised."""
