@@ -51,10 +51,9 @@ def test_the_reference_has_no_error_and_stands_on_the_front(found):
     assert all(error == 0.0 for error in (*first.errors.values(), *first.decibels.values()))
 
 
-def test_a_coarser_step_costs_less_and_errs_more(found):
+def test_a_coarser_step_errs_more(found):
     steps = {p.choice.label: p for p in found.priced if p.choice.effect == "step"}
     assert 0.0 < steps["33.4 us"].error < steps["100 us"].error
-    assert steps["100 us"].measured.seconds["simulate"] < found.priced[0].measured.seconds["simulate"]
 
 
 def test_what_is_sure_to_be_beaten_is_not_run_and_named(found):
