@@ -69,6 +69,15 @@ def test_nothing_beats_what_is_on_the_front(found):
             assert any(p.seconds <= one.seconds and p.error <= one.error for p in found.front)
 
 
+def test_a_choice_with_truer_lines_of_the_fault_is_not_beaten_by_a_truer_rms():
+    cheap, true = (22.0, 0.19, 5.9), (29.0, 0.22, 0.9)
+    assert not tradeoff._beaten(true, [cheap])
+    assert not tradeoff._beaten(cheap, [true])
+    assert tradeoff._beaten(true, [(29.0, 0.21, 0.9)])
+    assert not tradeoff._beaten(true, [true])
+    assert tradeoff._beaten((22.0, math.nan, 0.0), [true])
+
+
 def test_the_answers_name_the_cheapest_and_the_most_accurate(found):
     cheap, exact = found.cheapest(0.02), found.most_accurate(1e6)
     assert cheap.error <= 0.02

@@ -15,6 +15,7 @@ from pipelines.trade.probes import DECIBEL, PROBES, Value
 from pipelines.trade.variants import Measured, measure, step_costs, time_steps
 
 JUDGE = "signals"  # the probe whose error ranks the choices
+LINES = "lines"  # the probe whose levels, where a scene has a fault, count for the front, too
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +49,7 @@ class Tradeoff:
 
     @property
     def front(self) -> tuple[Priced, ...]:
-        """Choices that nothing beats in both time and error, cheapest first."""
+        """Choices that nothing beats in time, error and lines of the fault together, cheapest first."""
         return tuple(sorted((p for p in self.priced if not p.dominated), key=lambda p: p.seconds))
 
     def cheapest(self, error: float) -> Priced | None:
@@ -84,7 +85,10 @@ def trade(
     refused |= failed
     reference = measured[first]
     prices = {name: differences(one, reference) for name, one in measured.items()}
-    places = {name: (one.total_seconds, prices[name][0].get(JUDGE, math.nan)) for name, one in measured.items()}
+    places = {
+        name: (one.total_seconds, prices[name][0].get(JUDGE, math.nan), prices[name][1].get(LINES, 0.0))
+        for name, one in measured.items()
+    }
     priced = tuple(
         Priced(
             choice=found[name],
@@ -154,9 +158,8 @@ def _difference(reference: Value, other: Value) -> tuple[str, float]:
     return "", abs(other.value - reference.value) / (abs(reference.value) or 1.0)
 
 
-def _beaten(cost: tuple[float, float], others: Iterable[tuple[float, float]]) -> bool:
-    """Whether another choice is no worse in time and error and better in one; a choice without an error is beaten."""
-    seconds, error = cost
-    if math.isnan(error):
+def _beaten(place: tuple[float, ...], others: Iterable[tuple[float, ...]]) -> bool:
+    """Whether another choice is no worse in anything and better in something; one without an error is beaten."""
+    if any(math.isnan(value) for value in place):
         return True
-    return any(s <= seconds and e <= error and (s, e) != (seconds, error) for s, e in others)
+    return any(all(o <= own for o, own in zip(other, place, strict=True)) and other != place for other in others)

@@ -66,7 +66,7 @@ def _words(one: Priced) -> str:
 
 
 def trade_figure(found: Tradeoff) -> Figure:
-    """Error of sensor rms over seconds, every point named; the front as a line."""
+    """Error of sensor rms over seconds, every point named; those on the front in a ring."""
     from matplotlib.ticker import NullFormatter, ScalarFormatter
 
     from pipelines.plots import dress, new_figure
@@ -85,7 +85,11 @@ def trade_figure(found: Tradeoff) -> Figure:
     axes.xaxis.set_minor_formatter(ScalarFormatter() if len(axes.get_xticks()) < 6 else NullFormatter())
     axes.yaxis.set_major_formatter(ScalarFormatter())
     front = [places[one.choice.name] for one in found.front]
-    axes.plot(*zip(*front, strict=True), color="black", lw=0.9, ls="--", label="front: nothing is better in both")
+    x, y = zip(*front, strict=True)
+    axes.scatter(
+        x, y, s=110, facecolors="none", edgecolors="black", linewidths=0.9, zorder=4,
+        label="front: nothing is better in time, rms and lines of a fault",
+    )  # fmt: skip
     axes.margins(x=0.12, y=0.06)
     dress(
         axes, f"{found.name}: speed against accuracy", "time of all stages, cold, s",
