@@ -18,7 +18,7 @@ from typing import Literal
 import numpy as np
 
 from mbd.checks import MachineError, finite, not_negative
-from mbd.hertz import RollingElements, tangent_at_load
+from mbd.rolling_elements import RollingElements
 
 BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")
 RIGID_STIFFNESS = 1e12  # N/m
@@ -110,6 +110,8 @@ def hertz_bearing(
     support: Literal["casing", "ground"] = "casing",
 ) -> BearingSpec:  # fmt: skip
     """A bearing with rolling elements; its linear reference is the tangent at a small share of what it can carry."""
+    from mbd.hertz import tangent_at_load  # compiled
+
     radial, axial, tilt = tangent_at_load(elements)
     return BearingSpec(
         name=name, shaft=shaft, y=y, stiffness_x=radial, stiffness_z=radial, stiffness_axial=axial,

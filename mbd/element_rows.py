@@ -22,11 +22,11 @@ from mbd.elements import (
     WIDTH,
     Extra,
 )
-from mbd.hertz import element_values, pass_frequencies, reference_load
 from mbd.layout import Layout
 from mbd.load import Rope, RopePendulum
 from mbd.losses import SMOOTHING, Coulomb, Efficiency, sliding_rows
 from mbd.mesh_reference import sliding_shares
+from mbd.rolling_elements import element_values, pass_frequencies, reference_load
 
 SLOWEST = 1.0  # rad/s: smoothing speed of a machine that never turns
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from mbd.checks import MachineError
-from mbd.hertz import RollingElements
+from mbd.rolling_elements import RollingElements
 
 # elements, element diameter, pitch diameter, contact angle (deg), roller length; mm
 _BALLS: dict[str, tuple[int, float, float, float]] = {

@@ -8,8 +8,8 @@ from typing import Any, Literal
 
 from mbd.bearings import BearingSpec, hertz_bearing, rigid_bearing
 from mbd.checks import MachineError
-from mbd.hertz import RollingElements, pass_frequencies
 from mbd.rolling_catalogue import by_designation
+from mbd.rolling_elements import RollingElements, pass_frequencies
 from pipelines.derived import bearing_names
 from pipelines.layout import Layout
 from pipelines.scene import Scene

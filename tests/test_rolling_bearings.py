@@ -11,10 +11,11 @@ from mbd.bearings import BearingSpec, hertz_bearing
 from mbd.channels import bearing_force, journal_acceleration
 from mbd.checks import MachineError
 from mbd.drive import CouplingSpec, SpeedProfile
-from mbd.hertz import RollingElements, dimensionless_deflection, pass_frequencies, response
+from mbd.hertz import response
 from mbd.load import StaticTorque
 from mbd.machine import Machine
 from mbd.rolling_catalogue import by_designation, designations
+from mbd.rolling_elements import RollingElements, dimensionless_deflection, pass_frequencies
 from mbd.shafts import Disk, Section, ShaftSpec
 from mbd.simulate import Settings, simulate
 from mbd.statics import equilibrium
