@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.linalg as la
+import scipy.sparse as sp
 from housings import housing_for_shafts, small_housing
 
-from fem.casing.checkup import check_up
+from fem.casing.checkup import _asymmetry, check_up
 from fem.casing.coupling import CouplingError, surface_weights
 from fem.casing.grounded import BEARING_AXES, ground_casing
 from fem.casing.housing import HousingError, Sensor
@@ -252,3 +253,12 @@ def test_rig_housing_passes_its_check_up(rig):
     found = check_up(casing, reduction, full_band=2000.0)
     assert found.failures == ()
     assert found.frequency_error.max() < 1e-3
+
+
+@pytest.mark.parametrize("error", [1e-9, -1.0])
+def test_one_entry_that_differs_from_its_mirror_is_measured_at_its_size(error):
+    half = sp.random_array((300, 300), density=0.02, rng=np.random.default_rng(1))
+    whole = (half + half.T).tolil()
+    assert _asymmetry(whole.tocsr()) < 1e-14
+    whole[3, 40] += error * whole.tocsr().max()
+    assert _asymmetry(whole.tocsr()) == pytest.approx(abs(error), rel=1e-5)
