@@ -8,9 +8,10 @@ from typing import overload
 
 import numpy as np
 
+from fem.casing.dimensions import Bore, HousingError, Sensor
 from fem.casing.features import Feet, Fillets, Flange, Ribs, Walls
 from fem.casing.geometry import Geometry
-from fem.casing.housing import Bore, Housing, HousingError, Sensor
+from fem.casing.housing import Housing
 from fem.casing.imported import ImportedHousing, Seat, content_hash
 from fem.casing.locate import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint, Locator, Point
 from pipelines.derived import bearing_points

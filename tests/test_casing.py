@@ -11,8 +11,8 @@ from housings import housing_for_shafts, small_housing
 
 from fem.casing.checkup import _asymmetry, check_up
 from fem.casing.coupling import CouplingError, surface_weights
+from fem.casing.dimensions import HousingError, Sensor
 from fem.casing.grounded import BEARING_AXES, ground_casing
-from fem.casing.housing import HousingError, Sensor
 from fem.casing.mesh import CasingMesh, MeshError
 from fem.casing.mesher import mesh_housing
 from fem.casing.modes import CasingModes, casing_modes, reduced_body

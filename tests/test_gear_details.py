@@ -125,7 +125,7 @@ def test_an_undercut_pinion_runs_on_what_is_left_of_its_involute(teeth):
     pair = gear_pair(teeth, 2, 0, 12, bores_mm=(6.5, 6.5 if teeth[1] == 12 else 20.0))
     assert pair.pinion.undercut
     assert pair.shortened_by_undercut[0]
-    assert root_penetration(pair, "pinion") < 0
+    assert root_penetration(pair.pinion, pair.wheel, pair.axis_distance, pair.working_pressure_angle) < 0
     start = path_points(pair, np.array([pair.xi_start])).pinion_radius[0]
     assert start == pytest.approx(form_radius(pair.pinion), rel=1e-9)
     xi = np.linspace(pair.xi_start - 0.4, pair.xi_start, 200)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from housings import housing_for_shafts, small_housing
 
+from fem.casing.dimensions import HousingError, Sensor
 from fem.casing.features import Fillets, Flange, Ribs, Walls
-from fem.casing.housing import HousingError, Sensor
 from fem.casing.mesh import MeshError
 from fem.casing.mesher import mesh_housing, session
 from fem.casing.rigid import housing_mass

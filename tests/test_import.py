@@ -8,8 +8,8 @@ import pytest
 from housings import small_housing
 
 from fem.casing.coupling import surface_weights
+from fem.casing.dimensions import HousingError
 from fem.casing.geometry import mesh_geometry
-from fem.casing.housing import HousingError
 from fem.casing.imported import ImportedHousing, Seat, content_hash
 from fem.casing.locate import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
 from fem.casing.mesh import MeshError

@@ -27,8 +27,8 @@ import scipy.sparse as sp
 from fem.casing.body import MODES_OVER_BAND, ReducedBody
 from fem.casing.coupling import nearest_surface_point
 from fem.casing.damping import DampingRatio, damping_ratios
+from fem.casing.dimensions import Sensor
 from fem.casing.grounded import GroundedCasing
-from fem.casing.housing import Sensor
 from fem.casing.lanczos import block_lanczos
 from fem.linear_solver import Solver, factorize
 from fem.records import Record, array, names, scalar

@@ -6,14 +6,11 @@ over edges of less than 50 degrees; a circle is fitted to the corners of each pi
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-if TYPE_CHECKING:
-    from fem.casing.locate import Surface
+from fem.casing.surface import Surface
 
 _SMOOTH = np.cos(np.radians(50.0))
 _SHOWN = 3

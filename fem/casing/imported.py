@@ -19,13 +19,12 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from fem.casing.candidates import fitted_circle
-from fem.casing.housing import GLOBAL_AXES, HousingError, Sensor
+from fem.casing.dimensions import GLOBAL_AXES, HousingError, Sensor
 from fem.casing.locate import (
     ByCylinder,
     ByPlane,
     Locator,
     Point,
-    Surface,
     axis_place,
     centroid,
     locate,
@@ -35,6 +34,7 @@ from fem.casing.mesh import CasingMesh, MeshError
 from fem.casing.mesh_file import SUFFIXES, read_mesh_file, upgraded
 from fem.casing.quality import checked_quality
 from fem.casing.sizes import mean_edge
+from fem.casing.surface import Surface
 from fem.elasticity import curved
 from fem.ledger import count
 

@@ -6,15 +6,13 @@ answered with the nearest candidates.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 from fem.casing.candidates import cylinders_like, planes_like
 from fem.casing.mesh import MeshError
+from fem.casing.surface import Surface
 
 Point = tuple[float, float, float]
 RADIUS_TOLERANCE = 0.005  # of the radius: how far a corner may lie off the cylinder that is looked for
@@ -64,38 +62,6 @@ class ByPlane:
 
 
 Locator = ByGroup | ByCylinder | ByPoint | ByBox | ByPlane
-
-
-@dataclass(frozen=True, eq=False)
-class Surface:
-    """Corner triangles of an outer surface."""
-
-    points: np.ndarray  # (n, 3), m
-    triangles: np.ndarray  # int (f, 3)
-    groups: Mapping[str, np.ndarray] = field(default_factory=dict)  # bool (f,) by name
-
-    @property
-    def corners(self) -> np.ndarray:
-        """Corner coordinates (f, 3, 3)."""
-        return self.points[self.triangles]
-
-    @property
-    def area_vectors(self) -> np.ndarray:
-        """Normal of each triangle times its area (f, 3), m2."""
-        corners = self.corners
-        return 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-
-    def parts(self, chosen: np.ndarray) -> list[np.ndarray]:
-        """The chosen facets as sets (indices) that hang together over edges, in the order of their first facet."""
-        facets = np.flatnonzero(chosen)
-        if not len(facets):
-            return []
-        sides = np.sort(self.triangles[facets][:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
-        edge = np.unique(sides, axis=0, return_inverse=True)[1].ravel()
-        owner = np.repeat(np.arange(len(facets)), 3)
-        incidence = sp.coo_matrix((np.ones(len(edge)), (owner, edge))).tocsr()
-        label = connected_components(incidence @ incidence.T, directed=False)[1]
-        return [facets[label == number] for number in range(label.max() + 1)]
 
 
 def locate(surface: Surface, name: str, locator: Locator) -> np.ndarray:

@@ -17,8 +17,8 @@ import scipy.linalg as la
 from fem.casing.body import ReducedBody
 from fem.casing.coupling import nearest_surface_point
 from fem.casing.damping import DampingRatio, modal_damping
+from fem.casing.dimensions import Sensor
 from fem.casing.grounded import BEARING_AXES, GROUND_AXES, GroundedCasing
-from fem.casing.housing import Sensor
 from fem.casing.reduction import Reduction
 from fem.casing.truncation import ModeSet, fewest_modes, kept
 from fem.elasticity import mass_properties, rigid_body_modes

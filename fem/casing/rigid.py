@@ -15,8 +15,9 @@ import numpy as np
 from fem.casing.body import ReducedBody
 from fem.casing.coupling import AXES, nearest_surface_point
 from fem.casing.damping import DampingRatio, modal_damping
+from fem.casing.dimensions import Sensor
 from fem.casing.grounded import BEARING_AXES
-from fem.casing.housing import Housing, Sensor
+from fem.casing.housing import Housing
 from fem.casing.mesh import CasingMesh
 from fem.elasticity import mass_properties, rigid_body_modes
 

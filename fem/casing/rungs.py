@@ -20,9 +20,10 @@ from threadpoolctl import threadpool_limits
 from fem.casing.body import MODES_OVER_BAND, ReducedBody
 from fem.casing.checkup import CheckUp, check_up
 from fem.casing.damping import DampingRatio
+from fem.casing.dimensions import Sensor
 from fem.casing.geometry import mesh_geometry
 from fem.casing.grounded import Coupling, Ground, GroundedCasing, ground_casing
-from fem.casing.housing import Housing, Sensor
+from fem.casing.housing import Housing
 from fem.casing.mesh import CasingMesh
 from fem.casing.modes import CasingModes, Mounts, casing_modes, grounded_body, reduced_body
 from fem.casing.reduction import reduce_body, reduced_and_counted

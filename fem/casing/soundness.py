@@ -5,18 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from itertools import combinations, pairwise
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    import numpy as np
+import numpy as np
 
-    from fem.casing.housing import Box, Housing
+from fem.casing.dimensions import Box, Dimensions
 
 THINNEST_LIGAMENT = 0.3  # least material between two holes or bosses, or around a bore, in wall thicknesses
 _TOUCH = 1e-9  # m
 
 
-def housing_problems(housing: Housing) -> list[str]:
+def housing_problems(housing: Dimensions) -> list[str]:
     """All problems; the parts are looked at only once the box itself is sound."""
     if problems := list(_box_problems(housing)):
         return problems
@@ -25,11 +23,11 @@ def housing_problems(housing: Housing) -> list[str]:
     return found + list(_name_problems(housing))
 
 
-def _ligament(housing: Housing) -> float:
+def _ligament(housing: Dimensions) -> float:
     return THINNEST_LIGAMENT * housing.wall("side")
 
 
-def _box_problems(housing: Housing) -> Iterator[str]:
+def _box_problems(housing: Dimensions) -> Iterator[str]:
     sound = True
     sizes = {name: getattr(housing, name) for name in ("length", "width", "height", "wall_thickness", "axis_height")}
     sizes |= {f"thickness of the {name}": housing.wall(name) for name in ("side", "end", "floor", "cover")}
@@ -55,7 +53,7 @@ def _box_problems(housing: Housing) -> Iterator[str]:
             yield f"{what} are {_mm(used)} thick together and fill the box of {_mm(room)}; make them thinner"
 
 
-def _bore_problems(housing: Housing) -> Iterator[str]:
+def _bore_problems(housing: Dimensions) -> Iterator[str]:
     if not housing.bores:
         yield "no bores; give one for each bearing"
     (low, high), wall, ligament = housing.cavity, housing.wall("side"), _ligament(housing)
@@ -89,7 +87,7 @@ def _bore_problems(housing: Housing) -> Iterator[str]:
             )
 
 
-def _foot_problems(housing: Housing) -> Iterator[str]:
+def _foot_problems(housing: Dimensions) -> Iterator[str]:
     feet = housing.feet
     for name in ("length", "height"):
         if not getattr(feet, name) > 0.0:
@@ -111,7 +109,7 @@ def _foot_problems(housing: Housing) -> Iterator[str]:
         )
 
 
-def _pad_problems(housing: Housing) -> Iterator[str]:
+def _pad_problems(housing: Dimensions) -> Iterator[str]:
     feet, ligament = housing.feet, _ligament(housing)
     for name in ("overhang", "pad_diameter", "pad_height", "bolt_diameter"):
         if not (math.isfinite(getattr(feet, name)) and getattr(feet, name) >= 0.0):
@@ -139,7 +137,7 @@ def _pad_problems(housing: Housing) -> Iterator[str]:
         )
 
 
-def _flange_problems(housing: Housing) -> Iterator[str]:
+def _flange_problems(housing: Dimensions) -> Iterator[str]:
     if (flange := housing.flange) is None:
         return
     (low, high), ligament = housing.box, _ligament(housing)
@@ -164,7 +162,7 @@ def _flange_problems(housing: Housing) -> Iterator[str]:
                 )
 
 
-def _rib_problems(housing: Housing) -> Iterator[str]:
+def _rib_problems(housing: Dimensions) -> Iterator[str]:
     if (ribs := housing.ribs) is None:
         return
     if not (ribs.thickness > 0.0 and ribs.height > 0.0):
@@ -196,7 +194,7 @@ def _rib_problems(housing: Housing) -> Iterator[str]:
             yield f"{name} and {other} {what} (limit: {_mm(ligament)} apart); use fewer or thinner ribs"
 
 
-def _fillet_problems(housing: Housing) -> Iterator[str]:
+def _fillet_problems(housing: Dimensions) -> Iterator[str]:
     fillets, (low, high) = housing.fillets, housing.cavity
     for name, radius, limit, why in (
         ("foot", fillets.foot, housing.feet.height, "the height of the feet"),
@@ -206,7 +204,7 @@ def _fillet_problems(housing: Housing) -> Iterator[str]:
             yield f"{name} fillet radius is {_mm(radius)} (limit: 0 to below {_mm(limit)}, {why}); shrink it"
 
 
-def _name_problems(housing: Housing) -> Iterator[str]:
+def _name_problems(housing: Dimensions) -> Iterator[str]:
     names = [b.name for b in housing.bores] + [s.name for s in housing.sensors]
     for name in dict.fromkeys(names):
         if names.count(name) > 1:

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from fem.casing.imported import UNITS, ImportedHousing, check_extent, find_key_points
-from fem.casing.locate import ByCylinder, Surface
+from fem.casing.locate import ByCylinder
 from fem.casing.mesh import MeshError
 from fem.casing.sizes import MM, Refinement, Sizes
+from fem.casing.surface import Surface
 
 _log = logging.getLogger(__name__)
 _DECLARED = {"": "m", ".MILLI.": "mm", ".CENTI.": "cm", ".MICRO.": "um"}

@@ -81,7 +81,16 @@ class Gear:
             f"{label}: profile_shift is {self.profile_shift!r} modules; give a value in [-2, 2]",
         )
         self._check_thickness(label)
-        check_body(self, label)
+        check_body(
+            label,
+            normal_module=self.normal_module,
+            face_width=self.face_width,
+            root_radius=self.root_radius,
+            bore_radius=self.bore_radius,
+            rim_thickness=self.rim_thickness,
+            web_thickness=self.web_thickness,
+            web_offset=self.web_offset,
+        )
         self._check_tip(label)
 
     def _check_thickness(self, label: str) -> None:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from fem.gears.gear import Gear, GeometryError, Rack, involute, require
+from fem.gears.interference import root_penetration
 from fem.gears.profile import form_radius
 from fem.materials import STEEL, Material
 
@@ -132,9 +133,9 @@ class GearPair:
         for name, lowest, form in zip(("pinion", "wheel"), self._lowest_rolls(), self.form_rolls, strict=True):
             if lowest >= form - 1e-9 * self.pinion.base_radius:
                 continue
-            from fem.gears.interference import root_penetration  # only pairs whose tips pass below an involute need it
-
-            depth, limit = root_penetration(self, name), 1e-5 * self.pinion.normal_module
+            own, tip = (self.pinion, self.wheel) if name == "pinion" else (self.wheel, self.pinion)
+            depth = root_penetration(own, tip, self.axis_distance, self.working_pressure_angle)
+            limit = 1e-5 * self.pinion.normal_module
             require(
                 depth <= limit,
                 f"{self.label}: interference at the {name} root, the other gear's tip would touch at roll length "

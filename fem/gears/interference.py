@@ -8,33 +8,29 @@ trochoid, and s_b that of the involute at the base circle. The tip edge of the w
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.gears.gear import Gear
 from fem.gears.profile import form_point, generate_trochoid
 
-if TYPE_CHECKING:
-    from fem.gears.geometry import GearPair
 
+def root_penetration(own: Gear, tip: Gear, axis_distance: float, working_pressure_angle: float) -> float:
+    """Largest depth (m, along the circle) to which the tip of the gear `tip` cuts into the root fillet of `own`.
 
-def root_penetration(pair: GearPair, name: str) -> float:
-    """Largest depth (m, along the circle) to which the other tip cuts into the fillet of "pinion" or "wheel".
-
-    Below 0 it stays clear by that much.
+    Axis distance in m, working pressure angle in rad. Below 0 the tip stays clear by that much.
     """
-    own, tip = (pair.pinion, pair.wheel) if name == "pinion" else (pair.wheel, pair.pinion)
-    alpha = pair.working_pressure_angle
+    alpha = working_pressure_angle
     radius, junction = form_point(own)
     troch_r, troch_s = generate_trochoid(own, np.linspace(junction, math.pi / 2, 400))
     order = np.argsort(troch_r)
     troch_r, troch_s = troch_r[order], troch_s[order]
-    whole = pair.axis_distance * math.sin(alpha)
+    whole = axis_distance * math.sin(alpha)
     first = whole - math.sqrt(tip.tip_form_radius**2 - tip.base_radius**2)  # roll length of its contact, below the form
     inv_tip = math.tan(tip.pressure_angle_at(tip.tip_form_radius)) - tip.pressure_angle_at(tip.tip_form_radius)
-    roll = np.linspace(first - 2.0 * pair.base_pitch, math.sqrt(max(radius**2 - own.base_radius**2, 0.0)), 2000)
+    roll = np.linspace(first - 2.0 * own.base_pitch, math.sqrt(max(radius**2 - own.base_radius**2, 0.0)), 2000)
     corner = math.pi - alpha + (whole - roll) / tip.base_radius - inv_tip
-    x = pair.axis_distance + tip.tip_form_radius * np.cos(corner)
+    x = axis_distance + tip.tip_form_radius * np.cos(corner)
     y = tip.tip_form_radius * np.sin(corner)
     at, place = np.hypot(x, y), np.arctan2(y, x)
     inside = at < radius

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem.casing.housing import Housing, Sensor
+from fem.casing.dimensions import Sensor
+from fem.casing.housing import Housing
 from fem.materials import Material
 from pipelines.errors import WorkError
 from pipelines.stages import Built

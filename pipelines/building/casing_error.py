@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from fem.casing.housing import Sensor
+from fem.casing.dimensions import Sensor
 from pipelines.building.casing_modes import CasingModesSpec
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ import scipy.linalg as la
 from housings import small_housing
 
 from fem.casing.accuracy import reduced_response
+from fem.casing.dimensions import HousingError, Sensor
 from fem.casing.grounded import ground_casing
-from fem.casing.housing import HousingError, Sensor
 from fem.casing.mesher import mesh_housing
 from fem.casing.modes import casing_modes, reduced_body
 from fem.casing.reduction import reduce_body
