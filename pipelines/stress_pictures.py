@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.building.stress import LoadedTeeth
+from fem.contact.solid_stress import LoadedTeeth
 from pipelines.errors import InputError
 from pipelines.mesh_frames import contact_places
 from pipelines.pictures import GearPairView, LeftOut, Picture, render_stress

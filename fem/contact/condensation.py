@@ -39,7 +39,7 @@ from scipy.optimize import least_squares
 
 from fem.contact.frame import flank_frame, window_fraction
 from fem.contact.law import MeshLaw
-from fem.contact.plane import Plane
+from fem.contact.plane_section import PlaneSection
 from fem.contact.solid_compliance import ContactCompliance
 from fem.gears.geometry import GearPair
 
@@ -49,7 +49,9 @@ MARGIN = 1.25  # of C(xi) over what the coupled pairs need: on the limit itself 
 LONGEST = 10.0  # face widths: bound of the length a, where the influence is even within 0.1 %
 
 
-def condense(record: ContactCompliance, pair: GearPair, flank: str, plane: Plane, model: str = "solid") -> MeshLaw:
+def condense(
+    record: ContactCompliance, pair: GearPair, flank: str, plane: PlaneSection, model: str = "solid"
+) -> MeshLaw:
     """The law of one flank; `plane` gives the path of contact and the positions of the tables."""
     path = plane.path(pair)
     slope, cosine = record.contact_slope, math.cos(pair.base_helix_angle)

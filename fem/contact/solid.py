@@ -18,7 +18,7 @@ from typing import Literal
 from fem.contact.condensation import condense
 from fem.contact.frame import RungError
 from fem.contact.law import MeshLaw
-from fem.contact.plane import Plane
+from fem.contact.plane_section import PlaneSection
 from fem.contact.solid_compliance import ContactCompliance, contact_compliance
 from fem.gears.geometry import GearPair
 
@@ -36,7 +36,7 @@ class Solid:
     refinement : divides all element sizes of section and face and the patches (1: 0.2 m_n along the flank, 8 elements
         along the face)
     positions : mesh positions per cycle
-    largest_gap : no-load gap up to which tip-edge contact is followed, in m_n, see `Plane`
+    largest_gap : no-load gap up to which tip-edge contact is followed, in m_n, see `PlaneSection`
     """
 
     model: Literal["solid"] = "solid"
@@ -58,9 +58,11 @@ class Solid:
         return math.ceil(self.refinement * max(8.0, pair.face_width / longest) - 1e-9)
 
     @property
-    def plane(self) -> Plane:
-        """The rung that gives what a load that is even along the face finds, and the path of contact."""
-        return Plane(refinement=max(1.0, self.refinement), positions=2 * self.positions, largest_gap=self.largest_gap)
+    def plane(self) -> PlaneSection:
+        """The section that gives what a load that is even along the face finds, and the path of contact."""
+        return PlaneSection(
+            refinement=max(1.0, self.refinement), positions=2 * self.positions, largest_gap=self.largest_gap
+        )
 
     def law(self, pair: GearPair, flank: str) -> MeshLaw:
         """The law of one flank, "drive" or "coast"."""

@@ -33,7 +33,7 @@ import numpy as np
 from scipy import sparse
 from threadpoolctl import threadpool_limits
 
-from fem.contact.plane import Plane
+from fem.contact.plane_section import PlaneSection
 from fem.contact.ring import flank_compliance
 from fem.contact.solid_ring import SolidFlank, solid_flank
 from fem.gears.geometry import Gear, GearPair
@@ -81,7 +81,9 @@ def axial_ends(face_width: float, elements: int) -> np.ndarray:
     return face_width / 2 * (place + 0.16 * np.sin(np.pi * place))
 
 
-def _contacts(pair: GearPair, position: np.ndarray, shift: np.ndarray, plane: Plane) -> tuple[_Contacts, np.ndarray]:
+def _contacts(
+    pair: GearPair, position: np.ndarray, shift: np.ndarray, plane: PlaneSection
+) -> tuple[_Contacts, np.ndarray]:
     """The contacts within the reach of the rung `plane`, and the candidate pair numbers."""
     known = plane.path(pair)
     finite = np.isfinite(known.gap)
@@ -150,7 +152,7 @@ def contact_compliance(
     positions: int,
     section_refinement: float,
     axial_elements: int,
-    plane: Plane,
+    plane: PlaneSection,
     patch: float,
 ) -> ContactCompliance:
     """The record of a gear pair.

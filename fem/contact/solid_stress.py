@@ -41,6 +41,21 @@ class StressField:
     von_mises: np.ndarray  # (tooth, node), Pa, mean over the elements at a node
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoadedTeeth:
+    """Stress fields of both gears and the contact they belong to, at the mesh cycle `cycle`."""
+
+    cycle: float
+    hand: int  # the picture's z is hand * zeta
+    pinion: StressField
+    wheel: StressField
+    pair: np.ndarray  # (pair,) numbers
+    xi: np.ndarray  # (pair, slice), base pitches from the pitch point
+    face: np.ndarray  # (slice,) zeta, m
+    line_load: np.ndarray  # (pair, slice), N/m
+    missing: np.ndarray  # bool (gear, pair): pinion, wheel
+
+
 def stress_field(
     pair: GearPair, rung: Solid, record: ContactCompliance, state: ContactState, index: int = 0
 ) -> tuple[StressField, StressField]:

@@ -15,7 +15,7 @@ from fem.contact.law import MeshLaw
 from fem.contact.solid import Solid
 from fem.contact.solid_compliance import ContactCompliance
 from fem.contact.solid_contact import solve
-from fem.contact.solid_stress import StressField, stress_field
+from fem.contact.solid_stress import LoadedTeeth, stress_field
 from fem.contact.teeth import checked_terms
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import lead_gap, profile_gap
@@ -40,21 +40,6 @@ class StressSpec:
     force: float
     pinion_terms: np.ndarray
     wheel_terms: np.ndarray
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class LoadedTeeth:
-    """Stress fields of both gears and the contact they belong to, at the mesh cycle `cycle`."""
-
-    cycle: float
-    hand: int  # the picture's z is hand * zeta
-    pinion: StressField
-    wheel: StressField
-    pair: np.ndarray  # (pair,) numbers
-    xi: np.ndarray  # (pair, slice), base pitches from the pitch point
-    face: np.ndarray  # (slice,) zeta, m
-    line_load: np.ndarray  # (pair, slice), N/m
-    missing: np.ndarray  # bool (gear, pair): pinion, wheel
 
 
 def build_compliance(spec: ComplianceSpec) -> ContactCompliance:
