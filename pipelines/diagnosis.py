@@ -110,7 +110,8 @@ def _window_lines(
     frequency[len(wanted) :] = bins * envelopes["faulty", window].resolution  # no bin of their own: the nearest one
     is_envelope = columns["mesh_harmonic"] == 0
     for state in STATES:
-        columns[state], columns[f"{state}_floor"] = np.empty(len(wanted)), np.empty(len(wanted))
+        columns[state] = np.empty(len(frequency))
+        columns[f"{state}_floor"] = np.empty(len(frequency))
         for spectrum, rows in ((envelopes[state, window], is_envelope), (spectra[state, window], ~is_envelope)):
             columns[state][rows] = spectrum.lines(frequency[rows])
             columns[f"{state}_floor"][rows] = spectrum.floors(frequency[rows])
