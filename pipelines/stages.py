@@ -19,7 +19,6 @@ from pipelines.code_version import code_version, library_versions
 from pipelines.payload import digest, flat
 from pipelines.toml_text import format_value
 
-
 FIRST = "first run"
 
 

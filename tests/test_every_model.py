@@ -1,4 +1,4 @@
-"""Every model that a scene can choose runs with its control to a diagnosis and a report: models as the tables list them.
+"""Every model that a scene can choose runs with its control to diagnosis and report; the tables list the models.
 
 The default tests take the models of all fields side by side, the slow ones each model alone.
 """
