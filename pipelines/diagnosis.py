@@ -96,8 +96,9 @@ def _window_lines(
     for n in settings.mesh_harmonics:
         for k in range(-settings.sideband_orders, settings.sideband_orders + 1):
             wanted.append(("sideband" if k else "mesh", n, k))
-    top = envelopes["faulty", window].resolution * (envelopes["faulty", window].amplitude.size - 1)
-    rolling = {name: f for name, f in settings.bearings.items() if f <= top}
+    resolution = envelopes["faulty", window].resolution
+    top = resolution * (envelopes["faulty", window].amplitude.size - 1)
+    rolling = {name: f for name, f in settings.bearings.items() if resolution / 2 < f <= top}  # not the mean itself
     rest = [0] * len(rolling)
     columns: dict[str, Any] = {
         "kind": [kind for kind, _, _ in wanted] + ["bearing"] * len(rolling),
@@ -106,11 +107,12 @@ def _window_lines(
         "label": [_label(n, k) for _, n, k in wanted] + list(rolling),
     }
     frequency = columns["mesh_harmonic"] * f_m + columns["order"] * f_r
-    bins = np.round(np.array(list(rolling.values())) / envelopes["faulty", window].resolution)
-    frequency[len(wanted) :] = bins * envelopes["faulty", window].resolution  # no bin of their own: the nearest one
+    bins = np.round(np.array(list(rolling.values())) / resolution)
+    frequency[len(wanted) :] = bins * resolution  # no bin of their own: the nearest one
     is_envelope = columns["mesh_harmonic"] == 0
     for state in STATES:
-        columns[state], columns[f"{state}_floor"] = np.empty(len(wanted)), np.empty(len(wanted))
+        columns[state] = np.empty(len(frequency))
+        columns[f"{state}_floor"] = np.empty(len(frequency))
         for spectrum, rows in ((envelopes[state, window], is_envelope), (spectra[state, window], ~is_envelope)):
             columns[state][rows] = spectrum.lines(frequency[rows])
             columns[f"{state}_floor"][rows] = spectrum.floors(frequency[rows])
@@ -120,6 +122,8 @@ def _window_lines(
     rope = float(settings.rope_mode.get(window, 0.0))
     width = LINE_WIDTH * spectra["faulty", window].resolution
     count = len(frequency)
+    offset = np.abs(columns["order"]) * f_r
+    offset[len(wanted) :] = frequency[len(wanted) :]
     return LineTable(
         load_case=(load,) * count,
         deviations=(deviations,) * count,
@@ -131,7 +135,7 @@ def _window_lines(
         stands=(difference >= settings.difference_limit) & (over_floor >= settings.floor_limit),
         healthy_shows=healthy_over_floor >= settings.floor_limit,
         rope_mode=np.full(count, rope),
-        near_rope=(rope > 0) & (np.abs(np.abs(columns["order"]) * f_r - rope) <= width),
+        near_rope=(rope > 0) & (np.abs(offset - rope) <= width),
         **columns,
     )
 

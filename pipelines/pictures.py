@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import logging
 import os
-import signal
 import subprocess
 import sys
 import tempfile
@@ -21,6 +20,7 @@ import numpy as np
 
 from pipelines.errors import InputError
 from pipelines.mesh_frames import MeshFrames
+from pipelines.picture_failures import Failure, ended, no_picture, too_slow
 from pipelines.solids import gear_surface, prism_surface, without_tooth
 
 if TYPE_CHECKING:
@@ -32,18 +32,6 @@ KINDS = ("ground", "bearing", "sensor")
 TIMEOUT = 120.0  # s
 MESH_DIRECTION = (-0.55, -0.35, 1.0)
 RENDERER = ("-P", "-m", "pipelines.view")
-PACKAGES = {
-    "libGL.so.1": "libgl1",
-    "libEGL.so.1": "libegl1",
-    "libOSMesa": "libosmesa6",
-    "libXrender.so.1": "libxrender1",
-    "libX11.so.6": "libx11-6",
-    "libXcursor.so.1": "libxcursor1",
-    "libXft.so.2": "libxft2",
-    "libfontconfig.so.1": "libfontconfig1",
-    "libgomp.so.1": "libgomp1",
-}
-ALL_PACKAGES = "libegl1 (or libosmesa6) libgl1 libxrender1"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -237,7 +225,7 @@ def show_window(
         path.write_text(json.dumps(job), encoding="utf-8")
         failure = _run_child(path, timeout=None)
     if failure is not None:
-        raise InputError(f"--screen: the window is not opened: {failure}. {_remedy(failure)}")
+        raise InputError(f"--screen: the window is not opened: {failure.what}. {failure.remedy}")
 
 
 def render_stress(
@@ -303,9 +291,9 @@ def _render(
         job_path.write_text(json.dumps(job), encoding="utf-8")
         failure = _run_child(job_path, TIMEOUT)
         if failure is None and not all(Path(file).exists() for file in (*job["images"], job["pixels"])):
-            failure = "the renderer wrote no picture"
+            failure = no_picture()
         if failure is not None:
-            reason = f"The picture of the {name} is left out: {failure}. {_remedy(failure)}"
+            reason = f"The picture of the {name} is left out: {failure.what}. {failure.remedy}"
             log.warning("%s", reason)
             return LeftOut(reason=reason)
         pixels = json.loads(Path(job["pixels"]).read_text("utf-8"))
@@ -316,7 +304,7 @@ def _single(pictures: list[Picture] | LeftOut) -> Picture | LeftOut:
     return pictures if isinstance(pictures, LeftOut) else pictures[0]
 
 
-def _run_child(job: Path, timeout: float | None) -> str | None:
+def _run_child(job: Path, timeout: float | None) -> Failure | None:
     """Start the renderer; None if it ended well, else what happened."""
     package_home = str(Path(__file__).resolve().parent.parent)
     path = os.pathsep.join(filter(None, [package_home, os.environ.get("PYTHONPATH", "")]))
@@ -331,23 +319,9 @@ def _run_child(job: Path, timeout: float | None) -> str | None:
             timeout=timeout,
             check=False,
         )
-    except subprocess.TimeoutExpired:
-        return f"rendering took more than {timeout:g} s"
-    if done.returncode == 0:
-        return None
-    if done.returncode < 0:
-        name = signal.Signals(-done.returncode).name
-        return f"off-screen rendering ended with {name}, which happens without EGL and OSMesa"
-    lines = [line for line in done.stderr.splitlines() if line.strip()]
-    return f"the renderer failed ({lines[-1].strip() if lines else f'exit status {done.returncode}'})"
-
-
-def _remedy(failure: str) -> str:
-    if "took more" in failure:
-        return "A software renderer on a busy machine can be this slow; run again."
-    found = [package for library, package in PACKAGES.items() if library in failure]
-    wanted = " ".join(found) if found else ALL_PACKAGES
-    return f"On Debian and Ubuntu install {wanted} with apt-get install."
+    except subprocess.TimeoutExpired as error:
+        return too_slow(error.timeout)
+    return None if done.returncode == 0 else ended(done.returncode, done.stderr)
 
 
 def _read_image(path: str) -> np.ndarray:

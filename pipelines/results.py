@@ -1,4 +1,4 @@
-"""Result folders: ./runs/<scene>/<timestamp>/, written aside and moved into place when everything is there."""
+"""Result folders, ./runs/<scene>/<timestamp>/: the names of their files, the newest one of a scene, the log."""
 
 from __future__ import annotations
 
@@ -6,61 +6,45 @@ import contextlib
 import json
 import logging
 import os
-import shutil
-import time
+import re
+import uuid
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from pipelines.errors import InputError
+from pipelines.errors import InputError, WorkError
 
+_LOG = logging.getLogger(__name__)
 RESPONSE = "response.nc"
 CONTROL = "control.nc"
 RESOLVED = "scene.resolved.toml"
 ASKED = "scene.asked.toml"
 RUN = "run.json"
 LATEST = "latest.txt"
-_PARTIAL = ".partial-"
+_UNSAFE = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f-\x9f\ud800-\udfff]')
+_RESERVED = {"CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"}  # of Windows, whatever follows the first dot
+_RESERVED |= {f"{port}{number}" for port in ("COM", "LPT") for number in "0123456789\u00b9\u00b2\u00b3"}
 
 
-@contextlib.contextmanager
-def result_folder(final: Path) -> Iterator[Path]:
-    """A folder to fill. It becomes `final` only when the block ends without an error; else it is removed."""
-    try:
-        final.parent.mkdir(parents=True, exist_ok=True)
-        _sweep(final.parent)
-        partial = final.parent / f"{_PARTIAL}{final.name}-{os.getpid()}"
-        partial.mkdir()
-    except OSError as error:
-        raise InputError(f"{final}: results cannot be written ({error.strerror}). Choose another --out.") from error
-    try:
-        yield partial
-        if final.is_dir():
-            final.rmdir()  # an empty folder given by --out
-        os.replace(partial, final)
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
+def folder_name(name: str) -> str:
+    """The name of a scene as that of one visible folder on every system; InputError if nothing is left of it."""
+    safe = _UNSAFE.sub("_", name).strip(". ")
+    if not safe or safe.partition(".")[0].rstrip().upper() in _RESERVED:
+        raise InputError(
+            f"{name!r}: no name for a folder of results, which a scene file gives it. Rename it, as in my-scene.toml."
+        )
+    return safe
 
 
 def note_latest(folder: Path) -> None:
-    """Name the newest result of its scene."""
-    _write_whole(folder.parent / LATEST, f"{folder.name}\n")
-
-
-def final_folder(name: str, out: str | Path | None = None, root: Path | None = None) -> Path:
-    """Where the results of a run go. InputError if `out` holds something already."""
-    if out is not None:
-        final = Path(out)
-        if final.exists() and (not final.is_dir() or any(final.iterdir())):
-            raise InputError(f"{out}: exists and is not an empty folder. Choose another --out; nothing is overwritten.")
-        return final
-    parent = (root or Path("runs")) / name
-    stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
-    final, count = parent / stamp, 1
-    while final.exists():
-        count += 1
-        final = parent / f"{stamp}_{count}"
-    return final
+    """Name the newest result of its scene. WorkError if it cannot be noted."""
+    latest = folder.parent / LATEST
+    try:
+        _write_whole(latest, f"{folder.name}\n")
+    except OSError as error:
+        raise WorkError(
+            f"{latest}: cannot be written ({error.strerror}). The results are whole: name their folder, {folder}."
+        ) from error
 
 
 def find_run(name: str | Path, root: Path | None = None) -> Path:
@@ -73,7 +57,8 @@ def find_run(name: str | Path, root: Path | None = None) -> Path:
     folder = Path(name)
     if (folder / RESPONSE).is_file():
         return folder
-    scene = (root or Path("runs")) / str(name).removesuffix(".toml")
+    text = str(name)
+    scene = (root or Path("runs")) / (folder_name(folder.stem) if text.endswith(".toml") else text)
     for parent in (scene, folder):
         latest = parent / LATEST
         if latest.is_file():
@@ -87,16 +72,26 @@ def find_run(name: str | Path, root: Path | None = None) -> Path:
 
 
 def write_json(path: Path, content: Any) -> None:
-    """Write readable JSON, UTF-8."""
-    path.write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    """Write readable JSON, UTF-8: all of it, or the file stays as it was."""
+    _write_whole(path, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+
+
+def _write_whole(path: Path, text: str) -> None:
+    partial = path.with_name(f".{path.name}-{uuid.uuid4().hex}")
+    try:
+        partial.write_text(text, encoding="utf-8")
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
 
 
 class JsonLines(logging.Handler):
-    """Log records as lines of JSON: time, level, logger, message."""
+    """Log records as lines of JSON: time, level, logger, message. A full disk ends the log, not the work."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(logging.INFO)
-        self._file = open(path, "w", encoding="utf-8")  # noqa: SIM115 - closed with the handler
+        self._file = open(path, "wb", buffering=0)  # noqa: SIM115 - closed with the handler
+        self.failure: OSError | None = None
 
     def emit(self, record: logging.LogRecord) -> None:
         """Write one line."""
@@ -106,8 +101,12 @@ class JsonLines(logging.Handler):
             "logger": record.name,
             "message": record.getMessage(),
         }
-        self._file.write(json.dumps(line | getattr(record, "facts", {}), ensure_ascii=False) + "\n")
-        self._file.flush()
+        text = json.dumps(line | getattr(record, "facts", {}), ensure_ascii=False) + "\n"
+        try:
+            if self.failure is None:
+                self._file.write(text.encode("utf-8", errors="replace"))
+        except OSError as error:
+            self.failure = error
 
     def close(self) -> None:
         """Close the file."""
@@ -131,19 +130,5 @@ def logged_to(path: Path) -> Iterator[None]:
             logger.removeHandler(handler)
             logger.setLevel(level)
         handler.close()
-
-
-def _write_whole(path: Path, text: str) -> None:
-    partial = path.with_name(f"{path.name}.{os.getpid()}")
-    partial.write_text(text, encoding="utf-8")
-    os.replace(partial, path)
-
-
-def _sweep(parent: Path) -> None:
-    """Remove what killed runs left here."""
-    import psutil
-
-    for left in parent.glob(f"{_PARTIAL}*"):
-        number = left.name.rpartition("-")[2]
-        if not (number.isdecimal() and psutil.pid_exists(int(number))):
-            shutil.rmtree(left, ignore_errors=True)
+        if handler.failure is not None:
+            _LOG.warning("%s is cut short: %s", path, handler.failure)

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import json
+import logging
 import platform
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from traceback import format_exception
 from typing import TYPE_CHECKING, Any
 
 from fem.hdf5 import hdf5_file
 from pipelines import results
-from pipelines.build import Outcome, run_graph
+from pipelines.build import Observer, Outcome, run_graph
 from pipelines.built import Result
 from pipelines.cache import Cache
+from pipelines.claims import claimed
 from pipelines.code_version import library_versions
+from pipelines.errors import WorkError
 from pipelines.scene_file import LoadedScene, control_differences
 from pipelines.stages import Graph, Stage, StageRecord
 from pipelines.study import Study, diagnosis_settings, plan_study
@@ -24,6 +28,7 @@ from pipelines.trade.presets import load_preset
 if TYPE_CHECKING:
     import xarray
 
+_LOG = logging.getLogger(__name__)
 LIBRARIES = ("gearcase", "numpy", "scipy", "numba", "h5py", "xarray", "scikit-fem", "gmsh", "scikit-sparse", "pymetis")
 
 
@@ -93,7 +98,13 @@ def run(
 
 
 def run_scene(loaded: LoadedScene, options: Options) -> Finished:
-    """Run a loaded scene and write its result folder."""
+    """Run a loaded scene and write its result folder: the signals first, so that nothing after them can cost them.
+
+    Raises
+    ------
+    SceneError, InputError : the scene cannot be used, or `options.out`
+    WorkError : a stage failed; where that was the diagnosis or the report, the folder with the signals is named
+    """
     study = plan_study(
         loaded,
         with_control=options.with_control,
@@ -101,32 +112,94 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
         seeds=options.seeds,
     )
     diagnosing = _diagnose_stage(study) if options.with_report else None
-    stages = [*study.graph, *([diagnosing] if diagnosing else [])]
     first = study.cases[0]
-    wanted = [name for name in (first.faulty, first.healthy, diagnosing and diagnosing.name) if name]
-    final = results.final_folder(loaded.name, options.out)
-    with results.result_folder(final) as folder, results.logged_to(folder / "log.jsonl"):
-        graph = Graph(stages).needed(wanted)
-        with shown_progress(len(graph.stages) + options.with_report, quiet=options.quiet) as observer:
-            cache = Cache()
-            outcome = run_graph(graph, cache, wanted, observer=observer, processes=options.processes)
-            report = None
+    wanted = study.responses if diagnosing else [name for name in (first.faulty, first.healthy) if name]
+    graph = Graph(study.graph).needed(wanted)
+    count = len(graph.stages) + (diagnosing is not None) + options.with_report
+    failure: Exception | None = None
+    told = _Told()
+    with (
+        claimed(loaded.name, options.out) as claim,
+        results.logged_to(claim.folder / "log.jsonl"),
+        shown_progress(count, quiet=options.quiet) as observer,
+    ):
+        cache = Cache()
+        outcome = run_graph(graph, cache, wanted, observer=observer, processes=options.processes)
+        _write_signals(claim.folder, loaded, study, outcome)
+        try:
             if options.with_report:
-                stage = _report_stage(loaded, study, diagnosing, outcome)
-                whole = run_graph(
-                    Graph([*graph, stage]), cache, [stage.name], observer=observer, known=outcome.results, processes=1
-                )
-                report, outcome = whole.value(stage.name), Outcome({**outcome.results, **whole.results})
-        diagnosis = outcome.value(diagnosing.name) if diagnosing else {"words": "", "failure": ""}
-        _write(folder, loaded, study, outcome, diagnosing, report)
+                outcome, told = _tell(claim.folder, loaded, study, diagnosing, outcome, cache, observer)
+                results.write_json(claim.folder / results.RUN, _facts(loaded, outcome))
+        except Exception as error:
+            failure = error
+            _LOG.info("after the signals: %r", error, extra={"facts": {"traceback": format_exception(error)}})
     if options.out is None:
-        results.note_latest(final)
-    left_out = tuple(report["left_out"]) if report else ()
-    if diagnosis["failure"]:
-        left_out = (f"The diagnosis is left out: {diagnosis['failure']}", *left_out)
+        results.note_latest(claim.final)
+    if failure is not None:
+        raise _kept(failure, claim.final) from failure
     return Finished(
-        folder=final, words=diagnosis["words"], records=outcome.records, ledger=outcome.ledger(), left_out=left_out
+        folder=claim.final,
+        words=told.words,
+        records=outcome.records,
+        ledger=outcome.ledger(),
+        left_out=told.left_out,
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Told:
+    """What diagnosis and report say on the terminal."""
+
+    words: str = ""
+    left_out: tuple[str, ...] = ()
+
+
+def _tell(
+    folder: Path,
+    loaded: LoadedScene,
+    study: Study,
+    diagnosing: Stage | None,
+    signals: Outcome,
+    cache: Cache,
+    observer: Observer,
+) -> tuple[Outcome, _Told]:
+    """Diagnosis and report of finished signals, each written as soon as it is there."""
+    outcome, words, left_out = signals, "", []
+    if diagnosing is not None:
+        outcome = _with_stage(study.graph, diagnosing, outcome, cache, observer)
+        found = outcome.value(diagnosing.name)
+        for name, content in found["files"].items():
+            (folder / name).write_bytes(content)
+        words = found["words"]
+        if words:
+            (folder / "diagnosis.txt").write_text(words, encoding="utf-8")
+        if found["failure"]:
+            left_out.append(f"The diagnosis is left out: {found['failure']}")
+    stage = _report_stage(loaded, study, diagnosing, outcome)
+    known = [*study.graph, *([diagnosing] if diagnosing else [])]
+    outcome = _with_stage(known, stage, outcome, cache, observer)
+    report = outcome.value(stage.name)
+    (folder / "report.html").write_text(report["page"], encoding="utf-8")
+    return outcome, _Told(words=words, left_out=(*left_out, *report["left_out"]))
+
+
+def _with_stage(known: Iterable[Stage], stage: Stage, outcome: Outcome, cache: Cache, observer: Observer) -> Outcome:
+    """The outcome with one more stage, built here on what is at hand."""
+    graph = Graph([*known, stage])
+    more = run_graph(graph, cache, [stage.name], observer=observer, known=outcome.results, processes=1)
+    return Outcome({**outcome.results, **more.results})
+
+
+def _kept(failure: Exception, folder: Path) -> WorkError:
+    """What failed after the signals were written, and where these are."""
+    name = "" if isinstance(failure, WorkError) else f"{type(failure).__name__}: "
+    again = ""
+    if (folder / results.CONTROL).is_file() and not (folder / "diagnosis.txt").is_file():
+        again = f" Once the cause is mended: gearcase diagnose {folder}"
+    error = WorkError(f"{name}{failure}\nThe signals are kept in {folder}.{again}")
+    for note in getattr(failure, "__notes__", ()):
+        error.add_note(note)
+    return error
 
 
 def _diagnose_stage(study: Study) -> Stage | None:
@@ -206,33 +279,28 @@ def provenance(loaded: LoadedScene, outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def _write(
-    folder: Path, loaded: LoadedScene, study: Study, outcome: Outcome, diagnosing: Stage | None, report: Any
-) -> None:
-    """Fill the result folder."""
+def _write_signals(folder: Path, loaded: LoadedScene, study: Study, outcome: Outcome) -> None:
+    """What a diagnosis can be repeated from: the scene, its response and that of its control."""
     (folder / results.ASKED).write_text(loaded.asked(), encoding="utf-8")
     twin = study.control is not None and not control_differences(loaded, study.control)
     (folder / results.RESOLVED).write_text(loaded.resolved(own_control=twin), encoding="utf-8")
-    facts = {
+    facts = _facts(loaded, outcome)
+    results.write_json(folder / results.RUN, facts)
+    case = study.cases[0]
+    _write_response(folder / results.RESPONSE, outcome.results[case.faulty], facts)
+    if case.healthy is not None:
+        _write_response(folder / results.CONTROL, outcome.results[case.healthy], facts)
+
+
+def _facts(loaded: LoadedScene, outcome: Outcome) -> dict[str, Any]:
+    """Provenance, ledger and cost of the stages so far."""
+    return {
         **provenance(loaded, outcome),
         "ledger": outcome.ledger(),
         "stages": [
             {**_cost_row(record), "reused": record.reused, "ledger": dict(record.ledger)} for record in outcome.records
         ],
     }
-    case = study.cases[0]
-    _write_response(folder / results.RESPONSE, outcome.results[case.faulty], facts)
-    if case.healthy is not None:
-        _write_response(folder / results.CONTROL, outcome.results[case.healthy], facts)
-    if diagnosing is not None:
-        found = outcome.value(diagnosing.name)
-        for name, content in found["files"].items():
-            (folder / name).write_bytes(content)
-        if found["words"]:
-            (folder / "diagnosis.txt").write_text(found["words"], encoding="utf-8")
-    if report is not None:
-        (folder / "report.html").write_text(report["page"], encoding="utf-8")
-    results.write_json(folder / results.RUN, facts)
 
 
 def _write_response(path: Path, result: Result, facts: Mapping[str, Any]) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipelines.errors import InputError, Problem, SceneError
+from pipelines.results import folder_name
 from pipelines.scene_merge import Merged, differences, merge, settings_tree, without
 from pipelines.shipped_files import anchored
 from pipelines.toml_text import format_document
@@ -40,7 +41,7 @@ class Source:
 class LoadedScene:
     """A valid scene with what was asked for. `tree` is merged and holds only what was written."""
 
-    name: str
+    name: str  # of the folder of its results
     source: Source
     settings: Mapping[str, Any]  # as a tree
     tree: Mapping[str, Any]
@@ -77,15 +78,17 @@ def load_scene(source: str | Path, settings: Settings = ()) -> LoadedScene:
     Raises
     ------
     SceneError : with all problems of the file's content and of the settings
-    InputError : the file is missing, not UTF-8 or not TOML, or its ``extends`` go in a circle
+    InputError : the file is missing, not UTF-8 or not TOML, its ``extends`` go in a circle, or its name is no name for
+        a folder of results
     """
     from pipelines.scene import Scene
 
     found = find_source(source)
+    name = folder_name(found.name)
     change, problems = settings_tree(settings)
     merged = merge(read_tree(found), change)
     scene, tree = validate(merged, Scene, found.shown, problems)
-    return LoadedScene(found.name, found, change, tree, scene)
+    return LoadedScene(name, found, change, tree, scene)
 
 
 def changed(loaded: LoadedScene, settings: Settings) -> LoadedScene:

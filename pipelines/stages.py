@@ -19,6 +19,8 @@ from pipelines.code_version import code_version, library_versions
 from pipelines.payload import digest, flat
 from pipelines.toml_text import format_value
 
+FIRST = "first run"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Stage:
@@ -96,6 +98,7 @@ class StageStatus:
     name: str
     action: str
     reason: str
+    first: bool = False  # nothing is stored that it could be compared with
 
 
 class Graph:
@@ -163,8 +166,8 @@ def explain(graph: Graph, cache: Cache) -> list[StageStatus]:
         waiting = [name for name in stage.takes if name not in contents]
         if waiting:
             own = _own_changes(stage, cache, contents)
-            reason = f"after {', '.join(waiting)}" + (f"; {own}" if own else "")
-            out.append(StageStatus(stage.name, "build" if own else "follow", reason))
+            reason = "; ".join([f"after {', '.join(waiting)}", *([FIRST] if own is None else own)])
+            out.append(StageStatus(stage.name, "follow" if own == [] else "build", reason, first=own is None))
             continue
         key = stage.key(contents)
         entry = stored(stage, cache, contents, thorough=False)
@@ -176,29 +179,21 @@ def explain(graph: Graph, cache: Cache) -> list[StageStatus]:
             out.append(StageStatus(stage.name, "reuse", f"the same as {planned[key]}"))
         else:
             planned[key] = stage.name
-            out.append(StageStatus(stage.name, "build", why_not_cached(stage, cache, contents)))
+            differences = _nearest(stage, cache, stage.facts(contents))
+            reason = FIRST if differences is None else "; ".join(differences) or "its stored result is gone"
+            out.append(StageStatus(stage.name, "build", reason, first=differences is None))
     return out
 
 
-def why_not_cached(stage: Stage, cache: Cache, contents: Mapping[str, str]) -> str:
-    """How the stage differs from the stored entry that is most like it."""
-    differences = _nearest(stage, cache, stage.facts(contents))
-    if differences is None:
-        return "never built" if next(cache.entries(stage.kind), None) is None else "never built for inputs like these"
-    return "; ".join(differences) or "its stored result is gone"
-
-
-def _own_changes(stage: Stage, cache: Cache, contents: Mapping[str, str]) -> str:
-    """Differences to the nearest entry in all but the results that are not known yet."""
+def _own_changes(stage: Stage, cache: Cache, contents: Mapping[str, str]) -> list[str] | None:
+    """Differences to the nearest entry in all but the results that are not known yet; None without one."""
     known = {name: contents.get(name, "") for name in stage.takes}
     differences = _nearest(stage, cache, stage.facts(known))
-    if differences is None:
-        return "never built"
-    return "; ".join(d for d in differences if not d.startswith("another"))
+    return None if differences is None else [d for d in differences if not d.startswith("another")]
 
 
 def _nearest(stage: Stage, cache: Cache, facts: Mapping[str, Any]) -> list[str] | None:
-    """Differences to the entry with the fewest; None without entries of the same shape.
+    """Differences to the entry with the fewest; None without entries of inputs like these.
 
     Of equals, one that was built for a stage of the same name comes first, then the newest.
     """
@@ -211,14 +206,18 @@ def _nearest(stage: Stage, cache: Cache, facts: Mapping[str, Any]) -> list[str] 
 
 
 def _differences(stage: Stage, entry: Entry, facts: Mapping[str, Any]) -> list[str] | None:
+    """What sets a stage apart from a stored one; None if that took other stages or belongs to another scene."""
     old = entry.facts
-    if len(old.get("takes", ())) != len(facts["takes"]):
-        return None
     before, after = old["fields"], facts["fields"]
-    out = [
-        f"{path.removeprefix('scene.') or 'input'} {_shown(before, path)} -> {_shown(after, path)}"
+    changed = [
+        path
         for path in sorted(before.keys() | after.keys())
         if before.get(path) != after.get(path) or (path in before) != (path in after)
+    ]
+    if len(old.get("takes", ())) != len(facts["takes"]) or len(changed) > _comparable(len(after)):
+        return None
+    out = [
+        f"{path.removeprefix('scene.') or 'input'} {_shown(before, path)} -> {_shown(after, path)}" for path in changed
     ]
     pairs = zip(stage.takes, old["takes"], facts["takes"], strict=True)
     out += [f"another result of {name}" for name, was, now in pairs if was != now]
@@ -227,6 +226,11 @@ def _differences(stage: Stage, entry: Entry, facts: Mapping[str, Any]) -> list[s
     versions = facts["libraries"].items()
     out += [f"{lib} {old['libraries'].get(lib)} -> {now}" for lib, now in versions if old["libraries"].get(lib) != now]
     return out
+
+
+def _comparable(values: int) -> int:
+    """How many of so many values may differ in a variant of one scene; with more it is another scene."""
+    return max(3, min(10, values // 4))
 
 
 def _shown(fields: Mapping[str, Any], path: str) -> str:

@@ -246,7 +246,8 @@ def _control(lines: LineTable) -> str:
 
 
 def _rope(rope: float, lines: LineTable, f_r: float) -> str:
-    near = list(dict.fromkeys(abs(int(k)) for k in lines.order[lines.near_rope == 1]))
+    counted = lines.without_mesh()
+    near = list(dict.fromkeys(abs(int(k)) for k in counted.order[counted.near_rope == 1]))
     text = f"The rope mode lies at {rope:.2f} Hz ({rope / f_r:.2f} f_r)"
     if near:
         return f"{text}: on the lines of order {', '.join(map(str, near))}, which it can raise without any fault."

@@ -8,6 +8,7 @@ import time
 import pytest
 
 from pipelines.cli import COMMANDS, main, parser
+from pipelines.scene_file import load_scene
 
 
 def gearcase(capsys, *arguments):
@@ -96,8 +97,27 @@ def test_new_then_check(capsys, here):
 def test_explain_builds_nothing(capsys, own_cache):
     code, out, _ = gearcase(capsys, "explain", "minimal")
     assert code == 0
-    assert "never built" in out
+    assert out.startswith("First run: ")
     assert not own_cache.exists()
+
+
+def test_explain_of_another_scene_lists_its_stages_and_no_differences(capsys, own_cache):
+    """After a run of minimal the differences of rig-missing-tooth to it filled 21,398 letters."""
+    from pipelines.build import run_graph
+    from pipelines.cache import Cache
+    from pipelines.study import plan_study
+
+    scene = load_scene("minimal", {"simulation.end_s": 0.01, "diagnosis.windows_s": {}})
+    run_graph(plan_study(scene).graph, Cache(), ["response"])
+    code, out, _ = gearcase(capsys, "explain", "rig-missing-tooth")
+    assert code == 0
+    assert out.startswith("First run: ")
+    assert "->" not in out
+    assert "healthy simulate" in out
+    assert len(out) < 2000
+    code, out, _ = gearcase(capsys, "explain", "minimal", "--set", "load.container_kg=80")
+    assert "First run" not in out
+    assert "load.container_kg 114.0 -> 80" in out
 
 
 def test_cache_info_verify_and_clear(capsys, own_cache):

@@ -233,3 +233,25 @@ def test_the_stage_names_error_free_gears_and_seeds_apart():
     error_free, seeded = diagnoses(spec, tuple(runs))
     assert error_free.deviations == "off"
     assert seeded.deviations.startswith("seed ")
+
+
+def test_lines_of_rolling_bearings_are_read_beside_the_others_and_count_for_nothing(clear):
+    """4.31 f_r lies between two bins; a line in the bin of the mean or over half the sampling rate cannot be read."""
+    given = {"bearing_3 BPFO": 4.31 * WHEEL, "bearing_3 FTF": 0.04, "bearing_3 BPFI": RATE}
+    found = diagnose(response(), response("healthy"), settings(bearings=given))
+    lines = found.lines.where(kind="bearing")
+    assert lines.label == ("bearing_3 BPFO",) * 2
+    resolution = found.envelopes["faulty", "lifting"].resolution
+    assert np.abs(lines.frequency - 4.31 * WHEEL).max() <= resolution / 2
+    at = round(4.31 * WHEEL / resolution)
+    assert lines.faulty[0] == found.envelopes["faulty", "lifting"].amplitude[at]
+    assert headline([found]) == headline([clear])
+    assert [row[0] for row in lines_grid(found, "lifting").rows].count("envelope bearing_3 BPFO") == 1
+
+
+def test_a_rope_mode_on_the_line_of_a_bearing_is_seen_there_alone():
+    given = {"bearing_3 FTF": 0.4 * WHEEL}
+    changes = {"bearings": given, "rope_mode": {"lifting": 0.4 * WHEEL}, "windows": {"lifting": (0.5, 2.5)}}
+    found = diagnose(response(), response("healthy"), settings(**changes))
+    assert found.lines.where(near_rope=1).label == ("bearing_3 FTF",)
+    assert "on none of them" in sentences(found)[0]

@@ -1,62 +1,13 @@
-"""Result folders: whole or absent, never overwritten, the newest named."""
+"""Result folders: safe names, the newest one of a scene, the log."""
 
 import json
 import logging
-import os
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from pipelines import results
 from pipelines.errors import InputError
-
-
-def test_a_folder_appears_when_everything_is_there(tmp_path):
-    final = tmp_path / "runs" / "rig" / "now"
-    with results.result_folder(final) as folder:
-        (folder / results.RESPONSE).write_text("x", encoding="utf-8")
-        assert not final.exists()
-    assert [p.name for p in final.iterdir()] == [results.RESPONSE]
-    assert [p.name for p in final.parent.iterdir()] == ["now"]
-
-
-@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
-def test_a_failed_run_leaves_nothing(tmp_path, error):
-    def run():
-        with results.result_folder(tmp_path / "rig" / "now") as folder:
-            (folder / results.RESPONSE).write_text("x", encoding="utf-8")
-            raise error
-
-    with pytest.raises(error):
-        run()
-    assert list((tmp_path / "rig").iterdir()) == []
-
-
-def test_what_a_killed_run_left_is_swept_but_not_what_a_living_one_writes(tmp_path):
-    dead, alive = tmp_path / ".partial-a-999999999", tmp_path / f".partial-b-{os.getpid()}"
-    dead.mkdir()
-    alive.mkdir()
-    with results.result_folder(tmp_path / "now"):
-        pass
-    assert not dead.exists()
-    assert alive.exists()
-
-
-def test_two_runs_in_one_second_do_not_meet(tmp_path):
-    names = set()
-    for _ in range(3):
-        final = results.final_folder("rig", root=tmp_path)
-        final.mkdir(parents=True)
-        names.add(final.name)
-    assert len(names) == 3
-    assert not any(":" in name for name in names)
-
-
-def test_nothing_is_overwritten(tmp_path):
-    (tmp_path / "mine").mkdir()
-    assert results.final_folder("rig", tmp_path / "mine") == tmp_path / "mine"
-    (tmp_path / "mine" / "letter").write_text("x", encoding="utf-8")
-    with pytest.raises(InputError, match="nothing is overwritten"):
-        results.final_folder("rig", tmp_path / "mine")
 
 
 def test_a_run_is_found_by_folder_and_by_scene(tmp_path):
@@ -71,8 +22,75 @@ def test_a_run_is_found_by_folder_and_by_scene(tmp_path):
         results.find_run("other", root=tmp_path)
 
 
+def test_the_newest_result_can_be_noted_by_many_at_once(tmp_path):
+    folders = [tmp_path / str(number) for number in range(16)]
+    with ThreadPoolExecutor(16) as pool:
+        list(pool.map(results.note_latest, folders * 4))
+    assert (tmp_path / results.LATEST).read_text(encoding="utf-8").strip() in {folder.name for folder in folders}
+    assert [path.name for path in tmp_path.iterdir()] == [results.LATEST]
+
+
+@pytest.mark.parametrize(
+    ("name", "folder"),
+    [
+        ("rig", "rig"),
+        ("Wägezelle 2", "Wägezelle 2"),
+        (".rig", "rig"),
+        ("rig. .", "rig"),
+        ("motor: a/b\\c", "motor_ a_b_c"),
+        ("rig\x1b[2J", "rig_[2J"),
+        ("rig\udcff", "rig_"),
+        ("console", "console"),
+    ],
+)
+def test_a_scene_name_is_one_visible_folder_on_every_system(name, folder):
+    assert results.folder_name(name) == folder
+
+
+@pytest.mark.parametrize("name", ["", ".", "..", ". .", "CON", "nul", "com1", "Lpt9.v2", "aux .x", "COM\u00b2"])
+def test_a_name_that_no_folder_can_have_is_refused(name):
+    with pytest.raises(InputError, match="Rename it"):
+        results.folder_name(name)
+
+
+@pytest.mark.parametrize("name", ["..", ".", "CON"])
+def test_a_scene_file_with_such_a_name_is_refused_by_every_command(tmp_path, monkeypatch, capsys, name):
+    from pipelines.cli import main
+
+    (tmp_path / "below").mkdir()
+    monkeypatch.chdir(tmp_path / "below")
+    (tmp_path / "below" / f"{name}.toml").write_text('extends = "minimal"\n', encoding="utf-8")
+    assert main(["check", f"{name}.toml"]) == 2
+    assert "Rename it" in capsys.readouterr().err
+
+
+def test_a_run_is_found_by_the_path_of_its_scene_file(tmp_path):
+    folder = tmp_path / "my_scene" / "now"
+    folder.mkdir(parents=True)
+    (folder / results.RESPONSE).write_text("x", encoding="utf-8")
+    results.note_latest(folder)
+    assert results.find_run("scenes/my:scene.toml", root=tmp_path) == folder
+
+
 def test_the_log_is_lines_of_json(tmp_path):
     with results.logged_to(tmp_path / "log.jsonl"):
         logging.getLogger("fem.test").info("made %d", 3, extra={"facts": {"stage": "law_1"}})
     (line,) = (tmp_path / "log.jsonl").read_text(encoding="utf-8").splitlines()
     assert json.loads(line).items() >= {"message": "made 3", "logger": "fem.test", "stage": "law_1"}.items()
+
+
+def test_a_full_disk_ends_the_log_and_not_the_work(tmp_path, caplog):
+    class Full:
+        def write(self, _):
+            raise OSError(28, "No space left on device")
+
+        def close(self):
+            pass
+
+    logger = logging.getLogger("pipelines")
+    with results.logged_to(tmp_path / "log.jsonl"):
+        handler = next(h for h in logger.handlers if isinstance(h, results.JsonLines))
+        handler._file.close()
+        handler._file = Full()
+        logger.info("made")
+    assert "is cut short" in caplog.text

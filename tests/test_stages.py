@@ -134,7 +134,29 @@ def test_explain_names_the_field_and_the_chain(cache):
 def test_explain_on_an_empty_cache(cache):
     status = explain(graph(), cache)
     assert [s.action for s in status] == ["build"] * 5
-    assert status[0].reason == "never built"
+    assert [s.first for s in status] == [True] * 5
+    assert status[0].reason == "first run"
+
+
+@dataclass(frozen=True)
+class Scene:
+    values: dict[str, float]
+
+
+def test_explain_compares_with_a_variant_and_not_with_another_scene(cache):
+    """4 of 40 values changed is a variant; with 20 it is another scene, whose differences say nothing."""
+
+    def one(changed):
+        spec = Scene({f"value_{n}": n + (n < changed) for n in range(40)})
+        return Graph([Stage(name="law", kind="law", build=make_nothing, spec=spec)])
+
+    cache.store("law", one(0).stages["law"].key({}), lambda folder: None, one(0).stages["law"].facts({}))
+    (variant,) = explain(one(4), cache)
+    assert not variant.first
+    assert variant.reason.count("->") == 4
+    (other,) = explain(one(20), cache)
+    assert other.first
+    assert other.reason == "first run"
 
 
 def test_a_damaged_result_is_built_again_with_the_same_bits(cache):

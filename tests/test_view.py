@@ -1,6 +1,7 @@
 """Pictures: solids have the right volume, labels the right places, and a dead renderer stops nothing."""
 
 import logging
+import subprocess
 import sys
 
 import numpy as np
@@ -10,7 +11,7 @@ from synthetic import box, gear_outline, key_points
 
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
-from pipelines import pictures
+from pipelines import picture_failures, pictures
 from pipelines.callouts import casing_figure, gear_figure, spread
 from pipelines.pictures import CasingView, GearPairView, LeftOut, Picture, render_casing, render_gears
 from pipelines.plots import StiffnessPlot
@@ -139,23 +140,54 @@ def test_pictures_show_gears_and_casing_where_they_are_said_to_be():
     assert {"x", "y", "z"} <= labels
 
 
+KILL = "import os, signal; os.kill(os.getpid(), signal.{})"
+
+
 @pytest.mark.parametrize(
-    ("program", "what", "package"),
+    ("program", "graphics", "limit", "what", "remedy"),
     [
-        ("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", "SIGSEGV", "libegl1 (or libosmesa6)"),
-        ("raise ImportError('libGL.so.1: cannot open shared object file')", "libGL.so.1", "install libgl1 with"),
-        ("pass", "wrote no picture", "libegl1"),
-        ("import time; time.sleep(60)", "more than 1 s", "run again"),
+        (KILL.format("SIGSEGV"), False, None, "SIGSEGV, which happens without EGL", "libegl1 (or libosmesa6)"),
+        (KILL.format("SIGSEGV"), True, None, "the cause is not known", "run again"),
+        (KILL.format("SIGSEGV"), True, 1200.0, "SIGSEGV under a memory limit of 1200 MB", "raise the limit"),
+        (KILL.format("SIGSEGV"), False, 64e3, "SIGSEGV, which happens without EGL", "libegl1 (or libosmesa6)"),
+        (KILL.format("SIGKILL"), False, None, "killed, which the system does when memory runs out", "raise the limit"),
+        (KILL.format("SIGTERM"), False, None, "ended with SIGTERM", "run again"),
+        ("raise MemoryError", False, None, "MemoryError", "raise the limit"),
+        ("raise ImportError('libvtk.so: failed to map segment from shared object')", False, 500.0, "map", "raise"),
+        ("raise ImportError('libGL.so.1: cannot open shared object file')", True, None, "libGL.so.1", "libgl1 with"),
+        ("import a_module_that_is_not_there", True, None, "a_module_that_is_not_there", "Install this module"),
+        ("raise ValueError('odd')", False, None, "ValueError: odd", "run again"),
+        ("pass", False, None, "wrote no picture", "libegl1"),
+        ("import time; time.sleep(60)", True, None, "more than 1 s", "run again"),
     ],
 )
-def test_a_dead_renderer_leaves_one_picture_out(monkeypatch, caplog, program, what, package):
+def test_a_dead_renderer_leaves_one_picture_out(monkeypatch, caplog, program, graphics, limit, what, remedy):
     monkeypatch.setattr(pictures, "RENDERER", ("-c", program))
     monkeypatch.setattr(pictures, "TIMEOUT", 1.0 if "sleep" in program else 30.0)
+    monkeypatch.setattr(picture_failures, "graphics_found", lambda: graphics)
+    monkeypatch.setattr(picture_failures, "memory_limit", lambda: limit)
     with caplog.at_level(logging.WARNING):
         found = render_gears(pair())
     assert isinstance(found, LeftOut)
     assert found.reason.startswith("The picture of the gear pair is left out")
     assert what in found.reason
-    assert package in found.reason
+    assert remedy in found.reason
+    assert ("apt-get" in found.reason) == ("lib" in remedy)
     assert found.reason in caplog.text
     assert "pyvista" not in sys.modules
+
+
+LIMITED = """
+import resource, sys
+sys.path[:0] = {path!r}
+from pipelines.picture_failures import memory_limit
+resource.setrlimit(resource.RLIMIT_AS, ({limit} * 2**20, resource.RLIM_INFINITY))
+print(memory_limit())
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits as POSIX has them")
+def test_a_limit_of_memory_is_known():
+    code = LIMITED.format(path=sys.path, limit=4000)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert float(done.stdout) == 4000.0

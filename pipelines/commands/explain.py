@@ -9,16 +9,22 @@ _WORDS = {"reuse": "reused", "build": "built", "follow": "perhaps"}
 
 
 def main(options: argparse.Namespace) -> int:
-    """Print one line per stage; nothing is built."""
+    """Print one line per stage, with what changed since a scene like this one was run; nothing is built."""
     from pipelines.cache import Cache
     from pipelines.stages import explain
     from pipelines.study import plan_study
     from pipelines.trade.presets import load_asked
 
-    found = explain(plan_study(load_asked(options)).graph, Cache())
+    graph = plan_study(load_asked(options)).graph
+    found = explain(graph, Cache())
+    ends = graph.stages.keys() - {name for stage in graph for name in stage.takes}
+    first = all(status.first for status in found if status.name in ends)
+    if first:
+        sys.stdout.write("First run: no results of a scene like this one are stored to compare it with.\n")
     width = max(len(status.name) for status in found)
     for status in found:
-        line = f"{_WORDS[status.action]:8} {status.name:{width}}  {status.reason}".rstrip()
+        reason = "" if first and status.action != "reuse" else status.reason
+        line = f"{_WORDS[status.action]:8} {status.name:{width}}  {reason}".rstrip()
         sys.stdout.write(f"{line}\n")
     actions = [status.action for status in found]
     sys.stdout.write(
