@@ -149,7 +149,7 @@ def test_pictures_show_gears_and_casing_where_they_are_said_to_be():
     ],
 )
 def test_a_dead_renderer_leaves_one_picture_out(monkeypatch, caplog, program, what, package):
-    monkeypatch.setattr(pictures, "RENDERER", ("-c", program))
+    monkeypatch.setattr(pictures, "command", lambda _: [sys.executable, "-c", program])
     monkeypatch.setattr(pictures, "TIMEOUT", 1.0 if "sleep" in program else 30.0)
     with caplog.at_level(logging.WARNING):
         found = render_gears(pair())
