@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import subprocess
 import sys
 import tempfile
@@ -21,6 +20,7 @@ from typing import Any
 from benchmarks import page
 from benchmarks.child import PARTS
 from benchmarks.clock import conditions
+from pipelines.child import command, environment
 
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "benchmarks" / "results" / "latest.json"
@@ -78,10 +78,9 @@ def main(arguments: list[str] | None = None) -> int:
 
 def measured(name: str, folder: Path) -> dict[str, Any]:
     """The result of one part from its own process."""
-    command = [sys.executable, "-m", "benchmarks.child", str(folder), name]
-    environment = os.environ | dict.fromkeys(THREADS, "1")
+    run, own = command("benchmarks.child", str(folder), name), environment(**dict.fromkeys(THREADS, "1"))
     try:
-        done = subprocess.run(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, timeout=LIMIT, check=False)
+        done = subprocess.run(run, cwd=ROOT, env=own, stdout=subprocess.PIPE, timeout=LIMIT, check=False)
     except subprocess.TimeoutExpired:
         return {"skipped": f"not finished after {LIMIT} s"}
     lines = done.stdout.decode("utf-8").strip().splitlines()
@@ -92,11 +91,11 @@ def measured(name: str, folder: Path) -> dict[str, Any]:
 
 def beside(name: str) -> str:
     """Measure a peer, which writes its own result; what it said if it was skipped, else how long it took."""
-    command, start = [sys.executable, "-m", f"benchmarks.peers.{name}", *PEERS[name]], time.perf_counter()
-    environment = os.environ | dict.fromkeys(THREADS, "1")
+    run, start = command(f"benchmarks.peers.{name}", *PEERS[name]), time.perf_counter()
+    own = environment(**dict.fromkeys(THREADS, "1"))
     try:
         done = subprocess.run(
-            command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True, timeout=PEER_LIMIT, check=False
+            run, cwd=ROOT, env=own, stdout=subprocess.PIPE, text=True, timeout=PEER_LIMIT, check=False
         )
     except subprocess.TimeoutExpired:
         return f"not finished after {PEER_LIMIT} s"

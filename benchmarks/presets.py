@@ -6,14 +6,13 @@ it, from the start of the process to the written signals. The presets share no s
 
 from __future__ import annotations
 
-import os
 import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any
 
 from pipelines.cache import Cache
+from pipelines.child import command, environment
 from pipelines.scene_file import LoadedScene, changed, load_scene
 from pipelines.trade.presets import PRESETS, preset_settings
 from pipelines.trade.probes import PROBES
@@ -45,10 +44,11 @@ def presets(folder: Path) -> list[dict[str, Any]]:
 def run(cache: Path, *arguments: str) -> float:
     """Wall-clock seconds of `gearcase simulate`."""
     out = cache / f"signals {len(list(cache.glob('signals *')))}"
-    command = [sys.executable, "-m", "pipelines.cli", "simulate", *arguments, "--out", str(out), "-q"]
-    environment = {**os.environ, "GEARCASE_CACHE": str(cache / "cache"), "PYTHONPATH": os.pathsep.join(sys.path)}
+    gearcase = command("pipelines.cli", "simulate", *arguments, "--out", str(out), "-q")
+    code = cache.parent / "code"  # compiled code is on disk already when the cache is cold
+    own = environment(GEARCASE_CACHE=str(cache / "cache"), NUMBA_CACHE_DIR=str(code))
     start = time.perf_counter()
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run(gearcase, env=own, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"gearcase simulate {' '.join(arguments)} ended with {done.returncode}: {done.stderr}")
     return time.perf_counter() - start

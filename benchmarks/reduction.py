@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.clock import conditions
+from pipelines.child import command, environment
 
 CASES = (  # mm, Hz, solver
     (26.0, 5000.0, "multifrontal"),
@@ -107,8 +108,8 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
 
 def _in_child(size: float, band: float, solver: str) -> dict[str, Any]:
     case = ["--elements", str(size), "--bands", str(band), "--solvers", solver]
-    command = [sys.executable, "-m", "benchmarks.reduction", "--one", *case]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    run = command("benchmarks.reduction", "--one", *case)
+    done = subprocess.run(run, env=environment(), capture_output=True, text=True, check=False)
     if done.returncode:
         return {"element_size_mm": size, "band_Hz": band, "solver": solver, "failed": done.stderr.strip()[-300:]}
     return json.loads(done.stdout.splitlines()[-1])

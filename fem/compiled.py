@@ -13,19 +13,28 @@ import _thread
 import contextlib
 import ctypes
 import functools
+import hashlib
 import inspect
+import pickle
 import signal
+import sys
 import threading
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import llvmlite
 import llvmlite.binding as llvm
+import numba
 from llvmlite import ir
 from numba import njit, types
 from numba.core import cgutils
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
 from numba.extending import intrinsic, typeof_impl
+
+from fem import compiled_files
 
 FLOAT, INTEGER = types.float64, types.int64
 VECTOR, MATRIX, CUBE = (types.Array(FLOAT, n, "C") for n in (1, 2, 3))
@@ -53,8 +62,8 @@ def sources(*places: Path) -> tuple[Path, ...]:
 def stored(files: tuple[Path, ...], entry: bool = True, **options: Any) -> Callable:
     """`njit` with a copy on disk that is used as long as the `files` the function is made of stay as they are.
 
-    The compiler itself looks at the file of the function alone, not at those of the functions it calls; the checksum of
-    all is made part of the name under which the code is stored. Without ``entry`` Python must not call it.
+    Their checksum is made part of the function's name, under which the code is stored. Without ``entry`` Python must
+    not call it.
     """
     options = {**PLAIN, **({} if entry else _NO_ENTRY), **options}
     total = 0
@@ -63,9 +72,48 @@ def stored(files: tuple[Path, ...], entry: bool = True, **options: Any) -> Calla
 
     def decorate(function: Callable) -> Any:
         function.__qualname__ = f"{function.__qualname__}_{total:08x}"
-        return njit(cache=True, **options)(function)
+        dispatcher = njit(**options)(function)
+        dispatcher._cache = _Stored(function)
+        return dispatcher
 
     return decorate
+
+
+class _Stored:
+    """What a compiled function asks of its cache, answered from our files.
+
+    The compiler's own cache looks for a folder when the function is defined and stops the program if none can be
+    written; it believes whoever can write there, and what is damaged.
+    """
+
+    def __init__(self, function: Callable) -> None:
+        self._function = f"{function.__module__}.{function.__qualname__}"
+
+    @property
+    def cache_path(self) -> str:
+        """The folder, for statistics."""
+        return str(compiled_files.compiled_folder())
+
+    def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
+        """The code for a signature; None if it must be compiled."""
+        target.refresh()
+        content = compiled_files.read(*self._name_and_key(signature, target.codegen()))
+        return None if content is None else CompileResult._rebuild(target, *pickle.loads(content))
+
+    def save_overload(self, signature: Any, result: Any) -> None:
+        """Keep the code for a signature."""
+        if result.library.has_dynamic_globals:
+            raise TypeError(f"{self._function} holds addresses of this process and cannot be stored")
+        compiled_files.write(*self._name_and_key(signature, result.codegen), dumps(result._reduce()))
+
+    def flush(self) -> None:
+        """Nothing: code that is compiled again replaces what was stored."""
+
+    def _name_and_key(self, signature: Any, codegen: Any) -> tuple[str, str]:
+        made_by = (sys.version, numba.__version__, llvmlite.__version__, codegen.magic_tuple())
+        key = repr((self._function, str(signature), made_by))
+        function = self._function.replace("<locals>", "locals")
+        return f"{function}-{hashlib.sha256(key.encode()).hexdigest()[:16]}.code", key
 
 
 class Inner:

@@ -11,10 +11,12 @@ References: Karypis & Kumar (1998), SIAM J. Sci. Comput. 20(1), 359-392; Liu (19
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import scipy.sparse as sp
-from numba import njit
+
+from fem.compiled import sources, stored
 
 _OPENED = 30  # subtrees at most that are opened to find two halves
 
@@ -174,7 +176,7 @@ def _structure(
     return rows, tuple(tuple(c) for c in children)
 
 
-@njit(cache=True)
+@stored(sources(Path(__file__)))
 def _tree(indptr: np.ndarray, indices: np.ndarray) -> np.ndarray:
     """Parent of every column in the elimination tree, -1 for a root."""
     n = len(indptr) - 1
@@ -191,7 +193,7 @@ def _tree(indptr: np.ndarray, indices: np.ndarray) -> np.ndarray:
     return parent
 
 
-@njit(cache=True)
+@stored(sources(Path(__file__)))
 def _postorder(parent: np.ndarray) -> np.ndarray:
     """Columns so that every subtree is contiguous and stands before its root."""
     n = len(parent)
@@ -218,7 +220,7 @@ def _postorder(parent: np.ndarray) -> np.ndarray:
     return order
 
 
-@njit(cache=True)
+@stored(sources(Path(__file__)))
 def _column_counts(indptr: np.ndarray, indices: np.ndarray, parent: np.ndarray) -> np.ndarray:
     """Entries of every column of the factor, diagonal included: row i holds the paths from its entries up to i."""
     n = len(parent)
@@ -234,7 +236,7 @@ def _column_counts(indptr: np.ndarray, indices: np.ndarray, parent: np.ndarray) 
     return counts
 
 
-@njit(cache=True)
+@stored(sources(Path(__file__)))
 def _join(width: np.ndarray, height: np.ndarray, above: np.ndarray) -> np.ndarray:
     """Supernode that each one is joined to (its own number if it stays), as long as few zeros are stored."""
     width, height, zeros = width.copy(), height.copy(), np.zeros(len(width))

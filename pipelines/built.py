@@ -38,6 +38,11 @@ class Result:
                 f"stage {self.record.name}: its stored result {self.entry.name} was removed while it was needed "
                 f"({error}). Run again; do not clear the cache during a run."
             ) from error
+        except (ValueError, TypeError, KeyError) as error:
+            raise WorkError(
+                f"stage {self.record.name}: its stored result is not one ({error}). Remove {self.entry.folder} and run "
+                "again."
+            ) from error
 
     def stored(self) -> Result:
         """The same without the value, where the cache holds it."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from fem.cache_folder import CacheWarning as CacheWarning
+
 
 class InputError(ValueError):
     """Something the user gave cannot be used: a file, a folder, an option (exit code 2)."""
@@ -12,10 +14,6 @@ class InputError(ValueError):
 
 class WorkError(RuntimeError):
     """The input was fine, the work on it failed (exit code 1)."""
-
-
-class CacheWarning(UserWarning):
-    """The cache could not do its part (damaged entry, folder not writable); results are not affected."""
 
 
 @dataclass(frozen=True)

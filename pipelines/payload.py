@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-import importlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,8 +16,7 @@ from typing import Any
 import numpy as np
 
 from fem.records import Record
-
-_CONTENTS = "contents.json"
+from pipelines.contents import CONTENTS, ContentsError, read_contents, stored_class, type_name
 
 
 class PayloadError(TypeError):
@@ -29,7 +27,7 @@ def save_payload(folder: Path, value: Any) -> None:
     """Write `value` into the empty folder."""
     files = _Files(folder)
     node = files.save(value)
-    (folder / _CONTENTS).write_text(json.dumps(node), encoding="utf-8")
+    (folder / CONTENTS).write_text(json.dumps(node), encoding="utf-8")
 
 
 def load_payload(folder: Path) -> Any:
@@ -39,7 +37,7 @@ def load_payload(folder: Path) -> Any:
     ------
     OSError, ValueError : a file is missing or not what it should be
     """
-    return _load(folder, json.loads((folder / _CONTENTS).read_text(encoding="utf-8")))
+    return _load(folder, read_contents(folder))
 
 
 def digest(value: Any) -> str:
@@ -78,7 +76,7 @@ class _Files:
         if isinstance(value, Record):
             path = self.path(".h5")
             value.save(path)
-            return {"kind": "record", "type": _type_name(value), "file": path.name}
+            return {"kind": "record", "type": _loadable(value), "file": path.name}
         if _is_dataset(value):
             path = self.path(".nc")
             path.write_bytes(value.to_netcdf(engine="h5netcdf"))
@@ -97,7 +95,7 @@ class _Files:
             return {"kind": "bytes", "file": path.name}
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
             items = {f.name: self.save(getattr(value, f.name)) for f in dataclasses.fields(value) if f.init}
-            return {"kind": "dataclass", "type": _type_name(value), "items": items}
+            return {"kind": "dataclass", "type": _loadable(value), "items": items}
         if isinstance(value, Mapping):
             _only_text_keys(value)
             return {"kind": "dict", "items": {key: self.save(item) for key, item in value.items()}}
@@ -110,7 +108,7 @@ class _Files:
 def _load(folder: Path, node: Mapping[str, Any]) -> Any:
     match node["kind"]:
         case "record":
-            return _type(node["type"]).load(folder / node["file"])
+            return stored_class(node["type"], record=True).load(folder / node["file"])
         case "dataset":
             import xarray
 
@@ -122,17 +120,15 @@ def _load(folder: Path, node: Mapping[str, Any]) -> Any:
         case "bytes":
             return (folder / node["file"]).read_bytes()
         case "dataclass":
-            return _type(node["type"])(**{name: _load(folder, item) for name, item in node["items"].items()})
+            made = stored_class(node["type"], record=False)
+            return made(**{name: _load(folder, item) for name, item in node["items"].items()})
         case "dict":
             return {name: _load(folder, item) for name, item in node["items"].items()}
         case "list":
             return [_load(folder, item) for item in node["items"]]
         case "tuple":
             return tuple(_load(folder, item) for item in node["items"])
-        case "plain":
-            return node["value"]
-        case kind:
-            raise ValueError(f"{folder.name}: unknown kind of part {kind!r}")
+    return node["value"]
 
 
 def _fingerprint(value: Any) -> Any:
@@ -149,7 +145,7 @@ def _fingerprint(value: Any) -> Any:
         return ["bytes", hashlib.sha256(value).hexdigest()]
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         items = {f.name: _fingerprint(getattr(value, f.name)) for f in dataclasses.fields(value)}
-        return ["dataclass", _type_name(value), items]
+        return ["dataclass", type_name(value), items]
     if hasattr(value, "model_dump"):
         return ["model", type(value).__name__, value.model_dump(mode="json")]
     if isinstance(value, Mapping):
@@ -193,13 +189,10 @@ def _only_text_keys(value: Mapping[Any, Any]) -> None:
         raise PayloadError(f"the keys of a table must be text, {wrong[0]!r} is not")
 
 
-def _type_name(value: Any) -> str:
-    return f"{type(value).__module__}:{type(value).__qualname__}"
-
-
-def _type(name: str) -> Any:
-    module, _, qualified = name.partition(":")
-    found: Any = importlib.import_module(module)
-    for part in qualified.split("."):
-        found = getattr(found, part)
-    return found
+def _loadable(value: Any) -> str:
+    name = type_name(value)
+    try:
+        stored_class(name, record=isinstance(value, Record))
+    except ContentsError as error:
+        raise PayloadError(f"a {type(value).__name__} cannot be stored: {error}") from error
+    return name

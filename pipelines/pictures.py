@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pipelines.child import command, environment
 from pipelines.errors import InputError
 from pipelines.mesh_frames import MeshFrames
 from pipelines.picture_failures import Failure, ended, no_picture, too_slow
@@ -31,7 +32,7 @@ log = logging.getLogger(__name__)
 KINDS = ("ground", "bearing", "sensor")
 TIMEOUT = 120.0  # s
 MESH_DIRECTION = (-0.55, -0.35, 1.0)
-RENDERER = ("-P", "-m", "pipelines.view")
+RENDERER = "pipelines.view"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -306,12 +307,10 @@ def _single(pictures: list[Picture] | LeftOut) -> Picture | LeftOut:
 
 def _run_child(job: Path, timeout: float | None) -> Failure | None:
     """Start the renderer; None if it ended well, else what happened."""
-    package_home = str(Path(__file__).resolve().parent.parent)
-    path = os.pathsep.join(filter(None, [package_home, os.environ.get("PYTHONPATH", "")]))
     try:
         done = subprocess.run(
-            [sys.executable, *RENDERER, str(job)],
-            env={**os.environ, "PYTHONPATH": path},
+            [*command(RENDERER), str(job)],
+            env=environment(),
             capture_output=True,
             text=True,
             encoding="utf-8",

@@ -1,35 +1,32 @@
 """Build stages in processes of their own: started as commands, so that a user's script needs no main guard.
 
-The parent writes a job file and its name on the child's standard input; the child stores its result in the cache,
-answers with a file and waits for the next job, because starting Python and its libraries is dear. A child whose parent
-is gone reads the end of its input and stops.
+The parent writes a job file and its name on the child's standard input; the child (`pipelines.worker`) stores its
+result in the cache, answers with a file and waits for the next job, because starting Python and its libraries is dear.
+A child whose parent is gone reads the end of its input and stops. The files lie in a folder that only this user can
+read and write: reading one runs what it holds.
 """
 
 from __future__ import annotations
 
-import logging
 import os
 import pickle
-import queue
 import signal
 import subprocess
-import sys
 import tempfile
-import threading
 import time
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any, Self, cast
+from typing import IO, Self, cast
 
-from pipelines.built import Result, build_here, one_thread
-from pipelines.cache import Cache
+from fem.cache_folder import CacheWarning, warn_once
+from pipelines.built import Result
+from pipelines.child import command, environment
 from pipelines.errors import WorkError
 from pipelines.stages import Stage
 
 _POLL_SECONDS = 0.02
-_GONE = 3  # exit code of a child whose parent is gone
 
 
 @dataclass(frozen=True)
@@ -116,77 +113,34 @@ class Pool:
         self._idle.append(child)
         kind, content, notes = pickle.loads(job.answer.read_bytes())
         for category, text in notes:
-            warnings.warn(category(text), stacklevel=2)
+            if category is CacheWarning:
+                warn_once(text)  # each process finds out for itself that there is no cache
+            else:
+                warnings.warn(category(text), stacklevel=2)
         if kind == "error":
             raise content
         return job.stage, content
 
 
 def _new_child(folder: Path) -> subprocess.Popen:
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
-    command = [sys.executable, "-m", "pipelines.processes", str(folder)]
     alone = os.name == "posix"  # an interrupt from the keyboard reaches the parent only, which ends its children
-    return subprocess.Popen(command, bufsize=0, stdin=subprocess.PIPE, env=environment, start_new_session=alone)
+    return subprocess.Popen(
+        command("pipelines.worker", str(folder)),
+        bufsize=0,
+        stdin=subprocess.PIPE,
+        env=environment(),
+        start_new_session=alone,
+    )
 
 
 def _input(child: subprocess.Popen) -> IO[bytes]:
     return cast("IO[bytes]", child.stdin)
 
 
-def _lost(stage: Stage, child: subprocess.Popen) -> WorkError:
-    return WorkError(
-        f"stage {stage.name}: its process ended with code {child.wait()} and no answer, perhaps for lack of memory. "
-        "Run again with --processes 1, or with a coarser model."
-    )
-
-
-def _asked() -> Iterator[str]:
-    """Names of job files as the parent writes them. The end of the input ends this process, at work or not."""
-    names: queue.SimpleQueue[str] = queue.SimpleQueue()
-
-    def watch() -> None:
-        given = b""
-        while more := os.read(0, 4096):  # not sys.stdin, whose lock would be held at the end of the interpreter
-            *lines, given = (given + more).split(b"\n")
-            for line in lines:
-                names.put(line.decode())
-        os._exit(_GONE)
-
-    threading.Thread(target=watch, name="parent watch", daemon=True).start()
-    while True:
-        yield names.get()
-
-
-def _sendable(error: Exception) -> Exception:
-    """The error itself if it survives the way to the parent, else one of a known type with its words."""
-    try:
-        copy = pickle.loads(pickle.dumps(error))
-        if str(copy) == str(error):
-            return error
-    except Exception as reason:
-        logging.getLogger(__name__).debug("%r cannot be sent: %r", error, reason)
-    kind = ValueError if isinstance(error, ValueError) else WorkError
-    return kind(f"{type(error).__name__}: {error}")
-
-
-def work(job: Path) -> None:
-    """Build the stage of a job file and write the answer beside it."""
-    stage, key, upstream, cache_folder = pickle.loads(job.read_bytes())
-    answer: tuple[str, Any]
-    with warnings.catch_warnings(record=True) as caught:
-        try:
-            with one_thread():
-                result = build_here(stage, key, upstream, Cache(cache_folder))
-            answer = ("result", result.stored())
-        except Exception as error:
-            answer = ("error", _sendable(error))
-    notes = [(w.category, str(w.message)) for w in caught]
-    partial = job.with_suffix(".partial")
-    partial.write_bytes(pickle.dumps((*answer, notes)))
-    os.replace(partial, job.with_suffix(".answer"))
-
-
-if __name__ == "__main__":
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
-    for asked in _asked():
-        work(Path(sys.argv[1]) / asked)
+def _lost(stage: Stage, process: subprocess.Popen) -> WorkError:
+    code = process.wait()
+    if code < 0:
+        how = f"was ended by {signal.Signals(-code).name}, perhaps for lack of memory"
+    else:
+        how = f"ended with code {code} and no answer; what it said stands above"
+    return WorkError(f"stage {stage.name}: its process {how}. Run again with --processes 1, or with a coarser model.")

@@ -20,6 +20,16 @@ from pipelines.payload import digest, flat
 from pipelines.toml_text import format_value
 
 FIRST = "first run"
+_FACTS: dict[str, type | tuple[type, ...]] = {
+    "content": str,
+    "seconds": (int, float),
+    "peak_bytes": int,
+    "ledger": dict,
+    "fields": dict,
+    "takes": list,
+    "code": str,
+    "libraries": dict,
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,16 +153,19 @@ class Graph:
 def stored(stage: Stage, cache: Cache, contents: Mapping[str, str], *, thorough: bool) -> Entry | None:
     """The entry that serves a stage: its own, or that with the next larger number where more is `enough`."""
     found = cache.find(stage.kind, stage.key(contents), thorough=thorough)
+    if found is not None and not _whole(found):
+        cache.discard(found.folder, "its facts are not those of a stage")
+        found = None
     if found is not None or not stage.enough:
         return found
     facts = stage.facts(contents)
     wanted = facts["fields"][stage.enough]
     serving = []
-    for entry in cache.entries(stage.kind):
-        given = entry.facts.get("fields", {}).get(stage.enough)
-        same = all(entry.facts.get(name) == facts[name] for name in ("takes", "code", "libraries"))
-        others = {**entry.facts.get("fields", {}), stage.enough: wanted}
-        if same and others == facts["fields"] and given is not None and given > wanted:
+    for entry in filter(_whole, cache.entries(stage.kind)):
+        given = entry.facts["fields"].get(stage.enough)
+        same = all(entry.facts[name] == facts[name] for name in ("takes", "code", "libraries"))
+        others = {**entry.facts["fields"], stage.enough: wanted}
+        if same and others == facts["fields"] and isinstance(given, int | float) and given > wanted:
             serving.append((given, entry.facts["key"]))
     return cache.find(stage.kind, min(serving)[1], thorough=thorough) if serving else None
 
@@ -199,7 +212,7 @@ def _nearest(stage: Stage, cache: Cache, facts: Mapping[str, Any]) -> list[str] 
     """
     ranked = [
         (len(found), entry.facts.get("stage") != stage.name, found)
-        for entry in cache.entries(stage.kind)
+        for entry in filter(_whole, cache.entries(stage.kind))
         if (found := _differences(stage, entry, facts)) is not None
     ]
     return min(ranked, key=lambda item: item[:2])[2] if ranked else None
@@ -214,7 +227,7 @@ def _differences(stage: Stage, entry: Entry, facts: Mapping[str, Any]) -> list[s
         for path in sorted(before.keys() | after.keys())
         if before.get(path) != after.get(path) or (path in before) != (path in after)
     ]
-    if len(old.get("takes", ())) != len(facts["takes"]) or len(changed) > _comparable(len(after)):
+    if len(old["takes"]) != len(facts["takes"]) or len(changed) > _comparable(len(after)):
         return None
     out = [
         f"{path.removeprefix('scene.') or 'input'} {_shown(before, path)} -> {_shown(after, path)}" for path in changed
@@ -231,6 +244,13 @@ def _differences(stage: Stage, entry: Entry, facts: Mapping[str, Any]) -> list[s
 def _comparable(values: int) -> int:
     """How many of so many values may differ in a variant of one scene; with more it is another scene."""
     return max(3, min(10, values // 4))
+
+
+def _whole(entry: Entry) -> bool:
+    """True if an entry has the facts of a stage; others were not stored by one."""
+    facts = entry.facts
+    typed = all(isinstance(facts.get(name), kind) for name, kind in _FACTS.items())
+    return typed and all(isinstance(count, int) for count in facts["ledger"].values())
 
 
 def _shown(fields: Mapping[str, Any], path: str) -> str:

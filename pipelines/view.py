@@ -1,7 +1,7 @@
 """Three-dimensional pictures: the one module that imports pyvista, run as a child process.
 
 Off-screen rendering without EGL or OSMesa ends in a segmentation fault, not in an exception, so the caller
-(pipelines.pictures) starts ``python -m pipelines.view job.json`` and outlives it. The job names a file of arrays and
+(pipelines.pictures) starts it with ``job.json`` and outlives it. The job names a file of arrays and
 the picture to write; beside the picture a JSON file gives the pixel position of every named point, for labels.
 """
 

@@ -6,13 +6,18 @@ import pytest
 
 
 def pytest_configure(config):
-    """Set GEARCASE_CACHE before any test; processes of pytest-xdist share the folder of their parent."""
+    """Set GEARCASE_CACHE before any test; processes of pytest-xdist share the folder of their parent.
+
+    Compiled code outlives the test run, in the folder that pytest keeps: to compile it takes minutes.
+    """
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     if hasattr(config, "workerinput"):
         return
     import tempfile
 
+    if config.pluginmanager.hasplugin("cacheprovider"):
+        os.environ.setdefault("NUMBA_CACHE_DIR", str(config.cache.mkdir("compiled")))
     folder = tempfile.mkdtemp(prefix="gearcase-test-cache-")
     config.stash[_FOLDER] = folder
     config.stash[_BEFORE] = os.environ.get("GEARCASE_CACHE")

@@ -1,5 +1,7 @@
 """Cache: damage is found and rebuilt, a kill leaves nothing half, a cache that cannot be used is only a warning."""
 
+import hashlib
+import json
 import os
 import random
 import threading
@@ -138,7 +140,7 @@ def test_a_folder_that_cannot_be_made_is_a_warning(tmp_path):
 
 
 def test_what_a_killed_process_left_is_swept_after_a_day(tmp_path):
-    left = tmp_path / "partial" / "1-dead"
+    left = tmp_path / "partial" / "1-0123456789ab"
     left.mkdir(parents=True)
     os.utime(left, (0, 0))
     Cache(tmp_path).store("law", KEY, fill)
@@ -147,14 +149,14 @@ def test_what_a_killed_process_left_is_swept_after_a_day(tmp_path):
 
 def test_clear_removes_only_what_is_old_enough_and_ours(tmp_path):
     cache = Cache(tmp_path)
-    (tmp_path / "letter.txt").write_text("not ours", encoding="utf-8")
     cache.store("law", KEY, fill)
+    (tmp_path / "letter.txt").write_text("not ours", encoding="utf-8")
     old = cache.store("law", KEY[::-1], fill)
     os.utime(old.folder / "manifest.json", (0, 0))
     assert cache.clear(older_than_days=30)[0] == 1
     assert len(list(cache.entries())) == 1
     assert cache.clear()[0] == 1
-    assert [p.name for p in tmp_path.iterdir()] == ["letter.txt"]
+    assert {p.name for p in tmp_path.iterdir()} == {"letter.txt", "CACHEDIR.TAG"}
 
 
 def test_verify_counts_and_removes(tmp_path):
@@ -165,6 +167,107 @@ def test_verify_counts_and_removes(tmp_path):
     sound, removed = cache.verify()
     assert sound == 1
     assert "a.bin has 0 bytes" in removed[0]
+
+
+RECORD = {"kind": "record", "type": "fem.contact.law:MeshLaw", "file": "part_1.h5"}
+
+
+def nested(depth):
+    node = {"kind": "plain", "value": 1}
+    for _ in range(depth):
+        node = {"kind": "list", "items": [node]}
+    return json.dumps(node)
+
+
+FORGED = {
+    "a class of another program": {**RECORD, "type": "forged:Program"},
+    "a class of the library": {"kind": "dataclass", "type": "subprocess:Popen", "items": {}},
+    "a class that ours has imported": {
+        "kind": "dataclass",
+        "type": "pipelines.processes:subprocess.Popen",
+        "items": {},
+    },
+    "a function": {"kind": "dataclass", "type": "pipelines.cli:main", "items": {}},
+    "a class that is no record": {**RECORD, "type": "pipelines.cache:Cache"},
+    "a module that is not there": {**RECORD, "type": "pipelines.absent:Record"},
+    "no class": {**RECORD, "type": ["fem"]},
+    "a file above": {**RECORD, "file": "../part_1.h5"},
+    "a file elsewhere": {"kind": "bytes", "file": "/etc/passwd"},
+    "a link": {"kind": "bytes", "file": "part_2.bin"},
+    "a file that is not there": {"kind": "array", "file": "part_9.npy"},
+    "no file": {"kind": "text", "file": 5},
+    "other fields": {"kind": "dataclass", "type": "pipelines.errors:Problem", "items": {"command": RECORD}},
+    "an unknown kind": {"kind": "pickle", "file": "part_1.h5"},
+    "no kind": {"items": []},
+    "not a table": [1, 2],
+    "items of the wrong type": {"kind": "list", "items": {"a": 1}},
+    "a plain value that is not": {"kind": "plain", "value": {"a": 1}},
+    "depth": nested(300),
+    "depth beyond the reader": "[" * 200_000,
+    "not JSON": "\0",
+}
+
+
+@pytest.mark.parametrize("contents", FORGED.values(), ids=FORGED)
+def test_forged_contents_with_good_checksums_are_damage(tmp_path, monkeypatch, contents):
+    monkeypatch.syspath_prepend(str(tmp_path))
+    (tmp_path / "forged.py").write_text("raise SystemExit('the forged entry ran a program')", encoding="utf-8")
+
+    def forge(folder):
+        (folder / "part_1.h5").write_bytes(b"not a record")
+        if contents == FORGED["a link"]:
+            (folder / "part_2.bin").symlink_to("/etc/passwd")
+        text = contents if isinstance(contents, str) else json.dumps(contents)
+        (folder / "contents.json").write_text(text, encoding="utf-8")
+
+    cache = Cache(tmp_path / "cache")
+    with pytest.warns(CacheWarning):
+        cache.store("law", KEY, forge)
+    with pytest.warns(CacheWarning, match=f"law-{KEY[:32]} is damaged"):
+        assert cache.find("law", KEY) is None
+    assert cache.store("law", KEY, fill) is not None
+
+
+def manifest_of(entry, change):
+    """Write a changed manifest with a good checksum."""
+    path = entry.folder / "manifest.json"
+    body = json.loads(path.read_text(encoding="utf-8"))["body"]
+    change(body)
+    total = hashlib.sha256(json.dumps(body, sort_keys=True).encode()).hexdigest()
+    path.write_text(json.dumps({"body": body, "sha256": total}), encoding="utf-8")
+
+
+FORGED_MANIFESTS = {
+    "facts": lambda body: body.update(facts=[1]),
+    "files": lambda body: body.update(files=["a.bin"]),
+    "file above": lambda body: body["files"].update({"../secret": {"bytes": 0, "sha256": ""}}),
+    "file elsewhere": lambda body: body["files"].update({"/etc/passwd": {"bytes": 0, "sha256": ""}}),
+    "size": lambda body: body["files"]["a.bin"].update(bytes="many"),
+    "checksum": lambda body: body["files"]["a.bin"].update(sha256=1),
+    "kind": lambda body: body["facts"].update(kind=5),
+    "key": lambda body: body["facts"].update(key={"a": 1}),
+    "another key": lambda body: body["facts"].update(key=KEY[::-1]),
+    "empty": lambda body: body.clear(),
+}
+
+
+@pytest.mark.parametrize("change", FORGED_MANIFESTS.values(), ids=FORGED_MANIFESTS)
+def test_a_forged_manifest_with_a_good_checksum_is_damage(tmp_path, change):
+    cache = Cache(tmp_path)
+    entry = cache.store("law", KEY, fill)
+    manifest_of(entry, change)
+    assert list(cache.entries()) == []
+    with pytest.warns(CacheWarning, match=f"{entry.name} is damaged"):
+        assert cache.find("law", KEY) is None
+
+
+@pytest.mark.parametrize("text", ["[" * 200_000, "[]", "1", '"a"', "", '{"body": 1, "sha256": 2}', "\udc80"])
+def test_a_manifest_of_any_text_is_damage(tmp_path, text):
+    cache = Cache(tmp_path)
+    entry = cache.store("law", KEY, fill)
+    (entry.folder / "manifest.json").write_bytes(text.encode("utf-8", "surrogatepass"))
+    assert cache.verify()[1][0].startswith(entry.name)
+    assert cache.find("law", KEY) is None
 
 
 def values():

@@ -1,5 +1,7 @@
 """Compiled functions called through their address: one copy, made when first called, kept on disk by its sources."""
 
+import os
+import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -8,7 +10,11 @@ import numpy as np
 import pytest
 from numba import njit, types
 
+from fem import compiled_files
+from fem.cache_folder import CacheWarning
 from fem.compiled import FLOAT, INTEGER, VECTOR, apart, inner, sources, stored
+
+posix = pytest.mark.skipif(os.name != "posix", reason="owners and modes as POSIX has them")
 
 MODULE = """
 import sys
@@ -55,14 +61,18 @@ def program(tmp_path, monkeypatch):
 
     def start(factor):
         (tmp_path / "factor.py").write_text(FACTOR.replace("{}", str(factor)), encoding="utf-8")
-        return subprocess.Popen([sys.executable, str(tmp_path / "whole.py")], stdout=subprocess.PIPE, text=True)
+        command = [sys.executable, str(tmp_path / "whole.py")]
+        return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     return start
 
 
-def answer(process):
-    printed, _ = process.communicate(timeout=300)
-    assert process.returncode == 0
+def answer(process, said=""):
+    """The value and how often stored code served; on standard error stands nothing, or once what is `said`."""
+    printed, complaints = process.communicate(timeout=300)
+    assert process.returncode == 0, complaints
+    assert complaints.count("CacheWarning") == (1 if said else 0), complaints
+    assert said in complaints
     value, hits = printed.split()
     return float(value), int(hits)
 
@@ -76,6 +86,75 @@ def test_stored_code_is_used_until_a_source_changes(program):
 def test_two_processes_may_compile_at_once(program):
     assert [answer(process)[0] for process in (program(5.0), program(5.0))] == [10.0, 10.0]
     assert answer(program(5.0)) == (10.0, 1)
+
+
+def stored_files(folder):
+    return {path.name.partition("_")[0]: path for path in folder.rglob("*.code")}
+
+
+def test_code_is_kept_under_the_cache_root_for_its_owner_alone(program, tmp_path, monkeypatch):
+    monkeypatch.delenv("NUMBA_CACHE_DIR")
+    monkeypatch.setenv("GEARCASE_CACHE", str(tmp_path / "cache"))
+    assert answer(program(3.0)) == (6.0, 0)
+    assert set(stored_files(tmp_path / "cache" / "compiled")) == {"whole.entry", "whole.weighted"}
+    assert answer(program(3.0)) == (6.0, 1)
+    assert not list(tmp_path.rglob("*.nb?"))  # what the compiler itself would have written
+    if os.name == "posix":
+        folders = [tmp_path / "cache", *(p for p in (tmp_path / "cache").rglob("*") if p.is_dir())]
+        assert {stat.S_IMODE(folder.stat().st_mode) for folder in folders} == {0o700}
+
+
+def test_without_a_place_to_write_code_is_compiled_in_memory_and_that_is_said_once(program, tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("in the way", encoding="utf-8")
+    monkeypatch.delenv("NUMBA_CACHE_DIR")
+    monkeypatch.setenv("GEARCASE_CACHE", str(tmp_path / "file" / "cache"))
+    assert answer(program(3.0), said="set GEARCASE_CACHE to a folder that can be written") == (6.0, 0)
+
+
+@pytest.mark.parametrize("harm", ["flip", "cut", "swap", "empty"])
+def test_damaged_code_is_compiled_again(program, tmp_path, harm):
+    assert answer(program(3.0)) == (6.0, 0)
+    files = stored_files(tmp_path / "stored")
+    content = bytearray(files["whole.entry"].read_bytes())
+    content[len(content) // 2] ^= 1
+    half = content[: len(content) // 2]
+    put = {"flip": content, "cut": half, "swap": files["whole.weighted"].read_bytes(), "empty": b""}[harm]
+    files["whole.entry"].write_bytes(put)
+    assert answer(program(3.0), said="is damaged. It is compiled again") == (6.0, 0)
+    assert answer(program(3.0)) == (6.0, 1)
+
+
+@posix
+@pytest.mark.parametrize("which", ["folder", "file"])
+def test_code_that_others_could_have_written_is_not_run(program, tmp_path, which):
+    assert answer(program(3.0)) == (6.0, 0)
+    file = stored_files(tmp_path / "stored")["whole.entry"]
+    (file if which == "file" else file.parent).chmod(0o777)
+    assert answer(program(3.0), said="can be written by other users (mode 777)") == (6.0, 0)
+
+
+def test_a_users_own_compiled_functions_are_left_alone(tmp_path, monkeypatch):
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    (tmp_path / "own.py").write_text("from numba import njit\n@njit(cache=True)\ndef f(x):\n    return x\n")
+    (tmp_path / "main.py").write_text("import fem.contact.kernel, own\nprint(own.f.stats.cache_path)")
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    command = [sys.executable, str(tmp_path / "main.py")]
+    printed = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
+    assert Path(printed.strip()) == tmp_path / "__pycache__"
+
+
+def test_a_full_disk_does_not_stop_the_run(tmp_path, monkeypatch):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    compiled_files.write("f.code", "key", b"code")
+    assert compiled_files.read("f.code", "key") == b"code"
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.warns(CacheWarning, match="No space left"):
+        compiled_files.write("f.code", "key", b"other code")
+    assert [path.name for path in compiled_files.compiled_folder().iterdir()] == ["f.code"]
+    assert compiled_files.read("f.code", "key") == b"code"
 
 
 def test_a_function_apart_is_compiled_when_first_called():

@@ -20,10 +20,9 @@ def run(*command, **options):
     return done.stdout
 
 
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory):
+def build_wheel(copy):
     """Built from a copy, so that nothing is left in the source tree; with the build tools of this environment."""
-    copy = tmp_path_factory.mktemp("source")
+    copy.mkdir(exist_ok=True)
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, copy / name)
     for name in PACKAGES:
@@ -34,10 +33,8 @@ def wheel(tmp_path_factory):
     return built
 
 
-@pytest.fixture(scope="module")
-def installed(wheel, tmp_path_factory):
-    """The command of a new environment that holds the wheel alone and sees the libraries of this one."""
-    folder = tmp_path_factory.mktemp("environment")
+def install(wheel, folder):
+    """Command and interpreter of a new environment that holds the wheel alone and sees the libraries of this one."""
     run(sys.executable, "-m", "venv", "--without-pip", folder)
     bin_folder = folder / ("Scripts" if os.name == "nt" else "bin")
     python = bin_folder / Path(sys.executable).name
@@ -46,6 +43,16 @@ def installed(wheel, tmp_path_factory):
     libraries = {sysconfig.get_paths()[kind] for kind in ("purelib", "platlib")}
     (Path(site) / "libraries.pth").write_text("\n".join(sorted(libraries)) + "\n", encoding="utf-8")
     return bin_folder / ("gearcase.exe" if os.name == "nt" else "gearcase"), python
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    return build_wheel(tmp_path_factory.mktemp("source"))
+
+
+@pytest.fixture(scope="module")
+def installed(wheel, tmp_path_factory):
+    return install(wheel, tmp_path_factory.mktemp("environment"))
 
 
 def elsewhere(**changes):

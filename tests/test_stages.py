@@ -1,11 +1,13 @@
 """Stages: the same input means no work, one changed input exactly the dependent stages."""
 
+import hashlib
 import os
 import time
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from test_cache import manifest_of
 
 from pipelines.build import run_graph
 from pipelines.cache import Cache
@@ -171,6 +173,28 @@ def test_a_damaged_result_is_built_again_with_the_same_bits(cache):
     assert {r.name for r in second.records if not r.reused} == {"law_1", "sum"}
     assert sorted(str(w.message).split()[2].partition("-")[0] for w in warned) == ["law", "sum"]
     assert [r.content for r in first.records] == [r.content for r in second.records]
+
+
+@pytest.mark.parametrize("name", ["content", "seconds", "peak_bytes", "ledger", "fields", "takes", "code", "libraries"])
+@pytest.mark.parametrize("given", [None, [["x"]], {"x": {}}])
+def test_a_result_whose_facts_are_not_those_of_a_stage_is_built_again(cache, name, given):
+    entry = run_graph(graph(), cache, ["text"]).results["law_1"].entry
+    if (name, given) in (("takes", [["x"]]), ("fields", {"x": {}}), ("libraries", {"x": {}})):
+        pytest.skip("of the right type")
+    manifest_of(entry, lambda body: body["facts"].update({name: given}))
+    explain(graph(widths=(8.0, 9.0)), cache)  # compares with it
+    with pytest.warns(CacheWarning, match=f"{entry.name} is damaged"):
+        outcome = run_graph(graph(), cache, ["text"])
+    assert outcome.value("text") == "total 3.0"
+
+
+def test_a_stored_result_that_cannot_be_read_is_one_sentence(cache):
+    entry = run_graph(graph(), cache, ["law_1"]).results["law_1"].entry
+    (entry.folder / "part_1.npy").write_bytes(b"no array")
+    total = {"bytes": 8, "sha256": hashlib.sha256(b"no array").hexdigest()}
+    manifest_of(entry, lambda body: body["files"].update({"part_1.npy": total}))
+    with pytest.raises(WorkError, match=r"law_1: its stored result is not one .* Remove .* and run again"):
+        run_graph(graph(), cache, ["text"])
 
 
 def test_without_a_usable_cache_the_work_goes_on(tmp_path):

@@ -162,7 +162,7 @@ KILL = "import os, signal; os.kill(os.getpid(), signal.{})"
     ],
 )
 def test_a_dead_renderer_leaves_one_picture_out(monkeypatch, caplog, program, graphics, limit, what, remedy):
-    monkeypatch.setattr(pictures, "RENDERER", ("-c", program))
+    monkeypatch.setattr(pictures, "command", lambda _: [sys.executable, "-c", program])
     monkeypatch.setattr(pictures, "TIMEOUT", 1.0 if "sleep" in program else 30.0)
     monkeypatch.setattr(picture_failures, "graphics_found", lambda: graphics)
     monkeypatch.setattr(picture_failures, "memory_limit", lambda: limit)

@@ -27,6 +27,9 @@ def main(options: argparse.Namespace) -> int:
     sys.stdout.write(f"{cache.folder}\n")
     for kind, found in sorted(sizes.items()):
         sys.stdout.write(f"  {kind:16} {len(found):5} entries {sum(found) / 1e6:10.1f} MB\n")
-    total = sum(sum(found) for found in sizes.values())
-    sys.stdout.write(f"  {'all':16} {sum(map(len, sizes.values())):5} entries {total / 1e6:10.1f} MB\n")
+    code = [path.stat().st_size for path in cache.compiled()]
+    if code:
+        sys.stdout.write(f"  {'compiled code':16} {len(code):5} files   {sum(code) / 1e6:10.1f} MB\n")
+    total = sum(sum(found) for found in sizes.values()) + sum(code)
+    sys.stdout.write(f"  {'all':16} {sum(map(len, sizes.values())) + len(code):5} stored  {total / 1e6:10.1f} MB\n")
     return 0

@@ -61,7 +61,7 @@ def runner(tmp_path, own_cache):
 def test_every_file_of_the_cache_cut_or_flipped_in_turn(undisturbed, own_cache, runner):
     assert runner() == undisturbed[0]
     draw, damaged = random.Random(1), 0
-    for path in sorted(p.relative_to(own_cache) for p in own_cache.rglob("*") if p.is_file()):
+    for path in sorted(p.relative_to(own_cache) for p in (own_cache / "entries").rglob("*") if p.is_file()):
         for harm in ("cut", "flip"):
             content = bytearray((own_cache / path).read_bytes())
             if harm == "cut":
