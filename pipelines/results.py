@@ -10,9 +10,14 @@ import shutil
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pipelines.errors import InputError
+from pipelines.shown import shown
+from pipelines.user_files import is_regular_file, names_beside, read_text, regular_file, writable_folder
+
+if TYPE_CHECKING:
+    import xarray
 
 RESPONSE = "response.nc"
 CONTROL = "control.nc"
@@ -21,6 +26,7 @@ ASKED = "scene.asked.toml"
 RUN = "run.json"
 LATEST = "latest.txt"
 _PARTIAL = ".partial-"
+_LONGEST_NAME = 1000  # bytes of latest.txt
 
 
 @contextlib.contextmanager
@@ -50,9 +56,13 @@ def note_latest(folder: Path) -> None:
 def final_folder(name: str, out: str | Path | None = None, root: Path | None = None) -> Path:
     """Where the results of a run go. InputError if `out` holds something already."""
     if out is not None:
-        final = Path(out)
-        if final.exists() and (not final.is_dir() or any(final.iterdir())):
-            raise InputError(f"{out}: exists and is not an empty folder. Choose another --out; nothing is overwritten.")
+        if is_regular_file(Path(out)) or names_beside(Path(out) / "any"):
+            raise InputError(
+                f"{shown(out)}: exists and is not an empty folder. Choose another --out; nothing is overwritten."
+            )
+        final = writable_folder(out)
+        if final.exists() and final.samefile("."):
+            raise InputError(f"{shown(out)}: is the working folder. Choose another --out.")
         return final
     parent = (root or Path("runs")) / name
     stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
@@ -71,19 +81,44 @@ def find_run(name: str | Path, root: Path | None = None) -> Path:
     InputError : there is none
     """
     folder = Path(name)
-    if (folder / RESPONSE).is_file():
+    if is_regular_file(folder / RESPONSE):
         return folder
     scene = (root or Path("runs")) / str(name).removesuffix(".toml")
     for parent in (scene, folder):
         latest = parent / LATEST
-        if latest.is_file():
-            found = parent / latest.read_text(encoding="utf-8").strip()
-            if (found / RESPONSE).is_file():
+        if is_regular_file(latest):
+            found = parent / read_text(latest, _LONGEST_NAME).strip()
+            if is_regular_file(found / RESPONSE):
                 return found
-            raise InputError(f"{found}: no {RESPONSE} here, though {latest} names it. Again: gearcase run {name}")
+            raise InputError(
+                f"{shown(found)}: no {RESPONSE} here, though {shown(latest)} names it. "
+                f"Again: gearcase run {shown(name)}"
+            )
     raise InputError(
-        f"{name}: no result here, neither {folder / RESPONSE} nor {scene / LATEST}. First: gearcase run {name}"
+        f"{shown(name)}: no result here, neither {shown(folder / RESPONSE)} nor {shown(scene / LATEST)}. "
+        f"First: gearcase run {shown(name)}"
     )
+
+
+def read_run(path: Path) -> xarray.Dataset:
+    """The signals of a run, from its response or that of its control.
+
+    Raises
+    ------
+    InputError : the file is damaged, or none of ours
+    """
+    import xarray
+
+    try:
+        with xarray.open_dataset(regular_file(path), engine="h5netcdf") as data:
+            found = data.load()
+    except (OSError, ValueError, KeyError, TypeError, RuntimeError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{shown(path)}: cannot be read as signals ({error}). Run the scene again.") from error
+    if "time" not in found.dims:
+        raise InputError(f"{shown(path)}: holds no signals over time. Run the scene again.")
+    return found
 
 
 def write_json(path: Path, content: Any) -> None:

@@ -136,6 +136,7 @@ _KINDS = {
     "model_attributes_type": _TABLE,
     "list_type": _LIST,
     "tuple_type": _LIST,
+    "string_too_long": ("is too long", "Shorten it."),
     "string_too_short": ("must not be empty", "Give some text."),
 }
 

@@ -114,7 +114,7 @@ def names_beside(path: Path, ending: str = "") -> list[str]:
         return []
 
 
-def checked_target(name: str | Path, option: str = "--out") -> Path:
+def writable_file(name: str | Path, option: str = "--out") -> Path:
     """The path of a file that is to be written, tried before the work that fills it.
 
     Raises
@@ -134,7 +134,7 @@ def checked_target(name: str | Path, option: str = "--out") -> Path:
     return path
 
 
-def checked_target_folder(name: str | Path, option: str = "--out") -> Path:
+def writable_folder(name: str | Path, option: str = "--out") -> Path:
     """The path of a folder that files are to be written into, tried before the work that fills it.
 
     Raises
