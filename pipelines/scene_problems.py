@@ -6,9 +6,10 @@ suffix of the key, explanations from its field descriptions.
 
 from __future__ import annotations
 
+import functools
 import types
 import typing
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -22,16 +23,19 @@ _UNITS = {
 }  # fmt: skip
 
 
-_MOST_WORDED = 100  # findings of one validation; a file of another program has thousands
+_MOST_WORDED = 50  # findings of one validation; a file of another program has thousands
+_MOST_ITEMS = 30  # of one list, when keys are looked for elsewhere
+_Paths = Callable[[], list[tuple[str, ...]]]
 
 
 def problems_of(error: ValidationError, model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[list[Problem], int]:
     """The problems of one validation, each in our words, without repeats; and how many more were found than worded."""
     out: dict[Problem, None] = {}
     items = [item for item in error.errors(include_url=False) if not _counts_others(item)]
+    paths = functools.cache(lambda: _all_paths(model, tree))
     for item in items[:_MOST_WORDED]:
         own = getattr(item.get("ctx", {}).get("error"), "problems", None)
-        out.update(dict.fromkeys(own or _own_words(item, model, tree)))
+        out.update(dict.fromkeys(own or _own_words(item, model, tree, paths)))
     return list(out), max(0, len(items) - _MOST_WORDED)
 
 
@@ -40,10 +44,10 @@ def _counts_others(item: Any) -> bool:
     return item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]
 
 
-def _own_words(item: Any, model: type[BaseModel], tree: Mapping[str, Any]) -> list[Problem]:
+def _own_words(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: _Paths) -> list[Problem]:
     """A model's own check speaks for itself, one problem per line; all other findings are put into words here."""
     if item["type"] != "value_error":
-        return [_problem(item, model, tree)]
+        return [_problem(item, model, tree, paths)]
     where = ".".join(user_path(item["loc"], model, tree))
     return [Problem(where, line) for line in str(item["ctx"]["error"]).splitlines()]
 
@@ -70,7 +74,7 @@ def user_path(location: Iterable[int | str], model: Any, tree: Any, *, missing: 
     return path
 
 
-def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any]) -> Problem:
+def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: _Paths) -> Problem:
     kind, context, location = item["type"], item.get("ctx", {}), item["loc"]
     path = user_path(location, model, tree, missing=kind == "missing")
     key, where = (path[-1] if path else ""), ".".join(path)
@@ -78,7 +82,7 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any]) -> Prob
     value = item["input"]
     written = None if kind == "missing" else _shown(value)
     if kind == "extra_forbidden":
-        return Problem(where, *_unknown_key(path, model, tree), written)
+        return Problem(where, *_unknown_key(path, model, tree, paths), written)
     if kind == "missing" and isinstance(location[-1], int):  # a list of fixed length that is too short
         return Problem(
             where.rpartition(".")[0],
@@ -141,14 +145,16 @@ _KINDS = {
 }
 
 
-def _unknown_key(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[str, str]:
+def _unknown_key(
+    path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any], paths: _Paths
+) -> tuple[str, str]:
     table = ".".join(path[:-1])
     known = known_keys(path[:-1], model, tree)
     message = f"is not a key of [{table}]" if table else "is not a key of the scene"
     near = nearest(path[-1], known)
     if near:
         return message, f"Did you mean {near}?"
-    elsewhere = [p for p in _all_paths(model, tree) if p[-1] == path[-1]]
+    elsewhere = [p for p in paths() if p[-1] == path[-1]]
     if elsewhere:
         return message, f"Did you mean {'.'.join(elsewhere[0])}?"
     return message, f"Known keys: {', '.join(known)}." if known else ""
@@ -188,7 +194,7 @@ def _all_paths(model: Any, tree: Any, path: tuple[str, ...] = ()) -> list[tuple[
         value = tree.get(name) if isinstance(tree, Mapping) else None
         annotation = _field(_chosen(_models(model), tree), name, None)
         if isinstance(value, list | tuple):
-            for number, item in enumerate(value, start=1):
+            for number, item in enumerate(value[:_MOST_ITEMS], start=1):
                 out += _all_paths(_item(annotation), item, (*path, name, str(number)))
         else:
             out += _all_paths(annotation, value, (*path, name))

@@ -123,7 +123,7 @@ def statements(text: str) -> Iterator[Statement]:
     """Cut valid TOML text into statements, in order; joining their texts gives the text back."""
     table: tuple[str, ...] = ()
     counts: dict[tuple[str, ...], int] = {}
-    pending, open_brackets = "", 0
+    pending, open_brackets, long_text = "", 0, False
     for line in text.splitlines(keepends=True):
         if not pending and (not line.strip() or line.lstrip().startswith("#")):
             yield Statement(line, table)
@@ -134,7 +134,7 @@ def statements(text: str) -> Iterator[Statement]:
             yield Statement(line, table)
             continue
         pending += line
-        long_text = '"""' in pending or "'''" in pending
+        long_text = long_text or '"""' in line or "'''" in line
         open_brackets += _opened(line)
         if open_brackets > 0 and not long_text:
             continue  # a list or table goes on; trying each of its lines would take the square of their number
@@ -143,7 +143,7 @@ def statements(text: str) -> Iterator[Statement]:
         except TomlError:
             continue  # the value goes on in the next line
         yield Statement(pending, table, _first_path(parsed, pending))
-        pending, open_brackets = "", 0
+        pending, open_brackets, long_text = "", 0, False
     if pending:
         yield Statement(pending, table)
 
