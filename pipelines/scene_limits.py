@@ -18,6 +18,7 @@ MOST_BYTES = 1_000_000  # of a scene file
 LONGEST_CHAIN = 20  # scenes that extend one another
 _LONGEST_KEY = 100  # characters
 _LONGEST_TEXT = 1000
+_MOST_TABLES = 1000  # in one list
 _TURNING = frozenset("\u200e\u200f\u2028\u2029\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
 Path = tuple[str, ...]
@@ -40,6 +41,9 @@ def over_limits(tree: Any, path: Path = ()) -> list[Problem]:
                     found.append(Problem(".".join((*place, str(key))), wrong, "Give another key."))
                 else:
                     waiting.append(((*place, str(key)), below))
+        elif isinstance(value, list | tuple) and len(value) > _MOST_TABLES and isinstance(value[0], Mapping):
+            message = f"has {len(value)} tables, at most {_MOST_TABLES} are read"
+            found.append(Problem(".".join(place), message, "Leave some out."))
         elif isinstance(value, list | tuple):
             waiting.extend(((*place, str(number)), item) for number, item in enumerate(value, 1))
         else:
