@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pipelines.pictures import KINDS, Picture
-from pipelines.plots import FAULTY, StiffnessPlot, draw_stiffness, new_figure
+from pipelines.plots import FAULTY, StiffnessPlot, draw_stiffness, new_figure, plain
 from pipelines.view_colours import POINTS
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def gear_figure(picture: Picture, curve: StiffnessPlot | None, names: Mapping[st
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
         )
     if title:
-        figure.suptitle(title)
+        figure.suptitle(plain(title))
     return figure
 
 
@@ -90,7 +90,7 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
         Line2D([], [], marker="o", ls="", color=POINTS[kind], label=f"{kind} points ({counts[kind]})") for kind in KINDS
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
-    figure.suptitle(title)
+    figure.suptitle(plain(title))
     return figure
 
 

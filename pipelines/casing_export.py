@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipelines.errors import InputError
+from pipelines.shown import shown
+from pipelines.user_files import writable_file
 
 if TYPE_CHECKING:
     from fem.casing.body import ReducedBody
@@ -28,9 +30,9 @@ _LINES = 1000  # frequencies of an accelerance
 
 def checked_target(name: str) -> Path:
     """The path of an export; InputError for an ending that is not known."""
-    path = Path(name)
+    path = writable_file(name, "--export")
     if path.suffix.lower() not in FORMATS:
-        raise InputError(f"--export {name}: the ending must be one of {', '.join(FORMATS)}")
+        raise InputError(f"--export {shown(name)}: the ending must be one of {', '.join(FORMATS)}")
     return path
 
 

@@ -27,6 +27,8 @@ from typing import BinaryIO
 
 from pipelines.errors import InputError, WorkError
 from pipelines.results import RESPONSE
+from pipelines.shown import shown
+from pipelines.user_files import writable_folder
 
 _LOG = logging.getLogger(__name__)
 _MARKER = ".unfinished-"
@@ -55,10 +57,12 @@ def claimed(name: str, out: str | Path | None = None, root: Path | None = None) 
     WorkError : the files are written but cannot be moved; names the folder that keeps them
     """
     try:
-        claim = _claim_given(Path(out)) if out is not None else _claim_new((root or Path("runs")) / name)
+        claim = _claim_given(writable_folder(out)) if out is not None else _claim_new((root or Path("runs")) / name)
     except OSError as error:
-        shown = out if out is not None else (root or Path("runs")) / name
-        raise InputError(f"{shown}: results cannot be written ({error.strerror}). Choose another --out.") from error
+        place = out if out is not None else (root or Path("runs")) / name
+        raise InputError(
+            f"{shown(place)}: results cannot be written ({error.strerror}). Choose another --out."
+        ) from error
     try:
         yield claim
     except BaseException:
@@ -78,6 +82,8 @@ def _claim_new(parent: Path) -> Claim:
 
 
 def _claim_given(final: Path) -> Claim:
+    if final.exists() and final.samefile("."):
+        raise InputError(f"{shown(final)}: is the working folder. Choose another --out.")
     place = final if final.is_dir() else final.parent
     place.mkdir(parents=True, exist_ok=True)
     _sweep(place)
@@ -87,12 +93,16 @@ def _claim_given(final: Path) -> Claim:
     marker, folder = _beside(place, _MARKER, final), _beside(place, _PARTIAL, final)
     if marker.exists():
         raise InputError(
-            f"{final}: another run is writing there. Choose another --out; if none is, on this machine or another, "
-            f"remove the file {marker}."
+            f"{shown(final)}: another run is writing there. Choose another --out; if none is, on this machine or "
+            f"another, remove the file {shown(marker)}."
         )
     if folder.exists():
-        raise InputError(f"{final}: {folder} keeps results that could not be moved there. Move or remove them.")
-    raise InputError(f"{final}: exists and is not an empty folder. Choose another --out; nothing is overwritten.")
+        raise InputError(
+            f"{shown(final)}: {shown(folder)} keeps results that could not be moved there. Move or remove them."
+        )
+    raise InputError(
+        f"{shown(final)}: exists and is not an empty folder. Choose another --out; nothing is overwritten."
+    )
 
 
 def _claim(final: Path, place: Path) -> Claim | None:

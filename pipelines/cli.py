@@ -15,7 +15,7 @@ import sys
 import traceback
 import warnings
 from collections.abc import Sequence
-from typing import TextIO
+from typing import NoReturn, TextIO
 
 PROLOGUE = """\
 From gearbox geometry to sensor signals: finite-element mesh stiffness, reduced casing, multibody run, diagnosis.
@@ -55,6 +55,23 @@ COMMANDS = (
 )
 
 
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong with an argument without printing the argument raw or at length."""
+
+    def error(self, message: str) -> NoReturn:
+        """Usage and the message on standard error; exit code 2."""
+        from pipelines.shown import shown
+
+        head, tail = message[:_MESSAGE_END], message[_MESSAGE_END:]
+        if len(tail) > _MESSAGE_END:
+            tail = f"...{tail[-_MESSAGE_END:]}"
+        self.print_usage(sys.stderr)
+        self.exit(2, f"{self.prog}: error: {shown(head)}{shown(tail)}\n")
+
+
+_MESSAGE_END = 180  # characters at the front and at the end of a message on arguments: choices stand at its end
+
+
 class Formatter(argparse.RawDescriptionHelpFormatter):
     """Keeps the line breaks of examples; a little wider than the default."""
 
@@ -64,9 +81,7 @@ class Formatter(argparse.RawDescriptionHelpFormatter):
 
 def parser() -> argparse.ArgumentParser:
     """The whole command line."""
-    top = argparse.ArgumentParser(
-        prog="gearcase", description=PROLOGUE, epilog=EPILOGUE, formatter_class=Formatter, allow_abbrev=False
-    )
+    top = Parser(prog="gearcase", description=PROLOGUE, epilog=EPILOGUE, formatter_class=Formatter, allow_abbrev=False)
     top.add_argument("--version", action="store_true", help="print the version and end")
     commands = top.add_subparsers(dest="command", metavar="COMMAND", title="commands")
     for name, words, example in COMMANDS:
@@ -84,7 +99,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def _scene(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("scene", metavar="SCENE", help="name of a shipped scene, or a path ending in .toml")
+    sub.add_argument("scene", metavar="SCENE", type=_path, help="name of a shipped scene, or a path ending in .toml")
     sub.add_argument(
         "--set",
         metavar="KEY=VALUE",
@@ -116,6 +131,7 @@ def _casing(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--export",
         metavar="FILE",
+        type=_path,
         action="append",
         default=[],
         help="write the reduced casing as .h5, .mat or .uff (modal test), or its modes as .vtu; repeatable",
@@ -124,12 +140,14 @@ def _casing(sub: argparse.ArgumentParser) -> None:
 
 
 def _out(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--out", metavar="FOLDER", help="result folder instead of ./runs/<scene>/<timestamp>")
+    sub.add_argument("--out", metavar="FOLDER", type=_path, help="result folder instead of ./runs/<scene>/<timestamp>")
 
 
 def _new(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("file", metavar="FILE", help="file to write, ending in .toml; never overwritten")
-    sub.add_argument("--from", metavar="SCENE", dest="source", default="rig-healthy", help="default: rig-healthy")
+    sub.add_argument("file", metavar="FILE", type=_path, help="file to write, ending in .toml; never overwritten")
+    sub.add_argument(
+        "--from", metavar="SCENE", type=_path, dest="source", default="rig-healthy", help="default: rig-healthy"
+    )
 
 
 def _run(sub: argparse.ArgumentParser) -> None:
@@ -190,17 +208,21 @@ def _diagnose(sub: argparse.ArgumentParser) -> None:
 
 
 def _run_folder(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("run", metavar="RUN", help="result folder, or the name of a scene for its newest result")
+    sub.add_argument(
+        "run", metavar="RUN", type=_path, help="result folder, or the name of a scene for its newest result"
+    )
 
 
 def _inspect(sub: argparse.ArgumentParser) -> None:
     _work(sub)
-    sub.add_argument("--out", metavar="FOLDER", default=".", help="folder for the pictures (default: here)")
+    sub.add_argument("--out", metavar="FOLDER", type=_path, default=".", help="folder for the pictures (default: here)")
     sub.add_argument("--stage", type=_count, metavar="N", default=1, help="gear stage to show (default 1)")
     sub.add_argument("--position", type=_number, metavar="C", help="one mesh cycle to show instead of a film")
     sub.add_argument("--frames", type=_count, metavar="N", default=25, help="pictures of the film (25; 1: a still)")
     sub.add_argument("--stress", action="store_true", help="instead, von Mises stress of the loaded teeth: PNG")
-    sub.add_argument("--mesh", metavar="FILE", help="instead, hexahedra of the loaded teeth: .vtu, .inp, .msh or .bdf")
+    sub.add_argument(
+        "--mesh", metavar="FILE", type=_path, help="instead, hexahedra of the loaded teeth: .vtu, .inp, .msh or .bdf"
+    )
     sub.add_argument("--screen", action="store_true", help="instead, a window with a slider for the position")
     sub.add_argument(
         "--casing-mode", type=_count, metavar="N", help="instead, natural mode N of the casing: PNG, GIF and HTML"
@@ -210,7 +232,9 @@ def _inspect(sub: argparse.ArgumentParser) -> None:
 def _export(sub: argparse.ArgumentParser) -> None:
     _run_folder(sub)
     sub.add_argument("--to", dest="form", choices=("csv", "mat"), required=True, help="file format")
-    sub.add_argument("--out", metavar="FILE", help="file to write (default: response.csv or .mat in the run folder)")
+    sub.add_argument(
+        "--out", metavar="FILE", type=_path, help="file to write (default: response.csv or .mat in the run folder)"
+    )
 
 
 def _cache(sub: argparse.ArgumentParser) -> None:
@@ -220,9 +244,20 @@ def _cache(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def _path(text: str) -> str:
+    from pipelines.errors import InputError
+    from pipelines.user_files import checked_path
+
+    try:
+        checked_path(text)
+    except InputError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+    return text
+
+
 def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1")
+    if not text.isdecimal() or len(text) > len(str(_MOST)) or not 1 <= int(text) <= _MOST:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 to {_MOST}")
     return int(text)
 
 
@@ -243,6 +278,7 @@ def _positive(text: str) -> float:
 
 
 def _picture(text: str) -> str:
+    _path(text)
     suffix = text.rpartition(".")[2].lower() if "." in text.rpartition("/")[2] else ""
     if suffix not in ("", "png", "svg", "pdf"):
         raise argparse.ArgumentTypeError(f"{text!r} is no picture that can be written; end it in .png, .svg or .pdf")
@@ -267,6 +303,7 @@ def _days(text: str) -> float:
     return days
 
 
+_MOST = 1000  # of anything that is counted on the command line
 _ARGUMENTS = {
     "new": _new,
     "check": _scene,
@@ -287,6 +324,8 @@ _ARGUMENTS = {
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit code. Nothing but argparse's own usage errors leaves by SystemExit."""
+    if not _streams_open():
+        return 2
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a console without some letter must not stop a run
@@ -303,36 +342,64 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return _guarded(options)
 
 
+def _streams_open() -> bool:
+    """False, with the reason, if nothing can be printed; closed descriptors lead nowhere, so that no file gets them."""
+    for descriptor in (0, 1, 2):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            nowhere = os.open(os.devnull, os.O_RDWR)
+            os.dup2(nowhere, descriptor)
+            if nowhere != descriptor:
+                os.close(nowhere)
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - as long as the process
+    if sys.stdout is None:
+        sys.stderr.write("gearcase: standard output is closed. Give it a file, or /dev/null if you do not want it.\n")
+        return False
+    return True
+
+
 def _guarded(options: argparse.Namespace) -> int:
     from pipelines.errors import CacheWarning
+    from pipelines.shown import shown
 
     _log_to_terminal(options.verbose)
+    try:
+        os.getcwd()
+    except OSError as error:
+        sys.stderr.write(f"gearcase: the working folder is gone ({error.strerror}). Change to another folder.\n")
+        return 2
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("always", CacheWarning)
             warnings.showwarning = _show_warning
-            return importlib.import_module(f"pipelines.commands.{options.command}").main(options)
+            code = importlib.import_module(f"pipelines.commands.{options.command}").main(options)
+        sys.stdout.flush()  # a full disk or a reader that is gone shows here, not when the interpreter ends
+        return code
     except KeyboardInterrupt:
         sys.stderr.write("gearcase: interrupted. Finished stages are kept; the same command goes on from there.\n")
         return 130
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # who read our output has closed it
+        sys.stdout = sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - who read us is gone
         return 1
     except Exception as error:
         if options.verbose:
-            traceback.print_exc()
+            sys.stderr.write("".join(f"{shown(line, 500)}\n" for line in traceback.format_exc().splitlines()))
         return _report(error, verbose=options.verbose)
 
 
 def _report(error: Exception, *, verbose: bool) -> int:
     """Print the message of an error; 2 if it is about the input, else 1."""
+    from pipelines.shown import message_text
+
     ours = type(error).__module__.partition(".")[0] in ("fem", "mbd", "pipelines")
     text = str(error) if ours else f"{type(error).__name__}: {error}"
     if isinstance(error, OSError):
         ours, text = True, f"{error}. Look for space and the right to write there, then repeat the command."
     notes = "".join(f"\n  ({note})" for note in getattr(error, "__notes__", ()))
     hint = "" if ours or verbose else "\n  This should not happen. The same command with -v shows where it comes from."
-    sys.stderr.write(f"gearcase: {text}{notes}{hint}\n")
+    sys.stderr.write(f"{message_text(f'gearcase: {text}{notes}')}{hint}\n")
     return 2 if ours and isinstance(error, ValueError) else 1
 
 
@@ -344,7 +411,9 @@ def _show_warning(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    sys.stderr.write(f"warning: {message}\n")
+    from pipelines.shown import message_text
+
+    sys.stderr.write(f"{message_text(f'warning: {message}')}\n")
 
 
 def _log_to_terminal(verbose: bool) -> None:

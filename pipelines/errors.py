@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fem.cache_folder import CacheWarning as CacheWarning
+from pipelines.shown import MOST_LINES, shown
 
 
 class InputError(ValueError):
@@ -27,7 +28,8 @@ class Problem:
 
     def __str__(self) -> str:
         """``path = value: message. Remedy.``"""
-        head = self.path if self.shown is None else f"{self.path} = {self.shown}"
+        path = shown(self.path)
+        head = path if self.shown is None else f"{path} = {shown(self.shown)}"
         text = f"{head}: {self.message}" if head else self.message
         if self.remedy:
             text = f"{text.rstrip('.')}. {self.remedy}"
@@ -35,13 +37,19 @@ class Problem:
 
 
 class SceneError(InputError):
-    """A scene is not valid. `problems` lists everything that was found, not only the first."""
+    """A scene is not valid. `problems` lists what was found, not only the first; `unlisted` counts the others."""
 
-    def __init__(self, source: str, problems: Sequence[Problem]) -> None:
+    def __init__(self, source: str, problems: Sequence[Problem], unlisted: int = 0) -> None:
         self.source = source
         self.problems = tuple(problems)
-        count = "1 problem" if len(self.problems) == 1 else f"{len(self.problems)} problems"
-        super().__init__("\n".join([f"{source}: {count}", *(f"  {problem}" for problem in self.problems)]))
+        self.unlisted = unlisted
+        number = len(self.problems) + unlisted
+        lines = [f"  {problem}" for problem in self.problems[: MOST_LINES - 1]]
+        if number > len(lines):
+            lines = lines[: MOST_LINES - 2]
+            lines.append(f"  and {number - len(lines)} more")
+        count = "1 problem" if number == 1 else f"{number} problems"
+        super().__init__("\n".join([f"{shown(source)}: {count}", *lines]))
 
     def __reduce__(self) -> tuple:
-        return type(self), (self.source, self.problems)
+        return type(self), (self.source, self.problems, self.unlisted)

@@ -78,13 +78,13 @@ def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: f
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
-    from pipelines.plots import new_figure
+    from pipelines.plots import new_figure, plain
     from pipelines.view_colours import LOAD_COLOURS
 
     rows = len(pictures)
     figure = new_figure(2.4 + 3.4 * rows, 13.0)
     cycle = float(view.cycles[frame])
-    figure.suptitle(f"{view.title}\nmesh cycle {cycle:.3f}, load {view.force:.4g} N, law {view.model}")
+    figure.suptitle(f"{plain(view.title)}\nmesh cycle {cycle:.3f}, load {view.force:.4g} N, law {view.model}")
     halves: Any = figure.subfigures(1, 2, width_ratios=[1.15, 1.0])
     left, right = halves
     boxes = np.atleast_1d(left.subplots(rows, 1))

@@ -55,13 +55,13 @@ def mode_figure(view: ModeView, picture: Picture, size: np.ndarray) -> Figure:
     from matplotlib.colors import Normalize
 
     from pipelines.callouts import draw_axes, show
-    from pipelines.plots import new_figure
+    from pipelines.plots import new_figure, plain
 
     figure = new_figure(6.2, 9.5)
     axes = figure.subplots()
     _, right, _, bottom = show(axes, picture, whole=True)
     draw_axes(axes, picture, (0.86 * right, 0.95 * bottom))
-    figure.suptitle(f"{view.title}\nmode {view.number}: {view.frequency:.1f} Hz")
+    figure.suptitle(f"{plain(view.title)}\nmode {view.number}: {view.frequency:.1f} Hz")
     length, width, height = (1000 * v for v in size)
     axes.text(
         0.0,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import logging
 import os
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,9 @@ from typing import Any
 from pipelines.errors import InputError
 from pipelines.scene_file import WITHOUT_FAULTS, Source, find_source, load_scene, parse, read_tree
 from pipelines.scene_merge import leaves
-from pipelines.toml_text import Statement, equals_place, format_document, statements
+from pipelines.shown import shown
+from pipelines.toml_text import Statement, TomlError, equals_place, format_document, read_toml, statements
+from pipelines.user_files import checked_path
 
 _LOG = logging.getLogger(__name__)
 
@@ -26,18 +27,18 @@ def new_scene(target: str | Path, source: str = "rig-healthy") -> Path:
     InputError : `target` does not end in .toml, exists, or its folder cannot be written
     SceneError : the source is not valid
     """
-    path = Path(target)
+    path, name = checked_path(target), shown(target)
     if path.suffix != ".toml":
-        raise InputError(f"{target}: a scene file ends in .toml. Write gearcase new {path.with_suffix('.toml')}.")
+        raise InputError(f"{name}: a scene file ends in .toml. Write gearcase new {path.stem or 'my'}.toml.")
     loaded = load_scene(source)
     text = _own_control(standalone_text(loaded.source, loaded.tree))
     try:
         with open(path, "x", encoding="utf-8", newline="\n") as file:
             file.write(text)
     except FileExistsError:
-        raise InputError(f"{target}: exists already and is not overwritten. Choose another name.") from None
+        raise InputError(f"{name}: exists already and is not overwritten. Choose another name.") from None
     except OSError as error:
-        raise InputError(f"{target}: cannot be written ({os.strerror(error.errno or 0)}). Choose a folder.") from error
+        raise InputError(f"{name}: cannot be written ({os.strerror(error.errno or 0)}). Choose a folder.") from error
     return path
 
 
@@ -49,9 +50,9 @@ def standalone_text(source: Source, tree: Mapping[str, Any]) -> str:
     """
     text = _flattened(source, tree)
     try:
-        if tomllib.loads(text) == tree:
+        if read_toml(text) == tree:
             return text
-    except tomllib.TOMLDecodeError as error:
+    except TomlError as error:
         _LOG.debug("%s: merging texts failed: %s", source.shown, error)
     return format_document(tree)
 

@@ -132,7 +132,7 @@ def _shade(axes: Axes, windows: Mapping[str, tuple[float, float]]) -> None:
     for name, (start, end) in windows.items():
         axes.axvspan(start, end, color="black", alpha=0.05, lw=0)
         axes.annotate(
-            name,
+            plain(name),
             ((start + end) / 2, 1.0),
             xycoords=("data", "axes fraction"),
             xytext=(0, -3),
@@ -142,6 +142,11 @@ def _shade(axes: Axes, windows: Mapping[str, tuple[float, float]]) -> None:
             fontsize=8,
             color=MARK,
         )
+
+
+def plain(text: str) -> str:
+    """A user's text for a figure, in which matplotlib would take what stands between two $ for a formula."""
+    return text.replace("$", r"\$")
 
 
 def dress(axes: Axes, title: str, x: str, y: str) -> None:

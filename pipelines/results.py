@@ -6,13 +6,17 @@ import contextlib
 import json
 import logging
 import os
-import re
 import uuid
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pipelines.errors import InputError, WorkError
+from pipelines.shown import shown
+from pipelines.user_files import folder_name, is_regular_file, read_text, regular_file
+
+if TYPE_CHECKING:
+    import xarray
 
 _LOG = logging.getLogger(__name__)
 RESPONSE = "response.nc"
@@ -21,19 +25,7 @@ RESOLVED = "scene.resolved.toml"
 ASKED = "scene.asked.toml"
 RUN = "run.json"
 LATEST = "latest.txt"
-_UNSAFE = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f-\x9f\ud800-\udfff]')
-_RESERVED = {"CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"}  # of Windows, whatever follows the first dot
-_RESERVED |= {f"{port}{number}" for port in ("COM", "LPT") for number in "0123456789\u00b9\u00b2\u00b3"}
-
-
-def folder_name(name: str) -> str:
-    """The name of a scene as that of one visible folder on every system; InputError if nothing is left of it."""
-    safe = _UNSAFE.sub("_", name).strip(". ")
-    if not safe or safe.partition(".")[0].rstrip().upper() in _RESERVED:
-        raise InputError(
-            f"{name!r}: no name for a folder of results, which a scene file gives it. Rename it, as in my-scene.toml."
-        )
-    return safe
+_LONGEST_NAME = 1000  # bytes of latest.txt
 
 
 def note_latest(folder: Path) -> None:
@@ -55,20 +47,45 @@ def find_run(name: str | Path, root: Path | None = None) -> Path:
     InputError : there is none
     """
     folder = Path(name)
-    if (folder / RESPONSE).is_file():
+    if is_regular_file(folder / RESPONSE):
         return folder
     text = str(name)
     scene = (root or Path("runs")) / (folder_name(folder.stem) if text.endswith(".toml") else text)
     for parent in (scene, folder):
         latest = parent / LATEST
-        if latest.is_file():
-            found = parent / latest.read_text(encoding="utf-8").strip()
-            if (found / RESPONSE).is_file():
+        if is_regular_file(latest):
+            found = parent / read_text(latest, _LONGEST_NAME).strip()
+            if is_regular_file(found / RESPONSE):
                 return found
-            raise InputError(f"{found}: no {RESPONSE} here, though {latest} names it. Again: gearcase run {name}")
+            raise InputError(
+                f"{shown(found)}: no {RESPONSE} here, though {shown(latest)} names it. "
+                f"Again: gearcase run {shown(name)}"
+            )
     raise InputError(
-        f"{name}: no result here, neither {folder / RESPONSE} nor {scene / LATEST}. First: gearcase run {name}"
+        f"{shown(name)}: no result here, neither {shown(folder / RESPONSE)} nor {shown(scene / LATEST)}. "
+        f"First: gearcase run {shown(name)}"
     )
+
+
+def read_run(path: Path) -> xarray.Dataset:
+    """The signals of a run, from its response or that of its control.
+
+    Raises
+    ------
+    InputError : the file is damaged, or none of ours
+    """
+    import xarray
+
+    try:
+        with xarray.open_dataset(regular_file(path), engine="h5netcdf") as data:
+            found = data.load()
+    except (OSError, ValueError, KeyError, TypeError, RuntimeError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{shown(path)}: cannot be read as signals ({error}). Run the scene again.") from error
+    if "time" not in found.dims:
+        raise InputError(f"{shown(path)}: holds no signals over time. Run the scene again.")
+    return found
 
 
 def write_json(path: Path, content: Any) -> None:

@@ -10,6 +10,7 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
+from pipelines.shown import shown_value
 from pipelines.tables.analysis import DiagnosisTable
 from pipelines.tables.base import MaterialTable, Table
 from pipelines.tables.bearings import BearingModel, LinearBearings
@@ -30,7 +31,7 @@ from pipelines.train import stage_shafts
 class Scene(Table):
     """A gearbox, its drive and load, its faults, and what to compute."""
 
-    title: Annotated[str, Field(description="one line that names the scene in every result")]
+    title: Annotated[str, Field(max_length=200, description="one line that names the scene in every result")]
     control: Annotated[
         str | None, Field(description='healthy twin: a shipped scene, a path ending in .toml, or "without-faults"')
     ] = None
@@ -39,12 +40,12 @@ class Scene(Table):
     shafts: Annotated[tuple[ShaftTable, ...], Field(min_length=2, max_length=21)]
     shaft_model: ShaftModel = ShaftModel()
     bearings: BearingModel = LinearBearings()
-    couplings: tuple[CouplingTable, ...] = ()
-    disks: tuple[DiskTable, ...] = ()
+    couplings: Annotated[tuple[CouplingTable, ...], Field(max_length=100)] = ()
+    disks: Annotated[tuple[DiskTable, ...], Field(max_length=100)] = ()
     deviations: DeviationTable = DeviationTable()
-    faults: tuple[FaultTable, ...] = ()
+    faults: Annotated[tuple[FaultTable, ...], Field(max_length=1000)] = ()
     casing: CasingModel
-    sensors: tuple[SensorTable, ...] = ()
+    sensors: Annotated[tuple[SensorTable, ...], Field(max_length=1000)] = ()
     drive: DriveTable
     load: LoadModel
     losses: LossModel = NoLosses()
@@ -113,7 +114,7 @@ class Scene(Table):
         if self.diagnosis.stage > len(self.stages):
             yield f"diagnosis.stage = {self.diagnosis.stage}: there are {len(self.stages)} stages"
         if self.sensors and self.diagnosis.sensor not in {sensor.name for sensor in self.sensors}:
-            yield f"diagnosis.sensor = {self.diagnosis.sensor!r}: not among the sensors of the scene"
+            yield f"diagnosis.sensor = {shown_value(self.diagnosis.sensor)}: not among the sensors of the scene"
         teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in self.faults if fault.tooth is not None]
         for stage_number, gear, tooth in sorted({hit for hit in teeth_hit if teeth_hit.count(hit) > 1}):
             kinds = [f.kind for f in self.faults if (f.stage, f.gear, f.tooth) == (stage_number, gear, tooth)]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-import tomllib
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib import resources
@@ -11,10 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipelines.errors import InputError, Problem, SceneError
-from pipelines.results import folder_name
+from pipelines.scene_limits import LONGEST_CHAIN, MOST_BYTES, over_limits
 from pipelines.scene_merge import Merged, differences, merge, settings_tree, without
 from pipelines.shipped_files import anchored
-from pipelines.toml_text import format_document
+from pipelines.shown import nearest_name, shown
+from pipelines.toml_text import TomlError, format_document, read_toml
+from pipelines.user_files import checked_path, folder_name, names_beside, read_text
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -135,7 +136,7 @@ def control_differences(loaded: LoadedScene, control: LoadedScene) -> list[str]:
 
 
 def validate(
-    merged: Merged, model: type[BaseModel], shown: str, problems: Iterable[Problem] = ()
+    merged: Merged, model: type[BaseModel], source: str, problems: Iterable[Problem] = ()
 ) -> tuple[Any, dict[str, Any]]:
     """The model's object and the tree it was made of, or SceneError with everything that is wrong."""
     from pydantic import ValidationError
@@ -143,22 +144,25 @@ def validate(
     from pipelines.scene_problems import problems_of, user_path
 
     found = [*problems, *merged.problems]
-    tree = merged.tree
+    tree, unlisted = merged.tree, 0
     try:
         try:
             made = model.model_validate(tree)
         except ValidationError as error:
+            if not merged.offers:
+                raise
             unknown = [e["loc"] for e in error.errors() if e["type"] == "extra_forbidden"]
             paths = {user_path(location, model, tree) for location in unknown}
-            dropped = {path for path in paths if any(path[: len(o)] == o for o in merged.offers)}
+            dropped = {p for p in paths if any(p[:length] in merged.offers for length in range(1, len(p) + 1))}
             if not dropped:
                 raise
             tree = without(tree, dropped)
             made = model.model_validate(tree)
     except ValidationError as error:
-        found += problems_of(error, model, tree)
+        worded, unlisted = problems_of(error, model, tree)
+        found += worded
     if found:
-        raise SceneError(shown, found)
+        raise SceneError(source, found, unlisted)
     return made, tree
 
 
@@ -173,8 +177,10 @@ def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
     chain = (*seen, identity(source))
     below = find_source(base, source.folder)
     if identity(below) in chain:
-        circle = " -> ".join((*chain, identity(below)))
-        raise InputError(f"{source.shown}: extends goes in a circle ({circle}). Remove one of these extends.")
+        circle = " -> ".join(Path(one).name for one in (*chain, identity(below)))
+        raise InputError(f"{source.shown}: extends goes in a circle ({shown(circle)}). Remove one of these extends.")
+    if len(chain) > LONGEST_CHAIN:
+        raise InputError(f"{source.shown}: extends goes on beyond {LONGEST_CHAIN} scenes. Join some of them.")
     return merge(read_tree(below, chain), tree)
 
 
@@ -184,11 +190,14 @@ def identity(source: Source) -> str:
 
 
 def parse(source: Source) -> dict[str, Any]:
-    """The tree of one TOML text, ``extends`` included."""
+    """The tree of one TOML text, ``extends`` included, within the limits of a scene."""
     try:
-        return tomllib.loads(source.text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{source.shown}: not valid TOML: {error}. Correct that line.") from error
+        tree = read_toml(source.text)
+    except TomlError as error:
+        raise InputError(f"{source.shown}: not valid TOML: {shown(str(error))}. Correct that line.") from error
+    if problems := over_limits(tree):
+        raise SceneError(source.shown, problems)
+    return tree
 
 
 def find_source(name: str | Path, folder: Path | None = None) -> Source:
@@ -196,22 +205,15 @@ def find_source(name: str | Path, folder: Path | None = None) -> Source:
     text = str(name)
     if not text.endswith(".toml"):
         return _shipped_source(text)
-    path = (folder or Path()).joinpath(text).resolve()
+    path = (folder or Path()) / checked_path(text)
     try:
-        content = path.read_bytes()
+        content = read_text(path, MOST_BYTES)
     except FileNotFoundError:
-        beside = [p.name for p in path.parent.glob("*.toml")] if path.parent.is_dir() else []
-        near = difflib.get_close_matches(path.name, beside, n=1)
-        hint = f"Did you mean {near[0]}?" if near else "Check the path, or start one with: gearcase new FILE.toml"
-        raise InputError(f"{text}: no such file. {hint}") from None
-    except OSError as error:
-        raise InputError(f"{text}: cannot be read ({error.strerror}). Give a readable scene file.") from error
-    try:
-        decoded = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content[: error.start].count(b"\n") + 1
-        raise InputError(f"{text}: not UTF-8 text (line {line}). Save the file as UTF-8.") from error
-    return Source(path.stem, decoded, path.parent, text)
+        near = nearest_name(path.name, names_beside(path, ".toml"))
+        hint = f"Did you mean {shown(near)}?" if near else "Check the path, or start one with: gearcase new FILE.toml"
+        raise InputError(f"{shown(text)}: no such file. {hint}") from None
+    path = Path(os.path.realpath(path))
+    return Source(path.stem, content, path.parent, shown(text))
 
 
 def shipped_names() -> list[str]:
@@ -225,10 +227,10 @@ def _shipped_source(name: str) -> Source:
     if name in names:
         text = (resources.files("pipelines") / "scenes" / f"{name}.toml").read_text(encoding="utf-8")
         return Source(name, text, None, f"scene {name}")
-    near = difflib.get_close_matches(name, names, n=1)
-    hint = f"Did you mean {near[0]}? " if near else ""
+    near = nearest_name(name, names)
+    hint = f"Did you mean {near}? " if near else ""
     raise InputError(
-        f"{name}: not the name of a shipped scene. {hint}Shipped: {', '.join(names)}; "
+        f"{shown(name)}: not the name of a shipped scene. {hint}Shipped: {', '.join(names)}; "
         "a scene of your own is a path that ends in .toml."
     )
 

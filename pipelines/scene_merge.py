@@ -8,13 +8,14 @@ are only offers: `Merged.offers` names them, and the ones that the new rung does
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from pipelines.errors import Problem
-from pipelines.toml_text import format_value
+from pipelines.scene_limits import over_limits
+from pipelines.shown import shown, shown_value
+from pipelines.toml_text import DEEPEST, TomlError, TomlLimitError, format_value, read_toml
 
 Path = tuple[str, ...]
 
@@ -99,23 +100,28 @@ def settings_tree(settings: Iterable[str] | Mapping[str, Any]) -> tuple[dict[str
         for text in settings:
             path, equals, value = text.partition("=")
             if not equals or not path.strip():
-                problems.append(Problem(f"--set {text}", "has no value", "Write --set stages.1.face_width_mm=32."))
+                problems.append(
+                    Problem(f"--set {shown(text)}", "has no value", "Write --set stages.1.face_width_mm=32.")
+                )
                 continue
             try:
                 pairs.append((path.strip(), setting_value(value.strip())))
             except ValueError as error:
                 problems.append(Problem(path.strip(), str(error), "Quote text, or write lists as [1, 2].", value))
     for dotted, value in pairs:
-        keys = [key.strip() for key in dotted.split(".")]
+        keys = [key.strip() for key in dotted.split(".", DEEPEST)]
         if not all(keys):
             problems.append(Problem(dotted, "is not a path", "Join keys by single dots, as in stages.1.x."))
+            continue
+        if beyond := [*over_limits(dict.fromkeys(keys)), *over_limits(value, tuple(keys))]:
+            problems += beyond
             continue
         table = tree
         for key in keys[:-1]:
             deeper = table.setdefault(key, {})
             if not isinstance(deeper, dict):
                 problems.append(
-                    Problem(dotted, "is set inside a value that is set as well", "Set it once.", str(value))
+                    Problem(dotted, "is set inside a value that is set as well", "Set it once.", shown_value(value))
                 )
                 break
             table = deeper
@@ -125,12 +131,14 @@ def settings_tree(settings: Iterable[str] | Mapping[str, Any]) -> tuple[dict[str
 
 
 def setting_value(text: str) -> Any:
-    """The value of ``--set path=text``. ValueError if it looks like TOML but is not."""
+    """The value of ``--set path=text``. ValueError if it looks like TOML but is not, or is beyond a limit."""
     try:
-        value = tomllib.loads(f"value = {text}\n")
+        value = read_toml(f"value = {text}\n")
         if len(value) == 1:
             return value["value"]
-    except tomllib.TOMLDecodeError:
+    except TomlLimitError:
+        raise
+    except TomlError:
         pass
     if text[:1] in ("[", "{", '"', "'") or "\n" in text:
         raise ValueError("is not a TOML value")

@@ -6,16 +6,16 @@ suffix of the key, explanations from its field descriptions.
 
 from __future__ import annotations
 
-import difflib
+import functools
 import types
 import typing
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
 from pipelines.errors import Problem
-from pipelines.toml_text import format_value
+from pipelines.shown import MOST_CHARACTERS, nearest_name, shown_value
 
 _UNITS = {
     "mm": "mm", "um": "um", "m": "m", "deg": "degrees", "rpm": "rpm", "GPa": "GPa", "MPa": "MPa", "kg": "kg",
@@ -23,22 +23,31 @@ _UNITS = {
 }  # fmt: skip
 
 
-def problems_of(error: ValidationError, model: type[BaseModel], tree: Mapping[str, Any]) -> list[Problem]:
-    """All problems of one validation, each in our words, without repeats."""
-    out: list[Problem] = []
-    for item in error.errors(include_url=False):
-        if item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]:
-            continue  # the validator counts valid items only; what is wrong with the others is listed itself
+_MOST_WORDED = 50  # findings of one validation; a file of another program has thousands
+_MOST_ITEMS = 30  # of one list, when keys are looked for elsewhere
+_Paths = Callable[[], list[tuple[str, ...]]]
+
+
+def problems_of(error: ValidationError, model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[list[Problem], int]:
+    """The problems of one validation, each in our words, without repeats; and how many more were found than worded."""
+    out: dict[Problem, None] = {}
+    items = [item for item in error.errors(include_url=False) if not _counts_others(item)]
+    paths = functools.cache(lambda: _all_paths(model, tree))
+    for item in items[:_MOST_WORDED]:
         own = getattr(item.get("ctx", {}).get("error"), "problems", None)
-        found = list(own) if own else _own_words(item, model, tree)
-        out.extend(problem for problem in found if problem not in out)
-    return out
+        out.update(dict.fromkeys(own or _own_words(item, model, tree, paths)))
+    return list(out), max(0, len(items) - _MOST_WORDED)
 
 
-def _own_words(item: Any, model: type[BaseModel], tree: Mapping[str, Any]) -> list[Problem]:
+def _counts_others(item: Any) -> bool:
+    """A list that is too short only because the validator counts valid items; what is wrong with them is listed."""
+    return item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]
+
+
+def _own_words(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: _Paths) -> list[Problem]:
     """A model's own check speaks for itself, one problem per line; all other findings are put into words here."""
     if item["type"] != "value_error":
-        return [_problem(item, model, tree)]
+        return [_problem(item, model, tree, paths)]
     where = ".".join(user_path(item["loc"], model, tree))
     return [Problem(where, line) for line in str(item["ctx"]["error"]).splitlines()]
 
@@ -65,52 +74,52 @@ def user_path(location: Iterable[int | str], model: Any, tree: Any, *, missing: 
     return path
 
 
-def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any]) -> Problem:
+def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: _Paths) -> Problem:
     kind, context, location = item["type"], item.get("ctx", {}), item["loc"]
     path = user_path(location, model, tree, missing=kind == "missing")
     key, where = (path[-1] if path else ""), ".".join(path)
     unit = _unit(key)
     value = item["input"]
-    shown = None if kind == "missing" else _shown(value)
+    written = None if kind == "missing" else _shown(value)
     if kind == "extra_forbidden":
-        return Problem(where, *_unknown_key(path, model, tree), shown)
+        return Problem(where, *_unknown_key(path, model, tree, paths), written)
     if kind == "missing" and isinstance(location[-1], int):  # a list of fixed length that is too short
         return Problem(
             where.rpartition(".")[0],
             "has too few items",
             "Give every number, as docs/scene-keys.md says.",
-            format_value(value),
+            _shown(value),
         )
     if kind == "missing":
         return Problem(where, "is missing", f"Give {_example(path, model, tree)}.")
     if kind in _LIMITS:
         words, name = _LIMITS[kind]
         limit = _number(context[name])
-        return Problem(where, f"must be {words} {limit}", f"Give a number {words} {limit}{unit}.", shown)
+        return Problem(where, f"must be {words} {limit}", f"Give a number {words} {limit}{unit}.", written)
     if kind in ("literal_error", "union_tag_invalid", "enum"):
         if kind == "union_tag_invalid":
-            where, value, shown = f"{where}.model", context["tag"], format_value(context["tag"])
+            where, value, written = f"{where}.model", context["tag"], _shown(context["tag"])
             known = [w.strip(" '\"") for w in str(context["expected_tags"]).split(",")]
         else:
             known = [w.strip(" '\"") for w in str(context["expected"]).replace(" or ", ", ").split(",")]
-        near = difflib.get_close_matches(str(value), known, n=1)
-        remedy = f'Did you mean "{near[0]}"?' if near else "Choose one of them."
-        return Problem(where, f"is not one of {', '.join(known)}", remedy, shown)
+        near = nearest_name(value, known) if isinstance(value, str) else ""
+        remedy = f'Did you mean "{near}"?' if near else "Choose one of them."
+        return Problem(where, f"is not one of {', '.join(known)}", remedy, written)
     if kind == "union_tag_not_found":
         return Problem(f"{where}.model", "is missing", 'Say which model, as in model = "...".')
     if kind.startswith(("float", "int", "decimal")) or kind == "finite_number":
         noun = "a whole number" if kind.startswith("int") else "a finite number" if "finite" in kind else "a number"
-        return Problem(where, f"must be {noun}", f"Give {noun}{unit}, without quotes.", shown)
+        return Problem(where, f"must be {noun}", f"Give {noun}{unit}, without quotes.", written)
     if kind == "string_pattern_mismatch":
-        return Problem(where, f"does not have the form {context['pattern']}", "", shown)
+        return Problem(where, f"does not have the form {context['pattern']}", "", written)
     if kind in _KINDS:
         message, remedy = _KINDS[kind]
-        return Problem(where, message, remedy, shown)
+        return Problem(where, message, remedy, written)
     if kind in ("too_short", "too_long"):
         bound = "at least" if kind == "too_short" else "at most"
         limit = context.get("min_length", context.get("max_length"))
         return Problem(where, f"has {context['actual_length']} items, must have {bound} {limit}", "", None)
-    return Problem(where, str(item["msg"]), "", None if isinstance(value, Mapping | list | BaseModel) else shown)
+    return Problem(where, str(item["msg"]), "", None if isinstance(value, Mapping | list | BaseModel) else written)
 
 
 _LIMITS = {
@@ -131,18 +140,21 @@ _KINDS = {
     "model_attributes_type": _TABLE,
     "list_type": _LIST,
     "tuple_type": _LIST,
+    "string_too_long": ("is too long", "Shorten it."),
     "string_too_short": ("must not be empty", "Give some text."),
 }
 
 
-def _unknown_key(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[str, str]:
+def _unknown_key(
+    path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any], paths: _Paths
+) -> tuple[str, str]:
     table = ".".join(path[:-1])
     known = known_keys(path[:-1], model, tree)
     message = f"is not a key of [{table}]" if table else "is not a key of the scene"
     near = nearest(path[-1], known)
     if near:
         return message, f"Did you mean {near}?"
-    elsewhere = [p for p in _all_paths(model, tree) if p[-1] == path[-1]]
+    elsewhere = [p for p in paths() if p[-1] == path[-1]]
     if elsewhere:
         return message, f"Did you mean {'.'.join(elsewhere[0])}?"
     return message, f"Known keys: {', '.join(known)}." if known else ""
@@ -152,11 +164,11 @@ def nearest(word: str, known: Iterable[str]) -> str:
     """The known word closest to `word` (case and order of its parts forgiven), or ""."""
     names = list(known)
     folded = {name.lower(): name for name in names}
+    word = word[:MOST_CHARACTERS]
     for cutoff, table in ((0.6, folded), (0.8, {"_".join(sorted(n.split("_"))): folded[n] for n in folded})):
         asked = word.lower() if table is folded else "_".join(sorted(word.lower().split("_")))
-        match = difflib.get_close_matches(asked, table, n=1, cutoff=cutoff)
-        if match:
-            return table[match[0]]
+        if match := nearest_name(asked, table, cutoff):
+            return table[match]
     return ""
 
 
@@ -182,7 +194,7 @@ def _all_paths(model: Any, tree: Any, path: tuple[str, ...] = ()) -> list[tuple[
         value = tree.get(name) if isinstance(tree, Mapping) else None
         annotation = _field(_chosen(_models(model), tree), name, None)
         if isinstance(value, list | tuple):
-            for number, item in enumerate(value, start=1):
+            for number, item in enumerate(value[:_MOST_ITEMS], start=1):
                 out += _all_paths(_item(annotation), item, (*path, name, str(number)))
         else:
             out += _all_paths(annotation, value, (*path, name))
@@ -265,5 +277,4 @@ def _number(value: Any) -> str:
 def _shown(value: Any) -> str | None:
     if value is None or isinstance(value, Mapping) or hasattr(value, "model_fields"):
         return None
-    text = format_value(value)
-    return text if len(text) <= 60 else text[:57] + "..."
+    return shown_value(value, 60)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-import difflib
+import os
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from pipelines.errors import InputError
+from pipelines.shown import nearest_name, shown
+from pipelines.user_files import checked_path, is_regular_file, names_beside, regular_file
+
+_MOST_BYTES = 1_000_000_000  # of a STEP file or a mesh
 
 
 def anchored(tree: dict[str, Any], folder: Path | None) -> dict[str, Any]:
@@ -17,9 +21,9 @@ def anchored(tree: dict[str, Any], folder: Path | None) -> dict[str, Any]:
         name = tree["casing"]["housing"]["file"]
     except (KeyError, TypeError):
         return tree
-    if folder is None or not isinstance(name, str) or not (folder / name).is_file():
+    if folder is None or not isinstance(name, str) or not is_regular_file(folder / name):
         return tree
-    housing = {**tree["casing"]["housing"], "file": str((folder / name).resolve())}
+    housing = {**tree["casing"]["housing"], "file": os.path.realpath(folder / name)}
     return {**tree, "casing": {**tree["casing"], "housing": housing}}
 
 
@@ -28,18 +32,18 @@ def find_file(name: str) -> Path:
 
     Raises
     ------
-    InputError : no such file; names the shipped ones
+    InputError : no such file, naming the shipped ones; or no file that can be read
     """
-    if (path := Path(name)).is_file():
-        return path.resolve()
-    shipped = _shipped()
-    if name in shipped:
+    shipped, path = _shipped(), checked_path(name)
+    if name in shipped and not is_regular_file(path):
         return shipped[name]
-    beside = [p.name for p in path.parent.iterdir()] if path.parent.is_dir() else []
-    near = difflib.get_close_matches(path.name, [*shipped, *beside], n=1)
-    hint = f"Did you mean {near[0]}? " if near else ""
+    try:
+        return Path(os.path.realpath(regular_file(path, _MOST_BYTES)))
+    except FileNotFoundError:
+        near = nearest_name(path.name, [*shipped, *names_beside(path)])
+    hint = f"Did you mean {shown(near)}? " if near else ""
     raise InputError(
-        f"{name}: no such file. {hint}Give a path from the folder of the scene, or a shipped file: "
+        f"{shown(name)}: no such file. {hint}Give a path from the folder of the scene, or a shipped file: "
         f"{', '.join(shipped)}."
     )
 

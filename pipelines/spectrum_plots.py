@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from pipelines.lines import LOADS
-from pipelines.plots import FAULTY, FIRST, HEALTHY, MARK, SECOND, dress, legend, new_figure
+from pipelines.plots import FAULTY, FIRST, HEALTHY, MARK, SECOND, dress, legend, new_figure, plain
 from pipelines.spectrum import Spectrum
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def spectrum_figure(diagnosis: Diagnosis, window: str) -> Figure:
         legend(axes)
     _common_decades(panels)
     figure.suptitle(
-        f"Spectrum at {settings.sensor} ({settings.axis}), {window}, {LOADS.get(diagnosis.load, diagnosis.load)}"
+        f"Spectrum at {settings.sensor} ({settings.axis}), {plain(window)}, {LOADS.get(diagnosis.load, diagnosis.load)}"
     )
     return figure
 
@@ -69,7 +69,7 @@ def single_spectrum_figure(spectrum: Spectrum, settings: DiagnosisSettings, titl
     _draw_spectrum(axes, spectrum, (0.0, 4.4 * settings.mesh_frequency), HEALTHY, "amplitude")
     _mark_orders(axes, settings)
     _limit_decades(axes)
-    dress(axes, title, "frequency, Hz", "amplitude, m/s²")
+    dress(axes, plain(title), "frequency, Hz", "amplitude, m/s²")
     return figure
 
 
@@ -125,7 +125,7 @@ def comparison_figure(
     dress(left, "Spectrum around $f_m$, sidebands k $f_r$", "frequency, Hz", "amplitude, m/s²")
     dress(right, "Spectrum around 2 $f_m$, sidebands k $f_r$", "frequency, Hz", "")
     legend(top)
-    figure.suptitle(f"{title} · {settings.sensor} ({settings.axis})")
+    figure.suptitle(f"{plain(title)} · {settings.sensor} ({settings.axis})")
     return figure
 
 
@@ -133,7 +133,7 @@ def _draw_spectrum(
     axes: Axes, spectrum: Spectrum, span: tuple[float, float], colour: str, name: str, thickness: float = 1.0
 ) -> None:
     inside = (spectrum.frequency >= span[0]) & (spectrum.frequency <= span[1])
-    axes.semilogy(spectrum.frequency[inside], spectrum.amplitude[inside], color=colour, lw=thickness, label=name)
+    axes.semilogy(spectrum.frequency[inside], spectrum.amplitude[inside], color=colour, lw=thickness, label=plain(name))
     axes.yaxis.set_minor_locator(NullLocator())  # minor ticks of a log axis take half the time of a figure
     axes.set_xlim(span)
 

@@ -14,6 +14,8 @@ from fem.contact.solid_stress import LoadedTeeth
 from pipelines.errors import InputError
 from pipelines.mesh_frames import contact_places
 from pipelines.pictures import GearPairView, LeftOut, Picture, render_stress
+from pipelines.shown import shown
+from pipelines.user_files import writable_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -95,9 +97,9 @@ def teeth_in_mesh(pair: GearPair, found: LoadedTeeth) -> Teeth:
 
 def checked_mesh_file(name: str) -> Path:
     """The path of an export of teeth; InputError for an ending that is not known."""
-    path = Path(name)
+    path = writable_file(name, "--mesh")
     if path.suffix.lower() not in FORMATS:
-        raise InputError(f"--mesh {name}: the ending must be one of {', '.join(FORMATS)}")
+        raise InputError(f"--mesh {shown(name)}: the ending must be one of {', '.join(FORMATS)}")
     return path
 
 
@@ -130,12 +132,12 @@ def stress_figure(view: StressView, pictures: Sequence[Picture], most: float) ->
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
-    from pipelines.plots import new_figure
+    from pipelines.plots import new_figure, plain
     from pipelines.view_colours import STRESS_COLOURS
 
     figure = new_figure(2.2 + 4.6 * len(pictures), 9.0)
     figure.suptitle(
-        f"{view.title}\nvon Mises stress, mesh cycle {view.cycle:.4g}, load {view.force:.4g} N\n{view.rung}",
+        f"{plain(view.title)}\nvon Mises stress, mesh cycle {view.cycle:.4g}, load {view.force:.4g} N\n{view.rung}",
         fontsize=11,
     )
     boxes = np.atleast_1d(figure.subplots(len(pictures), 1))

@@ -47,7 +47,7 @@ class Bar:
         """Count, and print a line for what was built."""
         self._working.pop(stage.name, None)
         if not record.reused:
-            self._progress.console.print(f"{record.name}: {record.seconds:.1f} s", highlight=False)
+            self._progress.console.print(f"{record.name}: {record.seconds:.1f} s", highlight=False, markup=False)
         self._progress.advance(self._task)
         self._show()
 
@@ -88,7 +88,7 @@ def shown_progress(total: int, *, quiet: bool) -> Iterator[Observer]:
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
         yield Several(Bar(progress, total), Logging())

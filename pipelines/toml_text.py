@@ -9,8 +9,41 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+DEEPEST = 32  # keys in one path, and tables within tables
+_KEY_PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+_LONG_KEY = re.compile(rf"""(?<![\w"'-])(?:{_KEY_PART}[ \t]*+\.[ \t]*+){{{DEEPEST}}}""")
 _BARE_KEY = re.compile(r"^[A-Za-z0-9_-]+$")
 _HEADER = re.compile(r"^\s*(\[\[?)\s*([^\[\]]+?)\s*\]\]?\s*(#.*)?$")
+_TEXT_OR_COMMENT = re.compile(r'"(?:[^"\\\n]|\\.)*+"|' + r"'[^'\n]*+'|#[^\n]*+")
+
+
+class TomlError(ValueError):
+    """A text is not valid TOML."""
+
+
+class TomlLimitError(TomlError):
+    """A text may be TOML, but with more than we read: keys of many parts, deep nesting, long numbers."""
+
+
+def read_toml(text: str) -> dict[str, Any]:
+    """The tree of a TOML text. The time is bounded: a key of many parts would take that of their number squared.
+
+    Raises
+    ------
+    TomlError : where and why it cannot be read
+    TomlLimitError : what is beyond a limit
+    """
+    if found := _LONG_KEY.search(text):
+        line = text.count("\n", 0, found.start()) + 1
+        raise TomlLimitError(f"a key of more than {DEEPEST} parts (line {line})")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise TomlError(str(error)) from error
+    except RecursionError:
+        raise TomlLimitError("lists or tables are nested too deep") from None
+    except ValueError as error:  # a whole number of thousands of digits
+        raise TomlLimitError("a whole number has too many digits; 64 bits are read") from error
 
 
 def format_value(value: Any) -> str:
@@ -18,7 +51,7 @@ def format_value(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int):
-        return str(value)
+        return str(value) if value.bit_length() < 1000 else hex(value)  # Python writes no number of 4300 digits
     if isinstance(value, float):
         if not math.isfinite(value):
             return {math.inf: "inf", -math.inf: "-inf"}.get(value, "nan")
@@ -90,7 +123,7 @@ def statements(text: str) -> Iterator[Statement]:
     """Cut valid TOML text into statements, in order; joining their texts gives the text back."""
     table: tuple[str, ...] = ()
     counts: dict[tuple[str, ...], int] = {}
-    pending = ""
+    pending, open_brackets, long_text = "", 0, False
     for line in text.splitlines(keepends=True):
         if not pending and (not line.strip() or line.lstrip().startswith("#")):
             yield Statement(line, table)
@@ -101,14 +134,24 @@ def statements(text: str) -> Iterator[Statement]:
             yield Statement(line, table)
             continue
         pending += line
+        long_text = long_text or '"""' in line or "'''" in line
+        open_brackets += _opened(line)
+        if open_brackets > 0 and not long_text:
+            continue  # a list or table goes on; trying each of its lines would take the square of their number
         try:
-            parsed = tomllib.loads(pending)
-        except tomllib.TOMLDecodeError:
+            parsed = read_toml(pending)
+        except TomlError:
             continue  # the value goes on in the next line
         yield Statement(pending, table, _first_path(parsed, pending))
-        pending = ""
+        pending, open_brackets, long_text = "", 0, False
     if pending:
         yield Statement(pending, table)
+
+
+def _opened(line: str) -> int:
+    """Brackets that a line opens, less those it closes; not those in texts and comments."""
+    plain = _TEXT_OR_COMMENT.sub("", line)
+    return sum(map(plain.count, "[{")) - sum(map(plain.count, "]}"))
 
 
 def _item_path(path: tuple[str, ...], counts: dict[tuple[str, ...], int], *, is_array: bool) -> tuple[str, ...]:
@@ -125,7 +168,7 @@ def _item_path(path: tuple[str, ...], counts: dict[tuple[str, ...], int], *, is_
 
 
 def _key_path(text: str) -> tuple[str, ...]:
-    tree: Any = tomllib.loads(f"{text} = 0")
+    tree: Any = read_toml(f"{text} = 0")
     path: tuple[str, ...] = ()
     while isinstance(tree, dict):
         key, tree = next(iter(tree.items()))

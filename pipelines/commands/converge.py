@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 
 
 def main(options: argparse.Namespace) -> int:
@@ -14,13 +13,14 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.trade.presets import load_asked
     from pipelines.trade.refinement import refine
     from pipelines.trade.refinement_page import convergence_figure, convergence_table, verdict
+    from pipelines.user_files import writable_file
 
     loaded = load_asked(options)
+    path = writable_file(options.out or f"convergence-{loaded.name}-{options.over}.png")
     with shown_progress(0, quiet=options.quiet) as observer:
         found = refine(loaded, options.over, options.levels, Cache(), observer=observer, processes=options.processes)
     sys.stdout.write(convergence_table(loaded.name, found).to_text() + "\n")
     sys.stdout.write(verdict(found, options.error) + "\n")
-    path = Path(options.out or f"convergence-{loaded.name}-{options.over}.png")
     path.parent.mkdir(parents=True, exist_ok=True)
     convergence_figure(loaded.name, found).savefig(path, dpi=130)
     sys.stdout.write(f"plot: {path}\n")

@@ -8,8 +8,6 @@ import sys
 
 def main(options: argparse.Namespace) -> int:
     """Print verdict and envelope tables; --set diagnosis.... looks elsewhere without running anything."""
-    import xarray
-
     from pipelines import results
     from pipelines.building.diagnosing import CaseSpec, DiagnosingSpec, diagnoses, words
     from pipelines.errors import InputError
@@ -30,8 +28,7 @@ def main(options: argparse.Namespace) -> int:
         )
     runs = []
     for name in (results.RESPONSE, results.CONTROL):
-        with xarray.open_dataset(folder / name, engine="h5netcdf") as data:
-            runs.append(data.load().assign_attrs(sensor_noise_m_s2=scene.diagnosis.noise_m_s2))
+        runs.append(results.read_run(folder / name).assign_attrs(sensor_noise_m_s2=scene.diagnosis.noise_m_s2))
     found = diagnoses(DiagnosingSpec(cases=(CaseSpec(settings=settings, full=True),)), tuple(runs))
     sys.stdout.write(words(found, found))
     return 0

@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 
 
 def main(options: argparse.Namespace) -> int:
     """Write response.csv or response.mat."""
-    import xarray
-
     from pipelines import results
     from pipelines.errors import InputError
     from pipelines.export import export
+    from pipelines.user_files import writable_file
 
     folder = results.find_run(options.run)
-    target = Path(options.out) if options.out else folder / f"response.{options.form}"
-    with xarray.open_dataset(folder / results.RESPONSE, engine="h5netcdf") as data:
-        try:
-            path = export(data.load(), target, options.form)
-        except OSError as error:
-            raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --out.") from error
+    target = writable_file(options.out or folder / f"response.{options.form}")
+    run = results.read_run(folder / results.RESPONSE)
+    try:
+        path = export(run, target, options.form)
+    except OSError as error:
+        raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --out.") from error
     sys.stdout.write(f"{path}\n")
     return 0

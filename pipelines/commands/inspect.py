@@ -30,7 +30,9 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.study import plan_study
     from pipelines.terminal import shown_progress
     from pipelines.trade.presets import load_asked
+    from pipelines.user_files import writable_folder
 
+    folder = writable_folder(options.out)
     loaded = load_asked(options)
     scene, stage = loaded.scene, options.stage
     if stage > len(scene.stages):
@@ -52,7 +54,6 @@ def main(options: argparse.Namespace) -> int:
         wanted = ["casing", *(["casing modes", "casing mesh"] if elastic else [])]
     with shown_progress(len(graph.needed(wanted).stages), quiet=options.quiet) as observer:
         outcome = run_graph(graph, Cache(), wanted, observer=observer, processes=options.processes)
-    folder = Path(options.out)
     folder.mkdir(parents=True, exist_ok=True)
     if options.casing_mode:
         if not elastic:

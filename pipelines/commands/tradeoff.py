@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 
 
 def main(options: argparse.Namespace) -> int:
@@ -14,13 +13,14 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.trade.presets import load_asked
     from pipelines.trade.tradeoff import trade
     from pipelines.trade.tradeoff_page import answers, trade_figure, trade_table
+    from pipelines.user_files import writable_file
 
     loaded = load_asked(options)
+    path = writable_file(options.out or f"tradeoff-{loaded.name}.png")
     with shown_progress(0, quiet=options.quiet) as observer:
         found = trade(loaded, Cache(), observer=observer, processes=options.processes)
     sys.stdout.write(trade_table(found).to_text() + "\n")
     sys.stdout.write("".join(f"{line}\n" for line in answers(found, options.error, options.time)))
-    path = Path(options.out or f"tradeoff-{loaded.name}.png")
     path.parent.mkdir(parents=True, exist_ok=True)
     trade_figure(found).savefig(path, dpi=130)
     sys.stdout.write(f"plot: {path}\n")

@@ -16,7 +16,9 @@ class DiagnosisTable(Table):
     axis: Annotated[Literal["x", "y", "z", "resultant"], Field(description="of the sensor")] = "z"
     stage: Annotated[Whole, Field(ge=1, description="stage whose mesh frequency carries the sidebands")] = 1
     gear: Annotated[Literal["pinion", "wheel"], Field(description="gear whose rotation is sought")] = "wheel"
-    windows_s: dict[str, Window] = Field(default_factory=dict, description="constant-speed windows by name")
+    windows_s: dict[str, Window] = Field(
+        default_factory=dict, max_length=100, description="constant-speed windows by name"
+    )
     envelope_band_Hz: Annotated[
         Literal["mesh", "resonance"] | tuple[Positive, Positive],
         Field(

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from pipelines.shown import shown_value
 from pipelines.tables.base import Number, Table, Whole
 
 
@@ -68,7 +69,9 @@ class HertzBearings(Table):
             missing = ", ".join(key for key in needed if key not in given)
             raise ValueError(f"give a designation of the catalogue, or all of the geometry (missing: {missing})")
         if self.designation is not None and given:
-            raise ValueError(f"designation = {self.designation!r} and {', '.join(given)}: give one or the other")
+            raise ValueError(
+                f"designation = {shown_value(self.designation)} and {', '.join(given)}: give one or the other"
+            )
         return self
 
 

@@ -47,7 +47,7 @@ def verdict(found: RefinementStudy, wanted: float) -> str:
 
 def convergence_figure(name: str, found: RefinementStudy) -> Figure:
     """Error of every quantity over the size of the levels, both logarithmic, with the bands of the setting in use."""
-    from pipelines.plots import dress, new_figure
+    from pipelines.plots import dress, new_figure, plain
 
     figure = new_figure(5.0)
     axes = figure.subplots()
@@ -61,7 +61,7 @@ def convergence_figure(name: str, found: RefinementStudy) -> Figure:
         band = 100 * max(convergence.relative_bands[found.in_use], floor)
         axes.plot([1.0], [band], marker="_", ms=14, mew=2, color=line.get_color())
     axes.axvline(1.0, color="black", lw=0.8, ls=":", label="setting in use; bars: its error bands")
-    title = f"{name}: convergence over the {AXES[found.axis].words}"
+    title = f"{plain(name)}: convergence over the {AXES[found.axis].words}"
     dress(axes, title, "size relative to the setting in use", "distance from the limit, % (0 at the lower edge)")
     axes.set_xticks(sizes, labels=[f"{size:.3g}" for size in sizes])
     axes.set_xticks([], minor=True)

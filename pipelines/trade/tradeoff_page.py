@@ -69,7 +69,7 @@ def trade_figure(found: Tradeoff) -> Figure:
     """Error of sensor rms over seconds, every point named; those on the front in a ring."""
     from matplotlib.ticker import NullFormatter, ScalarFormatter
 
-    from pipelines.plots import dress, new_figure
+    from pipelines.plots import dress, new_figure, plain
 
     shown = [one for one in found.priced if not math.isnan(one.error)]
     figure = new_figure(max(6.0, 0.2 * len(shown) + 1.5), 13.0)
@@ -92,7 +92,7 @@ def trade_figure(found: Tradeoff) -> Figure:
     )  # fmt: skip
     axes.margins(x=0.12, y=0.06)
     dress(
-        axes, f"{found.name}: speed against accuracy", "time of all stages, cold, s",
+        axes, f"{plain(found.name)}: speed against accuracy", "time of all stages, cold, s",
         f"largest error of a sensor's rms against the reference, % (0 is drawn at {100 * least:.2g})",
     )  # fmt: skip
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=6, frameon=False, fontsize=9)
