@@ -32,7 +32,7 @@ from typing import Literal
 
 import numpy as np
 
-from fem.contact.frame import FLANKS, flank_frame, window_fraction
+from fem.contact.frame import FLANKS, RungError, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.contact.ring import FlankCompliance, flank_compliance
 from fem.gears.geometry import GearPair
@@ -43,7 +43,7 @@ from fem.ledger import count
 BRIDGE = 2.05  # pitches: with a tooth missing, the pairs before and after it then take over from each other
 
 
-class PlaneError(ValueError):
+class PlaneError(RungError):
     """An option of the rung `plane` is outside its valid range."""
 
 
