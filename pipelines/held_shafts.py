@@ -19,26 +19,29 @@ from pipelines.tables.bearings import HertzBearings, LinearBearings, RigidBearin
 _AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 _WORDS = {"uy": "along its axis", "ry": "in its rotation", "rx": "against tilting", "rz": "against tilting"}
 _ARM = 0.1  # m: by which rotations are counted beside displacements
+_TAKES_PART = 0.25  # share of a direction of a shaft in free motions from which it is named
 _FREE = 1e-9  # singular value over the largest, below which nothing holds a motion
 
 
 def unheld(scene: Scene, layout: Layout) -> Iterator[Problem]:
-    """The shaft that moves most in the motion that nothing holds, if there is one."""
+    """The shafts that take part in motions that nothing holds, each with the direction in which it moves most."""
     rows = np.array(list(_springs(scene, layout)))
     scaled = rows * np.tile([1.0, 1.0, 1.0, 1 / _ARM, 1 / _ARM, 1 / _ARM], len(scene.shafts))
     scaled /= np.linalg.norm(scaled, axis=1)[:, None]
     _, sizes, motions = np.linalg.svd(scaled)
-    if len(sizes) == len(motions) and sizes[-1] > _FREE * sizes[0]:
-        return
-    place = int(np.argmax(abs(motions[-1])))
-    shaft, axis = place // 6, _AXES[place % 6]
-    yield Problem(
-        f"shafts.{shaft + 1}",
-        f"nothing holds shaft {shaft + 1} {_WORDS.get(axis, 'across its axis')}: it moves freely",
-        "Give it a bearing that carries axial load (the NU types do not)"
-        if axis == "uy"
-        else "Give it a second bearing, or one that holds tilts",
-    )
+    held = int((sizes > _FREE * sizes[0]).sum())
+    share = (motions[held:] ** 2).sum(axis=0).reshape(-1, 6)  # 1: moves by itself, 0: not at all
+    for number, shares in enumerate(share, 1):
+        if shares.max() < _TAKES_PART:
+            continue
+        axis = _AXES[int(np.argmax(shares))]
+        yield Problem(
+            f"shafts.{number}",
+            f"nothing holds shaft {number} {_WORDS.get(axis, 'across its axis')}: it moves freely",
+            "Give it a bearing that carries axial load (the NU types do not)"
+            if axis == "uy"
+            else "Give it a second bearing, or one that holds tilts",
+        )
 
 
 def _springs(scene: Scene, layout: Layout) -> Iterator[np.ndarray]:
