@@ -72,7 +72,8 @@ def _bad_window(
         yield Problem(
             path,
             f"holds {held:.1f} revolutions of {shaft}{cut}; the diagnosis needs {FEWEST_REVOLUTIONS}",
-            f"Give it {(FEWEST_REVOLUTIONS + (1 if cut else 0)) / turn:.2f} s or more, or leave windows_s empty for signals alone",
+            f"Give it {(FEWEST_REVOLUTIONS + bool(cut)) / turn:.2f} s or more, or leave windows_s empty for signals "
+            "alone",
             shown,
         )
     mean = abs(float(np.diff(profile.angle(np.array([start, end])))[0])) / (end - start)
