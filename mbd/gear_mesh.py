@@ -140,26 +140,35 @@ def mesh_rows(mesh: MeshSpec, driving: ShaftSpec, driven: ShaftSpec) -> np.ndarr
             f"mesh {mesh.name}: {driving.name} and {driven.name} have the same lifting sense; meshing external gears "
             "turn opposite ways. Give one of them sense = -sense."
         )
-    line = np.array([driven.x - driving.x, 0.0, driven.z - driving.z])
-    distance = float(np.linalg.norm(line))
-    base_sum = mesh.base_radius_driving + mesh.base_radius_driven
-    if distance == 0 or abs(base_sum / distance - math.cos(mesh.pressure_angle)) > 1e-3:
+    line = (driven.x - driving.x, driven.z - driving.z)
+    distance = math.hypot(*line)
+    radii = mesh.base_radius_driving, mesh.base_radius_driven
+    if distance == 0 or abs(sum(radii) / distance - math.cos(mesh.pressure_angle)) > 1e-3:
         raise MachineError(
-            f"mesh {mesh.name}: centre distance {distance:.6f} m and base radii of sum {base_sum:.6f} m do not give "
+            f"mesh {mesh.name}: centre distance {distance:.6f} m and base radii of sum {sum(radii):.6f} m do not give "
             f"the working pressure angle {math.degrees(mesh.pressure_angle):.3f} deg."
         )
-    e, up, s = line / distance, np.array([0.0, 1.0, 0.0]), driving.sense
-    t = np.cross(up, e)
     slope = _shift_slope(mesh.drive)
     hand = 0.0 if slope is None else math.copysign(1.0, slope)
+    return contact_rows(line, radii, mesh.pressure_angle, hand * math.tan(mesh.base_helix_angle), driving.sense)
+
+
+def contact_rows(
+    line: tuple[float, float], radii: tuple[float, float], pressure_angle: float, lead: float, sense: int
+) -> np.ndarray:
+    """The rows of `mesh_rows` for axes ``line`` (x, z) apart, base radii of both gears (m), the tangent ``lead`` of the
+    base helix angle (positive for a right-hand pinion), and the lifting sense of the driving gear."""
+    e = np.array([line[0], 0.0, line[1]]) / math.hypot(*line)
+    up, s = np.array([0.0, 1.0, 0.0]), sense
+    t = np.cross(up, e)
     rows = np.zeros((4, 12))
     for k, flank in enumerate((1, -1)):
-        n = flank * s * math.cos(mesh.pressure_angle) * t + math.sin(mesh.pressure_angle) * e
-        axial = -flank * hand * math.tan(mesh.base_helix_angle)
+        n = flank * s * math.cos(pressure_angle) * t + math.sin(pressure_angle) * e
+        axial = -flank * lead
         force = n + axial * s * up
-        for gear, (sign, radius) in enumerate(((1, mesh.base_radius_driving), (-1, mesh.base_radius_driven))):
+        for gear, (sign, radius) in enumerate(zip((1, -1), radii, strict=True)):
             at = 6 * gear
-            pitch = radius / math.cos(mesh.pressure_angle)
+            pitch = radius / math.cos(pressure_angle)
             rows[2 * k, at : at + 3] = sign * force
             # moment of N about the gear centre: r_b about y, and the axial part at the pitch point tilts about t
             rows[2 * k, at + 3 : at + 6] = flank * s * radius * up - axial * s * pitch * t

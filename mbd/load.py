@@ -16,7 +16,10 @@ import math
 from dataclasses import dataclass
 from typing import Literal, TypeGuard
 
+import numpy as np
+
 from mbd.checks import MachineError, finite, not_negative, positive
+from mbd.drive import SpeedProfile
 from mbd.hanging import Ground
 
 NO_DRUM = "load: no drum; give at least one y position on the output shaft."
@@ -122,3 +125,18 @@ def rope_reference(load: Rope) -> tuple[float, float]:
     """Stiffness (N/m) and damping (N s/m) of the ropes of one drum at their length at t = 0."""
     stiffness = load.stiffness_times_length / load.length
     return stiffness, 2 * load.damping_ratio * math.sqrt(stiffness * load.container_mass / len(load.drums))
+
+
+def check_wound_rope(load: Rope, ratio: float, profile: SpeedProfile, end: float) -> None:
+    """Raise MachineError if the drums, at ``ratio`` times the motor speed, would wind all rope before ``end`` (s)."""
+    if not load.follow_length:
+        return
+    corners = profile.times[(profile.times > 0.0) & (profile.times < end)]
+    times = np.concatenate([np.linspace(0.0, end, 1001), corners])
+    wound = load.travel_per_radian * ratio * profile.angle(times)
+    if wound.max() >= load.length:
+        when = times[wound >= load.length].min()
+        raise MachineError(
+            f"rope: its {load.length:.4g} m are wound up at t = {when:.4g} s (by {end:.4g} s the drums would take "
+            f"{wound.max():.4g} m). Start with a longer rope, or lift less."
+        )

@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from mbd.bearings import BearingSpec
 from mbd.checks import MachineError, finite, known, unique
 from mbd.couplings import ShaftCoupling, check_coaxial
 from mbd.drive import CouplingSpec, SpeedProfile
 from mbd.gear_mesh import MeshSpec, mesh_rows
-from mbd.load import Load, Rope
+from mbd.load import Load, Rope, check_wound_rope
 from mbd.losses import Brake, Losses, NoLosses
 from mbd.shafts import ShaftSpec
 from mbd.train import Link, shaft_ratios
@@ -108,15 +106,5 @@ class Machine:
 
     def check_rope(self, end: float) -> None:
         """Raise MachineError if the drums would wind more rope than there is before ``end`` (s)."""
-        load = self.load
-        if not isinstance(load, Rope) or not load.follow_length:
-            return
-        corners = self.profile.times[(self.profile.times > 0.0) & (self.profile.times < end)]
-        times = np.concatenate([np.linspace(0.0, end, 1001), corners])
-        wound = load.travel_per_radian * self.ratios()[load.shaft] * self.profile.angle(times)
-        if wound.max() >= load.length:
-            when = times[wound >= load.length].min()
-            raise MachineError(
-                f"rope: its {load.length:.4g} m are wound up at t = {when:.4g} s (by {end:.4g} s the drums would take "
-                f"{wound.max():.4g} m). Start with a longer rope, or lift less."
-            )
+        if isinstance(self.load, Rope):
+            check_wound_rope(self.load, self.ratios()[self.load.shaft], self.profile, end)

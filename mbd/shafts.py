@@ -131,6 +131,16 @@ class ShaftSpec:
             )
 
 
+def torsional_stiffness(spec: ShaftSpec) -> float:
+    """Torque over twist (N m/rad) of the whole shaft."""
+    modulus = spec.elastic_modulus / (2 * (1 + spec.poisson_ratio))
+    twist = sum(
+        (s.y_end - s.y_start) / max(s.outer_diameter**4 - s.inner_diameter**4, np.finfo(float).tiny)
+        for s in spec.sections
+    )
+    return float(modulus * np.pi / 32 / twist)
+
+
 def shaft_nodes(spec: ShaftSpec, stations: tuple[float, ...] = ()) -> np.ndarray:
     """Node positions y (node,), m: section ends, disks and ``stations``, no gap longer than ``element_length``.
 
@@ -143,7 +153,7 @@ def shaft_nodes(spec: ShaftSpec, stations: tuple[float, ...] = ()) -> np.ndarray
     pieces = np.maximum(1, np.ceil(np.diff(points) / spec.element_length - 1e-9))
     if pieces.sum() >= MOST_NODES:
         raise MachineError(
-            f"shaft {spec.name}: {6 * (pieces.sum() + 1):.0f} coordinates, more than {6 * MOST_NODES}: it is "
+            f"shaft {spec.name}: {6 * (pieces.sum() + 1):.6g} coordinates, more than {6 * MOST_NODES}: it is "
             f"{spec.y_end - spec.y_start:.6g} m long in elements of at most {spec.element_length:.4g} m. Raise "
             "element_length (element_length_mm of the scene's shaft_model), or shorten the shaft."
         )

@@ -16,6 +16,7 @@ import numpy as np
 from fem.casing.body import ReducedBody
 from mbd.bearings import BEARING_AXES, springs
 from mbd.channels import ChannelRows, bearing_row, channel_names, channel_rows
+from mbd.checks import MachineError
 from mbd.element_rows import ElementRows, bearing_drag, element_rows, gyroscopic_planes
 from mbd.forces import ForceTable, force_table
 from mbd.gear_mesh import mesh_rows
@@ -26,7 +27,7 @@ from mbd.losses import Coulomb
 from mbd.machine import Machine
 from mbd.mesh_reference import mean_stiffness, nominal_forces, reference_load
 from mbd.reduction import modal_basis
-from mbd.shafts import shaft_matrices
+from mbd.shafts import shaft_matrices, torsional_stiffness
 
 DEFAULT_BAND = 20e3  # Hz
 
@@ -127,9 +128,14 @@ def assemble(
     if isinstance(machine.losses, Coulomb):
         bearing_drag(elements, lay, _bearing_loads(lay, stiffness, constant))
     rows = np.vstack([rows, elements.matrix()])
-    basis, frequencies = modal_basis(
-        mass, stiffness, np.column_stack([rows.T, constant, mass @ rolling, stiffness @ rolling]), band, lay.names
-    )
+    patterns = np.column_stack([rows.T, constant, mass @ rolling, stiffness @ rolling])
+    try:
+        basis, frequencies = modal_basis(mass, stiffness, patterns, band, lay.names)
+    except MachineError as error:  # what moves freely need not be what is too soft
+        softest = min(machine.shafts, key=torsional_stiffness)
+        raise MachineError(
+            f"{error} The softest shaft in torsion is {softest.name} with {torsional_stiffness(softest):.3g} N m/rad."
+        ) from error
     gyroscopic, left_out = np.zeros((0, 0)), 0.0
     if machine.gyroscopic:
         gyroscopic = _gyroscopic(lay)

@@ -36,6 +36,13 @@ def _bearing(
         return rigid_bearing(name, shaft, y, support)
     if isinstance(table, HertzBearings):
         return hertz_bearing(name, shaft, y, rolling_elements(table), table.damping_time_us / 1_000_000, support)
+    return linear_bearing(table, name, shaft, y, support)
+
+
+def linear_bearing(
+    table: LinearBearings, name: str, shaft: str, y: float, support: Literal["casing", "ground"]
+) -> BearingSpec:
+    """A bearing of springs and dampers. MachineError if its cross terms outweigh the others."""
     radial, vertical = table.radial_stiffness_N_per_um, table.vertical_stiffness_N_per_um
     cross = table.cross_stiffness_N_per_um * 1e6
     return BearingSpec(

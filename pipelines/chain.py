@@ -14,13 +14,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from fem.casing.body import MODES_OVER_BAND
-from fem.casing.geometry import Geometry
 from fem.casing.housing import Housing
-from fem.casing.sizes import Sizes, bending_wavelength
-from fem.materials import Material
 from mbd.bearings import BEARING_AXES
-from pipelines.derived import bearing_points, derive
-from pipelines.errors import Problem, SceneError
+from pipelines.casing_sizes import element_sizes
+from pipelines.derived import bearing_points
 from pipelines.flanks import common_wear, damaged_teeth
 from pipelines.layout import Layout
 from pipelines.machine import bearing_specs
@@ -31,12 +28,11 @@ from pipelines.tables.base import MaterialTable
 from pipelines.tables.casing import (
     CraigBamptonCasingTable,
     ElasticBase,
-    FlexibleBase,
     NoCasingTable,
     RigidCasingTable,
     SensorTable,
 )
-from pipelines.tables.gears import EnergyMesh, IsoMesh, PlaneMesh, SolidMesh
+from pipelines.tables.gears import IsoMesh
 from pipelines.tables.housing import HousingTable
 from pipelines.validity import checked_layout
 
@@ -96,13 +92,10 @@ def scene_stages(scene: Scene, source: str) -> list[Stage]:
 
 def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
     from pipelines.building import flanks, laws
+    from pipelines.law_specs import law_specs
 
     stages = []
-    facts = derive(scene, layout).stages
-    for number, (table, pair, fact) in enumerate(zip(scene.stages, layout.pairs, facts, strict=True), 1):
-        mesh = table.mesh
-        refinement = mesh.refinement if isinstance(mesh, PlaneMesh | SolidMesh) else 0.0
-        positions = mesh.positions if isinstance(mesh, EnergyMesh | PlaneMesh | SolidMesh) else 0
+    for number, (pair, spec) in enumerate(zip(layout.pairs, law_specs(scene, layout), strict=True), 1):
         added = flanks.FlanksSpec(
             pair=replace(pair, backlash_allowance=0.0),
             modifications=layout.modifications[number - 1],
@@ -116,17 +109,10 @@ def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
                 name=f"law_{number}" if added.empty else f"sound_law_{number}",
                 kind="law",
                 build=laws.build,
-                spec=laws.law_spec(
-                    pair,
-                    mesh.model,
-                    slices=mesh.slices,
-                    refinement=refinement,
-                    positions=positions,
-                    line_load=fact.line_load,
-                ),
-                modules=(f"fem.contact.{mesh.model}",),
+                spec=spec,
+                modules=(f"fem.contact.{spec.model}",),
                 libraries=("numpy", "scipy"),
-                seconds=8.0 if isinstance(mesh, PlaneMesh | SolidMesh) else 0.0,
+                seconds=8.0 if spec.model in ("plane", "solid") else 0.0,
             )
         )
         if not added.empty:
@@ -167,7 +153,9 @@ def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
         name="casing mesh",
         kind="casing-mesh",
         build=casing_mesh.build,
-        spec=casing_mesh.CasingMeshSpec(housing=replace(box, sensors=()), sizes=_sizes(table, box, iron, source)),
+        spec=casing_mesh.CasingMeshSpec(
+            housing=replace(box, sensors=()), sizes=element_sizes(table, box, iron, source)
+        ),
         libraries=("numpy", "gmsh", "meshio"),
         seconds=8.0,
     )
@@ -275,22 +263,6 @@ def casing_mounts(scene: Scene) -> tuple[tuple[float, float, float], ...] | None
     if not isinstance(table, ElasticBase) or table.ground == "fixed":
         return None
     return tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um)
-
-
-def _sizes(table: FlexibleBase, box: Geometry, iron: Material, source: str) -> Sizes:
-    """Element sizes of a casing; at most a share of the bending wavelength of its thinnest wall where that is asked."""
-    size = table.element_size_mm / 1000
-    if isinstance(table, CraigBamptonCasingTable) and table.elements_per_wavelength is not None:
-        if isinstance(box, Housing):
-            wall = box.thinnest_wall
-        elif table.housing.wall_thickness_mm is not None:
-            wall = table.housing.wall_thickness_mm / 1000
-        else:
-            problem = "is needed for casing.elements_per_wavelength of a housing from a file"
-            raise SceneError(source, [Problem("casing.housing.wall_thickness_mm", problem, "Give its thinnest wall.")])
-        size = min(size, bending_wavelength(iron, wall, table.band_Hz) / table.elements_per_wavelength)
-    bore, foot = table.bore_element_size_mm, table.foot_element_size_mm
-    return Sizes(element=size, bore=None if bore is None else bore / 1000, foot=None if foot is None else foot / 1000)
 
 
 def motion_scene(scene: Scene) -> Scene:

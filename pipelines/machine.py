@@ -176,10 +176,14 @@ def losses_spec(scene: Scene) -> Losses:
     return NoLosses()
 
 
+def speed_profile(scene: Scene) -> SpeedProfile:
+    """Speed of the motors."""
+    return SpeedProfile(times=np.array(scene.drive.times_s), speeds=np.array(scene.drive.speeds_rpm) / 60 * 2 * math.pi)
+
+
 def machine(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> Machine:
     """Everything the multibody run needs but the casing. `MachineError` names what does not fit."""
     drive, driven = scene.drive, f"shaft_{layout.driven + 1}"
-    rates = np.array(drive.speeds_rpm) / 60 * 2 * math.pi
     ends = shaft_ends(scene, layout.driven)[: drive.motors]
     return Machine(
         shafts=shaft_specs(scene, layout),
@@ -195,7 +199,7 @@ def machine(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> Machin
             )
             for number, y in enumerate(ends, 1)
         ),
-        profile=SpeedProfile(times=np.array(drive.times_s), speeds=rates),
+        profile=speed_profile(scene),
         load=load_spec(scene, layout),
         shaft_couplings=coupling_specs(scene),
         losses=losses_spec(scene),

@@ -19,9 +19,10 @@ from pipelines.cache import Cache
 from pipelines.claims import claimed
 from pipelines.code_version import library_versions
 from pipelines.errors import WorkError
+from pipelines.looked_for import diagnosis_settings
 from pipelines.scene_file import LoadedScene, control_differences
 from pipelines.stages import Graph, Stage, StageRecord
-from pipelines.study import Study, diagnosis_settings, plan_study
+from pipelines.study import Study, plan_study
 from pipelines.terminal import shown_progress
 from pipelines.trade.presets import load_preset
 

@@ -21,6 +21,7 @@ WINDOWS = ("hann", "boxcar")
 LINE_HALF_WIDTH = (
     2  # bins on either side of an order that belong to the line (zero of the Hann window), not to the floor
 )
+FEWEST_REVOLUTIONS = 2 * LINE_HALF_WIDTH + 2  # fewer leave no bins between the orders for a local floor
 SAMPLE_TOLERANCE = 1e-3  # samples; a segment this close to a whole number of samples is not resampled
 SINC_HALF_WIDTH = 48  # samples on either side that enter an interpolated value
 
@@ -92,10 +93,10 @@ class Spectrum(Record):
         at least six revolutions in the segment.
         """
         bins_per_order = self.revolutions
-        if bins_per_order < 2 * LINE_HALF_WIDTH + 2:
+        if bins_per_order < FEWEST_REVOLUTIONS:
             raise SpectrumError(
                 f"local floor: {bins_per_order} revolutions leave no bins between the orders, "
-                f"at least {2 * LINE_HALF_WIDTH + 2} are needed. Use a longer window."
+                f"at least {FEWEST_REVOLUTIONS} are needed. Use a longer window."
             )
         centres = np.rint(np.asarray(frequencies, dtype=float) / self.resolution).astype(int)
         bins = np.arange(self.amplitude.size)

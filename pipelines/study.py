@@ -6,16 +6,10 @@ seeds of the deviations and error-free gears tell what belongs to the fault and 
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from pipelines.bearings import bearing_frequencies
 from pipelines.chain import scene_stages
-from pipelines.derived import derive, rope_frequency
-from pipelines.diagnosis import DiagnosisSettings
-from pipelines.layout import Layout, lay_out
+from pipelines.cost import check_room
 from pipelines.payload import digest
 from pipelines.scene import Scene
 from pipelines.scene_file import LoadedScene, control_of
@@ -61,7 +55,7 @@ def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bo
 
     Raises
     ------
-    SceneError, InputError : a scene or its control cannot be built
+    SceneError, InputError : a scene or its control cannot be run, or its signals find no room
     """
     control = control_of(loaded) if with_control else None
     source = loaded.source.shown
@@ -76,7 +70,9 @@ def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bo
                 -1
             ]
         cases.append(Case(label=label.strip(), scene=scene, faulty=faulty, healthy=healthy))
-    return Study(graph=Graph(stages), cases=tuple(cases), control=control)
+    study = Study(graph=Graph(stages), cases=tuple(cases), control=control)
+    check_room(loaded.scene, source, len(study.responses))
+    return study
 
 
 def _variants(scene: Scene, both_loads: bool, seeds: int) -> list[tuple[str, Scene]]:
@@ -125,43 +121,3 @@ def add_stages(stages: list[Stage], new: list[Stage], prefix: str) -> dict[str, 
 
 def _identity(stage: Stage) -> tuple:
     return stage.kind, stage.build, digest(stage.spec), stage.takes
-
-
-def diagnosis_settings(scene: Scene, layout: Layout | None = None) -> DiagnosisSettings | None:
-    """What the diagnosis of a scene looks for; None if the scene gives no windows or has no sensors."""
-    table = scene.diagnosis
-    if not table.windows_s or not scene.sensors:
-        return None
-    layout = layout or lay_out(scene)
-    stage = derive(scene, layout).stages[table.stage - 1]
-    on_wheel = table.gear == "wheel"
-    faulty = Counter((f.stage, f.gear, f.kind) for f in scene.faults)
-    words = ", ".join(
-        f"{'one tooth' if count == 1 else f'{count} teeth'} of the stage {number} {gear} {kind.removesuffix('-tooth')}"
-        for (number, gear, kind), count in faulty.items()
-    )
-    modes = {
-        name: rope_frequency(scene, _rope_length(scene, layout, sum(w) / 2)) for name, w in table.windows_s.items()
-    }
-    return DiagnosisSettings(
-        revolution_frequency=stage.wheel_frequency if on_wheel else stage.pinion_frequency,
-        mesh_frequency=stage.mesh_frequency,
-        windows=dict(table.windows_s),
-        rope_mode={name: value for name, value in modes.items() if value is not None},
-        bearings=bearing_frequencies(scene, layout),
-        sensor=table.sensor,
-        axis=table.axis,
-        band=table.envelope_band_Hz,
-        shaft=f"shaft_{layout.pair_shafts[table.stage - 1][on_wheel] + 1}",
-        fault=words or "no fault",
-    )
-
-
-def _rope_length(scene: Scene, layout: Layout, time: float) -> float | None:
-    """Free rope length (m) at a time (s): the length at the start less what the drums have wound."""
-    if not isinstance(scene.load, RopeTable):
-        return None
-    times, speeds = np.array(scene.drive.times_s), np.array(scene.drive.speeds_rpm) * 2 * np.pi / 60
-    fine = np.linspace(0.0, time, 2001)
-    angle = float(np.trapezoid(np.interp(fine, times, speeds), fine)) * layout.shaft_ratios[layout.loaded]
-    return scene.load.rope_length_m - angle * scene.load.drum_radius_mm / 1000 / scene.load.reeving_ratio

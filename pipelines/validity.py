@@ -1,4 +1,4 @@
-"""A scene that can be built: gears that work, parts that do not collide, a housing that holds together."""
+"""A scene that can be run: everything that can be known before computing, asked in one place by every command."""
 
 from __future__ import annotations
 
@@ -6,12 +6,16 @@ import math
 from collections.abc import Iterator
 
 from pipelines.collisions import find_collisions
+from pipelines.cost import too_long
 from pipelines.errors import Problem, SceneError
 from pipelines.flank_checks import bad_flanks
 from pipelines.layout import Layout, lay_out
+from pipelines.machine_checks import bad_laws, bad_machine
 from pipelines.scene import Scene
+from pipelines.strength import overloaded
 from pipelines.tables.casing import FlexibleBase
-from pipelines.tables.housing import HousingTable
+from pipelines.tables.housing import HousingTable, ImportedTable
+from pipelines.window_checks import bad_windows
 
 FARTHEST_SENSOR_MM = 50.0  # a sensor farther from the housing is a mistake in the scene
 
@@ -24,19 +28,35 @@ def checked_layout(scene: Scene, source: str) -> Layout:
     SceneError : everything that does not fit, at once
     """
     layout = lay_out(scene, source)
-    problems: list[Problem] = [*find_collisions(scene, layout), *bad_flanks(scene, layout)]
+    problems: list[Problem] = [
+        *find_collisions(scene, layout),
+        *bad_flanks(scene, layout),
+        *overloaded(scene, layout),
+        *bad_laws(scene, layout),
+        *bad_machine(scene, layout),
+        *too_long(scene),
+    ]
     if isinstance(scene.casing, FlexibleBase):
-        from pipelines.housing import housing
-
-        if isinstance(scene.casing.housing, HousingTable):
-            problems += _far_sensors(scene, scene.casing.housing)
-        try:
-            housing(scene, scene.casing.housing, layout, source)
-        except SceneError as error:
-            problems += error.problems
+        problems += _bad_housing(scene, scene.casing.housing, layout, source)
+    if scene.control is not None:  # without one there is no diagnosis
+        problems += bad_windows(scene, layout)
     if problems:
         raise SceneError(source, problems)
     return layout
+
+
+def _bad_housing(scene: Scene, table: HousingTable | ImportedTable, layout: Layout, source: str) -> Iterator[Problem]:
+    from pipelines.casing_checks import bad_casing
+    from pipelines.housing import housing
+
+    if isinstance(table, HousingTable):
+        yield from _far_sensors(scene, table)
+    try:
+        made = housing(scene, table, layout, source)
+    except SceneError as error:
+        yield from error.problems
+    else:
+        yield from bad_casing(scene, layout, made, source)
 
 
 def _far_sensors(scene: Scene, box: HousingTable) -> Iterator[Problem]:

@@ -2,9 +2,12 @@
 
 import pytest
 
+from pipelines.doubts import doubts
+from pipelines.layout import lay_out
+from pipelines.looked_for import diagnosis_settings
 from pipelines.payload import digest
 from pipelines.scene_file import load_scene
-from pipelines.study import diagnosis_settings, plan_study
+from pipelines.study import plan_study
 
 
 def inputs(scene, *settings, **options):
@@ -110,15 +113,10 @@ def test_the_diagnosis_looks_at_the_wheel_of_stage_1():
 
 
 def test_a_window_too_short_for_the_diagnosis_is_told_beforehand():
-    from pipelines.derived import derive
-    from pipelines.layout import lay_out
-
     fault = 'faults=[{kind="missing-tooth", stage=1, gear="wheel", tooth=0}]'
     short = load_scene("minimal", (fault,)).scene
-    told = [
-        warning for warning in derive(short, lay_out(short)).warnings if "revolutions of the stage 1 wheel" in warning
-    ]
+    told = [warning for warning in doubts(short, lay_out(short)) if "revolutions of the stage 1 wheel" in warning]
     assert len(told) == 1
     assert "4.9" in told[0]
     long = load_scene("rig-missing-tooth").scene
-    assert not [text for text in derive(long, lay_out(long)).warnings if "revolutions" in text]
+    assert not [text for text in doubts(long, lay_out(long)) if "revolutions" in text]

@@ -8,7 +8,7 @@ from fem.gears.faults import ChippedTooth, CrackedTooth, WornTooth
 from pipelines.build import run_graph
 from pipelines.cache import Cache
 from pipelines.chain import scene_stages
-from pipelines.derived import derive
+from pipelines.doubts import doubts
 from pipelines.errors import SceneError
 from pipelines.flanks import common_wear, damaged_teeth, fault_name
 from pipelines.layout import lay_out
@@ -178,9 +178,9 @@ def test_a_crack_through_the_tooth_is_refused_with_its_place(tmp_path):
 
 def test_warnings_of_a_designer():
     scene = minimal("stages.1.pinion_teeth=12", "stages.1.pinion_bore_mm=14", "stages.1.mesh.slices=5")
-    undercut = derive(scene, lay_out(scene)).warnings
+    undercut = doubts(scene, lay_out(scene))
     assert any("undercut" in text and "eps_alpha" in text for text in undercut)
     faulty = load_scene("rig-missing-tooth", ("deviations.iso_grade=9", "faults.1.kind=missing-tooth")).scene
-    assert any("may hide it" in text for text in derive(faulty, lay_out(faulty)).warnings)
+    assert any("may hide it" in text for text in doubts(faulty, lay_out(faulty)))
     shipped = load_scene("rig-missing-tooth").scene
-    assert not any("may hide it" in text for text in derive(shipped, lay_out(shipped)).warnings)
+    assert not any("may hide it" in text for text in doubts(shipped, lay_out(shipped)))

@@ -8,6 +8,7 @@ import xarray
 from coarse import coarse, diagnosable
 
 from pipelines import results, run
+from pipelines.errors import SceneError
 from pipelines.runs import Options, run_scene
 from pipelines.scene_file import load_scene, shipped_names
 
@@ -79,9 +80,8 @@ def test_the_lines_are_found_again_from_the_folder(whole_run, capsys):
     assert "sensor_5" in capsys.readouterr().out
 
 
-def test_a_window_without_a_revolution_does_not_cost_the_signals(tmp_path):
+def test_a_window_without_a_revolution_is_refused_before_the_signals_are_made(tmp_path):
     settings = diagnosable("rig-missing-tooth") | {"diagnosis.windows_s": {"lifting": [0.58, 0.6]}}
-    finished = run_scene(load_scene("rig-missing-tooth", settings), Options(out=tmp_path / "out", both_loads=False))
-    assert "The diagnosis is left out" in finished.left_out[0]
-    assert (finished.folder / "response.nc").is_file()
-    assert "Left out" in (finished.folder / "report.html").read_text(encoding="utf-8")
+    with pytest.raises(SceneError, match=r"diagnosis\.windows_s\.lifting = \[0\.58, 0\.6\]: holds 0\.4 revolutions"):
+        run_scene(load_scene("rig-missing-tooth", settings), Options(out=tmp_path / "out", both_loads=False))
+    assert not (tmp_path / "out").exists()

@@ -80,4 +80,4 @@ def _smooth_pieces(surface: Surface, axis: np.ndarray) -> list[np.ndarray]:
 
 
 def _mm(point: np.ndarray) -> str:
-    return f"({', '.join(f'{1000 * value:.5g}' for value in point)}) mm"
+    return f"({', '.join(f'{round(1000 * value, 6) + 0.0:.5g}' for value in point)}) mm"

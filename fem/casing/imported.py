@@ -41,6 +41,7 @@ from fem.ledger import count
 UNITS = {"m": 1.0, "cm": 1 / 100, "mm": 1 / 1000, "um": 1 / 1_000_000, "inch": 127 / 5000}  # m
 STEP_SUFFIXES = (".step", ".stp")
 OFF_AXIS = 0.0005  # m: how far the axis of a bore may lie off the axis of its shaft
+ALONG_Y = 0.9999  # least cosine between the axis of a bore and that of its shaft
 _FACES = np.array([(0, 2, 1, 6, 5, 4), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (0, 3, 2, 7, 9, 6)])  # outwards
 
 
@@ -192,7 +193,7 @@ def find_key_points(housing: ImportedHousing, surface: Surface) -> tuple[dict[st
             patches[name], points[name] = part, centroid(surface, part)
     for seat in housing.seats:
         facets = locate(surface, seat.name, seat.locator)
-        patches[seat.name], points[seat.name] = facets, _seat_point(surface, seat, facets)
+        patches[seat.name], points[seat.name] = facets, seat_point(surface, seat, facets)
     return patches, points
 
 
@@ -259,7 +260,7 @@ def _facet_groups(
     return found
 
 
-def _seat_point(surface: Surface, seat: Seat, facets: np.ndarray) -> np.ndarray:
+def seat_point(surface: Surface, seat: Seat, facets: np.ndarray) -> np.ndarray:
     """The bearing point: on the axis, in the middle of the seat; MeshError if it is not where the shaft is."""
     if isinstance(seat.locator, ByCylinder):
         through, axis = np.array(seat.locator.through), np.array(seat.locator.axis)
@@ -278,7 +279,7 @@ def _seat_point(surface: Surface, seat: Seat, facets: np.ndarray) -> np.ndarray:
     wanted = np.array(seat.shaft_point)
     off = float(np.hypot(*(point - wanted)[[0, 2]]))
     tilt = abs(axis[1]) / np.linalg.norm(axis)
-    if off > allowed or tilt < 0.9999:
+    if off > allowed or tilt < ALONG_Y:
         raise MeshError(
             f"{seat.name}: its seat has its middle at ({_mm(point)}) mm and its axis along {tuple(axis.tolist())}, "
             f"{1000 * off:.4g} mm off the axis of its shaft at x {1000 * wanted[0]:.5g}, z {1000 * wanted[2]:.5g} mm "

@@ -21,6 +21,7 @@ from fem.casing.housing import Housing
 from fem.casing.imported import ImportedHousing, finish
 from fem.casing.mesh import CasingMesh, MeshError
 from fem.casing.quality import GOOD_QUALITY, checked_quality, straightened
+from fem.casing.seats import seat_points
 from fem.casing.sizes import MM, Refinement, Sizes, set_sizes
 from fem.casing.solid import build_solid, find_patches
 from fem.casing.step_file import read_step, refinements
@@ -48,12 +49,7 @@ def mesh_housing(
     MeshError : element size out of range, an element below a quality limit (with its place), a missing surface
     """
     sizes = sizes or Sizes(element=element_size)
-    smallest, largest = housing.thinnest_wall / 10, min(housing.length, housing.width, housing.height)
-    if not smallest <= sizes.element <= largest:
-        raise MeshError(
-            f"element size {MM * sizes.element:.4g} mm is out of range; give {MM * smallest:.4g} mm (a tenth of the "
-            f"wall) to {MM * largest:.4g} mm (the smallest side)"
-        )
+    check_element_size(housing, sizes.element)
     with session() as gmsh:
         build_solid(gmsh, housing)
         patches = find_patches(gmsh, housing)
@@ -76,6 +72,16 @@ def mesh_housing(
     return finished_mesh(nodes, elements, facets, owner, {name: points[name] for name in patches}, sizes, curved)
 
 
+def check_element_size(housing: Housing, size: float) -> None:
+    """MeshError unless elements of a size (m) suit the walls and the box of a housing."""
+    smallest, largest = housing.thinnest_wall / 10, min(housing.length, housing.width, housing.height)
+    if not smallest <= size <= largest:
+        raise MeshError(
+            f"element size {MM * size:.4g} mm is out of range; give {MM * smallest:.4g} mm (a tenth of the wall) to "
+            f"{MM * largest:.4g} mm (the smallest side)"
+        )
+
+
 def mesh_step(housing: ImportedHousing, sizes: Sizes) -> CasingMesh:
     """Mesh the solid of a STEP file with ten-node tetrahedra, finer at the bearing seats.
 
@@ -91,6 +97,12 @@ def mesh_step(housing: ImportedHousing, sizes: Sizes) -> CasingMesh:
     count("casing_meshes")
     _log.info("casing mesh: %d nodes, %d tetrahedra", len(mesh.nodes), len(mesh.elements))
     return mesh
+
+
+def find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:
+    """Bearing points of a STEP solid without its mesh, see `fem.casing.seats`."""
+    with session() as gmsh:
+        return seat_points(gmsh, housing)
 
 
 def finished_mesh(

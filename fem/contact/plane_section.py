@@ -31,6 +31,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.contact.frame import RungError
 from fem.contact.ring import FlankCompliance, flank_compliance
 from fem.gears.geometry import GearPair
 from fem.gears.path import PathPoints, contact_window, path_points
@@ -40,7 +41,7 @@ from fem.ledger import count
 BRIDGE = 2.05  # pitches: with a tooth missing, the pairs before and after it then take over from each other
 
 
-class PlaneError(ValueError):
+class PlaneError(RungError):
     """An option of the rung `plane` is outside its valid range."""
 
 

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
+
+if TYPE_CHECKING:
+    from fem.contact.plane import Plane
+    from fem.contact.solid import Solid
+    from fem.gears.path import PathPoints
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,16 +45,29 @@ def build(spec: LawSpec) -> tuple[MeshLaw, MeshLaw]:
     if spec.model == "iso":
         from fem.contact.iso import Iso
 
-        rung = Iso(n_slices=spec.slices, line_load=spec.line_load or None)
-        return rung.law(spec.pair, "drive"), rung.law(spec.pair, "coast")
+        iso = Iso(n_slices=spec.slices, line_load=spec.line_load or None)
+        return iso.law(spec.pair, "drive"), iso.law(spec.pair, "coast")
     if spec.model == "energy":
         from fem.contact.energy import Energy
 
         return Energy(n_slices=spec.slices, positions=spec.positions).laws(spec.pair)
-    if spec.model == "solid":
-        from fem.contact.solid import Solid
+    return (_solid(spec) if spec.model == "solid" else _plane(spec)).laws(spec.pair)
 
-        return Solid(n_slices=spec.slices, refinement=spec.refinement, positions=spec.positions).laws(spec.pair)
+
+def contact_path(spec: LawSpec) -> PathPoints:
+    """The path of contact of a rung of finite elements, before any of them. RungError or GeometryError if it refuses
+    its settings or the pair."""
+    plane = _solid(spec).plane if spec.model == "solid" else _plane(spec)
+    return plane.path(spec.pair)
+
+
+def _plane(spec: LawSpec) -> Plane:
     from fem.contact.plane import Plane
 
-    return Plane(n_slices=spec.slices, refinement=spec.refinement, positions=spec.positions).laws(spec.pair)
+    return Plane(n_slices=spec.slices, refinement=spec.refinement, positions=spec.positions)
+
+
+def _solid(spec: LawSpec) -> Solid:
+    from fem.contact.solid import Solid
+
+    return Solid(n_slices=spec.slices, refinement=spec.refinement, positions=spec.positions)

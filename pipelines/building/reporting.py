@@ -56,6 +56,7 @@ class ReportSpec:
 def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
     """The page as text, and the reasons of pictures that were left out."""
     from pipelines.derived import derive
+    from pipelines.doubts import doubts
     from pipelines.layout import lay_out
     from pipelines.pictures import LeftOut
     from pipelines.report import write_report
@@ -92,7 +93,11 @@ def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
         energy=energy_rows(responses[0]),
         ledger=spec.ledger,
         provenance=spec.provenance,
-        warnings=(*facts.warnings, *spec.warnings, *json.loads(responses[0].attrs.get("open_energy_books", "[]"))),
+        warnings=(
+            *doubts(scene, layout),
+            *spec.warnings,
+            *json.loads(responses[0].attrs.get("open_energy_books", "[]")),
+        ),
         reasons={"Envelope table": f"Left out: {spec.failure}"} if spec.failure else {},
         short=spec.diagnosing is None,
     )

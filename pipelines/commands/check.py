@@ -14,23 +14,25 @@ if TYPE_CHECKING:
 
 
 def main(options: argparse.Namespace) -> int:
-    """Print ratios, frequencies, torques and warnings; SceneError lists everything that does not fit."""
+    """Print ratios, frequencies, torques, cost and warnings; SceneError lists everything that does not fit."""
+    from pipelines.cost import estimate
     from pipelines.derived import derive
-    from pipelines.scene_file import control_differences, control_of
+    from pipelines.doubts import doubts
+    from pipelines.layout import lay_out
+    from pipelines.scene_file import control_differences
+    from pipelines.study import plan_study
     from pipelines.trade.presets import load_asked
-    from pipelines.validity import checked_layout
 
     loaded = load_asked(options)
-    facts = derive(loaded.scene, checked_layout(loaded.scene, loaded.source.shown))
-    control = control_of(loaded)
-    if control is not None:
-        checked_layout(control.scene, control.source.shown)
-    sys.stdout.write("".join(f"{line}\n" for line in _lines(loaded, facts)))
-    for text in facts.warnings:
+    study = plan_study(loaded)  # as `run` begins: what is refused there is refused here
+    layout = lay_out(loaded.scene, loaded.source.shown)
+    sys.stdout.write("".join(f"{line}\n" for line in _lines(loaded, derive(loaded.scene, layout))))
+    sys.stdout.write(f"  {estimate(loaded.scene, len(study.responses))}\n")
+    for text in doubts(loaded.scene, layout):
         sys.stdout.write(f"warning: {text}\n")
-    if control is not None:
-        for line in control_differences(loaded, control):
-            sys.stdout.write(f"warning: the control {control.name} differs in more than the fault: {line}\n")
+    if study.control is not None:
+        for line in control_differences(loaded, study.control):
+            sys.stdout.write(f"warning: the control {study.control.name} differs in more than the fault: {line}\n")
     return 0
 
 

@@ -11,8 +11,8 @@ def main(options: argparse.Namespace) -> int:
     from pipelines import results
     from pipelines.building.diagnosing import CaseSpec, DiagnosingSpec, diagnoses, words
     from pipelines.errors import InputError
+    from pipelines.looked_for import diagnosis_settings
     from pipelines.scene_file import load_scene
-    from pipelines.study import diagnosis_settings
 
     folder = results.find_run(options.run)
     scene = load_scene(folder / results.RESOLVED, options.settings).scene

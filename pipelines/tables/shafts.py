@@ -13,9 +13,9 @@ from pipelines.tables.bearings import BearingModel
 class SectionTable(Table):
     """A stretch of a shaft with constant diameters."""
 
-    start_mm: Annotated[Number, Field(description="y of its -y end")]
-    end_mm: Annotated[Number, Field(description="y of its +y end")]
-    diameter_mm: Annotated[Number, Field(gt=0, description="outer diameter")]
+    start_mm: Annotated[Number, Field(ge=-1e5, le=1e5, description="y of its -y end")]
+    end_mm: Annotated[Number, Field(ge=-1e5, le=1e5, description="y of its +y end")]
+    diameter_mm: Annotated[Number, Field(ge=0.1, le=1e5, description="outer diameter")]
     bore_mm: Annotated[Number, Field(ge=0, description="inner diameter")] = 0.0
 
     @model_validator(mode="after")

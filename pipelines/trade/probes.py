@@ -132,7 +132,7 @@ def _signals(scene: Scene, outcome: Outcome) -> list[Value]:
 
 def _lines(scene: Scene, outcome: Outcome) -> list[Value]:
     from pipelines.analysis import analyse
-    from pipelines.study import diagnosis_settings
+    from pipelines.looked_for import diagnosis_settings
 
     settings = diagnosis_settings(scene)
     if settings is None or not scene.faults:

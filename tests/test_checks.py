@@ -1,0 +1,304 @@
+"""What can be known before computing is refused before computing: by `check`, `explain` and `run` in the same words."""
+
+import dataclasses
+import math
+from types import SimpleNamespace
+
+import pytest
+from mbd_rigs import no_casing, train
+
+from fem.casing.imported import Seat
+from fem.casing.locate import ByCylinder
+from mbd.channels import channel_names
+from mbd.checks import MachineError
+from mbd.system import assemble
+from pipelines import cost
+from pipelines.cli import main
+from pipelines.doubts import doubts
+from pipelines.errors import SceneError
+from pipelines.hoist import load_spec
+from pipelines.layout import lay_out
+from pipelines.scene_file import load_scene
+from pipelines.strength import STATIC_STRENGTH, TORSION_STRENGTH, contact_pressure, torques_along, torsions
+from pipelines.study import plan_study
+from pipelines.validity import checked_layout
+
+NO_WINDOWS = {"diagnosis.windows_s": {}}
+FAULT = {"faults": [{"kind": "missing-tooth", "stage": 1, "gear": "wheel", "tooth": 0}], "control": "without-faults"}
+LONG = {"simulation.end_s": 3.0, "drive.times_s": [0.0, 0.1, 3.0]}
+SLOW = LONG | {"drive.times_s": [0.0, 1.0, 3.0]}
+NU = {"model": "hertz", "designation": "NU205"}
+LINEAR = {"model": "linear"}
+ROPE = {
+    "load.model": "rope", "load.rope_length_m": 0.01, "simulation.end_s": 3.0, "drive.times_s": [0.0, 0.1, 3.0],
+}  # fmt: skip
+
+
+def section(diameter, bore=0.0):
+    return [{"start_mm": -140.0, "end_mm": 140.0, "diameter_mm": diameter, "bore_mm": bore}]
+
+
+def seats(number, **changes):
+    found = [dict(seat) for seat in load_scene("rig-step").tree["casing"]["housing"]["bearings"]]
+    found[number - 1] |= changes
+    return {"casing.housing.bearings": found}
+
+
+def refusal(scene, settings):
+    """The problems of a scene by path."""
+    loaded = load_scene(scene, settings)
+    with pytest.raises(SceneError) as refused:
+        checked_layout(loaded.scene, loaded.source.shown)
+    return {problem.path: str(problem) for problem in refused.value.problems}
+
+
+REFUSED = [
+    # bearings
+    ("minimal", {"bearings": {"model": "hertz", "designation": "6206-2RS"}}, "bearings.designation", "Near: 6206"),
+    ("minimal", {"bearings": {"model": "hertz", "designation": "nu 208"}}, "bearings.designation", "Near: NU208"),
+    (
+        "minimal",
+        {"shafts.2.bearings": [LINEAR, {"model": "hertz", "designation": "9999"}]},
+        "shafts.2.bearings.2.designation",
+        "not in the catalogue",
+    ),
+    ("minimal", {"bearings": NU}, "shafts.1", "nothing holds shaft 1 along its axis"),
+    ("minimal", {"bearings": {**LINEAR, "cross_stiffness_N_per_um": 300.0}}, "bearings", "indefinite"),
+    (
+        "minimal",
+        {
+            "bearings": {
+                "model": "hertz", "kind": "ball", "elements": 9, "element_diameter_mm": 20.0, "pitch_diameter_mm": 40.0,
+            }
+        },
+        "bearings",
+        "overlap",
+    ),
+    # mesh laws
+    ("minimal", {"stages.1.helix_angle_deg": 36.0}, "stages.1.mesh", "limit 30 deg of ISO 6336-1"),
+    (
+        "minimal",
+        {
+            "stages.1.mesh": {"model": "energy"},
+            "stages.1.wheel": {"rim_thickness_mm": 8.0, "web_thickness_mm": 5.0},
+        },
+        "stages.1.mesh",
+        "solid disc",
+    ),
+    # parts on their shafts
+    (
+        "minimal",
+        {
+            "disks": [
+                {
+                    "shaft": 2, "position_mm": 900.0, "mass_kg": 1.0, "polar_inertia_kg_m2": 0.01,
+                    "diametral_inertia_kg_m2": 0.01,
+                }
+            ]
+        },
+        "disks.1.position_mm",
+        "off shaft 2, which reaches from -140 to 140 mm",
+    ),
+    ("minimal", {"load.drum_positions_mm": [0.0, 500.0]}, "load.drum_positions_mm", "y = 500 mm is off shaft 2"),
+    ("minimal", {"shaft_model.element_length_mm": 0.1}, "shafts.1", "coordinates, more than"),
+    ("minimal", ROPE, "load", "are wound up at t ="),
+    # strength
+    ("minimal", {"load.container_kg": 11400.0}, "stages.1", "the best gear steel bears 2640 MPa"),
+    ("minimal", {"gear_material.elastic_modulus_GPa": 0.01}, "stages.1", "modules"),
+    ("minimal", {"shafts.2.sections": section(6.0)}, "shafts.2.sections.1.diameter_mm", "shaft 2 is too thin"),
+    ("minimal", {"shafts.1.sections": section(4.0)}, "shafts.1.sections.1.diameter_mm", "shaft 1 is too thin"),
+    # casing
+    (
+        "minimal",
+        {"shafts.1.bearing_positions_mm": [-60.0, 65.0]},
+        "shafts.1.bearing_positions_mm",
+        "bearing_1 at y = -60 mm is 5 mm off the middle of its boss at -65 mm",
+    ),
+    ("rig-healthy", {"casing.element_size_mm": 1000.0}, "casing.element_size_mm", "is out of range"),
+    ("rig-healthy", {"casing.element_size_mm": 1.5}, "casing.element_size_mm", "million tetrahedra"),
+    (
+        "rig-step",
+        seats(3, through_mm=[78.68, -135.0, 0.0]),
+        "casing.housing.bearings.3.through_mm",
+        "2.004 mm off that of shaft 2 at x 76.6755, z 0 mm (limit 0.5 mm)",
+    ),
+    ("rig-step", seats(1, axis=[0.0, 0.0, 1.0]), "casing.housing.bearings.1.axis", "must run along y"),
+    ("rig-step", seats(1, diameter_mm=48.0), "casing.housing.bearings.1", "nearest cylinders along it: diameter 47 mm"),
+    (
+        "rig-step",
+        {"shafts.2.bearing_positions_mm": [-130.0, 135.0]},
+        "shafts.2.bearing_positions_mm",
+        "bearing_3 at y = -130 mm is 5 mm off the middle of its seat at -135 mm",
+    ),
+    ("rig-step", {"casing.housing.unit": "inch"}, "casing.housing.file", "declares its unit of length as mm"),
+    # diagnosis
+    (
+        "minimal",
+        {**FAULT, **SLOW, "diagnosis.windows_s": {"start": [0.0, 2.0]}},
+        "diagnosis.windows_s.start",
+        "at constant highest speed: 1 to 3 s",
+    ),
+    (
+        "minimal",
+        {**FAULT, **LONG, "diagnosis.windows_s": {"short": [1.0, 2.0]}},
+        "diagnosis.windows_s.short",
+        "holds 5.5 revolutions of the stage 1 wheel",
+    ),
+    ("minimal", {**FAULT, **LONG, "drive.speeds_rpm": [0.0, 0.0, 0.0]}, "drive.speeds_rpm", "the motors stand"),
+    (
+        "minimal",
+        {**FAULT, **LONG, "simulation.output_rate_Hz": 1000.0, "diagnosis.windows_s": {"w": [0.2, 3.0]}},
+        "simulation.output_rate_Hz",
+        "looks at lines up to 621.8 Hz",
+    ),
+    (
+        "minimal",
+        {
+            **FAULT, **LONG, "simulation.output_rate_Hz": 2000.0, "diagnosis.windows_s": {"w": [0.2, 3.0]},
+            "diagnosis.envelope_band_Hz": "resonance",
+        },
+        "diagnosis.envelope_band_Hz",
+        "no strip of 300 Hz",
+    ),
+    # size
+    ("minimal", {"simulation.step_us": 1e-9}, "simulation.step_us", "1e+15 time steps in 1 s, limit 1e+09"),
+    ("minimal", {"simulation.step_us": 1e-300}, "simulation.step_us", "limit 1e+09"),
+    (
+        "minimal",
+        {"simulation.end_s": 3600.0, "simulation.output_rate_Hz": 200000.0, "drive.times_s": [0.0, 1.0, 3600.0]},
+        "simulation.output_rate_Hz",
+        "limit 8 GB",
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("scene", "settings", "path", "words"), REFUSED)
+def test_refused_before_computing_by_key_with_value_and_limit(scene, settings, path, words):
+    found = refusal(scene, settings)
+    assert words in found[path], found
+
+
+def test_everything_is_refused_at_once():
+    settings = {
+        "bearings": {"model": "hertz", "designation": "6206X"},
+        "simulation.step_us": 1e-9,
+        "shafts.2.sections": section(6.0),
+    }
+    assert set(refusal("minimal", settings)) == {
+        "bearings.designation", "simulation.step_us", "shafts.2.sections.1.diameter_mm",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("command", ["check", "explain", "simulate", "run"])
+def test_every_command_refuses_in_the_same_words(command, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    settings = [
+        "--set",
+        'bearings={model="hertz",designation="6206-2RS"}',
+        "--set",
+        "shafts.2.sections.1.diameter_mm=6",
+    ]
+    assert main([command, "minimal", *settings]) == 2
+    said = capsys.readouterr().err
+    assert "scene minimal: 2 problems" in said
+    assert 'bearings.designation = "6206-2RS": is not in the catalogue' in said
+    assert "shafts.2.sections.1.diameter_mm = 6: shaft 2 is too thin for its 27.95 N m" in said
+    assert not (tmp_path / "runs").exists()
+
+
+def test_a_wavelength_needs_the_thickness_of_an_imported_wall():
+    scene = load_scene("rig-step", {"casing.elements_per_wavelength": 6.0}).scene
+    housing = scene.casing.housing.model_copy(update={"wall_thickness_mm": None})
+    without = scene.model_copy(update={"casing": scene.casing.model_copy(update={"housing": housing})})
+    with pytest.raises(SceneError, match=r"casing\.housing\.wall_thickness_mm: is needed"):
+        checked_layout(without, "rig-step")
+
+
+def test_signals_that_find_no_room_are_refused_before_the_work(monkeypatch):
+    monkeypatch.setattr(cost.shutil, "disk_usage", lambda _: type("Usage", (), {"free": 1e6})())
+    with pytest.raises(SceneError, match=r"signals of 1 simulations take about 4\.64 MB .*, 1 MB are free"):
+        plan_study(load_scene("minimal"))
+
+
+def test_check_says_what_a_run_costs(capsys):
+    assert main(["check", "minimal"]) == 0
+    assert "1 simulation of 5e+04 time steps and 1e+04 samples of 29 channels" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("scene", ["minimal", "rig-healthy"])
+def test_the_channels_counted_are_those_recorded(scene):
+    from pipelines.machine import bearing_specs
+
+    loaded = load_scene(scene).scene
+    recorded = SimpleNamespace(
+        couplings=[SimpleNamespace(name=f"motor_{n}") for n in range(loaded.drive.motors)],
+        shafts=[SimpleNamespace(name=f"shaft_{n}") for n in range(len(loaded.shafts))],
+        meshes=[SimpleNamespace(name=f"mesh_{n}") for n in range(len(loaded.stages))],
+        bearings=bearing_specs(loaded),
+        load=load_spec(loaded, lay_out(loaded)),
+    )
+    names = channel_names(recorded, tuple(sensor.name for sensor in loaded.sensors))
+    assert cost.cost(loaded).channels == len(names)
+
+
+def test_the_output_rate_is_held_against_the_fastest_mesh():
+    settings = {"stages.2.pinion_teeth": 150, "stages.2.wheel_teeth": 160, "simulation.output_rate_Hz": 7500.0}
+    scene = load_scene("rig-healthy", settings).scene
+    told = [text for text in doubts(scene, lay_out(scene)) if "output_rate_Hz" in text]
+    assert [("stage 2, 818.2 Hz" in text) for text in told] == [True]
+
+
+def test_a_window_in_the_run_up_is_a_warning_where_nothing_is_compared():
+    settings = {"faults": FAULT["faults"], **SLOW, "diagnosis.windows_s": {"start": [0.0, 2.0]}}
+    scene = load_scene("minimal", settings).scene
+    assert any("rpm in the mean" in text for text in doubts(scene, lay_out(scene)))
+
+
+def test_contact_pressure_of_spur_gears_is_that_of_two_cylinders():
+    """At the pitch point p = sqrt(F E*/(pi b R)), F along the line of action; the factor Z_eps aside."""
+    scene = load_scene("minimal", {"stages.1.helix_angle_deg": 0.0, **NO_WINDOWS}).scene
+    pair = lay_out(scene).pairs[0]
+    torque, alpha = 20.0, pair.working_pressure_angle
+    radii = [gear.reference_radius * math.sin(alpha) for gear in (pair.pinion, pair.wheel)]
+    radius = 1 / sum(1 / r for r in radii)
+    modulus = pair.pinion_material.plane_strain_modulus / 2
+    force = torque / pair.pinion.base_radius / pair.face_width
+    hertz = math.sqrt(force * modulus / (math.pi * radius))
+    overlap = math.sqrt((4 - pair.transverse_contact_ratio) / 3)
+    assert contact_pressure(pair, torque) == pytest.approx(hertz * overlap, rel=2e-4)
+
+
+def test_torsion_follows_the_torque_along_the_shaft():
+    """Between motor and pinion half the input torque; between wheel and drums half the output torque."""
+    scene = load_scene("minimal", {"shafts.2.sections": section(20.0, 10.0)}).scene
+    layout = lay_out(scene)
+    for entering in torques_along(scene, layout):
+        assert sum(torque for _, torque in entering) == pytest.approx(0.0, abs=1e-12)
+    first, second = torsions(scene, layout)
+    assert first.torque == pytest.approx(20.3285 / 2, rel=1e-4)
+    assert second.torque == pytest.approx(55.9033 / 2, rel=1e-4)
+    hollow = math.pi / 16 * (0.02**4 - 0.01**4) / 0.02
+    assert second.stress == pytest.approx(second.torque / hollow, rel=1e-12)
+    assert second.stress < TORSION_STRENGTH < STATIC_STRENGTH
+
+
+def test_the_seat_found_on_the_solid_is_the_seat_of_its_mesh():
+    """The grid over the cylinders gives the bearing points that the surface mesh gives."""
+    from fem.casing.mesher import find_seats
+    from pipelines.housing import housing
+
+    scene = load_scene("rig-step").scene
+    made = housing(scene, scene.casing.housing, lay_out(scene))
+    assert isinstance(made.seats[0], Seat)
+    assert isinstance(made.seats[0].locator, ByCylinder)
+    for seat, point in zip(made.seats, find_seats(made).values(), strict=True):
+        assert point == pytest.approx(seat.shaft_point, abs=2e-6)
+
+
+def test_a_motion_without_stiffness_names_the_soft_shaft():
+    machine = train()
+    first = machine.shafts[0]
+    sections = tuple(dataclasses.replace(s, outer_diameter=1e-6, inner_diameter=0.0) for s in first.sections)
+    thin = dataclasses.replace(first, sections=sections)
+    with pytest.raises(MachineError, match=f"The softest shaft in torsion is {thin.name} with"):
+        assemble(dataclasses.replace(machine, shafts=(thin, *machine.shafts[1:])), no_casing())
