@@ -15,6 +15,7 @@ from pipelines.build import Outcome, run_graph
 from pipelines.built import Result
 from pipelines.cache import Cache
 from pipelines.code_version import library_versions
+from pipelines.motion_warnings import log_warnings
 from pipelines.scene_file import LoadedScene, control_differences
 from pipelines.stages import Graph, Stage, StageRecord
 from pipelines.study import Study, diagnosis_settings, plan_study
@@ -110,6 +111,7 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
         with shown_progress(len(graph.stages) + options.with_report, quiet=options.quiet) as observer:
             cache = Cache()
             outcome = run_graph(graph, cache, wanted, observer=observer, processes=options.processes)
+            log_warnings(outcome.results[name] for name in study.responses if name in outcome.results)
             report = None
             if options.with_report:
                 stage = _report_stage(loaded, study, diagnosing, outcome)
