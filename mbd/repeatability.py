@@ -60,7 +60,8 @@ class Repeatability:
         self._touching = np.zeros((0, self._n_contact), dtype=bool)
         self._state = np.zeros(0)
         self._neighbour: Integrator | None = None
-        self._first, self._next = 0, 0  # step at which a neighbour starts: the last one, the next one at the earliest
+        self._first = 0  # step at which the neighbour started
+        self._next = 0 if recorder.signals.size else n_steps  # at which the next one may
         self._own: list[np.ndarray] = []
         self._apart: list[np.ndarray] = []
         self._distances: list[float] = []  # RMS of a window
