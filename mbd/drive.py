@@ -63,6 +63,12 @@ class SpeedProfile:
         """phi_m at ``time``, rad; 0 at t = 0, the exact integral of the speed."""
         return self._integral(np.asarray(time, dtype=float)) - self._integral(np.zeros(1))[0]
 
+    def motion(self, first: int, steps: int, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Angle and speed (step,) at the ends of steps from number ``first`` on, and the mean acceleration in each."""
+        times = step * np.arange(first, first + steps + 1)
+        speeds = self.speed(times)
+        return self.angle(times[1:]), speeds[1:], np.diff(speeds) / step
+
     def _integral(self, time: np.ndarray) -> np.ndarray:
         t, v = self.times, self.speeds
         corner = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbd.channels import CONTAINER, ChannelRows
 from mbd.integrators.base import ACCELERATION, Block, Integrator
 from mbd.system import System
 
@@ -43,6 +44,14 @@ def _filter_matrix(taps: np.ndarray, every: int) -> np.ndarray:
     return matrix
 
 
+def _signals(rows: ChannelRows) -> np.ndarray:
+    """Channels (int) by which a run is judged: vibration of casing or journals, or else the forces."""
+    names = np.array(rows.names, dtype=object)
+    units = np.array(rows.units, dtype=object)
+    vibration = np.flatnonzero((units == "m/s2") & (names != CONTAINER[1]))
+    return vibration if vibration.size else np.flatnonzero(units == "N")
+
+
 class Recorder:
     """Collects ``n_samples`` samples, ``steps_per_sample`` steps apart, of the system's channels."""
 
@@ -62,15 +71,20 @@ class Recorder:
         self._filter = _filter_matrix(self._taps, steps_per_sample)
         self._pending = np.zeros((len(rows.names), 0))  # instants not yet used up
         self._next = 0  # next sample
+        self.signals = _signals(rows)
         self.values = np.zeros((len(rows.names), n_samples))
         self.steps_needed = (n_samples - 1) * steps_per_sample + len(self._taps) // 2
 
-    def take(self, block: Block) -> None:
-        """Add the whole steps of a block."""
+    def unfiltered(self, block: Block) -> np.ndarray:
+        """Channels (channel, whole step) at the whole steps of a block."""
         cut = len(block.whole) < len(block.states)
         states, forces, clock = (x[block.whole] if cut else x for x in (block.states, block.forces, block.clock))
-        fresh = self._states @ states.T + self._forces @ forces.T
-        fresh += self._constant[:, None] + np.outer(self._ramp, clock[:, ACCELERATION])
+        values = self._states @ states.T + self._forces @ forces.T
+        return values + self._constant[:, None] + np.outer(self._ramp, clock[:, ACCELERATION])
+
+    def take(self, block: Block) -> None:
+        """Add the whole steps of a block."""
+        fresh = self.unfiltered(block)
         if self._pending.shape[1] == 0 and self._next == 0:
             fresh = np.hstack([np.repeat(fresh[:, :1], len(self._taps) // 2, axis=1), fresh])
         pending = np.hstack([self._pending, fresh])

@@ -15,15 +15,15 @@ from mbd.checks import StepError, positive
 from mbd.integrators.base import LENGTH, Block, Integrator
 from mbd.integrators.methods import METHODS
 from mbd.recorder import PASS_SHARE, Recorder
+from mbd.repeatability import Repeatability
 from mbd.statics import State, equilibrium
+from mbd.step_check import StepCheck
 from mbd.system import System, mesh_mode_frequency
 from mbd.trajectory import Trajectory
 
 logger = logging.getLogger(__name__)
 
 STEPS_PER_PERIOD = 3  # of the highest mesh mode, for the default step
-# error of the filtered accelerations, sample by sample, per `Integrator.force_change`: 3 to 9 for steps of 10 to 50 us
-ERROR_PER_CHANGE = 6.0
 BLOCK_STATES = 400_000  # numbers per block of states: memory does not grow with the run
 Progress = Callable[[float], None]
 
@@ -92,37 +92,35 @@ def _simulate(system: System, settings: Settings, progress: Progress | None, sta
     recorder = Recorder(system, integrator, every, settings.n_samples)
     books = Books(system, integrator, step, recorder.steps_needed)
     state = equilibrium(system, float(system.machine.profile.speed(np.zeros(1))[0])) if start is None else start
+    step_check = StepCheck(recorder, system.machine.profile, step, every, books.steps)
+    repeatability = Repeatability(system, recorder, step, books.steps)
     _feed(integrator.start(state), 0, recorder, books)
     size = max(every, BLOCK_STATES // integrator.displacement.shape[1])
     done = 0
     while done < books.steps:
-        n = min(size, books.steps - done)
-        _advance(integrator, system, done, n, step, recorder, books)
+        for check in (step_check, repeatability):
+            check.before(integrator, done)
+        n = min(size, books.steps - done, step_check.reach(done), repeatability.reach(done))
+        block = _advance(integrator, system, done, n, step)
+        _feed(block, done + 1, recorder, books)
+        for check in (step_check, repeatability):
+            check.after(done, n, block)
         done += n
         if progress is not None:
             progress(done / books.steps)
     counters = integrator.counters | books.events()
     logger.info("simulated %d steps of %.3g s: %s", done, step, counters)
-    trajectory = _trajectory(system, settings, integrator, step, recorder, books, counters)
-    if trajectory.open_books():
-        logger.warning("%s. Take a smaller step or a wider band of modes.", "; ".join(trajectory.open_books()))
-    return trajectory
+    return _trajectory(system, settings, step, recorder, books, counters, step_check, repeatability)
 
 
-def _advance(
-    integrator: Integrator, system: System, done: int, n: int, step: float, recorder: Recorder, books: Books
-) -> None:
-    """Take n steps and hand them on; the acceleration of a step is the mean over it, so that no impulse is lost."""
-    profile = system.machine.profile
-    times = step * np.arange(done, done + n + 1)
-    speeds = profile.speed(times)
-    accelerations = np.diff(speeds) / step
-    block = integrator.advance(profile.angle(times[1:]), speeds[1:], accelerations)
+def _advance(integrator: Integrator, system: System, done: int, n: int, step: float) -> Block:
+    """Take n steps; the acceleration of a step is the mean over it, so that no impulse is lost."""
+    block = integrator.advance(*system.machine.profile.motion(done, n, step))
     if not np.isfinite(block.states).all():
         bad = int(np.argmax(~np.isfinite(block.states).all(axis=1)))
-        at = times[0] + block.clock[: bad + 1, LENGTH].sum()
+        at = step * done + block.clock[: bad + 1, LENGTH].sum()
         raise StepError(f"t = {at:.6g} s: the state is not finite (h = {step:.3g} s). Use a smaller step.")
-    _feed(block, done + 1, recorder, books)
+    return block
 
 
 def _feed(block: Block, first: int, recorder: Recorder, books: Books) -> None:
@@ -131,8 +129,8 @@ def _feed(block: Block, first: int, recorder: Recorder, books: Books) -> None:
 
 
 def _trajectory(
-    system: System, settings: Settings, integrator: Integrator, step: float, recorder: Recorder, books: Books,
-    counters: dict[str, int],
+    system: System, settings: Settings, step: float, recorder: Recorder, books: Books, counters: dict[str, int],
+    step_check: StepCheck, repeatability: Repeatability,
 ) -> Trajectory:  # fmt: skip
     rows, profile = system.channels, system.machine.profile
     time = np.arange(settings.n_samples) / settings.output_rate
@@ -146,7 +144,9 @@ def _trajectory(
         channel_units=rows.units,
         values=values,
         step=step,
-        step_error=ERROR_PER_CHANGE * integrator.force_change,
+        step_error=step_check.error,
+        parted_at=repeatability.parted_at,
+        parting_rate=repeatability.rate,
         output_rate=settings.output_rate,
         pass_band=PASS_SHARE * settings.output_rate,
         counter_names=tuple(counters),

@@ -46,6 +46,7 @@ COMMANDS = (
         "gearcase converge minimal --over step",
     ),
     ("tradeoff", "measure what every rung and setting costs and gains", "gearcase tradeoff minimal --error 2%"),
+    ("starts", "repeat a motion from other starts; mean and spread of levels", "gearcase starts minimal --starts 8"),
     ("simulate", "run the machine and write response.nc, no control, no report", "gearcase simulate minimal"),
     ("diagnose", "print the lines of a fault in a finished run", "gearcase diagnose rig-missing-tooth"),
     ("run", "everything: simulation, healthy control, diagnosis, report", "gearcase run rig-missing-tooth"),
@@ -190,6 +191,11 @@ def _tradeoff(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--out", type=_picture, metavar="FILE", help="plot to write (default: tradeoff-<scene>.png here)")
 
 
+def _starts(sub: argparse.ArgumentParser) -> None:
+    _work(sub)
+    sub.add_argument("--starts", type=_starts_count, metavar="N", default=8, help="motions, from 2 (default 8)")
+
+
 def _simulate(sub: argparse.ArgumentParser) -> None:
     _work(sub)
     _out(sub)
@@ -261,6 +267,12 @@ def _count(text: str) -> int:
     return int(text)
 
 
+def _starts_count(text: str) -> int:
+    if _count(text) < 2:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 2")
+    return int(text)
+
+
 def _number(text: str) -> float:
     try:
         value = float(text)
@@ -313,6 +325,7 @@ _ARGUMENTS = {
     "modes": _modes,
     "converge": _converge,
     "tradeoff": _tradeoff,
+    "starts": _starts,
     "simulate": _simulate,
     "diagnose": _diagnose,
     "run": _run,

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipelines.cache import default_folder
+from fem.cache_folder import cache_root
 from pipelines.errors import Problem, SceneError
 from pipelines.scene import Scene
 
@@ -79,7 +79,7 @@ def check_room(scene: Scene, source: str, simulations: int) -> None:
     import psutil
 
     one, problems = cost(scene), []
-    for folder, copies in ((default_folder(), _CACHED_COPIES), (Path("runs"), 1)):
+    for folder, copies in ((cache_root(), _CACHED_COPIES), (Path("runs"), 1)):
         needed, free = simulations * copies * one.bytes, shutil.disk_usage(_existing(folder)).free
         if needed > free:
             problems.append(

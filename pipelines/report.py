@@ -36,12 +36,13 @@ def write_report(path: Path | str, contents: ReportContents) -> Path:
         ("Rope and constant torque", report_spectra.rope_torque),
         ("Envelope table", report_spectra.envelope_table),
         ("Cost", _cost),
-        ("Energy books", _energy),
+        ("Energy balance", _energy),
         ("Provenance", _provenance),
     ]
     made = [(title, make(contents)) for title, make in sections]
     shown = [(title, parts) for title, parts in made if parts or not contents.short]
     body = [page.heading(contents.title, 1), page.paragraph(contents.lead, "lead") if contents.lead else ""]
+    body += [page.paragraph(f"Warning: {text}", "missing") for text in contents.cautions]
     body += _answer(contents)
     body.append(page.contents([title for title, _ in shown]))
     for title, parts in shown:
@@ -70,7 +71,7 @@ _REASONS = {
     "only one of them was given.",
     "Envelope table": _NO_CONTROL,
     "Cost": "Left out: no seconds and memory were recorded.",
-    "Energy books": "Left out: no energy books were recorded.",
+    "Energy balance": "Left out: no energy balance was recorded.",
     "Provenance": "Left out: no provenance was recorded.",
 }
 

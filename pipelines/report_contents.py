@@ -47,6 +47,7 @@ class ReportContents:
     energy: Sequence[Mapping[str, Any]] = ()
     ledger: Mapping[str, Any] = field(default_factory=dict)
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    cautions: Sequence[str] = ()  # what the motions say about themselves: before all else
     warnings: Sequence[str] = ()
     reasons: Mapping[str, str] = field(default_factory=dict)
     short: bool = False

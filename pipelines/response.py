@@ -12,6 +12,7 @@ from mbd import channels
 from mbd.load import Rope
 from mbd.machine import Machine
 from mbd.trajectory import Trajectory
+from pipelines.motion_warnings import ATTRIBUTE, motion_warnings
 from pipelines.scene import Scene
 
 AXES = list(channels.DIRECTIONS)
@@ -93,9 +94,10 @@ def make_response(scene: Scene, machine: Machine, trajectory: Trajectory) -> xar
             "integrator": trajectory.integrator,
             "step_s": trajectory.step,
             "step_error": trajectory.step_error,
+            "repeatable_until_s": trajectory.parted_at or "the end",
             "pass_band_Hz": trajectory.pass_band,
             "counters": json.dumps(dict(zip(trajectory.counter_names, map(int, trajectory.counters), strict=True))),
-            "energy_books_J": json.dumps(books),
-            "open_energy_books": json.dumps(trajectory.open_books()),
+            "energy_balance_J": json.dumps(books),
+            ATTRIBUTE: json.dumps(motion_warnings(trajectory)),
         },
     )

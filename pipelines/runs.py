@@ -20,6 +20,7 @@ from pipelines.claims import claimed
 from pipelines.code_version import library_versions
 from pipelines.errors import WorkError
 from pipelines.looked_for import diagnosis_settings
+from pipelines.motion_warnings import log_warnings
 from pipelines.scene_file import LoadedScene, control_differences
 from pipelines.stages import Graph, Stage, StageRecord
 from pipelines.study import Study, plan_study
@@ -126,6 +127,7 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
     ):
         cache = Cache()
         outcome = run_graph(graph, cache, wanted, observer=observer, processes=options.processes)
+        log_warnings(outcome.results[name] for name in study.responses if name in outcome.results)
         _write_signals(claim.folder, loaded, study, outcome)
         try:
             if options.with_report:

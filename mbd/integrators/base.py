@@ -15,9 +15,11 @@ Contract
 7. ``counters`` has "steps" (whole ones), "cuts" (instants beyond the whole steps) and "iterations" (Newton solves).
 8. ``flow`` is the `Flow` that the states follow exactly under the held forces of the blocks (the energy books are then
    exact integrals of it), or None (they are sums over the instants).
-9. ``force_change`` is the RMS over the steps of the residual of the forces extrapolated to their end, in units of the
-   scale of the forces: a measure of the error of the step. 0 for a method that does not extrapolate.
-10. The same input gives the same bits; nothing depends on how steps are cut into blocks.
+9. The same input gives the same bits; nothing depends on how steps are cut into blocks.
+10. ``branch(change)`` is a second integrator of this kind at the same instant, its state moved by ``change`` (x,); the
+   two go on independently. ``advance(..., like=block)`` cuts the steps as those of ``block`` (the same instants of the
+   motion that it was branched from) were cut: cuts of its own would part two neighbours by the error of a step.
+11. ``halved()`` is a second integrator of this kind at the same instant with half the step: it takes two steps for one.
 """
 
 from __future__ import annotations
@@ -79,10 +81,17 @@ class Integrator(Protocol):
     inverse_mass: np.ndarray
     flow: Flow | None
     counters: dict[str, int]
-    force_change: float
 
     def start(self, state: State) -> Block:
         """Set the state at t = 0."""
 
-    def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
-        """Take len(angles) steps."""
+    def advance(
+        self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray, like: Block | None = None
+    ) -> Block:
+        """Take len(angles) steps, cut as those of ``like`` were if it is given."""
+
+    def branch(self, change: np.ndarray) -> Integrator:
+        """A second integrator at this instant, its state moved by ``change`` (x,)."""
+
+    def halved(self) -> Integrator:
+        """A second integrator at this instant with half the step."""

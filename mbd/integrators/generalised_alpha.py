@@ -15,6 +15,8 @@ Chung & Hulbert (1993), J. Appl. Mech. 60(2), 371-375.
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 from scipy import linalg
 
@@ -32,13 +34,12 @@ class GeneralisedAlpha:
     """Integrator (see `mbd.integrators.base`); the state is (q, v)."""
 
     flow: Flow | None = None
-    force_change: float = 0.0
 
     def __init__(self, system: System, step: float, radius: float = DEFAULT_RADIUS) -> None:
         if not 0.0 <= radius <= 1.0:
             raise StepError(f"generalised-alpha: spectral radius {radius} must lie between 0 and 1.")
         n = system.layout.size
-        self._system, self._step = system, step
+        self._system, self._step, self._radius = system, step, radius
         self._am, self._af = (2 * radius - 1) / (radius + 1), radius / (radius + 1)
         self._gamma = 0.5 - self._am + self._af
         self._beta = 0.25 * (1 + self._af - self._am) ** 2
@@ -74,8 +75,25 @@ class GeneralisedAlpha:
         instant = self._instant()
         return self._block([(instant[0], *instant)], np.array([[0.0, self._angle, state.motor_speed, 0.0]]))
 
-    def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
-        """Take len(angles) steps."""
+    def branch(self, change: np.ndarray) -> GeneralisedAlpha:
+        """A second integrator at this instant, its state moved by ``change`` (x,)."""
+        other, n = copy.copy(self), len(self._q)
+        other.counters = dict(self.counters)
+        other._q, other._v, other._forces = self._q + change[:n], self._v + change[n:], self._forces.copy()
+        return other
+
+    def halved(self) -> GeneralisedAlpha:
+        """A second integrator at this instant with half the step."""
+        other = GeneralisedAlpha(self._system, 0.5 * self._step, self._radius)
+        other._q, other._v, other._forces = self._q.copy(), self._v.copy(), self._forces.copy()
+        other._angle, other._motor, other._acceleration = self._angle, self._motor, self._acceleration.copy()
+        other._rows, other._log = self._rows.copy(), self._log.copy()
+        return other
+
+    def advance(
+        self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray, like: Block | None = None
+    ) -> Block:
+        """Take len(angles) steps; none is ever cut."""
         instants = []
         for angle, speed, acceleration in zip(angles, speeds, accelerations, strict=True):
             start = np.concatenate([self._q, self._v])

@@ -15,6 +15,7 @@ Cost per step: O(modes x rows).
 
 from __future__ import annotations
 
+import copy
 import logging
 from collections.abc import Callable
 from typing import NamedTuple
@@ -24,7 +25,7 @@ from scipy import linalg
 
 from mbd.checks import StepError
 from mbd.forces import LOG_COLUMNS, element_count
-from mbd.integrators.base import TOLERANCE, Block, Flow, join
+from mbd.integrators.base import LENGTH, TOLERANCE, Block, Flow, join
 from mbd.integrators.modal_loop import QUARTERS, Constants, Memory, advance_modes
 from mbd.rows_solver import solve_rows
 from mbd.statics import State
@@ -64,17 +65,22 @@ class ModalIntegrator:
         self.displacement, self.velocity = basis @ _real_rows(moved), basis @ _real_rows(vectors[n:] * rotation)
         self.inverse_mass = basis @ basis.T
         self.counters = {"steps": 0, "cuts": 0, "iterations": 0}
-        self.force_change = 0.0
         self._system, self._step, self._time = system, step, 0.0
         to_modal = basis.T @ system.mass
         self._from_displacement = inverse[:, :n] @ (omega[:, None] * to_modal)
         self._from_velocity = inverse[:, n:] @ to_modal
         enter = inverse[:, n:] @ basis.T  # forces on coordinates -> modes
-        rows, constant = enter @ system.rows.T, enter @ system.constant_force
-        flow = Flow(values, rows, constant, -enter @ (system.mass @ system.rolling))
+        flow = Flow(
+            values, enter @ system.rows.T, enter @ system.constant_force, -enter @ (system.mass @ system.rolling)
+        )
         self.flow = flow if exact else None
-        lengths = step / float(QUARTERS) ** np.arange(levels)
-        self._constants = _constants(holds, lengths, flow, system.all_rows @ basis @ moved)
+        rows = system.all_rows @ basis @ moved
+
+        def constants(length: float) -> Constants:
+            return _constants(holds, length / float(QUARTERS) ** np.arange(levels), flow, rows)
+
+        self._constants_of = constants
+        self._constants = constants(step)
         self._memory: Memory | None = None
 
     def start(self, state: State) -> Block:
@@ -103,28 +109,54 @@ class ModalIntegrator:
             motor=np.array([state.motor_angle, state.motor_speed]),
             rows=u.copy(),
             log=log[0].copy(),
-            changes=np.zeros(2),
         )
         states, clock = eta[None].copy(), np.array([[0.0, state.motor_angle, state.motor_speed, 0.0]])
         holds = np.zeros((1, past, m))
         return Block(states, states, forces[None], u[None], log, clock, np.zeros(1, dtype=np.int64), holds)
 
-    def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
-        """Take len(angles) steps."""
+    def advance(
+        self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray, like: Block | None = None
+    ) -> Block:
+        """Take len(angles) steps, cut as those of ``like`` were if it is given."""
+        plan = np.zeros(0, dtype=np.int64) if like is None else self._levels(like)
         parts, done = [], 0
         while done < len(angles):
-            part, done = self._fill(done, angles, speeds, accelerations)
+            part, done = self._fill(done, angles, speeds, accelerations, plan)
+            plan = plan[len(part.states) :]
             parts.append(part)
         return join(parts)
 
+    def branch(self, change: np.ndarray) -> ModalIntegrator:
+        """A second integrator at this instant, its state moved by ``change`` (x,)."""
+        assert self._memory is not None, "call start first"
+        other = copy.copy(self)
+        other.counters = dict(self.counters)
+        other._memory = Memory(*(array.copy() for array in self._memory))
+        other._memory.state[:] += change
+        return other
+
+    def halved(self) -> ModalIntegrator:
+        """A second integrator at this instant with half the step."""
+        other = self.branch(np.zeros(self.displacement.shape[1]))
+        other._step = 0.5 * self._step
+        other._constants = self._constants_of(other._step)
+        assert other._memory is not None
+        other._memory.counts[0] = 0  # the instants before are further apart than the holds of its steps take them
+        return other
+
+    def _levels(self, block: Block) -> np.ndarray:
+        """Levels (instant,) of the steps of a block."""
+        quarters = np.log(self._step / block.clock[:, LENGTH]) / np.log(QUARTERS)
+        return np.round(quarters).astype(np.int64)
+
     def _fill(
-        self, done: int, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray
-    ) -> tuple[Block, int]:  # fmt: skip
+        self, done: int, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray, plan: np.ndarray
+    ) -> tuple[Block, int]:
         """One block from step ``done`` on, as far as its arrays reach, and the steps done then."""
         constants, table, memory = self._constants, self._system.table, self._memory
         assert memory is not None, "call start first"
         units = QUARTERS ** (len(constants.length) - 1)
-        n, m, past = len(angles) - done + units, constants.enter.shape[0], constants.powers.shape[1]
+        n, m, past = max(len(angles) - done, len(plan)) + units, constants.enter.shape[0], constants.powers.shape[1]
         instants = np.empty((n + 1, len(memory.state)))
         instants[0] = memory.state
         block = Block(
@@ -138,7 +170,7 @@ class ModalIntegrator:
             holds=np.empty((n, past, m)),
         )
         now, used, iterations, failed = advance_modes(
-            table, done, angles, speeds, accelerations, constants, memory, block, TOLERANCE
+            table, done, angles, speeds, accelerations, constants, memory, block, TOLERANCE, plan
         )
         if failed:
             at = self.counters["steps"] + now - done
@@ -149,7 +181,6 @@ class ModalIntegrator:
         self.counters["steps"] += now - done
         self.counters["cuts"] += used - (now - done)
         self.counters["iterations"] += iterations
-        self.force_change = float(np.sqrt(memory.changes[0] / memory.changes[1]))
         whole = block.whole[done:now]
         return Block(*(x[:used] for x in block))._replace(whole=whole), now
 

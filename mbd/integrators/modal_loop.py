@@ -4,7 +4,8 @@ Refinement: the forces extrapolated to the end of a step are compared with those
 step where they differ by more than ROUGH of their scale, where a contact opens or closes, or which does not converge is
 taken back and cut into quarters, and so on down to the shortest length (level); there it is taken as it is. Lengths
 grow again, at places that are whole steps of the longer length, once the difference is below SMOOTH. Exact coefficients
-are kept for every length, so that a cut costs only its evaluations.
+are kept for every length, so that a cut costs only its evaluations. A motion that is to be compared with another one
+takes the lengths of that one: cuts of its own would part them by the error of a step.
 """
 
 from __future__ import annotations
@@ -49,7 +50,6 @@ class Memory(NamedTuple):
     motor: np.ndarray  # (2,) angle, speed
     rows: np.ndarray  # (m + mesh,)
     log: np.ndarray  # (element, column)
-    changes: np.ndarray  # (2,) sum of the squared residuals of the guesses, and of ones
 
 
 @inner(fastmath={"reassoc", "contract", "nsz"})
@@ -123,7 +123,7 @@ def _choose_hold(counts, level, n_past):
 def _remember(constants, memory, hold, level, n_contact, eta, force, row_values, log, held):
     """Finish the step: its own part of the state, the polynomials of the forces, and the memory."""
     _, _, _, weights, powers, _, _, enter, _, _, _ = constants
-    state, forces, pushes, past, counts, _, rows, last_log, _ = memory
+    state, forces, pushes, past, counts, _, rows, last_log = memory
     n_past = len(pushes)
     for s in range(n_past - 1, 0, -1):
         for j in range(len(eta)):
@@ -152,23 +152,28 @@ def _remember(constants, memory, hold, level, n_contact, eta, force, row_values,
 
 
 @stored(SOURCES)
-def advance_modes(table, first, angles, speeds, accelerations, constants, memory, block, tolerance):
-    """Steps from `first` on, as far as the block reaches; next step, instants, iterations, True if one failed."""
+def advance_modes(table, first, angles, speeds, accelerations, constants, memory, block, tolerance, plan):
+    """Steps from `first` on, as far as the block reaches; next step, instants, iterations, True if one failed.
+
+    ``plan`` (instant,) are the levels to take; empty: chosen as the forces ask.
+    """
     length, growth, rate, weights, _, load, ramp, enter, rows, g_u, g_v = constants
-    state, past_forces, pushes, past, counts, motor, last_rows, last_log, changes = memory
+    state, past_forces, pushes, past, counts, motor, last_rows, last_log = memory
     states, _, forces, row_values, log, clock, whole, holds = block
     m, n_rows, n_past, finest = len(enter), len(rows), len(pushes), len(length) - 1
     units = QUARTERS**finest
     u_p, v_p, v, guess = np.empty(n_rows), np.empty(m), np.empty(m), np.empty(m)
     moving, quality, frozen = np.empty(len(state)), np.zeros(1), np.zeros((len(table.tau), 6))
     iterations, n, n_contact = 0, 0, len(table.tau) + len(table.rope_ea)
+    planned = len(plan) > 0
     for i in range(first, len(angles)):
         if n + units > len(states):
             return i, n, iterations, False
         angle_0, speed_0, a, position = motor[0], motor[1], accelerations[i], 0
         mismatch = angles[i] - angle_0 - length[0] * (speed_0 + 0.5 * a * length[0])  # a kink of the speed table
         while position < units:
-            level = counts[1]
+            level = plan[n] if planned else counts[1]
+            may_cut = level < finest and not planned
             own = QUARTERS ** (finest - level)
             share = (position + own) / units
             t = share * length[0]
@@ -187,9 +192,9 @@ def advance_modes(table, first, angles, speeds, accelerations, constants, memory
             _extrapolate(past_forces, past, counts[0], length[level], guess)
             used = iterate(
                 table, angle, speed, u_p, v_p, g_u[level, hold], g_v[level, hold], guess, row_values[n], v, log[n],
-                tolerance, NEAR, ROUGH if level < finest else np.inf, quality, last_rows, frozen,
+                tolerance, NEAR, ROUGH if may_cut else np.inf, quality, last_rows, frozen,
             )  # fmt: skip
-            if level < finest and (used < 0 or _kink(last_log, log[n], n_contact)):
+            if may_cut and (used < 0 or _kink(last_log, log[n], n_contact)):
                 counts[1] += 1
                 continue
             if used < 0:
@@ -201,7 +206,6 @@ def advance_modes(table, first, angles, speeds, accelerations, constants, memory
             clock[n, 0], clock[n, 1], clock[n, 2], clock[n, 3] = length[level], angle, speed, a
             _remember(constants, memory, hold, level, n_contact, eta, guess, row_values[n], log[n], holds[n])
             motor[0], motor[1] = angle, speed
-            changes[0], changes[1] = changes[0] + quality[0] ** 2, changes[1] + 1.0
             position += own
             n += 1
             if level > 0 and position % (QUARTERS * own) == 0 and quality[0] < SMOOTH:

@@ -11,6 +11,8 @@ Hairer, Norsett & Wanner (1993), Solving Ordinary Differential Equations I, sect
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -29,7 +31,6 @@ class Reference:
     """Integrator (see `mbd.integrators.base`) that takes as many inner steps per step as its tolerance needs."""
 
     flow: Flow | None = None
-    force_change: float = 0.0
 
     def __init__(self, system: System, step: float, method: str = "DOP853") -> None:
         basis, n = system.basis, len(system.frequencies)
@@ -59,8 +60,23 @@ class Reference:
             np.zeros(1, dtype=int), np.zeros((1, 0, len(forces))),
         )  # fmt: skip
 
-    def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
-        """Take len(angles) steps."""
+    def branch(self, change: np.ndarray) -> Reference:
+        """A second integrator at this instant, its state moved by ``change`` (x,)."""
+        other = copy.copy(self)
+        other.counters = dict(self.counters)
+        other._x = self._x + change
+        return other
+
+    def halved(self) -> Reference:
+        """A second integrator at this instant with half the step."""
+        other = self.branch(np.zeros_like(self._x))
+        other._step = 0.5 * self._step
+        return other
+
+    def advance(
+        self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray, like: Block | None = None
+    ) -> Block:
+        """Take len(angles) steps; whole ones are never cut."""
         instants = []
         for angle, speed, acceleration in zip(angles, speeds, accelerations, strict=True):
             start, self._x = self._x, self._one_step(float(angle), float(acceleration))

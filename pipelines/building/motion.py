@@ -22,9 +22,13 @@ class MotionSpec:
 
 
 def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw]) -> Built:
-    """The trajectory of the wanted channels, with its energy books and counters."""
+    """The trajectory of the wanted channels, with its energy balance and counters."""
+    import numpy as np
+
     from mbd.load import Rope
+    from mbd.repeatability import other_start
     from mbd.simulate import Settings, simulate
+    from mbd.statics import equilibrium
     from mbd.system import assemble
     from pipelines.layout import lay_out
     from pipelines.machine import machine
@@ -41,7 +45,10 @@ def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw]) -
         step=table.step_us / 1_000_000,
         integrator=table.integrator,
     )
-    trajectory = simulate(system, settings)
+    start = None
+    if table.start:
+        start = other_start(system, equilibrium(system, float(train.profile.speed(np.zeros(1))[0])), table.start)
+    trajectory = simulate(system, settings, start=start)
     return Built(trajectory, ledger(trajectory, system.basis.shape[1], rope=isinstance(train.load, Rope)))
 
 

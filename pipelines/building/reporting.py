@@ -14,6 +14,7 @@ import numpy as np
 
 from pipelines.building.diagnosing import DiagnosingSpec, diagnoses
 from pipelines.flanks import fault_name, first_tooth_fault
+from pipelines.motion_warnings import gathered
 from pipelines.scene import Scene
 from pipelines.tables.faults import MissingToothTable
 
@@ -93,11 +94,8 @@ def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
         energy=energy_rows(responses[0]),
         ledger=spec.ledger,
         provenance=spec.provenance,
-        warnings=(
-            *doubts(scene, layout),
-            *spec.warnings,
-            *json.loads(responses[0].attrs.get("open_energy_books", "[]")),
-        ),
+        cautions=gathered(response.attrs for response in responses),
+        warnings=(*doubts(scene, layout), *spec.warnings),
         reasons={"Envelope table": f"Left out: {spec.failure}"} if spec.failure else {},
         short=spec.diagnosing is None,
     )
@@ -236,6 +234,6 @@ def _casing_rows(body: ReducedBody, modes: tuple[CasingModes, CheckUp] | None) -
 
 
 def energy_rows(run: xarray.Dataset) -> list[dict[str, Any]]:
-    """The energy book of a run, J, one row per part."""
-    books: dict[str, dict[str, float]] = json.loads(run.attrs.get("energy_books_J", "{}"))
+    """The energy balance of a run, J, one row per part."""
+    books: dict[str, dict[str, float]] = json.loads(run.attrs.get("energy_balance_J", "{}"))
     return [{"part": part, **{f"{name} J": value for name, value in row.items()}} for part, row in books.items()]

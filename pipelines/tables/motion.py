@@ -108,6 +108,15 @@ class SimulationTable(Table):
     step_us: Annotated[Number, Field(gt=0, le=1000, description="rounded down to a whole part of the output step")] = (
         33.4
     )
+    start: Annotated[
+        Whole,
+        Field(
+            ge=0,
+            le=1_000_000,
+            description="0: at rest in equilibrium; 1, 2, ...: another start each, every modal displacement changed by "
+            "some 1e-4 of itself, to see how far a motion that cannot be repeated spreads",
+        ),
+    ] = 0
     band_Hz: Annotated[
         Number, Field(ge=1000, description="modes of the whole machine above it are kept by their static response only")
     ] = 20000.0

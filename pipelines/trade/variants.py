@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pipelines.build import Observer, Outcome, run_graph
 from pipelines.cache import Cache
 from pipelines.chain import scene_stages
+from pipelines.motion_warnings import log_warnings
 from pipelines.scene import Scene
 from pipelines.scene_file import LoadedScene, changed
 from pipelines.stages import Graph, Stage
@@ -60,6 +61,8 @@ def measure(
     graph = Graph(stages)
     every = dict.fromkeys(names[variant][stage] for variant, needed in wanted.items() for stage in needed)
     outcome = run_graph(graph, cache, every, observer=observer, processes=processes)
+    responses = [outcome.results[stage.name] for stage in graph if stage.name in every and stage.kind == "response"]
+    log_warnings(responses, ("repeat",))  # the others are errors that the comparison itself shows
     return {
         variant: _measured(loaded, probes, {stage: names[variant][stage] for stage in wanted[variant]}, outcome)
         for variant, loaded in scenes.items()

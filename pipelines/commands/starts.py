@@ -1,0 +1,23 @@
+"""`gearcase starts`: mean and spread of a motion's levels over several starts, for motions that cannot be repeated."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+
+def main(options: argparse.Namespace) -> int:
+    """Run the machine from slightly different states of rest; print what a level is worth."""
+    from pipelines.cache import Cache
+    from pipelines.scene_file import changed
+    from pipelines.terminal import shown_progress
+    from pipelines.trade.presets import load_asked
+    from pipelines.trade.spread import spread_table
+    from pipelines.trade.variants import measure
+
+    loaded = load_asked(options)
+    scenes = {f"start {n}": changed(loaded, {"simulation.start": n}) for n in range(1, options.starts + 1)}
+    with shown_progress(0, quiet=options.quiet) as observer:
+        found = measure(scenes, ("signals", "lines"), Cache(), observer=observer, processes=options.processes)
+    sys.stdout.write(spread_table([one.values for one in found.values()]).to_text() + "\n")
+    return 0

@@ -1,0 +1,108 @@
+"""The error of the time step: the estimate against the true error, and what the user is told."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from mbd_rigs import rigid_casing, train
+
+from mbd.drive import SpeedProfile
+from mbd.integrators.methods import METHODS
+from mbd.simulate import Settings, simulate
+from mbd.statics import equilibrium
+from mbd.system import assemble
+from pipelines import run
+from pipelines.motion_warnings import gathered, motion_warnings
+
+RAMP = SpeedProfile(times=np.array([0.0, 0.04]), speeds=np.array([0.0, 94.25]))
+COARSE = {"simulation.integrator": "trapezoidal", "simulation.end_s": 0.3, "diagnosis.windows_s": {}}
+
+
+def machine(**options):
+    one_stage = train(1, profile=RAMP, **options)
+    return assemble(one_stage, rigid_casing(one_stage, extra=4), ("sensor_1:ax", "sensor_1:az", "stage_1:delta"))
+
+
+def true_error(system, method, step, end):
+    """Of the accelerations of a run, RMS over the signal's, against a step of an eighth."""
+    coarse = simulate(system, Settings(end=end, step=step, integrator=method))
+    fine = simulate(system, Settings(end=end, step=step / 8))
+    return coarse, np.sqrt(np.sum((coarse.values[:2] - fine.values[:2]) ** 2) / np.sum(fine.values[:2] ** 2))
+
+
+@pytest.mark.parametrize(
+    ("method", "step", "torque"),
+    [("exponential", 5e-5, 30.0), ("exponential", 2.5e-5, 300.0), ("trapezoidal", 1e-5, 30.0)],
+)
+def test_the_estimate_is_true_within_a_factor_of_two(method, step, torque):
+    coarse, error = true_error(machine(torque=torque), method, step, 0.2)
+    assert error / 2 < coarse.step_error < 2 * error
+
+
+def test_an_independent_integrator_is_measured_as_well():
+    coarse, error = true_error(machine(), "generalised-alpha", 2e-5, 0.03)
+    assert error / 3 < coarse.step_error < 3 * error
+
+
+@pytest.mark.parametrize("method", ["exponential", "trapezoidal", "generalised-alpha"])
+def test_what_follows_an_integrator_leaves_it_as_it_was(method):
+    system, step = machine(), 2e-5
+    alone, followed = METHODS[method](system, step), METHODS[method](system, step)
+    for integrator in (alone, followed):
+        integrator.start(equilibrium(system))
+    first, second = (RAMP.motion(n, 40, step) for n in (0, 40))
+    for integrator in (alone, followed):
+        integrator.advance(*first)
+    finer, neighbour = followed.halved(), followed.branch(1e-6 * np.ones(followed.displacement.shape[1]))
+    finer_block = finer.advance(*RAMP.motion(80, 80, step / 2))
+    block = followed.advance(*second)
+    neighbour.advance(*second, like=block)
+    np.testing.assert_array_equal(alone.advance(*second).states, block.states)
+    assert len(finer_block.whole) == 80
+    np.testing.assert_allclose(
+        finer.displacement @ finer_block.states[-1], followed.displacement @ block.states[-1], rtol=0.05, atol=1e-8
+    )
+
+
+def test_a_coarse_step_is_said_with_the_step_that_cures_it(tmp_path, monkeypatch, caplog):
+    """On the terminal, built and from the cache, in the report's first screen and in the attributes; the cure works."""
+    monkeypatch.chdir(tmp_path)
+    coarse = run("minimal", COARSE | {"simulation.step_us": 20.0})
+    assert coarse.attrs["step_error"] > 0.05
+    (sentence,) = json.loads(coarse.attrs["warnings"]).values()
+    for _ in range(2):
+        assert [record.message for record in caplog.records if record.levelname == "WARNING"] == [sentence]
+        caplog.clear()
+        run("minimal", COARSE | {"simulation.step_us": 20.0})
+    page = next((tmp_path / "runs" / "minimal").glob("*/report.html")).read_text(encoding="utf-8")
+    assert "The time step of 20 us is too long" in page[: page.index("<h2")]
+    (step,) = re.findall(r"simulation\.step_us = ([0-9.]+)", sentence)
+    caplog.clear()
+    cured = run("minimal", COARSE | {"simulation.step_us": float(step)})
+    assert 0.01 < cured.attrs["step_error"] <= 0.06
+    assert 'simulation.integrator = "exponential"' in sentence
+
+
+def test_a_sound_run_says_nothing(tmp_path, monkeypatch, caplog):
+    monkeypatch.chdir(tmp_path)
+    sound = run("minimal", {"simulation.end_s": 0.3, "diagnosis.windows_s": {}})
+    assert sound.attrs["warnings"] == "{}"
+    assert not [record for record in caplog.records if record.levelname == "WARNING"]
+
+
+def test_several_motions_say_a_thing_once():
+    every = [{"warnings": json.dumps(one)} for one in ({"step": "Too long."}, {"step": "Too long too."}, {})]
+    assert gathered(every) == ("Too long. (2 of 3 motions)",)
+    assert gathered(every[:1]) == ("Too long.",)
+
+
+def test_the_step_named_goes_whole_times_into_the_sample():
+    system = machine()
+    coarse = simulate(system, Settings(end=0.05, step=2e-5, integrator="trapezoidal"))
+    for error in (0.051, 0.16, 0.28, 1.43, 5.39):
+        object.__setattr__(coarse, "step_error", error)
+        (step,) = re.findall(r"step_us = ([0-9.]+)", motion_warnings(coarse)["step"])
+        every = np.ceil(100.0 / float(step) - 1e-9)
+        assert error * ((100.0 / every) / 20.0) ** 2 <= 0.05
+        assert 100.0 / every == pytest.approx(float(step), rel=0.01)
