@@ -7,6 +7,7 @@ What cannot be stored (read-only folder, full disk) is a warning, never a failur
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import logging
@@ -87,7 +88,7 @@ class Cache:
                 self._remove(folder)
             return None
         except OSError as error:
-            self._warn("read", error)
+            self.warn("read", error)
             return None
         try:
             os.utime(folder / _MANIFEST)  # last use, for `clear --older-than`
@@ -115,11 +116,27 @@ class Cache:
                 _LOG.debug("%s was stored by another process", final.name)
             return _verified(final)
         except (OSError, _Damaged) as error:
-            self._warn("write", error)
+            self.warn("write", error)
             return None
         finally:
             if partial.exists():
                 shutil.rmtree(partial, ignore_errors=True)
+
+    @contextlib.contextmanager
+    def workplace(self) -> Iterator[Path | None]:
+        """A folder beside the entries for what is made before it is stored; None, with a warning, if there is none."""
+        folder = self._partial / f"{os.getpid()}-{uuid.uuid4().hex[:12]}"
+        try:
+            self._sweep()
+            folder.mkdir(parents=True)
+        except OSError as error:
+            self.warn("write", error)
+            yield None
+            return
+        try:
+            yield folder
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
 
     def entries(self, kind: str | None = None) -> Iterator[Entry]:
         """All entries (of one kind) by their manifests, newest use first; payloads are not verified."""
@@ -174,18 +191,20 @@ class Cache:
         except FileNotFoundError:
             _LOG.debug("%s was removed by another process", folder.name)
         except OSError as error:
-            self._warn("write", error)
+            self.warn("write", error)
 
     def _sweep(self) -> None:
         """Delete what killed processes left behind long ago."""
         for folder in self._partial.iterdir() if self._partial.is_dir() else []:
             try:
-                if time.time() - folder.stat().st_mtime > _STALE_SECONDS:
+                last = max(path.stat().st_mtime for path in (folder, *folder.rglob("*")))
+                if time.time() - last > _STALE_SECONDS:
                     shutil.rmtree(folder, ignore_errors=True)
             except FileNotFoundError:
                 _LOG.debug("%s was swept by another process", folder.name)
 
-    def _warn(self, verb: str, error: Exception) -> None:
+    def warn(self, verb: str, error: Exception) -> None:
+        """Say, once, that the cache cannot be used."""
         if not self._warned:
             self._warned = True
             text = f"the cache {self.folder} cannot be used to {verb} ({error}); going on without it. "

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pipelines.diagnosis import Diagnosis
 
 FORMATS = ("csv", "mat")
+ROWS_AT_ONCE = 8192
 
 
 class ExportError(ValueError):
@@ -41,11 +42,13 @@ def export(run: xarray.Dataset, path: Path | str, form: str) -> Path:
 def write_csv(run: xarray.Dataset, path: Path | str) -> Path:
     """One row per sample, one column per signal, named like "acceleration sensor_3 x [m/s2]" in the header."""
     path = Path(path)
-    columns = list(signal_columns(run))
     with path.open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file).writerow(["time [s]", *(name for name, _ in columns)])
-        table = np.column_stack([run.time.values, *(values for _, values in columns)])
-        np.savetxt(file, table, fmt="%.9g", delimiter=",", newline="\r\n")
+        names = [name for name, _ in signal_columns(run.isel(time=slice(0)))]
+        csv.writer(file).writerow(["time [s]", *names])
+        for first in range(0, run.time.size, ROWS_AT_ONCE):
+            block = run.isel(time=slice(first, first + ROWS_AT_ONCE))
+            table = np.column_stack([block.time.values, *(values for _, values in signal_columns(block))])
+            np.savetxt(file, table, fmt="%.9g", delimiter=",", newline="\r\n")
     return path
 
 
@@ -58,16 +61,18 @@ def write_mat(run: xarray.Dataset, path: Path | str) -> Path:
     from scipy.io import savemat
 
     path = Path(path)
-    content: dict[str, object] = {"time": run.time.values}
-    content.update({str(name): variable.values for name, variable in run.data_vars.items()})
-    content["units"] = {str(name): str(variable.attrs.get("units", "")) for name, variable in run.data_vars.items()}
-    content["coordinates"] = {
+    units = {str(name): str(variable.attrs.get("units", "")) for name, variable in run.data_vars.items()}
+    coordinates = {
         str(name): np.array([str(v) for v in coordinate.values], dtype=object)
         for name, coordinate in run.coords.items()
         if name != "time"
     }
-    content["labels"] = {str(name): _plain(value) for name, value in run.attrs.items()}
-    savemat(path, content, do_compression=True, long_field_names=True)
+    labels = {str(name): _plain(value) for name, value in run.attrs.items()}
+    with path.open("wb") as file:
+        for name in ("time", *run.data_vars):  # one by one: together they may not fit into memory
+            savemat(file, {str(name): run[name].values}, do_compression=True, long_field_names=True)
+        content = {"units": units, "coordinates": coordinates, "labels": labels}
+        savemat(file, content, do_compression=True, long_field_names=True)
     return path
 
 

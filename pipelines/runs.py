@@ -9,10 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem.hdf5 import hdf5_file
 from pipelines import results
 from pipelines.build import Outcome, run_graph
-from pipelines.built import Result
 from pipelines.cache import Cache
 from pipelines.code_version import library_versions
 from pipelines.scene_file import LoadedScene, control_differences
@@ -23,6 +21,9 @@ from pipelines.trade.presets import load_preset
 
 if TYPE_CHECKING:
     import xarray
+
+    from mbd.trajectory import Trajectory
+    from pipelines.scene import Scene
 
 LIBRARIES = ("gearcase", "numpy", "scipy", "numba", "h5py", "xarray", "scikit-fem", "gmsh", "scikit-sparse", "pymetis")
 
@@ -132,15 +133,17 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
 def _diagnose_stage(study: Study) -> Stage | None:
     """All cases against their controls; None without a control, a fault to look for, windows or sensors."""
     from pipelines.building import diagnosing
+    from pipelines.response import labels
 
-    cases, takes = [], []
+    cases, takes, labelled = [], [], []
     for number, case in enumerate(study.cases):
         settings = diagnosis_settings(case.scene)
-        if settings is None or case.healthy is None:
+        if settings is None or case.healthy is None or case.control is None:
             return None
         cases.append(diagnosing.CaseSpec(settings=settings, full=number == 0 or case.label == "torque"))
         takes += [case.faulty, case.healthy]
-    spec = diagnosing.DiagnosingSpec(cases=tuple(cases))
+        labelled += [labels(case.scene), labels(case.control)]
+    spec = diagnosing.DiagnosingSpec(cases=tuple(cases), labels=tuple(labelled))
     return Stage(
         name="diagnose",
         kind="diagnose",
@@ -221,9 +224,11 @@ def _write(
         ],
     }
     case = study.cases[0]
-    _write_response(folder / results.RESPONSE, outcome.results[case.faulty], facts)
-    if case.healthy is not None:
-        _write_response(folder / results.CONTROL, outcome.results[case.healthy], facts)
+    for name, stage, scene in (
+        (results.RESPONSE, case.faulty, case.scene), (results.CONTROL, case.healthy, case.control)
+    ):  # fmt: skip
+        if stage is not None and scene is not None:
+            _write_response(folder / name, outcome.value(stage), scene, facts)
     if diagnosing is not None:
         found = outcome.value(diagnosing.name)
         for name, content in found["files"].items():
@@ -235,11 +240,14 @@ def _write(
     results.write_json(folder / results.RUN, facts)
 
 
-def _write_response(path: Path, result: Result, facts: Mapping[str, Any]) -> None:
-    """A copy of the stored dataset with the facts of this run as attributes."""
-    stored = next(iter(result.entry.folder.glob("*.nc")), None) if result.entry else None
-    content = stored.read_bytes() if stored else bytes(result.load().to_netcdf(engine="h5netcdf"))
-    with hdf5_file(path, content) as file:
-        file.attrs["provenance"] = json.dumps({name: facts[name] for name in ("scene", "versions", "rungs", "keys")})
-        file.attrs["stages"] = json.dumps(facts["stages"])
-        file.attrs["build_ledger"] = json.dumps(facts["ledger"])
+def _write_response(path: Path, motion: Trajectory, scene: Scene, facts: Mapping[str, Any]) -> None:
+    """The labelled signals with the facts of this run as attributes."""
+    from pipelines.response import labels, make_response
+    from pipelines.response_file import write_response
+
+    told = {
+        "provenance": json.dumps({name: facts[name] for name in ("scene", "versions", "rungs", "keys")}),
+        "stages": json.dumps(facts["stages"]),
+        "build_ledger": json.dumps(facts["ledger"]),
+    }
+    write_response(make_response(motion, labels(scene)).assign_attrs(told), path)

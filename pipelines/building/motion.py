@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipelines.scene import Scene
@@ -21,8 +22,13 @@ class MotionSpec:
     scene: Scene
 
 
-def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw]) -> Built:
-    """The trajectory of the wanted channels, with its energy books and counters."""
+def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw], folder: Path | None = None) -> Built:
+    """The trajectory of the wanted channels, with its energy books and counters; its values stay in a file in `folder`.
+
+    Raises
+    ------
+    OSError : the file cannot be written
+    """
     from mbd.load import Rope
     from mbd.simulate import Settings, simulate
     from mbd.system import assemble
@@ -41,7 +47,7 @@ def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw]) -
         step=table.step_us / 1_000_000,
         integrator=table.integrator,
     )
-    trajectory = simulate(system, settings)
+    trajectory = simulate(system, settings, file=folder / "values.npy" if folder else None)
     return Built(trajectory, ledger(trajectory, system.basis.shape[1], rope=isinstance(train.load, Rope)))
 
 

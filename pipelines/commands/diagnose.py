@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import sys
 
 
@@ -11,7 +12,7 @@ def main(options: argparse.Namespace) -> int:
     import xarray
 
     from pipelines import results
-    from pipelines.building.diagnosing import CaseSpec, DiagnosingSpec, diagnoses, words
+    from pipelines.building.diagnosing import CaseSpec, diagnoses, words
     from pipelines.errors import InputError
     from pipelines.scene_file import load_scene
     from pipelines.study import diagnosis_settings
@@ -28,10 +29,13 @@ def main(options: argparse.Namespace) -> int:
             f"{folder}: no healthy control was run, so no line can be told from those of a healthy gearbox. "
             "Name a control in the scene and run it again."
         )
-    runs = []
-    for name in (results.RESPONSE, results.CONTROL):
-        with xarray.open_dataset(folder / name, engine="h5netcdf") as data:
-            runs.append(data.load().assign_attrs(sensor_noise_m_s2=scene.diagnosis.noise_m_s2))
-    found = diagnoses(DiagnosingSpec(cases=(CaseSpec(settings=settings, full=True),)), tuple(runs))
+    with contextlib.ExitStack() as opened:
+        runs = [
+            opened.enter_context(xarray.open_dataset(folder / name, engine="h5netcdf")).assign_attrs(
+                sensor_noise_m_s2=scene.diagnosis.noise_m_s2
+            )
+            for name in (results.RESPONSE, results.CONTROL)
+        ]
+        found = diagnoses([CaseSpec(settings=settings, full=True)], runs)
     sys.stdout.write(words(found, found))
     return 0

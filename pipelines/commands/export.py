@@ -19,7 +19,7 @@ def main(options: argparse.Namespace) -> int:
     target = Path(options.out) if options.out else folder / f"response.{options.form}"
     with xarray.open_dataset(folder / results.RESPONSE, engine="h5netcdf") as data:
         try:
-            path = export(data.load(), target, options.form)
+            path = export(data, target, options.form)
         except OSError as error:
             raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --out.") from error
     sys.stdout.write(f"{path}\n")
