@@ -23,7 +23,7 @@ class StoredArray:
 
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
-        part = self._map()
+        part = np.load(self.path, mmap_mode="r", allow_pickle=False)
         if part.ndim != self.ndim or part.dtype != self.dtype or not part.flags.c_contiguous:
             raise ValueError(f"{path}: holds {part.dtype} of shape {part.shape}, expected a table of float64")
         self.shape: tuple[int, int] = part.shape
@@ -69,4 +69,4 @@ class StoredArray:
 
     def _map(self) -> np.memmap:
         """The file as memory, for one reading: pages that stay mapped would count as memory of this process."""
-        return np.load(self.path, mmap_mode="r", allow_pickle=False)
+        return np.memmap(self.path, self.dtype, "r", self._start, self.shape)

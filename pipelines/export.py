@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import dataclasses
 import json
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -84,8 +85,8 @@ def signal_columns(run: xarray.Dataset) -> Iterator[tuple[str, np.ndarray]]:
         others = [dim for dim in variable.dims if dim != "time"]
         unit = f" [{variable.attrs['units']}]" if "units" in variable.attrs else ""
         flat = variable.transpose("time", *others)
-        values = flat.values.reshape(run.time.size, -1)
         shape = tuple(run.sizes[dim] for dim in others)
+        values = flat.values.reshape(run.time.size, math.prod(shape))
         for column in range(values.shape[1]):
             place = np.unravel_index(column, shape) if shape else ()
             places = zip(others, place, strict=True)

@@ -133,7 +133,7 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
 def _diagnose_stage(study: Study) -> Stage | None:
     """All cases against their controls; None without a control, a fault to look for, windows or sensors."""
     from pipelines.building import diagnosing
-    from pipelines.response import labels
+    from pipelines.signals import labels
 
     cases, takes, labelled = [], [], []
     for number, case in enumerate(study.cases):
@@ -242,12 +242,12 @@ def _write(
 
 def _write_response(path: Path, motion: Trajectory, scene: Scene, facts: Mapping[str, Any]) -> None:
     """The labelled signals with the facts of this run as attributes."""
-    from pipelines.response import labels, make_response
     from pipelines.response_file import write_response
+    from pipelines.signals import labels
 
     told = {
         "provenance": json.dumps({name: facts[name] for name in ("scene", "versions", "rungs", "keys")}),
         "stages": json.dumps(facts["stages"]),
         "build_ledger": json.dumps(facts["ledger"]),
     }
-    write_response(make_response(motion, labels(scene)).assign_attrs(told), path)
+    write_response(motion, labels(scene) | told, path)

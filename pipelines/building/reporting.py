@@ -60,7 +60,8 @@ def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
     from pipelines.pictures import LeftOut
     from pipelines.report import write_report
     from pipelines.report_contents import ReportContents
-    from pipelines.response import labels, make_response
+    from pipelines.response import make_response
+    from pipelines.signals import labels
 
     scene = spec.scene
     layout = lay_out(scene)

@@ -117,7 +117,8 @@ def _machine(scene: Scene, outcome: Outcome) -> list[Value]:
 def _signals(scene: Scene, outcome: Outcome) -> list[Value]:
     """Over the three axes of every sensor (of every journal without a casing)."""
     from pipelines.analysis import channel, channel_names
-    from pipelines.response import labels, make_response
+    from pipelines.response import make_response
+    from pipelines.signals import labels
 
     run = make_response(outcome.value("simulate"), labels(scene))
     windows = scene.diagnosis.windows_s or {"whole run": (0.0, scene.simulation.end_s)}
@@ -133,7 +134,8 @@ def _signals(scene: Scene, outcome: Outcome) -> list[Value]:
 
 def _lines(scene: Scene, outcome: Outcome) -> list[Value]:
     from pipelines.analysis import analyse
-    from pipelines.response import labels, make_response
+    from pipelines.response import make_response
+    from pipelines.signals import labels
     from pipelines.study import diagnosis_settings
 
     settings = diagnosis_settings(scene)
