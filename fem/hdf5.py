@@ -1,24 +1,26 @@
-"""HDF5 files that are made in memory and written in one go.
+"""HDF5 files on a disk that may be full.
 
 A disk that fills up while the HDF5 library writes leaves it with objects it cannot close, which may end the process.
-Written afterwards, the same disk is an OSError like any other.
+So the library never meets the disk: small files are made in memory and written in one go, large ones are written
+through `careful_file`. Either way a full disk is an OSError like any other.
 """
 
 from __future__ import annotations
 
 import contextlib
 import io
+import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import h5py
 
 
 @contextlib.contextmanager
-def hdf5_file(path: Path | str, start: bytes = b"") -> Iterator[h5py.File]:
-    """An open HDF5 file, empty or with the content `start`; it is written to `path` when the block ends well.
+def hdf5_file(path: Path | str) -> Iterator[h5py.File]:
+    """A new, open HDF5 file in memory; it is written to `path` when the block ends well.
 
     Raises
     ------
@@ -26,7 +28,102 @@ def hdf5_file(path: Path | str, start: bytes = b"") -> Iterator[h5py.File]:
     """
     import h5py
 
-    memory = io.BytesIO(start)
-    with h5py.File(memory, "a" if start else "w") as file:
+    memory = io.BytesIO()
+    with h5py.File(memory, "w") as file:
         yield file
     Path(path).write_bytes(memory.getbuffer())
+
+
+@contextlib.contextmanager
+def careful_file(path: Path | str) -> Iterator[CarefulFile]:
+    """A new file that the HDF5 library may write to; it gets the name `path` when the block ends well.
+
+    Call `check` of the file after every block of data.
+
+    Raises
+    ------
+    OSError : the file cannot be written
+    """
+    path = Path(path)
+    partial = path.with_name(f"{path.name}.partial")
+    try:
+        with open(partial, "w+b", buffering=0) as file:
+            careful = CarefulFile(file)
+            yield careful
+            careful.check()
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+class CarefulFile(io.RawIOBase):
+    """A file whose writing never fails at once: what the disk does not take is kept in memory, until `check` tells."""
+
+    def __init__(self, file: io.FileIO) -> None:
+        self._file = file
+        self._at = self._size = 0
+        self._error: OSError | None = None
+        self._kept: list[tuple[int, bytes]] = []  # (place, content) since the error
+
+    def check(self) -> None:
+        """Raise the error of the disk if there was one."""
+        if self._error is not None:
+            raise self._error
+
+    def readable(self) -> bool:
+        """True."""
+        return True
+
+    def writable(self) -> bool:
+        """True."""
+        return True
+
+    def seekable(self) -> bool:
+        """True."""
+        return True
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Go to a place; it may lie beyond the end."""
+        self._at = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self._size}[whence]
+        return self._at
+
+    def truncate(self, size: int | None = None) -> int:
+        """Set the size."""
+        self._size = self._at if size is None else size
+        if self._error is None:
+            try:
+                self._file.truncate(self._size)
+            except OSError as error:
+                self._error = error
+        return self._size
+
+    def write(self, content: Any) -> int:
+        """Write all of `content`."""
+        content = bytes(content)
+        if self._error is None:
+            try:
+                self._file.seek(self._at)
+                left = content
+                while left:
+                    left = left[self._file.write(left) :]
+            except OSError as error:
+                self._error = error
+        if self._error is not None:
+            self._kept.append((self._at, content))
+        self._at += len(content)
+        self._size = max(self._size, self._at)
+        return len(content)
+
+    def readinto(self, target: Any) -> int:
+        """Read what was written, zeros where nothing was."""
+        view = memoryview(target).cast("B")
+        count = max(0, min(len(view), self._size - self._at))
+        self._file.seek(self._at)
+        content = bytearray((self._file.read(count) or b"").ljust(count, b"\0"))
+        for place, kept in self._kept:
+            first, last = max(place, self._at), min(place + len(kept), self._at + count)
+            if first < last:
+                content[first - self._at : last - self._at] = kept[first - place : last - place]
+        view[:count] = content
+        self._at += count
+        return count

@@ -2,19 +2,22 @@
 
 A record states each field once: ``array("slice", units="m")`` or ``scalar(units="N")``. The base class checks
 on creation that arrays of one dimension name have one length, refuses NaN, makes read-only copies, and writes
-and reads HDF5 with dimension scales (netCDF-4 conventions, so xarray opens the file).
+and reads HDF5 with dimension scales (netCDF-4 conventions, so xarray opens the file). An array that is too large for
+memory may be a `StoredArray`: it stays in its file, and who writes it sees to it that it is finite.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import hashlib
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 
 from fem.hdf5 import hdf5_file
+from fem.stored_array import StoredArray
 
 
 class RecordError(ValueError):
@@ -74,20 +77,32 @@ class Record:
             return value
         if kind != "array":
             raise RecordError(f"{where}: declare the field with array(), scalar(), integer(), text() or names()")
-        value = np.array(value, dtype=meta["dtype"])  # a copy, so that the caller cannot edit the record
+        stored = isinstance(value, StoredArray)
+        if not stored:
+            value = np.array(value, dtype=meta["dtype"])  # a copy, so that the caller cannot edit the record
         if value.ndim != len(meta["dims"]):
             raise RecordError(f"{where}: shape {value.shape} does not fit the dimensions {meta['dims']}")
         _same_size(where, meta["dims"], value.shape, sizes)
-        _finite(where, value, meta["infinite"])
-        value.flags.writeable = False
+        if not stored:
+            _finite(where, value, meta["infinite"])
+            value.flags.writeable = False
         return value
 
     def replaced(self, **changes: Any) -> Self:
         """A new record with some fields changed."""
         return dataclasses.replace(self, **changes)
 
-    def save(self, path: Path | str) -> None:
-        """Write to an HDF5 file that xarray opens. Not atomic: the cache wraps it."""
+    def stored_arrays(self) -> dict[str, StoredArray]:
+        """The fields that are kept in files of their own."""
+        values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        return {name: value for name, value in values.items() if isinstance(value, StoredArray)}
+
+    def in_memory(self) -> Self:
+        """The same with all arrays in memory."""
+        return self.replaced(**{name: np.asarray(value) for name, value in self.stored_arrays().items()})
+
+    def save(self, path: Path | str, *, without: Collection[str] = ()) -> None:
+        """Write all fields but `without` to an HDF5 file that xarray opens. Not atomic: the cache wraps it."""
         import h5py
 
         with hdf5_file(path) as file:
@@ -95,6 +110,8 @@ class Record:
             scales: dict[str, Any] = {}
             for field in dataclasses.fields(self):
                 value, meta = getattr(self, field.name), field.metadata
+                if field.name in without:
+                    continue
                 if meta["kind"] in ("scalar", "integer", "text"):
                     file.attrs[field.name] = value
                     continue
@@ -111,8 +128,8 @@ class Record:
                     data.dims[axis].attach_scale(scales[dim])
 
     @classmethod
-    def load(cls, path: Path | str) -> Self:
-        """Read what `save` wrote.
+    def load(cls, path: Path | str, **apart: StoredArray) -> Self:
+        """Read what `save` wrote; `apart` gives the fields that it was to leave out.
 
         Raises
         ------
@@ -125,8 +142,10 @@ class Record:
             found = file.attrs.get("record")
             if found != cls.__name__:
                 raise RecordError(f"{path}: holds a record {found!r}, expected {cls.__name__!r}")
-            values: dict[str, Any] = {}
+            values: dict[str, Any] = dict(apart)
             for field in dataclasses.fields(cls):
+                if field.name in apart:
+                    continue
                 stored_as_attribute = field.metadata["kind"] in ("scalar", "integer", "text")
                 if field.name not in (file.attrs if stored_as_attribute else file):
                     raise RecordError(f"{path}: field {field.name!r} of {cls.__name__} is missing")
@@ -144,9 +163,11 @@ class Record:
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             total.update(field.name.encode())
-            if isinstance(value, np.ndarray):
+            if isinstance(value, np.ndarray | StoredArray):
                 total.update(str((value.dtype.str, value.shape)).encode())
-                total.update(np.ascontiguousarray(value).tobytes())
+                rows = range(len(value)) if isinstance(value, StoredArray) else (...,)
+                for row in rows:
+                    total.update(np.ascontiguousarray(value[row]).tobytes())
             else:
                 total.update(repr(value).encode())
         return total.hexdigest()

@@ -64,6 +64,12 @@ def channel_names(machine: Machine, sensors: tuple[str, ...] = ()) -> tuple[str,
     return tuple(names)
 
 
+def sensor_names(names: tuple[str, ...]) -> tuple[str, ...]:
+    """The casing points whose accelerations are among the channels `names`."""
+    things = dict.fromkeys(name.partition(":")[0] for name in names)
+    return tuple(thing for thing in things if acceleration(thing, DIRECTIONS[0]) in names)
+
+
 SWAY = ("container:sway_x", "container:sway_y")  # m
 
 

@@ -1,5 +1,7 @@
 """Recorder: turns blocks of states into channels, low-pass filters them and keeps one sample per output interval.
 
+Samples go to ``values[:, first:last]`` as they are ready: an array, or a `StoredArray` of any length.
+
 The filter is a linear-phase FIR (Kaiser window): flat to ``PASS_SHARE`` of the output rate, at least
 ``ATTENUATION`` dB down at and above 1 - ``PASS_SHARE`` of it, so that nothing folds into the pass band. Its delay is
 taken out: a sample at time t uses the steps around t. Before t = 0 the machine rests, so the first value is repeated.
@@ -13,7 +15,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from fem.stored_array import StoredArray
 from mbd.channels import CONTAINER, ChannelRows
+from mbd.checks import StepError
 from mbd.integrators.base import ACCELERATION, Block, Integrator
 from mbd.system import System
 
@@ -53,9 +57,16 @@ def _signals(rows: ChannelRows) -> np.ndarray:
 
 
 class Recorder:
-    """Collects ``n_samples`` samples, ``steps_per_sample`` steps apart, of the system's channels."""
+    """Fills `values` (channel, sample) with the system's channels, ``steps_per_sample`` steps apart at `rate` (Hz)."""
 
-    def __init__(self, system: System, integrator: Integrator, steps_per_sample: int, n_samples: int) -> None:
+    def __init__(
+        self,
+        system: System,
+        integrator: Integrator,
+        steps_per_sample: int,
+        rate: float,
+        values: np.ndarray | StoredArray,
+    ) -> None:
         rows, h = system.channels, integrator.inverse_mass
         self._states = (
             rows.displacement @ integrator.displacement
@@ -72,8 +83,9 @@ class Recorder:
         self._pending = np.zeros((len(rows.names), 0))  # instants not yet used up
         self._next = 0  # next sample
         self.signals = _signals(rows)
-        self.values = np.zeros((len(rows.names), n_samples))
-        self.steps_needed = (n_samples - 1) * steps_per_sample + len(self._taps) // 2
+        self._rigid, self._profile, self._rate = rows.rigid, system.machine.profile, rate
+        self.values = values
+        self.steps_needed = (values.shape[1] - 1) * steps_per_sample + len(self._taps) // 2
 
     def unfiltered(self, block: Block) -> np.ndarray:
         """Channels (channel, whole step) at the whole steps of a block."""
@@ -91,10 +103,22 @@ class Recorder:
         left = self.values.shape[1] - self._next
         ready = min(left, max(0, (pending.shape[1] - len(self._taps)) // self._every + 1))
         if ready:
+            samples = np.empty((len(pending), ready))
             for first in range(0, ready, CHUNK):
                 n = min(CHUNK, ready - first)
                 span = slice(first * self._every, (first + n - 1) * self._every + len(self._taps))
-                part = self._filter[: span.stop - span.start, :n]
-                self.values[:, self._next + first : self._next + first + n] = pending[:, span] @ part
-            self._next += ready
+                samples[:, first : first + n] = pending[:, span] @ self._filter[: span.stop - span.start, :n]
+            self._keep(samples)
         self._pending = pending[:, ready * self._every :]
+
+    def _keep(self, samples: np.ndarray) -> None:
+        """Add the rigid motion, which needs no filter, to the next samples and store them."""
+        last = self._next + samples.shape[1]
+        time = np.arange(self._next, last) / self._rate
+        samples += np.outer(self._rigid[:, 0], self._profile.angle(time))
+        samples += np.outer(self._rigid[:, 1], self._profile.speed(time))
+        if not np.isfinite(samples).all():
+            at = time[int(np.argmin(np.isfinite(samples).all(axis=0)))]
+            raise StepError(f"t = {at:.6g} s: a channel is not finite. Use a smaller step.")
+        self.values[:, self._next : last] = samples
+        self._next = last

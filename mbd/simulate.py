@@ -6,11 +6,14 @@ import logging
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from fem.stored_array import StoredArray
 from mbd.books import BOOK_COLUMNS, Books
+from mbd.channels import sensor_names
 from mbd.checks import StepError, positive
 from mbd.integrators.base import LENGTH, Block, Integrator
 from mbd.integrators.methods import METHODS
@@ -66,7 +69,11 @@ def steps_per_sample(system: System, settings: Settings) -> int:
 
 
 def simulate(
-    system: System, settings: Settings, progress: Progress | None = None, start: State | None = None
+    system: System,
+    settings: Settings,
+    progress: Progress | None = None,
+    start: State | None = None,
+    file: Path | None = None,
 ) -> Trajectory:
     """Run the machine.
 
@@ -75,21 +82,27 @@ def simulate(
     system, settings : what and how
     progress : called with the share done (0..1) after every block; may raise to interrupt
     start : state at t = 0, the equilibrium if None
+    file : a .npy file to be written, in which the values stay; they are held in memory if None
 
     Raises
     ------
     EquilibriumError, StepError, MachineError (rope wound up) : with the reason
+    OSError : `file` cannot be written
     """
     with threadpool_limits(limits=1):  # small matrices: a second thread only waits
-        return _simulate(system, settings, progress, start)
+        return _simulate(system, settings, progress, start, file)
 
 
-def _simulate(system: System, settings: Settings, progress: Progress | None, start: State | None) -> Trajectory:
+def _simulate(
+    system: System, settings: Settings, progress: Progress | None, start: State | None, file: Path | None
+) -> Trajectory:
     system.machine.check_rope(settings.end)
     every = steps_per_sample(system, settings)
     step = 1 / (settings.output_rate * every)
     integrator = METHODS[settings.integrator](system, step)
-    recorder = Recorder(system, integrator, every, settings.n_samples)
+    shape = (len(system.channels.names), settings.n_samples)
+    values = np.zeros(shape) if file is None else StoredArray.create(file, shape)
+    recorder = Recorder(system, integrator, every, settings.output_rate, values)
     books = Books(system, integrator, step, recorder.steps_needed)
     state = equilibrium(system, float(system.machine.profile.speed(np.zeros(1))[0])) if start is None else start
     step_check = StepCheck(recorder, system.machine.profile, step, every, books.steps)
@@ -132,17 +145,19 @@ def _trajectory(
     system: System, settings: Settings, step: float, recorder: Recorder, books: Books, counters: dict[str, int],
     step_check: StepCheck, repeatability: Repeatability,
 ) -> Trajectory:  # fmt: skip
-    rows, profile = system.channels, system.machine.profile
-    time = np.arange(settings.n_samples) / settings.output_rate
-    values = recorder.values + np.outer(rows.rigid[:, 0], profile.angle(time))
-    values += np.outer(rows.rigid[:, 1], profile.speed(time))
+    rows, machine = system.channels, system.machine
     parts, table = books.table()
     return Trajectory(
         integrator=settings.integrator,
-        time=time,
+        time=np.arange(settings.n_samples) / settings.output_rate,
         channel_names=rows.names,
         channel_units=rows.units,
-        values=values,
+        values=recorder.values,
+        motors=tuple(coupling.name for coupling in machine.couplings),
+        shafts=tuple(shaft.name for shaft in machine.shafts),
+        meshes=tuple(mesh.name for mesh in machine.meshes),
+        bearings=tuple(bearing.name for bearing in machine.bearings),
+        sensors=sensor_names(rows.names),
         step=step,
         step_error=step_check.error,
         parted_at=repeatability.parted_at,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.records import Record, array, names, scalar, text
+from fem.stored_array import StoredArray
 
 TOTAL_LIMIT = 1e-6  # of all work of the sources
 PART_LIMIT = 1e-3  # of the largest energy that flows through a part of the machine, see `mbd.books`
@@ -15,13 +16,22 @@ ROUND_OFF = 1e-10  # of all work of the sources, and of the joule or so of strai
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Trajectory(Record):
-    """Channels over time; ``values[i]`` is the channel ``channel_names[i]`` in ``channel_units[i]``."""
+    """Channels over time; ``values[i]`` is the channel ``channel_names[i]`` in ``channel_units[i]``.
+
+    `values` is an array, or a `StoredArray` that reads what it is asked for. `motors` to `sensors` name what the
+    channels belong to, see `mbd.channels`.
+    """
 
     integrator: str = text()
     time: np.ndarray = array("time", units="s")
     channel_names: tuple[str, ...] = names("channel")
     channel_units: tuple[str, ...] = names("channel")
-    values: np.ndarray = array("channel", "time", units="per channel")
+    values: np.ndarray | StoredArray = array("channel", "time", units="per channel")
+    motors: tuple[str, ...] = names("motor")
+    shafts: tuple[str, ...] = names("shaft")
+    meshes: tuple[str, ...] = names("mesh")
+    bearings: tuple[str, ...] = names("bearing")
+    sensors: tuple[str, ...] = names("sensor")
     step: float = scalar(units="s")
     step_error: float = scalar(units="1")  # error of the accelerations by the step, sample by sample; 0: not measured
     parted_at: float = scalar(units="s")  # when a neighbouring motion was as far away as the signal is large, 0: never

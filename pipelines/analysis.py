@@ -196,7 +196,7 @@ def _check_speed(run: xarray.Dataset, rate: float, segment: Segment, settings: D
         return
     first = round(segment.start * rate)
     last = first + round(segment.duration * rate)
-    speed = run.shaft_speed.sel(shaft=settings.shaft).values[first:last]
+    speed = run.shaft_speed.sel(shaft=settings.shaft).isel(time=slice(first, last)).values
     frequency = abs(float(speed.mean())) / (2 * np.pi)
     if abs(frequency / settings.revolution_frequency - 1) > SPEED_TOLERANCE:
         raise DiagnosisError(

@@ -7,9 +7,11 @@ import os
 import threading
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
+from fem.cache_folder import warn_without
 from fem.ledger import counting
 from pipelines.cache import Cache, Entry
 from pipelines.errors import WorkError
@@ -52,10 +54,27 @@ class Result:
 def build_here(stage: Stage, key: str, upstream: Mapping[str, Result], cache: Cache) -> Result:
     """Build one stage in this process and store it."""
     inputs = [upstream[name].load() for name in stage.takes]
+    if not stage.streams:
+        return _built(stage, key, upstream, cache, inputs)
+    with cache.workplace() as folder:
+        try:
+            result = _built(stage, key, upstream, cache, inputs, folder=folder)
+        except OSError as error:
+            if folder is None:
+                raise
+            warn_without(cache.folder, error)
+            return _built(stage, key, upstream, cache, inputs, folder=None)
+        # what the folder holds ends with it: the entry has it, too, or else memory must
+        return result.stored() if result.entry else replace(result, value=result.value.in_memory())
+
+
+def _built(
+    stage: Stage, key: str, upstream: Mapping[str, Result], cache: Cache, inputs: list[Any], **place: Path | None
+) -> Result:
     start = time.perf_counter()
     with peak_memory() as peak, counting() as book:
         try:
-            made = stage.build(stage.spec, *inputs)
+            made = stage.build(stage.spec, *inputs, **place)
         except Exception as error:
             error.add_note(f"in stage {stage.name}")
             raise

@@ -111,6 +111,23 @@ class Cache:
             if partial.exists():
                 shutil.rmtree(partial, ignore_errors=True)
 
+    @contextlib.contextmanager
+    def workplace(self) -> Iterator[Path | None]:
+        """A folder beside the entries for what is made before it is stored; None, with a warning, if there is none."""
+        folder = self._partial / f"{os.getpid()}-{uuid.uuid4().hex[:12]}"
+        try:
+            claim(self.folder, make=True)
+            self._sweep()
+            make_private(folder)
+        except OSError as error:
+            warn_without(self.folder, error)
+            yield None
+            return
+        try:
+            yield folder
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+
     def entries(self, kind: str | None = None) -> Iterator[Entry]:
         """All entries (of one kind) by their manifests, newest use first; payloads are not verified."""
         if not self._readable():
@@ -215,7 +232,8 @@ class Cache:
         """Delete what killed processes left behind so long ago."""
         for path in filter(is_partial, self._partial.iterdir()) if self._partial.is_dir() else ():
             try:
-                if time.time() - path.stat().st_mtime >= seconds:
+                last = max(one.stat().st_mtime for one in (path, *path.rglob("*")))
+                if time.time() - last >= seconds:
                     shutil.rmtree(path, ignore_errors=True)
             except FileNotFoundError:
                 _LOG.debug("%s was swept by another process", path.name)

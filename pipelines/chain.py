@@ -3,7 +3,7 @@
     sound_law_i -> law_i                    one per gear pair; equal pairs share one; law_i alone where the flanks are
                                             neither modified nor damaged (a missing tooth is no damage here)
     casing mesh -> casing modes -> casing   finite elements only for the rungs static and craig-bampton
-    simulate -> response                    a missing tooth, deviations, drive and load enter here
+    simulate                                a missing tooth, deviations, drive and load enter here
 
 Scenes that are run together (`pipelines.study`) share the stages that do not differ.
 """
@@ -59,7 +59,7 @@ _SOME_CASING = RigidCasingTable(  # stands for any casing where only its presenc
 
 def scene_stages(scene: Scene, source: str) -> list[Stage]:
     """The stages of one scene, in order."""
-    from pipelines.building import motion, signals
+    from pipelines.building import motion
 
     layout = checked_layout(scene, source)
     laws = _law_stages(scene, layout)
@@ -77,15 +77,7 @@ def scene_stages(scene: Scene, source: str) -> list[Stage]:
             modules=("mbd.simulate",),
             libraries=_NUMERIC,
             seconds=1.5 * scene.simulation.end_s,
-        ),
-        Stage(
-            name="response",
-            kind="response",
-            build=signals.build,
-            spec=signals.SignalsSpec(scene=_labelled(scene)),
-            takes=("simulate", *takes),
-            modules=("pipelines.response",),
-            libraries=("numpy", "xarray"),
+            streams=True,
         ),
     ]
 
@@ -267,14 +259,8 @@ def casing_mounts(scene: Scene) -> tuple[tuple[float, float, float], ...] | None
 
 def motion_scene(scene: Scene) -> Scene:
     """The scene with everything blanked that the motion does not read itself (laws and casing come as results)."""
-    return _labelled(scene).model_copy(update={"title": "", "diagnosis": DiagnosisTable()})
-
-
-def _labelled(scene: Scene) -> Scene:
-    """The same with title and sensor noise, which only label the response."""
     stages = tuple(stage.model_copy(update={"mesh": IsoMesh()}) for stage in scene.stages)
     sensors = tuple(SensorTable(name=sensor.name, position_mm=_ZERO) for sensor in scene.sensors)
     casing = scene.casing if isinstance(scene.casing, NoCasingTable) else _SOME_CASING
-    noise = DiagnosisTable(noise_m_s2=scene.diagnosis.noise_m_s2)
-    changes = {"stages": stages, "sensors": sensors, "casing": casing, "control": None, "diagnosis": noise}
-    return scene.model_copy(update=changes)
+    changes = {"title": "", "stages": stages, "sensors": sensors, "casing": casing, "control": None}
+    return scene.model_copy(update={**changes, "diagnosis": DiagnosisTable()})

@@ -83,9 +83,11 @@ def _check(folder: Path, node: Any, depth: int) -> None:
     match _table(node).get("kind"):
         case "record":
             stored_class(_text(node.get("type")), record=True)
-            _check_file(folder, node)
+            _check_file(folder, node.get("file"))
+            for name in _table(node.get("arrays")).values():
+                _check_file(folder, name)
         case "dataset" | "array" | "text" | "bytes":
-            _check_file(folder, node)
+            _check_file(folder, node.get("file"))
         case "dataclass":
             found = stored_class(_text(node.get("type")), record=False)
             if set(_table(node.get("items"))) != {f.name for f in dataclasses.fields(found) if f.init}:
@@ -106,8 +108,8 @@ def _check(folder: Path, node: Any, depth: int) -> None:
         _check(folder, item, depth + 1)
 
 
-def _check_file(folder: Path, node: Mapping[str, Any]) -> None:
-    name = _text(node.get("file"))
+def _check_file(folder: Path, given: Any) -> None:
+    name = _text(given)
     if not _FILE.fullmatch(name):
         raise ContentsError(f"{name[:80]!r} is not the name of a part")
     if (folder / name).is_symlink() or not (folder / name).is_file():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import dataclasses
 import json
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from pipelines.diagnosis import Diagnosis
 
 FORMATS = ("csv", "mat")
+ROWS_AT_ONCE = 8192
 
 
 class ExportError(ValueError):
@@ -41,11 +43,13 @@ def export(run: xarray.Dataset, path: Path | str, form: str) -> Path:
 def write_csv(run: xarray.Dataset, path: Path | str) -> Path:
     """One row per sample, one column per signal, named like "acceleration sensor_3 x [m/s2]" in the header."""
     path = Path(path)
-    columns = list(signal_columns(run))
     with path.open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file).writerow(["time [s]", *(name for name, _ in columns)])
-        table = np.column_stack([run.time.values, *(values for _, values in columns)])
-        np.savetxt(file, table, fmt="%.9g", delimiter=",", newline="\r\n")
+        names = [name for name, _ in signal_columns(run.isel(time=slice(0)))]
+        csv.writer(file).writerow(["time [s]", *names])
+        for first in range(0, run.time.size, ROWS_AT_ONCE):
+            block = run.isel(time=slice(first, first + ROWS_AT_ONCE))
+            table = np.column_stack([block.time.values, *(values for _, values in signal_columns(block))])
+            np.savetxt(file, table, fmt="%.9g", delimiter=",", newline="\r\n")
     return path
 
 
@@ -58,16 +62,18 @@ def write_mat(run: xarray.Dataset, path: Path | str) -> Path:
     from scipy.io import savemat
 
     path = Path(path)
-    content: dict[str, object] = {"time": run.time.values}
-    content.update({str(name): variable.values for name, variable in run.data_vars.items()})
-    content["units"] = {str(name): str(variable.attrs.get("units", "")) for name, variable in run.data_vars.items()}
-    content["coordinates"] = {
+    units = {str(name): str(variable.attrs.get("units", "")) for name, variable in run.data_vars.items()}
+    coordinates = {
         str(name): np.array([str(v) for v in coordinate.values], dtype=object)
         for name, coordinate in run.coords.items()
         if name != "time"
     }
-    content["labels"] = {str(name): _plain(value) for name, value in run.attrs.items()}
-    savemat(path, content, do_compression=True, long_field_names=True)
+    labels = {str(name): _plain(value) for name, value in run.attrs.items()}
+    with path.open("wb") as file:
+        for name in ("time", *run.data_vars):  # one by one: together they may not fit into memory
+            savemat(file, {str(name): run[name].values}, do_compression=True, long_field_names=True)
+        content = {"units": units, "coordinates": coordinates, "labels": labels}
+        savemat(file, content, do_compression=True, long_field_names=True)
     return path
 
 
@@ -79,8 +85,8 @@ def signal_columns(run: xarray.Dataset) -> Iterator[tuple[str, np.ndarray]]:
         others = [dim for dim in variable.dims if dim != "time"]
         unit = f" [{variable.attrs['units']}]" if "units" in variable.attrs else ""
         flat = variable.transpose("time", *others)
-        values = flat.values.reshape(run.time.size, -1)
         shape = tuple(run.sizes[dim] for dim in others)
+        values = flat.values.reshape(run.time.size, math.prod(shape))
         for column in range(values.shape[1]):
             place = np.unravel_index(column, shape) if shape else ()
             places = zip(others, place, strict=True)

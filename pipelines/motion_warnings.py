@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mbd.trajectory import Trajectory
-    from pipelines.built import Result
 
 _LOG = logging.getLogger(__name__)
 KINDS = ("step", "repeat", "energy")
@@ -60,26 +59,20 @@ def _step_us(rate: float, every: int) -> str:
     return f"{math.ceil(exact * 10**digits - 1e-9) / 10**digits:.{digits}f}"
 
 
-def log_warnings(responses: Iterable[Result], kinds: Container[str] = KINDS) -> None:
+def log_warnings(motions: Iterable[Trajectory], kinds: Container[str] = KINDS) -> None:
     """Say once what the motions of a command say about themselves, built now or taken from the cache."""
-    for text in gathered((_attributes(result) for result in responses), kinds):
+    for text in gathered(map(motion_warnings, motions), kinds):
         _LOG.warning("%s", text)
 
 
-def _attributes(result: Result) -> Mapping[str, Any]:
-    """Those of a response, without reading its signals where it is stored."""
-    import xarray
-
-    stored = next(iter(result.entry.folder.glob("*.nc")), None) if result.entry else None
-    if stored is None:
-        return result.load().attrs
-    with xarray.open_dataset(stored, engine="h5netcdf") as data:
-        return data.attrs
+def told(attributes: Mapping[str, Any]) -> dict[str, str]:
+    """The warnings that the attributes of a response hold."""
+    return json.loads(attributes.get(ATTRIBUTE, "{}"))
 
 
-def gathered(attributes: Iterable[Mapping[str, Any]], kinds: Container[str] = KINDS) -> tuple[str, ...]:
-    """The warnings of several responses, given by their attributes: each kind once, with how many have it."""
-    every = [json.loads(one.get(ATTRIBUTE, "{}")) for one in attributes]
+def gathered(warnings: Iterable[Mapping[str, str]], kinds: Container[str] = KINDS) -> tuple[str, ...]:
+    """The warnings of several motions: each kind once, with how many have it."""
+    every = list(warnings)
     counts = Counter(kind for one in every for kind in one if kind in kinds)
     first = {kind: next(one[kind] for one in every if kind in one) for kind in counts}
     if len(every) == 1:

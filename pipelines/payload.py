@@ -9,6 +9,8 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import os
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from fem.records import Record
+from fem.stored_array import StoredArray
 from pipelines.contents import CONTENTS, ContentsError, read_contents, stored_class, type_name
 
 
@@ -71,12 +74,22 @@ class _Files:
         self.count += 1
         return self.folder / f"part_{self.count}{suffix}"
 
+    def linked(self, source: Path) -> str:
+        """Take a file in by a second name, or a copy where the file system knows no second names; its name here."""
+        path = self.path(source.suffix)
+        try:
+            os.link(source, path)
+        except OSError:
+            shutil.copyfile(source, path)
+        return path.name
+
     def save(self, value: Any) -> Any:
         """Write the parts of `value` to files; the node that describes them."""
         if isinstance(value, Record):
             path = self.path(".h5")
-            value.save(path)
-            return {"kind": "record", "type": _loadable(value), "file": path.name}
+            arrays = {name: self.linked(array.path) for name, array in value.stored_arrays().items()}
+            value.save(path, without=arrays)
+            return {"kind": "record", "type": _loadable(value), "file": path.name, "arrays": arrays}
         if _is_dataset(value):
             path = self.path(".nc")
             path.write_bytes(value.to_netcdf(engine="h5netcdf"))
@@ -108,7 +121,8 @@ class _Files:
 def _load(folder: Path, node: Mapping[str, Any]) -> Any:
     match node["kind"]:
         case "record":
-            return stored_class(node["type"], record=True).load(folder / node["file"])
+            arrays = {name: StoredArray(folder / file) for name, file in node["arrays"].items()}
+            return stored_class(node["type"], record=True).load(folder / node["file"], **arrays)
         case "dataset":
             import xarray
 

@@ -67,8 +67,9 @@ def find_run(name: str | Path, root: Path | None = None) -> Path:
     )
 
 
-def read_run(path: Path) -> xarray.Dataset:
-    """The signals of a run, from its response or that of its control.
+@contextlib.contextmanager
+def opened_run(path: Path) -> Iterator[xarray.Dataset]:
+    """The signals of a run, from its response or that of its control; each is read from the file when it is used.
 
     Raises
     ------
@@ -78,14 +79,11 @@ def read_run(path: Path) -> xarray.Dataset:
 
     try:
         with xarray.open_dataset(regular_file(path), engine="h5netcdf") as data:
-            found = data.load()
-    except (OSError, ValueError, KeyError, TypeError, RuntimeError) as error:
-        if isinstance(error, InputError):
-            raise
+            if "time" not in data.dims:
+                raise InputError(f"{shown(path)}: holds no signals over time. Run the scene again.")
+            yield data
+    except OSError as error:
         raise InputError(f"{shown(path)}: cannot be read as signals ({error}). Run the scene again.") from error
-    if "time" not in found.dims:
-        raise InputError(f"{shown(path)}: holds no signals over time. Run the scene again.")
-    return found
 
 
 def write_json(path: Path, content: Any) -> None:

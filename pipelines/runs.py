@@ -11,10 +11,8 @@ from pathlib import Path
 from traceback import format_exception
 from typing import TYPE_CHECKING, Any
 
-from fem.hdf5 import hdf5_file
 from pipelines import results
 from pipelines.build import Observer, Outcome, run_graph
-from pipelines.built import Result
 from pipelines.cache import Cache
 from pipelines.claims import claimed
 from pipelines.code_version import library_versions
@@ -29,6 +27,9 @@ from pipelines.trade.presets import load_preset
 
 if TYPE_CHECKING:
     import xarray
+
+    from mbd.trajectory import Trajectory
+    from pipelines.scene import Scene
 
 _LOG = logging.getLogger(__name__)
 LIBRARIES = ("gearcase", "numpy", "scipy", "numba", "h5py", "xarray", "scikit-fem", "gmsh", "scikit-sparse", "pymetis")
@@ -115,7 +116,7 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
     )
     diagnosing = _diagnose_stage(study) if options.with_report else None
     first = study.cases[0]
-    wanted = study.responses if diagnosing else [name for name in (first.faulty, first.healthy) if name]
+    wanted = study.motions if diagnosing else [name for name in (first.faulty, first.healthy) if name]
     graph = Graph(study.graph).needed(wanted)
     count = len(graph.stages) + (diagnosing is not None) + options.with_report
     failure: Exception | None = None
@@ -127,7 +128,7 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
     ):
         cache = Cache()
         outcome = run_graph(graph, cache, wanted, observer=observer, processes=options.processes)
-        log_warnings(outcome.results[name] for name in study.responses if name in outcome.results)
+        log_warnings(outcome.value(name) for name in study.motions if name in outcome.results)
         _write_signals(claim.folder, loaded, study, outcome)
         try:
             if options.with_report:
@@ -208,15 +209,17 @@ def _kept(failure: Exception, folder: Path) -> WorkError:
 def _diagnose_stage(study: Study) -> Stage | None:
     """All cases against their controls; None without a control, a fault to look for, windows or sensors."""
     from pipelines.building import diagnosing
+    from pipelines.signals import labels
 
-    cases, takes = [], []
+    cases, takes, labelled = [], [], []
     for number, case in enumerate(study.cases):
         settings = diagnosis_settings(case.scene)
-        if settings is None or case.healthy is None:
+        if settings is None or case.healthy is None or case.control is None:
             return None
         cases.append(diagnosing.CaseSpec(settings=settings, full=number == 0 or case.label == "torque"))
         takes += [case.faulty, case.healthy]
-    spec = diagnosing.DiagnosingSpec(cases=tuple(cases))
+        labelled += [labels(case.scene), labels(case.control)]
+    spec = diagnosing.DiagnosingSpec(cases=tuple(cases), labels=tuple(labelled))
     return Stage(
         name="diagnose",
         kind="diagnose",
@@ -290,9 +293,9 @@ def _write_signals(folder: Path, loaded: LoadedScene, study: Study, outcome: Out
     facts = _facts(loaded, outcome)
     results.write_json(folder / results.RUN, facts)
     case = study.cases[0]
-    _write_response(folder / results.RESPONSE, outcome.results[case.faulty], facts)
-    if case.healthy is not None:
-        _write_response(folder / results.CONTROL, outcome.results[case.healthy], facts)
+    _write_response(folder / results.RESPONSE, outcome.value(case.faulty), case.scene, facts)
+    if case.healthy is not None and case.control is not None:
+        _write_response(folder / results.CONTROL, outcome.value(case.healthy), case.control, facts)
 
 
 def _facts(loaded: LoadedScene, outcome: Outcome) -> dict[str, Any]:
@@ -306,11 +309,14 @@ def _facts(loaded: LoadedScene, outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def _write_response(path: Path, result: Result, facts: Mapping[str, Any]) -> None:
-    """A copy of the stored dataset with the facts of this run as attributes."""
-    stored = next(iter(result.entry.folder.glob("*.nc")), None) if result.entry else None
-    content = stored.read_bytes() if stored else bytes(result.load().to_netcdf(engine="h5netcdf"))
-    with hdf5_file(path, content) as file:
-        file.attrs["provenance"] = json.dumps({name: facts[name] for name in ("scene", "versions", "rungs", "keys")})
-        file.attrs["stages"] = json.dumps(facts["stages"])
-        file.attrs["build_ledger"] = json.dumps(facts["ledger"])
+def _write_response(path: Path, motion: Trajectory, scene: Scene, facts: Mapping[str, Any]) -> None:
+    """The labelled signals with the facts of this run as attributes."""
+    from pipelines.response_file import write_response
+    from pipelines.signals import labels
+
+    told = {
+        "provenance": json.dumps({name: facts[name] for name in ("scene", "versions", "rungs", "keys")}),
+        "stages": json.dumps(facts["stages"]),
+        "build_ledger": json.dumps(facts["ledger"]),
+    }
+    write_response(motion, labels(scene) | told, path)

@@ -49,6 +49,7 @@ class Stage:
     modules: tuple[str, ...] = ()  # further modules whose code counts, beyond what `build` imports
     libraries: tuple[str, ...] = ("numpy",)
     seconds: float = 0.0
+    streams: bool = False  # `build` takes a `folder` for arrays too large for memory; None where none can be written
     enough: str = ""  # a number in `spec`: a stored result with a larger one holds all that is asked, and serves
 
     @property

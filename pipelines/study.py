@@ -21,10 +21,11 @@ HEALTHY = "healthy "  # before the names of a control's own stages
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """One comparison: `label` "" for the scene itself; names of the stages that hold its two responses."""
+    """One comparison: `label` "" for the scene itself; both scenes, and names of the stages that hold their motions."""
 
     label: str
     scene: Scene
+    control: Scene | None
     faulty: str
     healthy: str | None
 
@@ -38,8 +39,8 @@ class Study:
     control: LoadedScene | None
 
     @property
-    def responses(self) -> tuple[str, ...]:
-        """Names of all response stages, the scene's own first."""
+    def motions(self) -> tuple[str, ...]:
+        """Names of all stages that hold motions, the scene's own first."""
         names = [name for case in self.cases for name in (case.faulty, case.healthy) if name]
         return tuple(dict.fromkeys(names))
 
@@ -63,15 +64,15 @@ def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bo
     cases: list[Case] = []
     for label, scene in _variants(loaded.scene, both_loads and control is not None, seeds if control else 0):
         faulty = list(add_stages(stages, scene_stages(scene, source), label).values())[-1]
-        healthy = None
+        healthy = twin = None
         if control is not None:
             twin = _like(control.scene, scene)
             healthy = list(add_stages(stages, scene_stages(twin, control.source.shown), f"{label}{HEALTHY}").values())[
                 -1
             ]
-        cases.append(Case(label=label.strip(), scene=scene, faulty=faulty, healthy=healthy))
+        cases.append(Case(label=label.strip(), scene=scene, control=twin, faulty=faulty, healthy=healthy))
     study = Study(graph=Graph(stages), cases=tuple(cases), control=control)
-    check_room(loaded.scene, source, len(study.responses))
+    check_room(loaded.scene, source, len(study.motions))
     return study
 
 

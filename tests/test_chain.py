@@ -26,17 +26,17 @@ def touched(scene, *settings):
 @pytest.mark.parametrize(
     ("setting", "stages"),
     [
-        ("load.container_kg=800", {"simulate", "response"}),
-        ("stages.1.face_width_mm=13", {"law_1", "simulate", "response"}),
-        ("stages.1.backlash_um=90", {"simulate", "response"}),
+        ("load.container_kg=800", {"simulate"}),
+        ("stages.1.face_width_mm=13", {"law_1", "simulate"}),
+        ("stages.1.backlash_um=90", {"simulate"}),
         ("stages.2.mesh.slices=9", {"law_2"}),
-        ("stages.1.pinion_bore_mm=24", {"law_1", "simulate", "response"}),
+        ("stages.1.pinion_bore_mm=24", {"law_1", "simulate"}),
         ("sensors.2.position_mm=[1, 150, 28]", {"casing"}),
         ("casing.damping_ratio=0.02", {"casing"}),
         ("casing.band_Hz=4000", {"casing modes", "casing"}),
         ("casing.ground=springs", {"casing modes", "casing"}),
-        ("bearings.tilt_stiffness_N_m_per_rad=0", {"casing modes", "simulate", "response"}),
-        ("bearings.tilt_stiffness_N_m_per_rad=9e3", {"simulate", "response"}),
+        ("bearings.tilt_stiffness_N_m_per_rad=0", {"casing modes", "simulate"}),
+        ("bearings.tilt_stiffness_N_m_per_rad=9e3", {"simulate"}),
         ("casing.frequency_error=0.001", {"casing"}),
         ("casing.damping_ratio=[[0, 0.01], [1000, 0.02]]", {"casing"}),
         ("casing.mounts_N_per_um=[[1, 1, 1]]", set()),
@@ -44,12 +44,12 @@ def touched(scene, *settings):
         ("casing.material.density_kg_m3=7300", {"casing modes"}),
         ("casing.housing.wall_thickness_mm=11", {"casing mesh"}),
         ("casing.element_size_mm=30", {"casing mesh"}),
-        ("stages.1.direction_deg=1", {"casing mesh", "simulate", "response"}),
-        ("deviations.seed=2", {"simulate", "response"}),
-        ("faults.1.tooth=5", {"simulate", "response"}),
-        ("simulation.step_us=5", {"simulate", "response"}),
-        ("diagnosis.noise_m_s2=0.02", {"response"}),
-        ("title=another", {"response"}),
+        ("stages.1.direction_deg=1", {"casing mesh", "simulate"}),
+        ("deviations.seed=2", {"simulate"}),
+        ("faults.1.tooth=5", {"simulate"}),
+        ("simulation.step_us=5", {"simulate"}),
+        ("diagnosis.noise_m_s2=0.02", set()),
+        ("title=another", set()),
         ("diagnosis.axis=x", set()),
     ],
 )
@@ -60,13 +60,13 @@ def test_a_changed_value_touches_only_the_stages_that_read_it(setting, stages):
 def test_a_missing_tooth_enters_only_the_simulation():
     healthy = inputs("rig-healthy", with_control=False, both_loads=False)
     faulty = inputs("rig-missing-tooth", with_control=False, both_loads=False)
-    assert {name for name in healthy if healthy[name] != faulty[name]} == {"simulate", "response"}
+    assert {name for name in healthy if healthy[name] != faulty[name]} == {"simulate"}
 
 
 def test_scene_and_control_share_all_but_the_simulation():
     alone = inputs("rig-missing-tooth", with_control=False, both_loads=False)
     together = inputs("rig-missing-tooth", both_loads=False)
-    assert together.keys() - alone.keys() == {"healthy simulate", "healthy response"}
+    assert together.keys() - alone.keys() == {"healthy simulate"}
 
 
 def test_the_loads_and_seeds_share_all_but_the_simulation():
@@ -101,7 +101,7 @@ def test_identical_pairs_have_one_key():
 
 
 def test_minimal_has_no_finite_elements_of_the_casing():
-    assert list(inputs("minimal")) == ["law_1", "casing", "simulate", "response"]
+    assert list(inputs("minimal")) == ["law_1", "casing", "simulate"]
 
 
 def test_the_diagnosis_looks_at_the_wheel_of_stage_1():

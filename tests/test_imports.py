@@ -28,6 +28,7 @@ MBD_TAKES = {
     "fem.contact.teeth",
     "fem.casing.body",
     "fem.records",
+    "fem.stored_array",
 }
 HEAVY = {"numba", "scipy", "h5py", "xarray", "matplotlib", "gmsh", "pyvista", "skfem", "numpy", "pydantic", "pandas"}
 

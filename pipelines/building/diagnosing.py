@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import tempfile
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import xarray
 
+    from mbd.trajectory import Trajectory
     from pipelines.analysis import DiagnosisSettings
     from pipelines.diagnosis import Diagnosis
 
@@ -24,23 +26,25 @@ class CaseSpec:
 
 @dataclass(frozen=True, kw_only=True)
 class DiagnosingSpec:
-    """All comparisons, in the order of the responses that are taken: faulty, healthy, faulty, ..."""
+    """All comparisons, and the labels of the motions that are taken: faulty, healthy, faulty, ..."""
 
     cases: tuple[CaseSpec, ...]
+    labels: tuple[Mapping[str, Any], ...]
 
 
-def build(spec: DiagnosingSpec, *responses: xarray.Dataset) -> dict[str, Any]:
+def build(spec: DiagnosingSpec, *motions: Trajectory) -> dict[str, Any]:
     """diagnosis.nc, .csv, .json, .md as bytes under "files", the verdict with its tables as text under "words".
 
     A window in which no diagnosis is possible must not cost the signals: its reason is returned under "failure".
     """
     from pipelines.analysis import DiagnosisError
     from pipelines.export import save_diagnoses
+    from pipelines.response import make_response
     from pipelines.spectrum import SpectrumError
     from pipelines.verdict import markdown
 
     try:
-        found = diagnoses(spec, responses)
+        found = diagnoses(spec.cases, list(map(make_response, motions, spec.labels)))
     except (DiagnosisError, SpectrumError) as error:
         return {"files": {}, "words": "", "failure": str(error)}
     with tempfile.TemporaryDirectory() as folder:
@@ -50,14 +54,15 @@ def build(spec: DiagnosingSpec, *responses: xarray.Dataset) -> dict[str, Any]:
     return {"files": files, "words": words(found, full), "failure": ""}
 
 
-def diagnoses(spec: DiagnosingSpec, responses: tuple[xarray.Dataset, ...]) -> list[Diagnosis]:
-    """One diagnosis per case."""
+def diagnoses(cases: Sequence[CaseSpec], responses: Sequence[xarray.Dataset]) -> list[Diagnosis]:
+    """One diagnosis per case; of a case that only enters summaries the lines alone, its spectra would fill memory."""
     from pipelines.diagnosis import diagnose
 
     out = []
-    for number, case in enumerate(spec.cases):
+    for number, case in enumerate(cases):
         faulty, healthy = responses[2 * number : 2 * number + 2]
-        out.append(diagnose(faulty, healthy, case.settings))
+        found = diagnose(faulty, healthy, case.settings)
+        out.append(found if case.full else replace(found, spectra={}, envelopes={}))
     return out
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipelines.scene import Scene
@@ -21,8 +22,13 @@ class MotionSpec:
     scene: Scene
 
 
-def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw]) -> Built:
-    """The trajectory of the wanted channels, with its energy balance and counters."""
+def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw], folder: Path | None = None) -> Built:
+    """The trajectory of the wanted channels, with energy balance and counters; its values stay in a file in `folder`.
+
+    Raises
+    ------
+    OSError : the file cannot be written
+    """
     import numpy as np
 
     from mbd.load import Rope
@@ -48,7 +54,7 @@ def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw]) -
     start = None
     if table.start:
         start = other_start(system, equilibrium(system, float(train.profile.speed(np.zeros(1))[0])), table.start)
-    trajectory = simulate(system, settings, start=start)
+    trajectory = simulate(system, settings, start=start, file=folder / "values.npy" if folder else None)
     return Built(trajectory, ledger(trajectory, system.basis.shape[1], rope=isinstance(train.load, Rope)))
 
 

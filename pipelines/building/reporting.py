@@ -14,7 +14,7 @@ import numpy as np
 
 from pipelines.building.diagnosing import DiagnosingSpec, diagnoses
 from pipelines.flanks import fault_name, first_tooth_fault
-from pipelines.motion_warnings import gathered
+from pipelines.motion_warnings import gathered, told
 from pipelines.scene import Scene
 from pipelines.tables.faults import MissingToothTable
 
@@ -38,7 +38,7 @@ _PITCHES_SHOWN = 3.0  # to each side of a missing tooth
 class ReportSpec:
     """The scene with what the report says about the run, and how many results of each kind it takes, in this order:
 
-    laws, then casing, then casing mesh and modes (if `elastic`), then the responses of all cases.
+    laws, then casing, then casing mesh and modes (if `elastic`), then the motions of all cases.
     """
 
     scene: Scene
@@ -62,15 +62,18 @@ def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
     from pipelines.pictures import LeftOut
     from pipelines.report import write_report
     from pipelines.report_contents import ReportContents
+    from pipelines.response import make_response
+    from pipelines.signals import labels
 
     scene = spec.scene
     layout = lay_out(scene)
     facts = derive(scene, layout)
     laws, body, rest = taken[: spec.laws], taken[spec.laws], taken[spec.laws + 1 :]
     mesh, modes = rest[:2] if spec.elastic else (None, None)
-    responses = rest[2:] if spec.elastic else rest
+    labelled = spec.diagnosing.labels if spec.diagnosing else (labels(scene),)
+    responses = list(map(make_response, rest[2:] if spec.elastic else rest, labelled))
     possible = spec.diagnosing is not None and not spec.failure
-    found = diagnoses(spec.diagnosing, responses) if spec.diagnosing and possible else []
+    found = diagnoses(spec.diagnosing.cases, responses) if spec.diagnosing and possible else []
     shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing and possible else []
     gears, casing = gear_picture(scene, layout, scene.diagnosis.stage), casing_picture(mesh, body)
     curves = stiffness_plots(scene, layout, facts, laws)
@@ -94,7 +97,7 @@ def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
         energy=energy_rows(responses[0]),
         ledger=spec.ledger,
         provenance=spec.provenance,
-        cautions=gathered(response.attrs for response in responses),
+        cautions=gathered(told(response.attrs) for response in responses),
         warnings=(*doubts(scene, layout), *spec.warnings),
         reasons={"Envelope table": f"Left out: {spec.failure}"} if spec.failure else {},
         short=spec.diagnosing is None,

@@ -27,7 +27,7 @@ def main(options: argparse.Namespace) -> int:
     study = plan_study(loaded)  # as `run` begins: what is refused there is refused here
     layout = lay_out(loaded.scene, loaded.source.shown)
     sys.stdout.write("".join(f"{line}\n" for line in _lines(loaded, derive(loaded.scene, layout))))
-    sys.stdout.write(f"  {estimate(loaded.scene, len(study.responses))}\n")
+    sys.stdout.write(f"  {estimate(loaded.scene, len(study.motions))}\n")
     for text in doubts(loaded.scene, layout):
         sys.stdout.write(f"warning: {text}\n")
     if study.control is not None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import sys
 
 
 def main(options: argparse.Namespace) -> int:
     """Print verdict and envelope tables; --set diagnosis.... looks elsewhere without running anything."""
     from pipelines import results
-    from pipelines.building.diagnosing import CaseSpec, DiagnosingSpec, diagnoses, words
+    from pipelines.building.diagnosing import CaseSpec, diagnoses, words
     from pipelines.errors import InputError
     from pipelines.looked_for import diagnosis_settings
     from pipelines.scene_file import load_scene
@@ -26,9 +27,13 @@ def main(options: argparse.Namespace) -> int:
             f"{folder}: no healthy control was run, so no line can be told from those of a healthy gearbox. "
             "Name a control in the scene and run it again."
         )
-    runs = []
-    for name in (results.RESPONSE, results.CONTROL):
-        runs.append(results.read_run(folder / name).assign_attrs(sensor_noise_m_s2=scene.diagnosis.noise_m_s2))
-    found = diagnoses(DiagnosingSpec(cases=(CaseSpec(settings=settings, full=True),)), tuple(runs))
+    with contextlib.ExitStack() as opened:
+        runs = [
+            opened.enter_context(results.opened_run(folder / name)).assign_attrs(
+                sensor_noise_m_s2=scene.diagnosis.noise_m_s2
+            )
+            for name in (results.RESPONSE, results.CONTROL)
+        ]
+        found = diagnoses([CaseSpec(settings=settings, full=True)], runs)
     sys.stdout.write(words(found, found))
     return 0

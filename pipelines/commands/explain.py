@@ -30,6 +30,6 @@ def main(options: argparse.Namespace) -> int:
     sys.stdout.write(
         f"{actions.count('build')} stages would be built, {actions.count('reuse')} reused, "
         f"{actions.count('follow')} follow if what they take changes. "
-        "Diagnosis and report (seconds) follow the responses.\n"
+        "Diagnosis and report (seconds) follow the motion.\n"
     )
     return 0

@@ -15,10 +15,10 @@ def main(options: argparse.Namespace) -> int:
 
     folder = results.find_run(options.run)
     target = writable_file(options.out or folder / f"response.{options.form}")
-    run = results.read_run(folder / results.RESPONSE)
-    try:
-        path = export(run, target, options.form)
-    except OSError as error:
-        raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --out.") from error
+    with results.opened_run(folder / results.RESPONSE) as run:
+        try:
+            path = export(run, target, options.form)
+        except OSError as error:
+            raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --out.") from error
     sys.stdout.write(f"{path}\n")
     return 0

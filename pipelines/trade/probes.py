@@ -117,14 +117,16 @@ def _machine(scene: Scene, outcome: Outcome) -> list[Value]:
 def _signals(scene: Scene, outcome: Outcome) -> list[Value]:
     """Over the three axes of every sensor (of every journal without a casing)."""
     from pipelines.analysis import channel, channel_names
+    from pipelines.response import make_response
+    from pipelines.signals import labels
 
-    run = outcome.value("response")
+    run = make_response(outcome.value("simulate"), labels(scene))
     windows = scene.diagnosis.windows_s or {"whole run": (0.0, scene.simulation.end_s)}
     values = []
     for window, (start, end) in windows.items():
         piece = run.sel(time=slice(start, end))
         for name in channel_names(run):
-            signal = channel(piece, name).values
+            signal = channel(piece, name).values.astype(float)
             rms = float(np.sqrt((signal**2).sum(axis=1).mean()))
             values.append(Value(name=f"{name} rms, {window}", unit="m/s2", value=rms))
     return values
@@ -133,11 +135,13 @@ def _signals(scene: Scene, outcome: Outcome) -> list[Value]:
 def _lines(scene: Scene, outcome: Outcome) -> list[Value]:
     from pipelines.analysis import analyse
     from pipelines.looked_for import diagnosis_settings
+    from pipelines.response import make_response
+    from pipelines.signals import labels
 
     settings = diagnosis_settings(scene)
     if settings is None or not scene.faults:
         return []
-    found = analyse(outcome.value("response"), settings, stream=1)
+    found = analyse(make_response(outcome.value("simulate"), labels(scene)), settings, stream=1)
     orders = np.arange(1, settings.envelope_harmonics + 1)
     values = []
     for window, envelope in found.envelopes.items():
@@ -161,6 +165,6 @@ PROBES = {
     "casing": Probe(lambda _: ["casing"], _casing),
     "frf": Probe(lambda _: ["casing"], _frf),
     "machine": Probe(lambda scene: [*_laws(scene), "casing"], _machine),
-    "signals": Probe(lambda _: ["response"], _signals),
-    "lines": Probe(lambda _: ["response"], _lines),
+    "signals": Probe(lambda _: ["simulate"], _signals),
+    "lines": Probe(lambda _: ["simulate"], _lines),
 }

@@ -61,8 +61,8 @@ def measure(
     graph = Graph(stages)
     every = dict.fromkeys(names[variant][stage] for variant, needed in wanted.items() for stage in needed)
     outcome = run_graph(graph, cache, every, observer=observer, processes=processes)
-    responses = [outcome.results[stage.name] for stage in graph if stage.name in every and stage.kind == "response"]
-    log_warnings(responses, ("repeat",))  # the others are errors that the comparison itself shows
+    motions = [outcome.value(stage.name) for stage in graph if stage.name in every and stage.kind == "simulate"]
+    log_warnings(motions, ("repeat",))  # the others are errors that the comparison itself shows
     return {
         variant: _measured(loaded, probes, {stage: names[variant][stage] for stage in wanted[variant]}, outcome)
         for variant, loaded in scenes.items()
