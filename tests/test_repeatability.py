@@ -1,7 +1,5 @@
 """Motions that cannot be repeated sample by sample: rattle is told from regular motion."""
 
-import json
-
 import numpy as np
 import pytest
 from mbd_rigs import rigid_casing, train
@@ -41,6 +39,7 @@ def motion(name, settings):
 
 
 def test_rattle_is_told_with_what_to_do():
+    """In 0.4 s of motion, with the rate at which neighbours part and the command that helps."""
     rattling = motion("minimal", RATTLE | ALONE | SHORT)
     assert rattling.parted_at > 0.05
     assert 50 < rattling.parting_rate < 1000
@@ -122,15 +121,6 @@ def test_a_warning_in_twenty_of_twenty_rattling_starts():
     scene = RATTLE | {"shaft_model.model": "timoshenko", "simulation.end_s": 0.6, "diagnosis.windows_s": {}}
     found = [motion("minimal", scene | {"simulation.start": start}).parted_at for start in range(1, 21)]
     assert all(found), found
-
-
-def test_attributes_hold_when_the_motion_can_be_repeated(tmp_path, monkeypatch):
-    from pipelines import run
-
-    monkeypatch.chdir(tmp_path)
-    rattling = run("minimal", RATTLE | ALONE | SHORT, control=False)
-    assert "repeat" in json.loads(rattling.attrs["warnings"])
-    assert 0.0 < rattling.attrs["repeatable_until_s"] < 0.4
 
 
 def test_settings_of_the_library_measure_too():

@@ -12,8 +12,9 @@ from mbd.integrators.methods import METHODS
 from mbd.simulate import Settings, simulate
 from mbd.statics import equilibrium
 from mbd.system import assemble
-from pipelines import run
+from pipelines.cli import main
 from pipelines.motion_warnings import gathered, motion_warnings
+from pipelines.report import ReportContents, write_report
 
 RAMP = SpeedProfile(times=np.array([0.0, 0.04]), speeds=np.array([0.0, 94.25]))
 COARSE = {"simulation.integrator": "trapezoidal", "simulation.end_s": 0.3, "diagnosis.windows_s": {}}
@@ -65,30 +66,42 @@ def test_what_follows_an_integrator_leaves_it_as_it_was(method):
     )
 
 
-def test_a_coarse_step_is_said_with_the_step_that_cures_it(tmp_path, monkeypatch, caplog):
-    """On the terminal, built and from the cache, in the report's first screen and in the attributes; the cure works."""
-    monkeypatch.chdir(tmp_path)
-    coarse = run("minimal", COARSE | {"simulation.step_us": 20.0})
-    assert coarse.attrs["step_error"] > 0.05
-    (sentence,) = json.loads(coarse.attrs["warnings"]).values()
-    for _ in range(2):
+def simulated(capsys, folder, settings):
+    """What `gearcase simulate minimal` writes to the terminal, and the attributes of its response."""
+    import xarray
+
+    texts = [f"--set={key}={json.dumps(value) if value != {} else '{}'}" for key, value in settings.items()]
+    assert main(["simulate", "minimal", "--quiet", f"--out={folder}", *texts]) == 0
+    with xarray.open_dataset(folder / "response.nc", engine="h5netcdf") as data:
+        return capsys.readouterr(), dict(data.attrs)
+
+
+def test_a_coarse_step_is_said_with_the_step_that_cures_it(tmp_path, capsys, caplog):
+    """Built and from the cache, on the terminal and in the attributes; the cure works."""
+    coarse = COARSE | {"simulation.step_us": 20.0}
+    for number in range(2):
+        _, attributes = simulated(capsys, tmp_path / f"coarse {number}", coarse)
+        (sentence,) = json.loads(attributes["warnings"]).values()
         assert [record.message for record in caplog.records if record.levelname == "WARNING"] == [sentence]
         caplog.clear()
-        run("minimal", COARSE | {"simulation.step_us": 20.0})
-    page = next((tmp_path / "runs" / "minimal").glob("*/report.html")).read_text(encoding="utf-8")
-    assert "The time step of 20 us is too long" in page[: page.index("<h2")]
-    (step,) = re.findall(r"simulation\.step_us = ([0-9.]+)", sentence)
-    caplog.clear()
-    cured = run("minimal", COARSE | {"simulation.step_us": float(step)})
-    assert 0.01 < cured.attrs["step_error"] <= 0.06
+    assert attributes["step_error"] > 0.05
     assert 'simulation.integrator = "exponential"' in sentence
+    (step,) = re.findall(r"simulation\.step_us = ([0-9.]+)", sentence)
+    _, cured = simulated(capsys, tmp_path / "cured", COARSE | {"simulation.step_us": float(step)})
+    assert 0.01 < cured["step_error"] <= 0.06
 
 
-def test_a_sound_run_says_nothing(tmp_path, monkeypatch, caplog):
-    monkeypatch.chdir(tmp_path)
-    sound = run("minimal", {"simulation.end_s": 0.3, "diagnosis.windows_s": {}})
-    assert sound.attrs["warnings"] == "{}"
+def test_a_sound_run_says_nothing(tmp_path, capsys, caplog):
+    printed, attributes = simulated(capsys, tmp_path / "sound", {"simulation.end_s": 0.3, "diagnosis.windows_s": {}})
+    assert attributes["warnings"] == "{}"
+    assert printed.err == ""
     assert not [record for record in caplog.records if record.levelname == "WARNING"]
+
+
+def test_the_report_says_it_before_all_else(tmp_path):
+    contents = ReportContents(title="A machine", cautions=("The time step is too long.",), short=True)
+    text = write_report(tmp_path / "report.html", contents).read_text(encoding="utf-8")
+    assert "Warning: The time step is too long." in text[: text.index("<h2") if "<h2" in text else len(text)]
 
 
 def test_several_motions_say_a_thing_once():
