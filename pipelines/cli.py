@@ -9,13 +9,14 @@ from __future__ import annotations
 import argparse
 import importlib
 import logging
-import math
 import os
 import sys
 import traceback
 import warnings
 from collections.abc import Sequence
 from typing import NoReturn, TextIO
+
+from pipelines.argument_types import count, days, number, path, picture, positive, seconds, several, share
 
 PROLOGUE = """\
 From gearbox geometry to sensor signals: finite-element mesh stiffness, reduced casing, multibody run, diagnosis.
@@ -100,7 +101,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def _scene(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("scene", metavar="SCENE", type=_path, help="name of a shipped scene, or a path ending in .toml")
+    sub.add_argument("scene", metavar="SCENE", type=path, help="name of a shipped scene, or a path ending in .toml")
     sub.add_argument(
         "--set",
         metavar="KEY=VALUE",
@@ -118,7 +119,7 @@ def _scene(sub: argparse.ArgumentParser) -> None:
 
 def _work(sub: argparse.ArgumentParser) -> None:
     _scene(sub)
-    sub.add_argument("--processes", type=_count, metavar="N", help="long stages built side by side (default 2)")
+    sub.add_argument("--processes", type=count, metavar="N", help="long stages built side by side (default 2)")
     sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
 
 
@@ -132,22 +133,27 @@ def _casing(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--export",
         metavar="FILE",
-        type=_path,
+        type=path,
         action="append",
         default=[],
         help="write the reduced casing as .h5, .mat or .uff (modal test), or its modes as .vtu; repeatable",
     )
-    sub.add_argument("--modes", metavar="N", type=_count, default=20, help="rows of the table of modes (default 20)")
+    sub.add_argument("--modes", metavar="N", type=count, default=20, help="rows of the table of modes (default 20)")
 
 
 def _out(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--out", metavar="FOLDER", type=_path, help="result folder instead of ./runs/<scene>/<timestamp>")
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder instead of ./runs/<scene>/<timestamp>")
 
 
 def _new(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("file", metavar="FILE", type=_path, help="file to write, ending in .toml; never overwritten")
+    sub.add_argument("file", metavar="FILE", type=path, help="file to write, ending in .toml; never overwritten")
     sub.add_argument(
-        "--from", metavar="SCENE", type=_path, dest="source", default="rig-healthy", help="default: rig-healthy"
+        "--from",
+        metavar="SCENE",
+        type=path,
+        dest="source",
+        default="rig-healthy",
+        help="default: rig-healthy",
     )
 
 
@@ -159,7 +165,7 @@ def _run(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--seeds",
         metavar="N",
-        type=_count,
+        type=count,
         default=0,
         help="compare seeds 1 to N of the deviations and error-free gears",
     )
@@ -167,10 +173,14 @@ def _run(sub: argparse.ArgumentParser) -> None:
 
 def _modes(sub: argparse.ArgumentParser) -> None:
     _work(sub)
-    sub.add_argument("--up-to", metavar="HZ", type=_positive, default=10e3, help="highest frequency (default 10000)")
-    sub.add_argument("--cycle", metavar="C", type=_number, help="mesh cycle of stage 1 (default: that of the start)")
+    sub.add_argument("--up-to", metavar="HZ", type=positive, default=10e3, help="highest frequency (default 10000)")
+    sub.add_argument("--cycle", metavar="C", type=number, help="mesh cycle of stage 1 (default: that of the start)")
     sub.add_argument(
-        "--speed", type=_number, default=0.0, metavar="RPM", help="motor speed: losses, gyroscopic moments (default 0)"
+        "--speed",
+        type=number,
+        default=0.0,
+        metavar="RPM",
+        help="motor speed: losses, gyroscopic moments (default 0)",
     )
 
 
@@ -179,21 +189,21 @@ def _converge(sub: argparse.ArgumentParser) -> None:
     # as in pipelines.trade.axes
     axes = ("gear-mesh", "slices", "positions", "casing-mesh", "modes", "shaft-elements", "step")
     sub.add_argument("--over", choices=axes, required=True, help="what is refined")
-    sub.add_argument("--levels", type=_count, metavar="N", default=3, help="levels, one finer than in use (default 3)")
-    sub.add_argument("--error", type=_share, metavar="E", default=0.01, help="wanted error, as in 1%% (default)")
-    sub.add_argument("--out", type=_picture, metavar="FILE", help="plot to write (convergence-<scene>-<what>.png here)")
+    sub.add_argument("--levels", type=count, metavar="N", default=3, help="levels, one finer than in use (default 3)")
+    sub.add_argument("--error", type=share, metavar="E", default=0.01, help="wanted error, as in 1%% (default)")
+    sub.add_argument("--out", type=picture, metavar="FILE", help="plot to write (convergence-<scene>-<what>.png here)")
 
 
 def _tradeoff(sub: argparse.ArgumentParser) -> None:
     _work(sub)
-    sub.add_argument("--error", type=_share, metavar="E", default=0.02, help="name the cheapest within it (2%%)")
-    sub.add_argument("--time", type=_seconds, metavar="T", default=10.0, help="name the most accurate within it (10s)")
-    sub.add_argument("--out", type=_picture, metavar="FILE", help="plot to write (default: tradeoff-<scene>.png here)")
+    sub.add_argument("--error", type=share, metavar="E", default=0.02, help="name the cheapest within it (2%%)")
+    sub.add_argument("--time", type=seconds, metavar="T", default=10.0, help="name the most accurate within it (10s)")
+    sub.add_argument("--out", type=picture, metavar="FILE", help="plot to write (default: tradeoff-<scene>.png here)")
 
 
 def _starts(sub: argparse.ArgumentParser) -> None:
     _work(sub)
-    sub.add_argument("--starts", type=_starts_count, metavar="N", default=8, help="motions, from 2 (default 8)")
+    sub.add_argument("--starts", type=several, metavar="N", default=8, help="motions, from 2 (default 8)")
 
 
 def _simulate(sub: argparse.ArgumentParser) -> None:
@@ -215,23 +225,32 @@ def _diagnose(sub: argparse.ArgumentParser) -> None:
 
 def _run_folder(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
-        "run", metavar="RUN", type=_path, help="result folder, or the name of a scene for its newest result"
+        "run",
+        metavar="RUN",
+        type=path,
+        help="result folder, or the name of a scene for its newest result",
     )
 
 
 def _inspect(sub: argparse.ArgumentParser) -> None:
     _work(sub)
-    sub.add_argument("--out", metavar="FOLDER", type=_path, default=".", help="folder for the pictures (default: here)")
-    sub.add_argument("--stage", type=_count, metavar="N", default=1, help="gear stage to show (default 1)")
-    sub.add_argument("--position", type=_number, metavar="C", help="one mesh cycle to show instead of a film")
-    sub.add_argument("--frames", type=_count, metavar="N", default=25, help="pictures of the film (25; 1: a still)")
+    sub.add_argument("--out", metavar="FOLDER", type=path, default=".", help="folder for the pictures (default: here)")
+    sub.add_argument("--stage", type=count, metavar="N", default=1, help="gear stage to show (default 1)")
+    sub.add_argument("--position", type=number, metavar="C", help="one mesh cycle to show instead of a film")
+    sub.add_argument("--frames", type=count, metavar="N", default=25, help="pictures of the film (25; 1: a still)")
     sub.add_argument("--stress", action="store_true", help="instead, von Mises stress of the loaded teeth: PNG")
     sub.add_argument(
-        "--mesh", metavar="FILE", type=_path, help="instead, hexahedra of the loaded teeth: .vtu, .inp, .msh or .bdf"
+        "--mesh",
+        metavar="FILE",
+        type=path,
+        help="instead, hexahedra of the loaded teeth: .vtu, .inp, .msh or .bdf",
     )
     sub.add_argument("--screen", action="store_true", help="instead, a window with a slider for the position")
     sub.add_argument(
-        "--casing-mode", type=_count, metavar="N", help="instead, natural mode N of the casing: PNG, GIF and HTML"
+        "--casing-mode",
+        type=count,
+        metavar="N",
+        help="instead, natural mode N of the casing: PNG, GIF and HTML",
     )
 
 
@@ -239,83 +258,24 @@ def _export(sub: argparse.ArgumentParser) -> None:
     _run_folder(sub)
     sub.add_argument("--to", dest="form", choices=("csv", "mat"), required=True, help="file format")
     sub.add_argument(
-        "--out", metavar="FILE", type=_path, help="file to write (default: response.csv or .mat in the run folder)"
+        "--out",
+        metavar="FILE",
+        type=path,
+        help="file to write (default: response.csv or .mat in the run folder)",
     )
 
 
 def _cache(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("action", choices=("info", "verify", "clear"), nargs="?", default="info", help="default: info")
     sub.add_argument(
-        "--older-than", metavar="DAYS", type=_days, default=0.0, help="clear only what was not used lately"
+        "--older-than",
+        metavar="DAYS",
+        type=days,
+        default=0.0,
+        help="clear only what was not used lately",
     )
 
 
-def _path(text: str) -> str:
-    from pipelines.errors import InputError
-    from pipelines.user_files import checked_path
-
-    try:
-        checked_path(text)
-    except InputError as error:
-        raise argparse.ArgumentTypeError(str(error)) from error
-    return text
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or len(text) > len(str(_MOST)) or not 1 <= int(text) <= _MOST:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 to {_MOST}")
-    return int(text)
-
-
-def _starts_count(text: str) -> int:
-    if _count(text) < 2:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 2")
-    return int(text)
-
-
-def _number(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
-    return value
-
-
-def _positive(text: str) -> float:
-    if _number(text) <= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not above 0")
-    return _number(text)
-
-
-def _picture(text: str) -> str:
-    _path(text)
-    suffix = text.rpartition(".")[2].lower() if "." in text.rpartition("/")[2] else ""
-    if suffix not in ("", "png", "svg", "pdf"):
-        raise argparse.ArgumentTypeError(f"{text!r} is no picture that can be written; end it in .png, .svg or .pdf")
-    return text if suffix else f"{text}.png"
-
-
-def _share(text: str) -> float:
-    return _positive(text.removesuffix("%")) / 100 if text.endswith("%") else _positive(text)
-
-
-def _seconds(text: str) -> float:
-    return _positive(text.removesuffix("s"))
-
-
-def _days(text: str) -> float:
-    try:
-        days = float(text)
-    except ValueError:
-        days = -1.0
-    if not 0 <= days < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of days from 0")
-    return days
-
-
-_MOST = 1000  # of anything that is counted on the command line
 _ARGUMENTS = {
     "new": _new,
     "check": _scene,
