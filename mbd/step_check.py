@@ -9,8 +9,8 @@ signal, after the filter of the recorder.
 
 Measured on one stage over 0.5 s against steps of 2.5 us, estimate over true error: 0.8 to 1.3 for loaded machines, ten
 and forty times overloaded ones, light ones with contacts that open, and rolling bearings (steps of 10 to 100 us, errors
-of 0.03 to 40 %), 0.8 to 1.25 for the trapezoidal rule. Where the error sits in the few impacts of a run-up, it depends on
-whether a stretch meets them: 0.23 to 2.9 (5 kg; 3000 and 6000 rpm; 50 and 100 us).
+of 0.03 to 40 %), 0.8 to 1.25 for the trapezoidal rule. Where the error sits in the few impacts of a run-up, it depends
+on whether a stretch meets them: 0.23 to 2.9 (5 kg; 3000 and 6000 rpm; 50 and 100 us).
 """
 
 from __future__ import annotations
