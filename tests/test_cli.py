@@ -108,7 +108,7 @@ def test_explain_of_another_scene_lists_its_stages_and_no_differences(capsys, ow
     from pipelines.study import plan_study
 
     scene = load_scene("minimal", {"simulation.end_s": 0.01, "diagnosis.windows_s": {}})
-    run_graph(plan_study(scene).graph, Cache(), ["response"])
+    run_graph(plan_study(scene).graph, Cache(), ["simulate"])
     code, out, _ = gearcase(capsys, "explain", "rig-missing-tooth")
     assert code == 0
     assert out.startswith("First run: ")

@@ -61,7 +61,7 @@ def test_a_failing_report_leaves_signals_and_diagnosis(here, monkeypatch, capsys
     assert f"The signals are kept in {folder}." in err
     assert "gearcase diagnose" not in err
     facts = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-    assert "response" in {stage["stage"] for stage in facts["stages"]}
+    assert "simulate" in {stage["stage"] for stage in facts["stages"]}
 
 
 @pytest.mark.slow
