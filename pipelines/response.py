@@ -9,7 +9,7 @@ import numpy as np
 import xarray
 
 from mbd import channels
-from mbd.load import Rope
+from mbd.forces.rope import Rope
 from mbd.machine import Machine
 from mbd.trajectory import Trajectory
 from pipelines.scene import Scene

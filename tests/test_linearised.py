@@ -10,12 +10,14 @@ from scipy import linalg
 
 from fem.contact.evaluate import evaluate, law_tables
 from fem.contact.teeth import tooth_terms
-from mbd.bearings import BearingSpec, hertz_bearing
+from mbd.bearings import BearingSpec
 from mbd.channels import DIRECTIONS, channel_names, journal_acceleration
 from mbd.checks import MachineError
 from mbd.drive import CouplingSpec, SpeedProfile
+from mbd.forces.rolling_bearing import hertz_bearing
+from mbd.forces.rope import Rope
 from mbd.linearised import linear_modes, tangent, turned
-from mbd.load import Rope, StaticTorque
+from mbd.load import StaticTorque
 from mbd.machine import Machine
 from mbd.mesh_reference import approach_at
 from mbd.rolling_catalogue import by_designation

@@ -23,7 +23,7 @@ class MotionSpec:
 
 def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw]) -> Built:
     """The trajectory of the wanted channels, with its energy books and counters."""
-    from mbd.load import Rope
+    from mbd.forces.rope import Rope
     from mbd.simulate import Settings, simulate
     from mbd.system import assemble
     from pipelines.layout import lay_out
