@@ -35,7 +35,7 @@ itself, and what no machine uses is never compiled.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -80,13 +80,13 @@ class Answer(NamedTuple):
 MOTION = types.NamedTuple((FLOAT, FLOAT, FLOAT, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, VECTOR, MATRIX), Motion)
 ANSWER = types.NamedTuple((VECTOR, MATRIX, VECTOR, MATRIX, MATRIX, VECTOR, MATRIX, VECTOR), Answer)
 RULE = Signature(types.none, VECTOR, MOTION, ANSWER)
-call_rule = RULE.call
+call_rule: Any = RULE.call
 
 
-def rule(file: str, **options: Any):
+def rule(file: str, **options: Any) -> Callable[[Callable], int]:
     """Decorator of a kind's rule in ``file``: compiled when it is first called, kept on disk."""
 
-    def decorate(function):
+    def decorate(function: Callable) -> int:
         return RULE.cell(stored(reached(file), entry=False, **options)(function))
 
     return decorate

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -98,7 +98,7 @@ def element_table(elements: Sequence[Element], n_coordinates: int) -> tuple[Tabl
     return table, np.array(observed).reshape(-1, n_coordinates)
 
 
-def _starts(counts) -> np.ndarray:
+def _starts(counts: Iterable[int]) -> np.ndarray:
     return np.concatenate([[0], np.cumsum(np.fromiter(counts, dtype=np.int64))]).astype(np.int64)
 
 

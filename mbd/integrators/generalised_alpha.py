@@ -120,9 +120,9 @@ class GeneralisedAlpha:
         return np.concatenate([self._q, self._v]), *(values.copy() for values in found)
 
     def _block(self, instants: list[tuple[np.ndarray, ...]], clock: np.ndarray) -> Block:
-        columns = (np.array(column) for column in zip(*instants, strict=True))
+        columns = dict(zip(Block._fields, (np.array(column) for column in zip(*instants, strict=True)), strict=False))
         none = np.zeros((len(instants), 0, len(self._forces)))
-        return Block(*columns, clock, np.arange(len(instants)), none)
+        return Block(**columns, clock=clock, whole=np.arange(len(instants)), holds=none)
 
 
 def spectral_radius(step_over_period: float, radius: float = DEFAULT_RADIUS) -> float:

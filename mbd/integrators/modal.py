@@ -108,8 +108,19 @@ class ModalIntegrator:
         )
         states, clock = eta[None].copy(), np.array([[0.0, state.motor_angle, state.motor_speed, 0.0]])
         holds = np.zeros((1, past, m))
-        answers = (x[None].copy() for x in (now.elastic, now.lost, np.zeros(m), now.log))
-        return Block(states, states, forces[None], u[None], *answers, clock, np.zeros(1, dtype=np.int64), holds)
+        return Block(
+            states=states,
+            starts=states,
+            forces=forces[None],
+            rows=u[None],
+            elastic=now.elastic[None].copy(),
+            lost=now.lost[None].copy(),
+            push=np.zeros((1, m)),
+            log=now.log[None].copy(),
+            clock=clock,
+            whole=np.zeros(1, dtype=np.int64),
+            holds=holds,
+        )
 
     def advance(self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> Block:
         """Take len(angles) steps."""

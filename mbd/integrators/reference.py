@@ -71,10 +71,10 @@ class Reference:
             self._rows, self._now, self._angle, self._time = rows, now, clock[0], clock[2]
             self.counters["steps"] += 1
             instants.append((self._x, start, forces, rows, now.elastic, now.lost, push, now.log))
-        columns = (np.array(column) for column in zip(*instants, strict=True))
+        columns = dict(zip(Block._fields, (np.array(column) for column in zip(*instants, strict=True)), strict=False))
         clocks = uniform_clock(self._step, angles, speeds, accelerations)
         none = np.zeros((len(instants), 0, len(self._v_rows)))
-        return Block(*columns, clocks, np.arange(len(instants)), none)
+        return Block(**columns, clock=clocks, whole=np.arange(len(instants)), holds=none)
 
     def _one_step(self, angle: float, acceleration: float) -> np.ndarray:
         h, n = self._step, len(self._omega2)
