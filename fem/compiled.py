@@ -46,21 +46,13 @@ class _Cell(ctypes.Structure):
     _fields_ = (("address", ctypes.c_void_p), ("fill", ctypes.c_void_p))
 
 
-def sources(*places: Path) -> tuple[Path, ...]:
-    """This file, the files given and the Python files of the folders given, for `stored`."""
-    found = [Path(__file__)]
-    for place in places:
-        found += sorted(place.glob("*.py")) if place.is_dir() else [place]
-    return tuple(found)
-
-
 _IMPORT = re.compile(r"^(?:import +([\w.]+)|from +([\w.]+) +import +(\([^)]*\)|[^\n]*))", re.MULTILINE)
 _COMPILED = re.compile(r"^from (?:numba|fem\.compiled) import", re.MULTILINE)
 
 
 @functools.cache
 def reached(file: str) -> tuple[Path, ...]:
-    """The source files that the compiled functions of ``file`` are made of, for `stored`.
+    """The source files that the compiled functions of ``file`` are made of.
 
     Compiled code takes functions and constants from what its file imports at its top level. Of the files of our own
     packages so found, those that hold compiled functions themselves are followed further.
@@ -75,7 +67,7 @@ def reached(file: str) -> tuple[Path, ...]:
             continue
         found.add(path)
         text = path.read_text(encoding="utf-8")
-        if _COMPILED.search(text):
+        if path == Path(file) or _COMPILED.search(text):
             for plain, module, names in _IMPORT.findall(text):
                 members = [f"{module}.{word}" for word in re.findall(r"\w+", names)]
                 places = [root.joinpath(*name.split(".")).with_suffix(".py") for name in (plain or module, *members)]
@@ -83,16 +75,17 @@ def reached(file: str) -> tuple[Path, ...]:
     return tuple(sorted(found))
 
 
-def stored(files: tuple[Path, ...], entry: bool = True, **options: Any) -> Callable:
-    """`njit` with a copy on disk that is used as long as the `files` the function is made of stay as they are.
+def stored(file: str, entry: bool = True, **options: Any) -> Callable:
+    """`njit` in ``file`` (``__file__``) with a copy on disk that is used as long as all it is made of stays as it is.
 
     The compiler itself looks at the file of the function alone, not at those of the functions it calls; the checksum of
-    all is made part of the name under which the code is stored. Without ``entry`` Python must not call it.
+    the files that are `reached` is made part of the name under which the code is stored. Without ``entry`` Python must
+    not call it.
     """
     options = {**PLAIN, **({} if entry else _NO_ENTRY), **options}
     total = 0
-    for file in files:
-        total = zlib.crc32(file.read_bytes(), total)
+    for path in reached(file):
+        total = zlib.crc32(path.read_bytes(), total)
 
     def decorate(function: Callable) -> Any:
         function.__qualname__ = f"{function.__qualname__}_{total:08x}"

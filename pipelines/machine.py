@@ -198,6 +198,7 @@ def machine(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> Machin
         profile=SpeedProfile(times=np.array(drive.times_s), speeds=rates),
         load=load_spec(scene, layout),
         shaft_couplings=coupling_specs(scene),
+        forces=tuple(table.spec(number) for number, table in enumerate(scene.forces, 1)),
         losses=losses_spec(scene),
         brake=Brake(shaft=driven, y=ends[0], torque=drive.brake_torque_N_m) if drive.brake_torque_N_m else None,
         gyroscopic=scene.shaft_model.gyroscopic,

@@ -12,22 +12,20 @@ from fem.compiled import FLOAT, INTEGER, VECTOR, apart, inner, sources, stored
 
 MODULE = """
 import sys
-from pathlib import Path
 import numpy as np
 from numba import njit, types
-from fem.compiled import FLOAT, INTEGER, VECTOR, apart, sources, stored
+from fem.compiled import FLOAT, INTEGER, VECTOR, apart, stored
 from factor import FACTOR, scaled
-FILES = sources(Path(__file__), Path(__file__).with_name("factor.py"))
 
 @apart(types.Tuple((FLOAT, INTEGER)), VECTOR, INTEGER)
-@stored(FILES, entry=False)
+@stored(__file__, entry=False)
 def weighted(values, count):
     total = 0.0
     for i in range(count):
         total += scaled(values[i])
     return total, count
 
-@stored(FILES)
+@stored(__file__)
 def entry(values):
     total, count = weighted(values, len(values))
     return total / count

@@ -42,7 +42,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
-from fem.compiled import FLOAT, MATRIX, VECTOR, Signature, reached, stored
+from fem.compiled import FLOAT, MATRIX, VECTOR, Signature, stored
 
 WIDTH = 6  # rows at most that the force on a row depends on
 LOG_COLUMNS = ("energy", "by_angle", "frozen_energy", "parametric")
@@ -87,7 +87,7 @@ def rule(file: str, **options: Any) -> Callable[[Callable], int]:
     """Decorator of a kind's rule in ``file``: compiled when it is first called, kept on disk."""
 
     def decorate(function: Callable) -> int:
-        return RULE.cell(stored(reached(file), entry=False, **options)(function))
+        return RULE.cell(stored(file, entry=False, **options)(function))
 
     return decorate
 
@@ -131,7 +131,7 @@ class Element:
         return np.array(getattr(self, name) or (0.0,) * len(self.rows))
 
 
-@stored(reached(__file__))
+@stored(__file__)
 def evaluate_rule(chosen, values, motion, answer):
     """A rule for callers in Python."""
     call_rule(chosen, values, motion, answer)

@@ -21,11 +21,10 @@ import math
 
 import numpy as np
 
-from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, inner, reached, stored
+from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, inner, stored
 from mbd.forces.element import WIDTH
 from mbd.forces.table import CLOCK, INSTANT, TABLE, follow_tangent, parametric_work, row_forces
 
-SOURCES = reached(__file__)
 MAX_ITERATIONS = 60
 MAX_HALVINGS = 8
 NEAR = 0.01  # of the scale: what is left is below 1e-5 of it in 99 of 100 steps of 33 us
@@ -63,7 +62,7 @@ def residual_size(force, target, scale):
     *(TABLE, CLOCK, VECTOR, VECTOR, MATRIX, MATRIX, VECTOR, VECTOR, VECTOR, INSTANT, FLOAT, FLOAT, FLOAT),
     *(VECTOR, VECTOR),
 )
-@stored(SOURCES, entry=False)
+@stored(__file__, entry=False)
 def iterate(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, near, limit, quality, before):
     """Iterate on ``force`` (in: guess, out: solution); returns the iterations used, or -1 without convergence.
 
@@ -198,7 +197,7 @@ def solve_dense(matrix, right):
     return True
 
 
-@stored(SOURCES)
+@stored(__file__)
 def solve_rows(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance):
     """`iterate` for one instant, to the tolerance."""
     quality = np.empty(1)
@@ -207,13 +206,13 @@ def solve_rows(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance):
     )  # fmt: skip
 
 
-@stored(SOURCES)
+@stored(__file__)
 def forces_at(table, clock, u, v, before, held, force, slope_u, slope_v, now):
     """`mbd.forces.table.row_forces` at one instant."""
     row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now)
 
 
-@stored(SOURCES)
+@stored(__file__)
 def work_between(table, angle_before, clock, u_before, u, v, last, now, push):
     """`mbd.forces.table.parametric_work` of a step whose elements were not asked for frozen rows: they are here."""
     m = len(v)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from fem.compiled import FLOAT, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, inner, reached, stored
+from fem.compiled import FLOAT, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, inner, stored
 from mbd.forces.element import (
     BY_ANGLE,
     ENERGY,
@@ -61,7 +61,6 @@ TABLE = types.NamedTuple(
 )
 INSTANT = types.NamedTuple((VECTOR, VECTOR, MATRIX, MATRIX, VECTOR, MATRIX), Instant)
 CLOCK = types.UniTuple(FLOAT, 3)  # motor angle (rad), its speed (rad/s), time (s)
-SOURCES = reached(__file__)
 
 
 def element_table(elements: Sequence[Element], n_coordinates: int) -> tuple[Table, np.ndarray]:
@@ -135,7 +134,7 @@ def slope_matrix(slope: np.ndarray, table: Table) -> np.ndarray:
 
 
 @apart(types.none, TABLE, CLOCK, VECTOR, VECTOR, VECTOR, MATRIX, VECTOR, MATRIX, MATRIX, INSTANT)
-@stored(SOURCES, entry=False)
+@stored(__file__, entry=False)
 def row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now):
     """Residual forces lambda = k0 u + c0 u' - F and their slopes at row displacements u and rates v; fills ``now``.
 

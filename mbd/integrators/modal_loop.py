@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.compiled import inner, reached, stored
+from fem.compiled import inner, stored
 from mbd.forces.element import WIDTH
 from mbd.forces.newton import NEAR, iterate
 from mbd.forces.table import Instant, contact_changed, parametric_work
@@ -146,7 +146,7 @@ def _remember(constants, memory, hold, level, kink, eta, force, row_values, now,
         state[j] = eta[j]
 
 
-@stored(reached(__file__))
+@stored(__file__)
 def advance_modes(table, first, angles, speeds, accelerations, constants, memory, block, tolerance):
     """Steps from `first` on, as far as the block reaches; next step, instants, iterations, True if one failed."""
     length, growth, rate, weights, _, load, ramp, enter, rows, g_u, g_v = constants
