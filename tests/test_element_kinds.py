@@ -54,9 +54,11 @@ def swinging():
     return dataclasses.replace(machine, load=RopePendulum(**fields, sway=(0.05, 0.02)))
 
 
-def in_rolling_bearings(name):
+def in_rolling_bearings(*names):
     machine = hoisting()
-    bearings = tuple(hertz_bearing(b.name, b.shaft, b.y, by_designation(name), 1e-5) for b in machine.bearings)
+    bearings = tuple(
+        hertz_bearing(b.name, b.shaft, b.y, by_designation(names[i % 2]), 1e-5) for i, b in enumerate(machine.bearings)
+    )
     return dataclasses.replace(machine, bearings=bearings)
 
 
@@ -68,10 +70,10 @@ SNUBBER = Snubber(name="snubber", shaft="shaft_1", y=0.0)
 PUSH = Torque(name="push", shaft="shaft_2", y=0.0, times=np.array([0.0, 0.02, 0.03]), torques=np.array([0.0, 5.0, 3.0]))
 MACHINES = {
     "rope": hoisting,
-    "ground": lambda: hoisting(ground=Ground(level=0.001, stiffness=1e7)),
+    "ground": lambda: hoisting(ground=Ground(level=-0.0002, stiffness=1e6)),
     "pendulum": swinging,
-    "balls": lambda: in_rolling_bearings("6208"),
-    "rollers": lambda: in_rolling_bearings("NU208"),
+    "balls": lambda: in_rolling_bearings("6208", "6208"),
+    "rollers": lambda: in_rolling_bearings("NU208", "6208"),
     "efficiency": lambda: lossy(Efficiency(mesh_efficiency=0.95)),
     "coulomb": lambda: lossy(Coulomb(tooth_friction=0.06, bearing_friction=0.002)),
     "gyroscopic": lambda: dataclasses.replace(hoisting(), gyroscopic=True),
@@ -102,7 +104,7 @@ def test_forces_slopes_and_potentials_belong_together(name):
         up[r], down[r] = u[r] + h, u[r] - h
         plus, minus = (answer(system, x, v, (angle, speed, 0.01)) for x in (up, down))
         change = plus[0] - minus[0]
-        np.testing.assert_allclose(change, 2 * h * by_u[:, r], atol=1e-3 * abs(change).max() + 1e-9 * size[r])
+        np.testing.assert_allclose(change, 2 * h * by_u[:, r], atol=5e-3 * abs(change).max() + 1e-9 * size[r])
         work = (plus[3].log[owner[r], ENERGY] - minus[3].log[owner[r], ENERGY]) / (2 * h)
         assert work == pytest.approx(now.elastic[r], rel=1e-4, abs=1e-6 * size[r])
         rate = v.copy()
