@@ -5,6 +5,9 @@ every entry point that is stored on disk: a large function called from ten place
 returns is called in compiled code like the function itself, but the caller holds no more than a call through a cell of
 memory, which it knows by name. The cell is empty at first; the first call has the function compiled, or read from disk,
 and the cell filled. So a function is optimised once, and only if it is called at all. A call costs about 10 ns.
+
+A `Signature` does the same for functions that are chosen while the program runs: the caller is given the address of the
+cell as a number, so that it need not know which functions there are.
 """
 
 from __future__ import annotations
@@ -16,6 +19,7 @@ import functools
 import hashlib
 import inspect
 import pickle
+import re
 import signal
 import sys
 import threading
@@ -51,24 +55,45 @@ class _Cell(ctypes.Structure):
     _fields_ = (("address", ctypes.c_void_p), ("fill", ctypes.c_void_p))
 
 
-def sources(*places: Path) -> tuple[Path, ...]:
-    """This file, the files given and the Python files of the folders given, for `stored`."""
-    found = [Path(__file__)]
-    for place in places:
-        found += sorted(place.glob("*.py")) if place.is_dir() else [place]
-    return tuple(found)
+_IMPORT = re.compile(r"^(?:import +([\w.]+)|from +([\w.]+) +import +(\([^)]*\)|[^\n]*))", re.MULTILINE)
+_COMPILED = re.compile(r"^from (?:numba|fem\.(?:\w+\.)?compiled) import", re.MULTILINE)
 
 
-def stored(files: tuple[Path, ...], entry: bool = True, **options: Any) -> Callable:
-    """`njit` with a copy on disk that is used as long as the `files` the function is made of stay as they are.
+@functools.cache
+def reached(file: str) -> tuple[Path, ...]:
+    """The source files that the compiled functions of ``file`` are made of.
 
-    Their checksum is made part of the function's name, under which the code is stored. Without ``entry`` Python must
-    not call it.
+    Compiled code takes functions and constants from what its file imports at its top level. Of the files of our own
+    packages so found, those that hold compiled functions themselves are followed further.
+    """
+    root = Path(file)
+    while (root.parent / "__init__.py").is_file():
+        root = root.parent
+    root, found, waiting = root.parent, {Path(__file__)}, [Path(file)]
+    while waiting:
+        path = waiting.pop()
+        if path in found:
+            continue
+        found.add(path)
+        text = path.read_text(encoding="utf-8")
+        if path == Path(file) or _COMPILED.search(text):
+            for plain, module, names in _IMPORT.findall(text):
+                members = [f"{module}.{word}" for word in re.findall(r"\w+", names)]
+                places = [root.joinpath(*name.split(".")).with_suffix(".py") for name in (plain or module, *members)]
+                waiting += [place for place in places if place.is_file()]
+    return tuple(sorted(found))
+
+
+def stored(file: str, entry: bool = True, **options: Any) -> Callable:
+    """`njit` in ``file`` (``__file__``) with a copy on disk that is used as long as all it is made of stays as it is.
+
+    The checksum of the files that are `reached` is made part of the function's name, under which the code is stored.
+    Without ``entry`` Python must not call it.
     """
     options = {**PLAIN, **({} if entry else _NO_ENTRY), **options}
     total = 0
-    for file in files:
-        total = zlib.crc32(file.read_bytes(), total)
+    for path in reached(file):
+        total = zlib.crc32(path.read_bytes(), total)
 
     def decorate(function: Callable) -> Any:
         function.__qualname__ = f"{function.__qualname__}_{total:08x}"
@@ -145,19 +170,8 @@ def apart(result: types.Type, *arguments: types.Type) -> Callable:
     """
 
     def decorate(function: Any) -> Callable:
-        cell = _Cell()
-
-        @ctypes.CFUNCTYPE(None)
-        def fill() -> None:
-            with _interrupts_held():
-                function.compile(arguments)
-                code = function.overloads[arguments]
-                cell.address = code.library.get_pointer_to_function(code.fndesc.llvm_func_name)
-
-        cell.fill = ctypes.cast(fill, ctypes.c_void_p)
-        _kept.append((cell, fill))
         symbol = f"gearcase.{function.py_func.__module__}.{function.py_func.__name__}"
-        llvm.add_symbol(symbol, ctypes.addressof(cell))
+        llvm.add_symbol(symbol, _cell_of(function, arguments))
 
         def call(typingctx: Any, *_: types.Type) -> tuple[Any, Callable]:
             return result(*arguments), lambda *parts: _generate(symbol, *parts)
@@ -169,6 +183,45 @@ def apart(result: types.Type, *arguments: types.Type) -> Callable:
         return intrinsic(call)
 
     return decorate
+
+
+class Signature:
+    """Functions that take ``arguments`` and return ``result``, one of which is chosen when it is called.
+
+    `cell` takes a compiled function and returns a number that stands for it in this process; compiled code calls it by
+    ``call(number, *arguments)``. Errors are those of `apart`.
+    """
+
+    def __init__(self, result: types.Type, *arguments: types.Type) -> None:
+        self._arguments = arguments
+
+        def call(typingctx: Any, *_: types.Type) -> tuple[Any, Callable]:
+            return result(INTEGER, *arguments), _generate_chosen
+
+        kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
+        names = ("typingctx", "cell", *(f"argument_{k}" for k in range(len(arguments))))
+        call.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in names])  # type: ignore[attr-defined]
+        self.call = intrinsic(call)
+
+    def cell(self, function: Any) -> int:
+        """The number that stands for a compiled function (what `njit` returns) with this signature."""
+        return _cell_of(function, self._arguments)
+
+
+def _cell_of(function: Any, arguments: tuple[types.Type, ...]) -> int:
+    """Address of a new cell that has `function` compiled when it is called first."""
+    cell = _Cell()
+
+    @ctypes.CFUNCTYPE(None)
+    def fill() -> None:
+        with _interrupts_held():
+            function.compile(arguments)
+            code = function.overloads[arguments]
+            cell.address = code.library.get_pointer_to_function(code.fndesc.llvm_func_name)
+
+    cell.fill = ctypes.cast(fill, ctypes.c_void_p)
+    _kept.append((cell, fill))
+    return ctypes.addressof(cell)
 
 
 @contextlib.contextmanager
@@ -191,12 +244,22 @@ def _generate(symbol: str, context: Any, builder: Any, signature: Any, values: A
     """The call through the cell that the linker knows as `symbol`."""
     if symbol not in builder.module.globals:
         ir.GlobalVariable(builder.module, _CELL, symbol)
-    cell = builder.module.globals[symbol]
+    return _call_through(builder.module.globals[symbol], symbol, context, builder, signature, values)
+
+
+def _generate_chosen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    """The call through the cell whose address is the first argument."""
+    cell = builder.inttoptr(values[0], _CELL.as_pointer())
+    own = signature.return_type(*signature.args[1:])
+    return _call_through(cell, "a function chosen by its cell", context, builder, own, values[1:])
+
+
+def _call_through(cell: Any, name: str, context: Any, builder: Any, signature: Any, values: Any) -> Any:
     place = cgutils.gep_inbounds(builder, cell, 0, 0)
     with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(place))):
         builder.call(builder.load(cgutils.gep_inbounds(builder, cell, 0, 1)), ())
         with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(place))):
-            context.call_conv.return_user_exc(builder, RuntimeError, (f"{symbol} could not be compiled",))
+            context.call_conv.return_user_exc(builder, RuntimeError, (f"{name} could not be compiled",))
     kind = context.call_conv.get_function_type(signature.return_type, signature.args)
     target = builder.bitcast(builder.load(place), kind.as_pointer())
     status, answer = context.call_conv.call_function(builder, target, signature.return_type, signature.args, values)

@@ -11,12 +11,11 @@ References: Karypis & Kumar (1998), SIAM J. Sci. Comput. 20(1), 359-392; Liu (19
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import scipy.sparse as sp
 
-from fem.compiled import sources, stored
+from fem.compiled import stored
 
 _OPENED = 30  # subtrees at most that are opened to find two halves
 
@@ -176,7 +175,7 @@ def _structure(
     return rows, tuple(tuple(c) for c in children)
 
 
-@stored(sources(Path(__file__)))
+@stored(__file__)
 def _tree(indptr: np.ndarray, indices: np.ndarray) -> np.ndarray:
     """Parent of every column in the elimination tree, -1 for a root."""
     n = len(indptr) - 1
@@ -193,7 +192,7 @@ def _tree(indptr: np.ndarray, indices: np.ndarray) -> np.ndarray:
     return parent
 
 
-@stored(sources(Path(__file__)))
+@stored(__file__)
 def _postorder(parent: np.ndarray) -> np.ndarray:
     """Columns so that every subtree is contiguous and stands before its root."""
     n = len(parent)
@@ -220,7 +219,7 @@ def _postorder(parent: np.ndarray) -> np.ndarray:
     return order
 
 
-@stored(sources(Path(__file__)))
+@stored(__file__)
 def _column_counts(indptr: np.ndarray, indices: np.ndarray, parent: np.ndarray) -> np.ndarray:
     """Entries of every column of the factor, diagonal included: row i holds the paths from its entries up to i."""
     n = len(parent)
@@ -236,7 +235,7 @@ def _column_counts(indptr: np.ndarray, indices: np.ndarray, parent: np.ndarray) 
     return counts
 
 
-@stored(sources(Path(__file__)))
+@stored(__file__)
 def _join(width: np.ndarray, height: np.ndarray, above: np.ndarray) -> np.ndarray:
     """Supernode that each one is joined to (its own number if it stays), as long as few zeros are stored."""
     width, height, zeros = width.copy(), height.copy(), np.zeros(len(width))

@@ -15,14 +15,13 @@ References: Duff & Reid (1983), ACM TOMS 9(3), 302-325; Liu (1992), SIAM Review 
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
 from fem import blas
-from fem.compiled import sources, stored
+from fem.compiled import stored
 from fem.elimination import Elimination
 from fem.threads import side_by_side
 
@@ -87,7 +86,7 @@ class Cholesky:
         return out.reshape(np.shape(b))
 
 
-@stored(sources(Path(__file__)))
+@stored(__file__)
 def _down(
     x: np.ndarray,
     passed: np.ndarray,
@@ -117,7 +116,7 @@ def _down(
                     passed[row - top, c] += y[c, k + i]
 
 
-@stored(sources(Path(__file__)))
+@stored(__file__)
 def _up(
     x: np.ndarray,
     panels: np.ndarray,
@@ -258,7 +257,7 @@ def _eliminate_all(
     run(both, len(plan.rows))
 
 
-@stored(sources(Path(__file__)))
+@stored(__file__)
 def _own_entries(
     A: np.ndarray,
     B: np.ndarray,
@@ -279,7 +278,7 @@ def _own_entries(
                 A[i, j] = data[p]
 
 
-@stored(sources(Path(__file__)))
+@stored(__file__)
 def _add(
     A: np.ndarray, B: np.ndarray, C: np.ndarray, left: np.ndarray, rows: np.ndarray, first: int, place: np.ndarray
 ) -> None:

@@ -16,12 +16,11 @@ Nodes on a side may be tied to few shape functions, u = W q (`Ties`): the rows q
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
 from fem import blas
-from fem.compiled import sources, stored
+from fem.compiled import stored
 from fem.solid_elasticity import SectionBlocks, axial_matrices, product_stiffness
 
 INNER, KEPT, FIXED, TIED = range(4)
@@ -181,7 +180,7 @@ class Prism:
         return np.concatenate([numbers[free], self.size + columns]), joined
 
 
-@stored(sources(Path(__file__)))
+@stored(__file__)
 def _add_lower(front: np.ndarray, matrix: np.ndarray, place: np.ndarray) -> None:
     """Add the lower triangle of `matrix` to that of `front`; unknown i of it stands at place[i] there."""
     for j in range(len(place)):

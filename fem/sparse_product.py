@@ -5,12 +5,10 @@ Importing this module imports numba.
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import scipy.sparse as sp
 
-from fem.compiled import sources, stored
+from fem.compiled import stored
 from fem.threads import side_by_side
 
 
@@ -26,7 +24,7 @@ def product(A: sp.csr_matrix, X: np.ndarray) -> np.ndarray:
     return out
 
 
-@stored(sources(Path(__file__)))
+@stored(__file__)
 def _rows_product(
     indptr: np.ndarray, indices: np.ndarray, data: np.ndarray, X: np.ndarray, out: np.ndarray, begin: int, end: int
 ) -> None:

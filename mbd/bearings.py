@@ -1,9 +1,9 @@
-"""Bearings between a shaft and the casing, or the ground: rungs `rigid`, `linear`, `hertz`.
+"""Bearings between a shaft and the casing, or the ground: rungs `rigid`, `linear`, and nonlinear ones such as `hertz`.
 
 With u = (ux, uy, uz, rx, rz) of the shaft less that of its support, the force on the shaft is -K u - C u'; rotation
 about the shaft axis is free. K and C are symmetric and positive semidefinite, with any cross terms: the circulatory
-part of an oil film (k_xz != k_zx) follows no potential and is refused. `hertz` (rolling elements, see `mbd.hertz`) uses
-K and C as the linear reference of its force only.
+part of an oil film (k_xz != k_zx) follows no potential and is refused. A nonlinear bearing has something ``inside``
+that makes its force, e.g. `mbd.forces.rolling_bearing`; it uses K and C as the linear reference of that force only.
 
 `rigid` holds the three displacements by springs of ``RIGID_STIFFNESS`` and leaves the tilts free. It moves a natural
 frequency by the share of strain energy in the bearing, k/``RIGID_STIFFNESS``, i.e. below 1e-3 where everything else is
@@ -13,15 +13,26 @@ softer than 1e9 N/m.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
 from mbd.checks import MachineError, finite, not_negative
-from mbd.rolling_elements import RollingElements
+
+if TYPE_CHECKING:
+    from mbd.forces.assembly import Assembly
+    from mbd.forces.element import Element
 
 BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")
 RIGID_STIFFNESS = 1e12  # N/m
+LINEAR_MODELS = ("rigid", "linear")
+
+
+class Inside(Protocol):
+    """What makes the force of a nonlinear bearing."""
+
+    def element(self, assembly: Assembly, bearing: BearingSpec) -> Element:
+        """Its force on the rows of BEARING_AXES."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,8 +56,8 @@ class BearingSpec:
     damping_time: float = 1e-5
     damping: tuple[tuple[float, ...], ...] | None = None
     support: Literal["casing", "ground"] = "casing"
-    model: Literal["rigid", "linear", "hertz"] = "linear"
-    rolling: RollingElements | None = None
+    model: str = "linear"
+    inside: Inside | None = None
 
     def __post_init__(self) -> None:
         where = f"bearing {self.name}"
@@ -56,8 +67,11 @@ class BearingSpec:
         not_negative(f"{where} damping_time", self.damping_time)
         if self.support not in ("casing", "ground"):
             raise MachineError(f"{where}: support {self.support!r} is unknown; known: casing, ground.")
-        if (self.model == "hertz") != (self.rolling is not None):
-            raise MachineError(f"{where}: rolling elements go with the model 'hertz' and with no other.")
+        if (self.model in LINEAR_MODELS) != (self.inside is None):
+            raise MachineError(
+                f"{where}: the model {self.model!r} {'needs' if self.inside is None else 'takes no'} ``inside``; "
+                f"linear models ({', '.join(LINEAR_MODELS)}) have none, all others have one."
+            )
         for first, second, value in self.cross:
             finite(f"{where} cross {first} {second}", value)
             if first not in BEARING_AXES or second not in BEARING_AXES or first == second:
@@ -102,21 +116,6 @@ def rigid_bearing(name: str, shaft: str, y: float, support: Literal["casing", "g
     return BearingSpec(
         name=name, shaft=shaft, y=y, stiffness_x=k, stiffness_z=k, stiffness_axial=k, damping_time=0.0,
         support=support, model="rigid",
-    )  # fmt: skip
-
-
-def hertz_bearing(
-    name: str, shaft: str, y: float, elements: RollingElements, damping_time: float,
-    support: Literal["casing", "ground"] = "casing",
-) -> BearingSpec:  # fmt: skip
-    """A bearing with rolling elements; its linear reference is the tangent at a small share of what it can carry."""
-    from mbd.hertz import tangent_at_load  # compiled
-
-    radial, axial, tilt = tangent_at_load(elements)
-    return BearingSpec(
-        name=name, shaft=shaft, y=y, stiffness_x=radial, stiffness_z=radial, stiffness_axial=axial,
-        stiffness_tilt_x=tilt, stiffness_tilt_z=tilt, damping_time=damping_time, support=support, model="hertz",
-        rolling=elements,
     )  # fmt: skip
 
 

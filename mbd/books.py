@@ -12,7 +12,6 @@ from __future__ import annotations
 import numpy as np
 
 from mbd.element_work import ElementWork
-from mbd.further_work import FurtherWork
 from mbd.integrators.base import ACCELERATION, ANGLE, Block, Integrator
 from mbd.linear_work import LinearWork
 from mbd.system import System
@@ -34,7 +33,6 @@ class Books:
             torque -= c.stiffness * row @ integrator.displacement + c.damping * row @ integrator.velocity
         self._linear = LinearWork(system, integrator, step, n_steps, torque)
         self._elements, self.steps = ElementWork(system), self._linear.steps
-        self._further = FurtherWork(system, integrator)
         self._watch = np.array([*inertia, torque, system.constant_force @ integrator.displacement])
         self._watched, self._angle = np.zeros(len(self._watch)), 0.0
         self._ramp_work = dict.fromkeys([part.name for part in massive], 0.0)
@@ -45,7 +43,6 @@ class Books:
         angles, accelerations = block.clock[:, ANGLE], block.clock[:, ACCELERATION]
         self._linear.take(block, first)
         self._elements.take(block)
-        self._further.take(block)
         watched = block.states @ self._watch.T
         if first == 0:
             self._watched, self._angle = watched[0], angles[0]
@@ -68,13 +65,13 @@ class Books:
         the dissipated energy of the part (its peak stored energy if undamped), all work of the sources for the total.
         """
         linear, motor_work = self._linear.books(self._ramp_work)
-        rows = linear | self._elements.books() | self._further.books()
+        rows = linear | self._elements.books()
         parts = np.array(list(rows.values()))
         stored = float(parts[:, 0].sum()) + self._rigid_energy()
         dissipated, parametric = float(parts[:, 1].sum()), float(parts[:, 3].sum())
         received = motor_work + self._constant_work
         residual = received + parametric - stored - dissipated
-        scale = self._throughput + self._elements.throughput + self._further.throughput
+        scale = self._throughput + self._elements.throughput
         rows["total"] = [stored, dissipated, received, parametric, residual, scale]
         return tuple(rows), np.array(list(rows.values()))
 

@@ -5,15 +5,19 @@ Names are ``"<thing>:<quantity>"``. The functions below spell them; `channel_nam
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbd.bearings import BEARING_AXES, BearingSpec
 from mbd.checks import MachineError
 from mbd.layout import Layout
-from mbd.load import Rope, RopePendulum
 from mbd.machine import Machine
+
+if TYPE_CHECKING:
+    from mbd.forces.element import Element
 
 DIRECTIONS = ("x", "y", "z")
 
@@ -50,6 +54,7 @@ def mesh_channels(mesh: str) -> tuple[str, str, str, str]:
 
 ROPE_FORCE = "rope:force"  # N, all falls together; of a swinging container its vertical part
 CONTAINER = ("container:lift", "container:acceleration")  # m from the start, m/s2
+SWAY = ("container:sway_x", "container:sway_y")  # m
 
 
 def channel_names(machine: Machine, sensors: tuple[str, ...] = ()) -> tuple[str, ...]:
@@ -59,18 +64,13 @@ def channel_names(machine: Machine, sensors: tuple[str, ...] = ()) -> tuple[str,
     names += [n for s in machine.shafts for n in shaft_channels(s.name)]
     names += [n for m in machine.meshes for n in mesh_channels(m.name)]
     names += [bearing_force(b.name, a) for b in machine.bearings for a in DIRECTIONS]
-    names += [ROPE_FORCE, *CONTAINER] if isinstance(machine.load, Rope) else []
-    names += [*SWAY] if isinstance(machine.load, RopePendulum) else []
-    return tuple(names)
+    return (*names, *machine.load.channel_names)
 
 
 def sensor_names(names: tuple[str, ...]) -> tuple[str, ...]:
     """The casing points whose accelerations are among the channels `names`."""
     things = dict.fromkeys(name.partition(":")[0] for name in names)
     return tuple(thing for thing in things if acceleration(thing, DIRECTIONS[0]) in names)
-
-
-SWAY = ("container:sway_x", "container:sway_y")  # m
 
 
 @dataclass(eq=False)
@@ -98,21 +98,15 @@ class ChannelRows:
     rigid: np.ndarray
 
 
-def channel_rows(
-    names: tuple[str, ...],
-    lay: Layout,
-    rows: np.ndarray,
-    row_names: tuple[str, ...],
-    reference: dict[str, tuple[float, float]],
-) -> ChannelRows:
-    """Readings of ``names``; ``rows`` are the force rows of the system, ``reference`` (k0, c0) by element name.
+def channel_rows(names: tuple[str, ...], lay: Layout, elements: Sequence[Element]) -> ChannelRows:
+    """Readings of ``names`` of a machine with the given elements, whose rows make the forces.
 
     Raises
     ------
     MachineError : an unknown channel, with the known ones
     """
     readings = []
-    offered = _offered(lay, rows, row_names, reference)
+    offered = _offered(lay, elements)
     for name in names:
         thing, _, quantity = name.partition(":")
         if name in offered:
@@ -126,7 +120,7 @@ def channel_rows(
             readings.append(Reading("m/s2", acceleration=lay.casing_row(f"{thing}:u{quantity[1]}")))
         else:
             raise MachineError(f"channel {name!r} is unknown; known: {', '.join(offered)} and '<sensor>:ax|ay|az'.")
-    n, m = lay.size, len(rows)
+    n, m = lay.size, sum(len(element.rows) for element in elements)
     return ChannelRows(
         names=tuple(names),
         units=tuple(r.units for r in readings),
@@ -142,9 +136,7 @@ def _stack(rows: list, length: int) -> np.ndarray:
     return np.array([np.broadcast_to(row, length) for row in rows]).reshape(len(rows), length)
 
 
-def _offered(
-    lay: Layout, rows: np.ndarray, row_names: tuple[str, ...], reference: dict[str, tuple[float, float]]
-) -> dict[str, Reading]:
+def _offered(lay: Layout, elements: Sequence[Element]) -> dict[str, Reading]:
     machine, ratios = lay.machine, lay.machine.ratios()
     offered: dict[str, Reading] = {}
     for c in machine.couplings:
@@ -159,48 +151,36 @@ def _offered(
         angle, speed = shaft_channels(s.name)
         offered[angle] = Reading("rad", displacement=row, rigid=(r, 0.0, 0.0))
         offered[speed] = Reading("rad/s", velocity=row, rigid=(0.0, r, 0.0))
-    for i, m in enumerate(machine.meshes):
-        delta, psi, drive, coast = mesh_channels(m.name)
-        offered[delta] = Reading("m", displacement=rows[4 * i])
-        offered[psi] = Reading("rad", displacement=rows[4 * i + 1])
-        offered[drive] = _element_force(rows, 4 * i, reference[m.name])
-        offered[coast] = _element_force(rows, 4 * i + 2, (0.0, 0.0))
     for b in machine.bearings:
         for axis in DIRECTIONS:
-            offered[bearing_force(b.name, axis)] = _bearing(lay, b, axis, rows, row_names)
+            if b.inside is None:
+                offered[bearing_force(b.name, axis)] = _linear_bearing(lay, b, axis)
             row = lay.axis_row(b.shaft, b.y, DIRECTIONS.index(axis))
             offered[journal_acceleration(b.name, axis)] = Reading("m/s2", acceleration=row)
-    if isinstance(machine.load, Rope):
-        stretched = [r for r, name in enumerate(row_names) if name.startswith("rope:") and name.endswith(":stretch")]
-        rise = float(lay.rolling()[-1])
-        lift = np.eye(lay.size)[-1]
-        offered[ROPE_FORCE] = _rope(rows, stretched, reference["rope"])
-        offered[CONTAINER[0]] = Reading("m", displacement=lift, rigid=(rise, 0.0, 0.0))
-        offered[CONTAINER[1]] = Reading("m/s2", acceleration=lift, rigid=(0.0, 0.0, rise))
-    if isinstance(machine.load, RopePendulum):
-        for k, name in enumerate(SWAY):
-            offered[name] = Reading("m", displacement=np.eye(lay.size)[k - 3])
-    return offered
+    return offered | _signals(lay, elements) | machine.load.readings(lay)
 
 
-def _element_force(rows: np.ndarray, r: int, reference: tuple[float, float]) -> Reading:
-    """F_t = k0 u + c0 u' - lambda."""
-    return Reading(
-        "N", displacement=reference[0] * rows[r], velocity=reference[1] * rows[r], forces=-np.eye(len(rows))[r]
-    )
+def _signals(lay: Layout, elements: Sequence[Element]) -> dict[str, Reading]:
+    """Channels that the elements offer, those of one name added up; F = k0 u + c0 u' - lambda on every row."""
+    found: dict[str, Reading] = {}
+    m, first = sum(len(element.rows) for element in elements), 0
+    for element in elements:
+        at = slice(first, first + len(element.rows))
+        first = at.stop
+        k0, c0 = element.reference("stiffness"), element.reference("damping")
+        for signal in element.signals:
+            motion, force = (np.array(part or (0.0,) * len(element.rows)) for part in (signal.motion, signal.force))
+            reading = found.setdefault(
+                signal.name,
+                Reading(signal.units, displacement=np.zeros(lay.size), velocity=np.zeros(lay.size), forces=np.zeros(m)),
+            )
+            reading.displacement += (motion + force * k0) @ element.rows
+            reading.velocity += (force * c0) @ element.rows
+            reading.forces[at] -= force  # type: ignore[index]
+    return found
 
 
-def _rope(rows: np.ndarray, stretched: list[int], reference: tuple[float, float]) -> Reading:
-    stretch = rows[stretched].sum(axis=0)
-    share = np.zeros(len(rows))
-    share[stretched] = -1.0
-    return Reading("N", displacement=reference[0] * stretch, velocity=reference[1] * stretch, forces=share)
-
-
-def _bearing(lay: Layout, bearing: BearingSpec, axis: str, rows: np.ndarray, row_names: tuple[str, ...]) -> Reading:
-    if bearing.model == "hertz":
-        r, k = row_names.index(f"{bearing.name}:u{axis}"), bearing.stiffness[BEARING_AXES.index(f"u{axis}")]
-        return _element_force(rows, r, (k, bearing.damping_time * k))
+def _linear_bearing(lay: Layout, bearing: BearingSpec, axis: str) -> Reading:
     at = BEARING_AXES.index(f"u{axis}")
     motion = np.array([bearing_row(lay, bearing, a) for a in BEARING_AXES])
     stiffness, damping = bearing.stiffness_matrix[at], bearing.damping_matrix[at]

@@ -1,88 +1,92 @@
-"""Works of the nonlinear elements, logged at every step: meshes and ropes.
+"""Works of the nonlinear elements, logged at every step.
 
-An element stores U, receives integral F_t d delta + M_t d psi, dissipates integral (F_t - F) d delta + (M_t - M) d psi
-and takes up the parametric work (see `mbd.forces`). Integrals are those of cubics through four instants: per step
-mean(F) D delta + (D F mean(D2 delta) - mean(D2 F) D delta)/12 with the first and second differences D, D2; next to a
-step of another length only the first term.
+An element stores U, receives the integral of F . d(motion of its rows), loses that of the part of F that follows from
+no potential, and takes up the parametric work (see `mbd.forces.element`). The rows of elements that roll move with the
+train besides. Integrals over the rows are those of cubics through four instants: per step
+mean(F) D u + (D F mean(D2 u) - mean(D2 F) D u)/12 with the first and second differences D, D2; next to a step of
+another length only the first term.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from mbd.forces import LOG_COLUMNS
-from mbd.integrators.base import LENGTH, Block
+from mbd.forces.element import ENERGY, LOG_COLUMNS, PARAMETRIC
+from mbd.integrators.base import ANGLE, LENGTH, Block
 from mbd.system import System
 
-_FORCE, _MOMENT, _ENERGY, _TOTAL, _, _, _, _PARAMETRIC, _PUSH, _TURN = range(len(LOG_COLUMNS))
+LOST = 1e-9  # of the stored energy: a part that loses less is held against what it stores
 
 
 class ElementWork:
-    """Accumulates the logs of a run's blocks."""
+    """Accumulates the blocks of a run; ``throughput`` is the integral of |parametric power|."""
 
     def __init__(self, system: System) -> None:
-        self._system = system
-        n = len(system.table.tau) + len(system.table.rope_ea)
-        self._log, self._rows = np.zeros((0, n, len(LOG_COLUMNS))), np.zeros((0, len(system.all_rows)))
-        self._lengths = np.zeros(0)
-        self._first, self._peak = np.zeros(n), np.zeros(n)
-        self._received, self._loss, self._parametric = np.zeros(n), np.zeros(n), np.zeros(n)
-        self._lost, self._touched = np.zeros(n, dtype=int), np.zeros(n, dtype=int)
-        self.throughput = 0.0  # integral of |parametric power|
+        self._elements, self._rolls = system.elements, system.rolls
+        n, m = len(system.elements), len(system.rows)
+        counts = np.diff(system.table.row)
+        self._owner = np.repeat(np.arange(n), counts)
+        self._opening = np.flatnonzero(system.table.opens)
+        self._contact_rows = system.table.row[self._opening]
+        # rows, elastic forces, lost forces, pushes of the last three instants
+        self._known = [np.zeros((0, m)) for _ in range(4)]
+        self._log, self._clock = np.zeros((0, n, len(LOG_COLUMNS))), np.zeros((0, 4))
+        self._start, self._peak, self._parametric = np.zeros(n), np.zeros(n), np.zeros(n)
+        self._received, self._loss, self._shifted = np.zeros(m), np.zeros(m), np.zeros(m)
+        self._let_go = np.zeros(len(self._opening), dtype=int)
+        self._touched = np.zeros(len(self._opening), dtype=int)
+        self.throughput = 0.0
 
     def take(self, block: Block) -> None:
         """Add the instants of a block; the three before it are kept."""
         known = len(self._log)
         if known == 0:
-            self._first = block.log[0, : len(self._first), _ENERGY].copy()
-        log, rows = np.concatenate([self._log, block.log[:, : len(self._first)]]), np.vstack([self._rows, block.rows])
-        lengths = np.concatenate([self._lengths, block.clock[:, LENGTH]])
-        even = even_steps(lengths)
-        loaded = log[max(known - 1, 0) :, :, _FORCE] > 0.0
-        self._lost += (loaded[:-1] & ~loaded[1:]).sum(axis=0)
+            self._start = block.log[0, :, ENERGY].copy()
+        fresh = block.rows[:, : len(self._received)], block.elastic, block.lost, block.push
+        rows, elastic, lost, push = (np.vstack(pair) for pair in zip(self._known, fresh, strict=True))
+        log, clock = np.concatenate([self._log, block.log]), np.vstack([self._clock, block.clock])
+        new, even = slice(max(known - 1, 0), None), even_steps(clock[:, LENGTH])
+        loaded = elastic[new][:, self._contact_rows] > 0.0
+        self._let_go += (loaded[:-1] & ~loaded[1:]).sum(axis=0)
         self._touched += (~loaded[:-1] & loaded[1:]).sum(axis=0)
-        self._peak = np.maximum(self._peak, log[:, :, _ENERGY].max(axis=0))
-        n = len(self._system.table.tau)
-        force, total = log[:, :, _FORCE], log[:, :, _TOTAL]
-        arm = np.divide(log[:, :, _MOMENT], force, out=np.zeros_like(total), where=force > 0.0)
-        along = np.hstack([rows[:, 0 : 2 * n : 2], rows[:, 2 * n : log.shape[1] + n]])
-        tilt = np.zeros_like(along)
-        tilt[:, :n] = rows[:, 1 : 2 * n : 2]
-        for values, sums in ((total, self._received), (total - force, self._loss)):
-            sums += path_work(values, along, known, even) + path_work(values * arm, tilt, known, even)
-        parametric = log[known:, :, _PARAMETRIC]
+        turned = np.diff(clock[new, ANGLE])
+        for force, sums in ((elastic + lost, self._received), (lost, self._loss)):
+            sums += path_work(force, rows, known, even)
+            sums += self._rolls * (0.5 * turned @ (force[new][1:] + force[new][:-1]))
+        parametric = log[known:, :, PARAMETRIC]
         self._parametric += parametric.sum(axis=0)
-        self._parametric += _push_work(log[:, :, _PUSH], along, even) + _push_work(log[:, :, _TURN], tilt, even)
+        self._shifted += _push_work(push, rows, even)
         self.throughput += float(abs(parametric).sum())
-        self._log, self._rows, self._lengths = log[-3:].copy(), rows[-3:].copy(), lengths[-3:].copy()
+        self._peak = np.maximum(self._peak, log[new, :, ENERGY].max(axis=0))
+        self._known = [values[-3:].copy() for values in (rows, elastic, lost, push)]
+        self._log, self._clock = log[-3:].copy(), clock[-3:].copy()
 
     def books(self) -> dict[str, list[float]]:
-        """Stored, dissipated, received, parametric, residual, scale of every mesh and of the rope, J."""
-        names = [(mesh.name, slice(2 * i, 2 * i + 2)) for i, mesh in enumerate(self._system.machine.meshes)]
-        n = len(self._system.table.tau)
-        if len(self._loss) > n:  # vertical ropes
-            names.append(("rope", slice(n, len(self._loss))))
+        """Stored, dissipated, received, parametric, residual, scale of every part, J."""
+        n = len(self._elements)
+        received, loss, shifted = (
+            np.bincount(self._owner, values, minlength=n) for values in (self._received, self._loss, self._shifted)
+        )
+        change, parametric = self._log[-1, :, ENERGY] - self._start, self._parametric + shifted
         rows = {}
-        for name, at in names:
-            change = float((self._log[-1, at, _ENERGY] - self._first[at]).sum())
-            loss, parametric, received = (float(x[at].sum()) for x in (self._loss, self._parametric, self._received))
-            scale = loss if self._damped(name) else float(self._peak[at].max())
-            rows[name] = [change, loss, received, parametric, received + parametric - change - loss, scale]
+        for part in dict.fromkeys(element.part for element in self._elements if element.part):
+            own = np.array([element.part == part for element in self._elements])
+            sums = [float(values[own].sum()) for values in (change, loss, received, parametric)]
+            stored, dissipated, taken, by_parameter = sums
+            peak = float(self._peak[own].max())
+            scale = dissipated if dissipated > LOST * peak else peak
+            rows[part] = [*sums, taken + by_parameter - stored - dissipated, scale]
         return rows
 
-    def _damped(self, name: str) -> bool:
-        return self._system.reference[name][1] > 0.0
-
     def events(self) -> dict[str, int]:
-        """Contact losses and back-flank contacts of every mesh, slack events of the ropes."""
-        result = {}
-        for i, mesh in enumerate(self._system.machine.meshes):
-            result[f"{mesh.name}:contact_losses"] = int(self._lost[2 * i])
-            result[f"{mesh.name}:coast_contacts"] = int(self._touched[2 * i + 1])
-        n = len(self._system.table.tau)
-        if len(self._lost) > n:
-            result["rope:slack_events"] = int(self._lost[n:].sum())
-        return result
+        """Contacts lost and made, by the counters that the elements name."""
+        found: dict[str, int] = {}
+        for k, i in enumerate(self._opening):
+            element = self._elements[i]
+            for name, count in ((element.lets_go, self._let_go[k]), (element.touches, self._touched[k])):
+                if name:
+                    found[name] = found.get(name, 0) + int(count)
+        return found
 
 
 def even_steps(lengths: np.ndarray) -> np.ndarray:

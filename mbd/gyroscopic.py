@@ -17,10 +17,15 @@ Nelson (1980), J. Mech. Des. 102(4), 793-803; Genta (2005), Dynamics of Rotating
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy import linalg
 
 from mbd.shafts import ShaftSpec, node_at, rotary_inertia
+
+if TYPE_CHECKING:
+    from mbd.layout import Layout
 
 KEPT = 0.999
 
@@ -41,6 +46,16 @@ def gyroscopic_matrix(spec: ShaftSpec, nodes: np.ndarray) -> np.ndarray:
         at = 6 * node_at(nodes, disk.y)
         matrix[at + 3, at + 5] -= disk.polar_inertia
         matrix[at + 5, at + 3] += disk.polar_inertia
+    return matrix
+
+
+def rolling_matrix(lay: Layout) -> np.ndarray:
+    """G (n, n) of all shafts of a machine per speed of the motor."""
+    ratios = lay.machine.ratios()
+    matrix = np.zeros((lay.size, lay.size))
+    for shaft in lay.machine.shafts:
+        nodes, base, span = lay.nodes[shaft.name], lay.bases[shaft.name], lay.spans[shaft.name]
+        matrix[span, span] = shaft.sense * ratios[shaft.name] * base.T @ gyroscopic_matrix(shaft, nodes) @ base
     return matrix
 
 

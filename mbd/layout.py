@@ -1,7 +1,7 @@
 """Coordinates of the assembled machine and the rows that read its parts.
 
-Order: shafts in machine order, then the casing, then the container (its sway, then its lift). q is measured in the
-frame that rolls with the train: rotation of a node = s ratio phi_m + its coordinate.
+Order: shafts in machine order, then the casing, then the coordinates of the load (a container's sway and lift). q
+is measured in the frame that rolls with the train: rotation of a node = s ratio phi_m + its coordinate.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import numpy as np
 
 from fem.casing.body import ReducedBody
 from mbd.checks import MachineError
-from mbd.load import Rope, RopePendulum, pull_axis
 from mbd.machine import Machine
 from mbd.shafts import node_at, shaft_basis, shaft_nodes
 
@@ -34,11 +33,6 @@ class Layout:
     def size(self) -> int:
         """Number of coordinates."""
         return len(self.names)
-
-    @property
-    def container(self) -> int | None:
-        """Index of the container's lift, None without a rope."""
-        return self.size - 1 if isinstance(self.machine.load, Rope) else None
 
     def node_row(self, shaft: str, y: float, coefficients: np.ndarray) -> np.ndarray:
         """Row (coordinate,) of ``coefficients`` (6,) on the displacements of the node at ``y`` of ``shaft``."""
@@ -68,16 +62,6 @@ class Layout:
                 ) from None
         return row
 
-    def stretch_row(self, y: float) -> np.ndarray:
-        """Row of the stretch of the ropes of the drum at ``y``."""
-        load = self.machine.load
-        if not isinstance(load, Rope):
-            raise MachineError("stretch row: the load has no rope.")
-        row = load.travel_per_radian * self.angle_row(load.shaft, y)
-        row -= self.node_row(load.shaft, y, np.array([*pull_axis(load.direction), 0.0, 0.0, 0.0])) / load.reeving
-        row[-1] -= 1.0
-        return row
-
     def rolling(self) -> np.ndarray:
         """R (coordinate,): motion of all coordinates per motor angle with every mesh rolling rigidly."""
         pattern = np.zeros(self.size)
@@ -87,8 +71,7 @@ class Layout:
                 self.machine.shaft(name).sense * ratio if label.endswith(":ry") else 0.0 for label in self.names[span]
             ]
         load = self.machine.load
-        if isinstance(load, Rope):
-            pattern[-1] = load.travel_per_radian * self.machine.ratios()[load.shaft]
+        pattern[self.size - len(load.coordinates) :] = load.rolling(self.machine.ratios()[load.shaft])
         return pattern
 
 
@@ -108,10 +91,7 @@ def layout(machine: Machine, casing: ReducedBody) -> Layout:
         names += labels
     spans["casing"] = slice(len(names), len(names) + len(casing.coordinate_names))
     names += [f"casing:{label}" for label in casing.coordinate_names]
-    if isinstance(machine.load, RopePendulum):
-        names += ["container:sway_x", "container:sway_y"]
-    if isinstance(machine.load, Rope):
-        names.append("container:lift")
+    names += machine.load.coordinates
     _check_bearing_places(machine, casing)
     return Layout(machine, casing, nodes, bases, spans, tuple(names))
 

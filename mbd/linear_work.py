@@ -1,7 +1,7 @@
 """Works of the linear parts: shafts, bearings, casing, couplings, container.
 
 Parts with mass touch only through ports: rows B with the forces f = k B q + c B q' - lambda of bearings, couplings,
-meshes and ropes (lambda for the last two). The integrals of f v^T and v v^T give the work of every port on every part
+the nonlinear elements (lambda for the last). The integrals of f v^T and v v^T give the work of every port on every part
 and the dissipation v^T C v of every part. They are exact for an integrator with a `Flow` (`mbd.flow_work`), sums over
 the instants for the others (`mbd.sampled_work`).
 """
@@ -11,7 +11,6 @@ from __future__ import annotations
 import numpy as np
 
 from mbd.flow_work import FlowWork
-from mbd.forces import reference_damping, reference_stiffness
 from mbd.integrators.base import LENGTH, SPEED, Block, Integrator
 from mbd.sampled_work import SampledWork
 from mbd.system import Part, System
@@ -95,10 +94,10 @@ class LinearWork:
 
 
 def _ports(system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows, stiffness and damping of all ports: meshes and ropes (their linear reference), then the massless parts."""
+    """Rows, stiffness and damping of all ports: the elements (their linear reference), then the massless parts."""
     table, massless = system.table, [part for part in system.parts if not part.mass.any()]
     return (
         np.vstack([system.rows, *(part.rows for part in massless)]),
-        np.concatenate([reference_stiffness(table), *(part.row_stiffness for part in massless)]),
-        np.concatenate([reference_damping(table), *(part.row_damping for part in massless)]),
+        np.concatenate([table.stiffness, *(part.row_stiffness for part in massless)]),
+        np.concatenate([table.damping, *(part.row_damping for part in massless)]),
     )

@@ -28,12 +28,13 @@ from scipy import linalg
 
 from fem.records import Record, array, integer, names
 from mbd.checks import MachineError, finite, positive
-from mbd.elements import GYROSCOPIC, WIDTH
-from mbd.forces import LOG_COLUMNS, element_count, reference_stiffness, slope_matrix
-from mbd.load import Rope
+from mbd.forces.element import WIDTH
+from mbd.forces.flank import flank_name
+from mbd.forces.gyroscopic_plane import KIND as GYROSCOPIC
+from mbd.forces.newton import forces_at
+from mbd.forces.table import instant, slope_matrix
 from mbd.machine import Machine
 from mbd.reduction import SMALLEST_FREQUENCY
-from mbd.rows_solver import forces_at
 from mbd.statics import State, equilibrium
 from mbd.system import System
 
@@ -48,7 +49,7 @@ class Tangent:
 
     stiffness: np.ndarray  # K_t (n, n)
     damping: np.ndarray  # C_t (n, n)
-    row_stiffness: np.ndarray  # (m, m) of flanks and ropes on their rows
+    row_stiffness: np.ndarray  # (m, m) of the elements on their rows
     force_slope: np.ndarray  # S_u (m, m)
     force_slope_rate: np.ndarray  # S_v (m, m)
     mesh_forces: np.ndarray  # (mesh,) N, drive flank less coast flank
@@ -105,15 +106,7 @@ def turned(machine: Machine, angle: float) -> Machine:
         replace(m, cycle_at_start=m.cycle_at_start + m.cycles_per_radian * ratios[m.driving] * angle)
         for m in machine.meshes
     )
-    if isinstance(load, Rope) and load.follow_length:
-        wound = load.travel_per_radian * ratios[load.shaft] * angle
-        if wound >= load.length:
-            raise MachineError(
-                f"motor angle {angle:.6g} rad: the drums have then wound {wound:.4g} m of {load.length:.4g} m of rope. "
-                "Stay below, or start with a longer rope."
-            )
-        load = replace(load, length=load.length - wound)
-    return replace(machine, meshes=meshes, load=load)
+    return replace(machine, meshes=meshes, load=load.turned(angle, ratios[load.shaft]))
 
 
 def tangent(system: System, state: State) -> Tangent:
@@ -124,16 +117,16 @@ def tangent(system: System, state: State) -> Tangent:
     MachineError : a mesh carries no force, so that its stiffness is 0 on one side and not on the other
     """
     table, m = system.table, len(system.rows)
-    n_flank = len(table.tau)
-    log = np.zeros((element_count(table), len(LOG_COLUMNS)))
-    u, force = system.all_rows @ state.displacement, np.zeros(m)
+    now, u, force, still = instant(table), system.all_rows @ state.displacement, np.zeros(m), np.zeros(m)
     slope_u, slope_v = np.zeros((m, WIDTH)), np.zeros((m, WIDTH))
-    held = np.full(n_flank, -1.0)
-    still = np.zeros(m)
-    forces_at(table, state.motor_angle, state.motor_speed, u, still, held, force, slope_u, slope_v, log)
-    forces = log[: n_flank // 2 * 2, 0].reshape(-1, 2)
-    for i, mesh in enumerate(system.machine.meshes):
-        if forces[i].max() <= LEAST_LOAD * table.scale[4 * i]:
+    clock = state.motor_angle, state.motor_speed, 0.0
+    forces_at(table, clock, u, still, u[:0], slope_u[:0], force, slope_u, slope_v, now)
+    approaches = np.array(
+        [[system.at(flank_name(mesh.name, side)).start for side in (0, 1)] for mesh in system.machine.meshes], dtype=int
+    ).reshape(-1, 2)
+    forces = now.elastic[approaches]
+    for mesh, both, (drive, _) in zip(system.machine.meshes, forces, approaches, strict=True):
+        if both.max() <= LEAST_LOAD * table.scale[drive]:
             raise MachineError(
                 f"mesh {mesh.name}: carries no force at the equilibrium; a flank that just touches has no tangent "
                 "stiffness. Give the machine a load."
@@ -145,21 +138,20 @@ def tangent(system: System, state: State) -> Tangent:
     return Tangent(
         stiffness=system.stiffness - system.rows.T @ by_u @ system.rows,
         damping=damping,
-        row_stiffness=np.diag(reference_stiffness(table)) - by_u,
+        row_stiffness=np.diag(table.stiffness) - by_u,
         force_slope=by_u,
         force_slope_rate=by_v,
         mesh_forces=forces[:, 0] - forces[:, 1],
-        mesh_stiffness=log[:n_flank, 4].reshape(-1, 2).sum(axis=1),
+        mesh_stiffness=now.stiffness[approaches, 0].sum(axis=1),
     )
 
 
 def _without_planes(system: System, slope: np.ndarray) -> np.ndarray:
     """The slopes (m, m) without those of the gyroscopic planes."""
-    result, extra = slope.copy(), system.table.extra
-    first = len(slope) - len(extra.pattern)
-    for kind, at in zip(extra.kind, extra.at, strict=True):
-        if kind == GYROSCOPIC:
-            result[first + at : first + at + 2] = 0.0
+    result = slope.copy()
+    for element in system.elements:
+        if element.kind == GYROSCOPIC:
+            result[system.at(element.name)] = 0.0
     return result
 
 
@@ -238,6 +230,7 @@ def _energies(
 ) -> tuple[dict[str, str], np.ndarray, np.ndarray]:
     """Kind of each part by name, and mean strain and kinetic energy (part, mode)."""
     kinds: dict[str, str] = {}
+    m = len(system.rows)
     strain: dict[str, np.ndarray] = {}
     kinetic: dict[str, np.ndarray] = {}
 
@@ -249,15 +242,10 @@ def _energies(
     for part in system.parts:
         name, kind = (ROPE, ROPE) if part.kind == "load" else (part.name, part.kind)
         add(name, kind, _form(part.stiffness, shapes[part.index]), _form(part.mass, shapes[part.index]))
-    owners = [name.partition(":")[0] for name in system.row_names]
-    springs = dict.fromkeys((mesh.name for mesh in system.machine.meshes), "mesh")
-    springs |= {bearing.name: "bearing" for bearing in system.machine.bearings if bearing.model == "hertz"}
-    springs |= {ROPE: ROPE, "ground": "ground"}
-    for name in dict.fromkeys(owners):
-        if name not in springs:
-            continue  # losses, brake, gyroscopic planes store nothing
-        at = np.array([owner == name for owner in owners])
-        add(name, springs[name], _form(small.row_stiffness[np.ix_(at, at)], system.rows[at] @ shapes), 0.0)
+    springs = {element.part: element.spring for element in system.elements if element.spring}
+    for name, spring in springs.items():
+        at = np.concatenate([np.arange(m)[system.at(e.name)] for e in system.elements if e.part == name])
+        add(name, spring, _form(small.row_stiffness[np.ix_(at, at)], system.rows[at] @ shapes), 0.0)
     return kinds, np.array(list(strain.values())), np.array(list(kinetic.values()))
 
 

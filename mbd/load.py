@@ -1,119 +1,131 @@
-"""Load on the drums: a constant torque, or a container on ropes.
+"""What acts on the machine from outside: the load on its drums, and further forces.
 
-`Rope`: the container (mass m) hangs on n falls that lead to the drums; a drum angle phi lifts it by
-phi R/reeving. A drum carries n/drums falls of the stiffness k = (n/drums) EA/L with the length
-L = L_0 - phi R/reeving of the rigidly rolling train, and the force max(0, k s + c s') while the stretch
-s = phi R/reeving - x > 0; else the rope is slack. c = 2 zeta sqrt(k m/drums).
-
-With a direction d (unit vector across the shaft) the ropes also pull the drum: it moves by u and s = (phi R - d . u)/
-reeving - x, so that F/reeving acts along d. Without one the pull is balanced at the drum. `RopePendulum` lets the
-container swing, a `Ground` may carry it; both are in `mbd.hanging`.
+Every kind is a class with the methods below, in a file of its own in `mbd.forces`; `StaticTorque` is no element, it
+only adds to the constant force. The rest of `mbd` knows no particular load.
 """
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal, TypeGuard
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from mbd.checks import MachineError, finite, not_negative, positive
+from mbd.checks import MachineError, finite, positive
 from mbd.drive import SpeedProfile
-from mbd.hanging import Ground
 
-NO_DRUM = "load: no drum; give at least one y position on the output shaft."
+if TYPE_CHECKING:
+    from mbd.channels import Reading
+    from mbd.forces.assembly import Assembly
+    from mbd.forces.element import Element
+    from mbd.layout import Layout
 
 
 @dataclass(frozen=True, kw_only=True)
-class StaticTorque:
-    """A constant torque (N m, lowering positive) on each drum, at the positions ``drums`` (m) of ``shaft``.
+class Load(ABC):
+    """What hangs on the drums at the positions ``drums`` (m) of ``shaft``."""
+
+    shaft: str
+    drums: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if not self.drums:
+            raise MachineError("load: no drum; give at least one y position on the output shaft.")
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of its own coordinates, which come last in the layout."""
+        return ()
+
+    @property
+    def mass(self) -> float:
+        """Mass (kg) on each of its coordinates."""
+        return 0.0
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Its channels: those of its elements and its `readings`."""
+        return ()
+
+    @property
+    @abstractmethod
+    def idle(self) -> bool:
+        """Whether the train carries nothing at t = 0."""
+
+    @abstractmethod
+    def torque_on_shaft(self, gravity: float) -> float:
+        """Torque (N m, lowering positive) on its shaft at rest."""
+
+    def rolling(self, ratio: float) -> np.ndarray:
+        """Motion (coordinate,) of its coordinates per motor angle; ``ratio`` is that of its shaft."""
+        return np.zeros(len(self.coordinates))
+
+    def constant_force(self, lay: Layout) -> np.ndarray:
+        """Constant force (n,) on all coordinates."""
+        return np.zeros(lay.size)
+
+    def holding_force(self, lay: Layout) -> np.ndarray:
+        """Force (n,) that holds it until t = 0, when it is let go."""
+        return np.zeros(lay.size)
+
+    def elements(self, assembly: Assembly) -> Iterable[Element]:
+        """Its nonlinear forces."""
+        return ()
+
+    def readings(self, lay: Layout) -> dict[str, Reading]:
+        """Channels of its coordinates by name."""
+        return {}
+
+    def turned(self, angle: float, ratio: float) -> Load:
+        """The load after the motors have rolled by ``angle`` (rad); MachineError if it cannot."""
+        return self
+
+    def check_run(self, profile: SpeedProfile, ratio: float, end: float) -> None:
+        """Raise MachineError if it does not allow the motion up to ``end`` (s)."""
+        return
+
+
+@dataclass(frozen=True, kw_only=True)
+class StaticTorque(Load):
+    """A constant torque (N m, lowering positive) on each drum.
 
     With a ``direction`` (rad, from +x to +z) the torque is that of a rope, which pulls along it with
     torque/``drum_radius``.
     """
 
-    shaft: str
-    drums: tuple[float, ...]
     torque: float
     direction: float | None = None
     drum_radius: float = 0.0
     model: Literal["static-torque"] = "static-torque"
 
     def __post_init__(self) -> None:
-        if not self.drums:
-            raise MachineError(NO_DRUM)
+        super().__post_init__()
         finite("load torque", self.torque)
         if self.direction is not None:
             finite("load direction", self.direction)
             positive("load drum_radius", self.drum_radius, "A rope that pulls the drum leaves it at some radius.")
 
-
-@dataclass(frozen=True, kw_only=True)
-class Rope:
-    """A container on ropes; ``axial_stiffness`` is EA of one rope (N), ``falls`` their number over all drums."""
-
-    shaft: str
-    drums: tuple[float, ...]
-    container_mass: float
-    drum_radius: float
-    falls: int
-    axial_stiffness: float
-    length: float
-    reeving: float = 2.0
-    damping_ratio: float = 0.02
-    follow_length: bool = True  # False: keep the stiffness of the initial length
-    direction: float | None = None  # rad from +x to +z in which the ropes pull the drums
-    ground: Ground | None = None
-    model: Literal["rope", "rope-pendulum"] = "rope"
-
-    def __post_init__(self) -> None:
-        if not self.drums:
-            raise MachineError(NO_DRUM)
-        for name in ("container_mass", "drum_radius", "falls", "axial_stiffness", "length", "reeving"):
-            positive(f"rope {name}", getattr(self, name))
-        not_negative("rope damping_ratio", self.damping_ratio)
-        if self.direction is not None:
-            finite("rope direction", self.direction)
-
     @property
-    def travel_per_radian(self) -> float:
-        """Rise of the container per radian of the drum (m)."""
-        return self.drum_radius / self.reeving
+    def idle(self) -> bool:
+        """Whether there is no torque."""
+        return self.torque == 0.0
 
-    @property
-    def stiffness_times_length(self) -> float:
-        """EA of all falls of one drum (N): k = this / L."""
-        return self.falls * self.axial_stiffness / len(self.drums)
+    def torque_on_shaft(self, gravity: float) -> float:
+        """Torque of all drums."""
+        return self.torque * len(self.drums)
 
-    @property
-    def stands(self) -> bool:
-        """Whether the container stands on the ground at t = 0 with the rope slack."""
-        return self.ground is not None and self.ground.level > 0.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class RopePendulum(Rope):
-    """The same, swinging below a trolley at rest; ``sway`` (rad) in x and y at t = 0, where it is let go."""
-
-    sway: tuple[float, float] = (0.0, 0.0)
-    model: Literal["rope", "rope-pendulum"] = "rope-pendulum"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        for angle in self.sway:
-            if not abs(angle) < math.radians(75):
-                raise MachineError(f"rope sway {angle!r} rad must be below 75 deg.")
-        if self.ground is not None:
-            raise MachineError("rope: a swinging container has no ground under it; use the load model 'rope'.")
-
-
-Load = StaticTorque | Rope | RopePendulum
-
-
-def vertical_rope(load: Load) -> TypeGuard[Rope]:
-    """Whether the container hangs on ropes that stay vertical."""
-    return isinstance(load, Rope) and not isinstance(load, RopePendulum)
+    def constant_force(self, lay: Layout) -> np.ndarray:
+        """The torque on the rotation of every drum, and the pull across the shaft."""
+        force = np.zeros(lay.size)
+        for y in self.drums:
+            force -= self.torque * lay.angle_row(self.shaft, y)
+            if self.direction is not None:
+                pull = np.array([*pull_axis(self.direction), 0.0, 0.0, 0.0]) * self.torque / self.drum_radius
+                force += lay.node_row(self.shaft, y, pull)
+        return force
 
 
 def pull_axis(direction: float | None) -> tuple[float, float, float]:
@@ -121,22 +133,14 @@ def pull_axis(direction: float | None) -> tuple[float, float, float]:
     return (0.0, 0.0, 0.0) if direction is None else (math.cos(direction), 0.0, math.sin(direction))
 
 
-def rope_reference(load: Rope) -> tuple[float, float]:
-    """Stiffness (N/m) and damping (N s/m) of the ropes of one drum at their length at t = 0."""
-    stiffness = load.stiffness_times_length / load.length
-    return stiffness, 2 * load.damping_ratio * math.sqrt(stiffness * load.container_mass / len(load.drums))
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OutsideForce(ABC):
+    """A force at ``y`` (m) of ``shaft`` besides the load, with a name of its own."""
 
+    name: str
+    shaft: str
+    y: float
 
-def check_wound_rope(load: Rope, ratio: float, profile: SpeedProfile, end: float) -> None:
-    """Raise MachineError if the drums, at ``ratio`` times the motor speed, would wind all rope before ``end`` (s)."""
-    if not load.follow_length:
-        return
-    corners = profile.times[(profile.times > 0.0) & (profile.times < end)]
-    times = np.concatenate([np.linspace(0.0, end, 1001), corners])
-    wound = load.travel_per_radian * ratio * profile.angle(times)
-    if wound.max() >= load.length:
-        when = times[wound >= load.length].min()
-        raise MachineError(
-            f"rope: its {load.length:.4g} m are wound up at t = {when:.4g} s (by {end:.4g} s the drums would take "
-            f"{wound.max():.4g} m). Start with a longer rope, or lift less."
-        )
+    @abstractmethod
+    def elements(self, assembly: Assembly) -> Iterable[Element]:
+        """Its elements."""

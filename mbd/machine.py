@@ -14,7 +14,7 @@ from mbd.checks import MachineError, finite, known, unique
 from mbd.couplings import ShaftCoupling, check_coaxial
 from mbd.drive import CouplingSpec, SpeedProfile
 from mbd.gear_mesh import MeshSpec, mesh_rows
-from mbd.load import Load, Rope, check_wound_rope
+from mbd.load import Load, OutsideForce
 from mbd.losses import Brake, Losses, NoLosses
 from mbd.shafts import ShaftSpec
 from mbd.train import Link, shaft_ratios
@@ -37,6 +37,7 @@ class Machine:
     profile: SpeedProfile
     load: Load
     shaft_couplings: tuple[ShaftCoupling, ...] = ()
+    forces: tuple[OutsideForce, ...] = ()
     gravity: float = STANDARD_GRAVITY
     losses: Losses = NoLosses()
     brake: Brake | None = None
@@ -65,6 +66,10 @@ class Machine:
         if self.brake is not None:
             known("brake shaft", self.brake.shaft, shafts)
             self.shaft(self.brake.shaft).check_station("brake", self.brake.y)
+        unique("forces", [force.name for force in self.forces])
+        for force in self.forces:
+            known(f"{force.name} shaft", force.shaft, shafts)
+            self.shaft(force.shaft).check_station(force.name, force.y)
         known("load shaft", self.load.shaft, shafts)
         for y in self.load.drums:
             self.shaft(self.load.shaft).check_station("drum", y)
@@ -84,13 +89,14 @@ class Machine:
         return next(m for m in self.meshes if m.name == name)
 
     def stations(self, name: str) -> tuple[float, ...]:
-        """Positions y on the shaft ``name`` that need a node: bearings, meshes, couplings, drums."""
+        """Positions y on the shaft ``name`` that need a node: bearings, meshes, couplings, drums, forces."""
         result = [b.y for b in self.bearings if b.shaft == name]
         result += [m.y for m in self.meshes if name in (m.driving, m.driven)]
         result += [c.y for c in self.couplings if c.shaft == name]
         result += [y for j in self.shaft_couplings for shaft, y in zip(j.shafts, j.y, strict=True) if shaft == name]
         result += [self.brake.y] if self.brake is not None and self.brake.shaft == name else []
         result += list(self.load.drums) if self.load.shaft == name else []
+        result += [force.y for force in self.forces if force.shaft == name]
         return tuple(result)
 
     def ratios(self) -> dict[str, float]:
@@ -104,7 +110,6 @@ class Machine:
         links += [Link(f"coupling {j.name}", *j.shafts, 1.0) for j in self.shaft_couplings]
         return shaft_ratios([s.name for s in self.shafts], links, self.couplings[0].shaft)
 
-    def check_rope(self, end: float) -> None:
-        """Raise MachineError if the drums would wind more rope than there is before ``end`` (s)."""
-        if isinstance(self.load, Rope):
-            check_wound_rope(self.load, self.ratios()[self.load.shaft], self.profile, end)
+    def check_run(self, end: float) -> None:
+        """Raise MachineError if the load does not allow the motion up to ``end`` (s)."""
+        self.load.check_run(self.profile, self.ratios()[self.load.shaft], end)

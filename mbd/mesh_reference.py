@@ -11,7 +11,6 @@ from fem.contact.evaluate import checked_teeth, evaluate, law_tables, shares
 from fem.contact.law import MeshLaw
 from mbd.checks import EquilibriumError
 from mbd.gear_mesh import MeshSpec
-from mbd.load import StaticTorque
 from mbd.machine import Machine
 from mbd.train import power_flow
 
@@ -82,19 +81,11 @@ def nominal_forces(machine: Machine) -> dict[str, float]:
     flows = [(at[m.driving], at[m.driven]) for m in machine.meshes]
     flows += [(at[one], at[other]) for one, other in (j.shafts for j in machine.shaft_couplings)]
     share = power_flow(len(at), flows, [at[c.shaft] for c in machine.couplings], at[load.shaft])
-    drawn = ratios[load.shaft] * load_torque(machine)  # power per motor speed
+    drawn = ratios[load.shaft] * load.torque_on_shaft(machine.gravity)  # power per motor speed
     return {
         m.name: float(drawn * part / ratios[m.driving] / m.base_radius_driving)
         for m, part in zip(machine.meshes, share, strict=False)
     }
-
-
-def load_torque(machine: Machine) -> float:
-    """Torque (N m, lowering positive) of the hanging load on its shaft."""
-    load = machine.load
-    if isinstance(load, StaticTorque):
-        return load.torque * len(load.drums)
-    return load.container_mass * machine.gravity * load.travel_per_radian
 
 
 def reference_load(mesh: MeshSpec, nominal: float) -> float:

@@ -27,7 +27,6 @@ from dataclasses import replace
 import numpy as np
 
 from mbd.checks import StepError
-from mbd.elements import BALL, GROUND, ROLLER
 from mbd.integrators.base import Block, Integrator
 from mbd.recorder import Recorder
 from mbd.statics import State
@@ -54,10 +53,10 @@ class Repeatability:
         self._recorder, self._profile, self._step, self._n_steps = recorder, system.machine.profile, step, n_steps
         self._random = np.random.default_rng(0)
         self._window = max(LEAST_WINDOW, n_steps // WINDOWS)
-        self._n_contact = len(system.table.tau) + len(system.table.rope_ea)
-        self._always = bool(np.isin(system.table.extra.kind, (BALL, ROLLER, GROUND)).any())
+        self._contacts = system.table.row[:-1][system.table.opens == 1]  # rows that carry a force where it touches
+        self._always = any(element.inner_contacts for element in system.elements)
         self._crossed = False  # a contact opened or closed in the last block
-        self._touching = np.zeros((0, self._n_contact), dtype=bool)
+        self._touching = np.zeros((0, len(self._contacts)), dtype=bool)
         self._state = np.zeros(0)
         self._neighbour: Integrator | None = None
         self._first = 0  # step at which the neighbour started
@@ -83,7 +82,7 @@ class Repeatability:
 
     def after(self, done: int, steps: int, block: Block) -> None:
         """Take the neighbour along the ``steps`` from ``done`` on, whose result was ``block``."""
-        touching = np.vstack([self._touching, block.log[:, : self._n_contact, 0] > 0.0])
+        touching = np.vstack([self._touching, block.elastic[:, self._contacts] > 0.0])
         self._crossed = self._always or bool((touching[1:] != touching[:-1]).any())
         self._touching, self._state = touching[-1:], block.states[-1]
         if self._neighbour is None:

@@ -96,7 +96,7 @@ def simulate(
 def _simulate(
     system: System, settings: Settings, progress: Progress | None, start: State | None, file: Path | None
 ) -> Trajectory:
-    system.machine.check_rope(settings.end)
+    system.machine.check_run(settings.end)
     every = steps_per_sample(system, settings)
     step = 1 / (settings.output_rate * every)
     integrator = METHODS[settings.integrator](system, step)

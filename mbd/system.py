@@ -3,12 +3,12 @@
 q is measured in the frame that rolls with the train (see `mbd.layout`): total motion = R phi_m(t) + q. Rolling loads
 no spring, so K R = 0 but for the couplings, whose motors roll too; what is left of it is the inertia force
 -M R phi_m''. f is the constant load (gravity, static torque). The matrices hold a linear reference of every mesh
-(mean stiffness at the nominal load) and rope; lambda is the difference to the real forces (see `mbd.forces`).
+(mean stiffness at the nominal load) and of every other nonlinear element; lambda is the difference to the real forces
+(see `mbd.forces.element`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,18 +16,14 @@ import numpy as np
 from fem.casing.body import ReducedBody
 from mbd.bearings import BEARING_AXES, springs
 from mbd.channels import ChannelRows, bearing_row, channel_names, channel_rows
-from mbd.checks import MachineError
-from mbd.element_rows import ElementRows, bearing_drag, element_rows, gyroscopic_planes
-from mbd.forces import ForceTable, force_table
-from mbd.gear_mesh import mesh_rows
-from mbd.gyroscopic import gyroscopic_matrix, planes
+from mbd.forces.assembly import Assembly
+from mbd.forces.element import Element
+from mbd.forces.registry import SOURCES_OF_FORCE
+from mbd.forces.table import Table, element_table
+from mbd.gyroscopic import planes, rolling_matrix
 from mbd.layout import Layout, layout
-from mbd.load import Rope, StaticTorque, pull_axis, rope_reference, vertical_rope
-from mbd.losses import Coulomb
 from mbd.machine import Machine
-from mbd.mesh_reference import mean_stiffness, nominal_forces, reference_load
-from mbd.reduction import modal_basis
-from mbd.shafts import shaft_matrices, torsional_stiffness
+from mbd.shafts import shaft_matrices
 
 DEFAULT_BAND = 20e3  # Hz
 
@@ -61,14 +57,14 @@ class System:
     stiffness: np.ndarray  # (n, n), with the references
     rolling: np.ndarray  # R (n,)
     constant_force: np.ndarray  # f (n,)
-    rows: np.ndarray  # B (m, n): flanks, ropes, further elements
+    elements: tuple[Element, ...]  # everything nonlinear, in the order of its rows
+    rows: np.ndarray  # B (m, n) of all elements
     row_names: tuple[str, ...]
-    element_names: tuple[str, ...]  # parts that the further elements belong to, in their order
+    rolls: np.ndarray  # (m,) motion of the row per motor angle of the elements whose forces work on it
+    observed: np.ndarray  # (k, n) rows that elements observe only, after the force rows
+    table: Table  # the elements for compiled code
     gyroscopic: np.ndarray  # G (n, n) per motor speed; empty if left out
     gyroscopic_left_out: float  # share of its norm that the time step leaves out
-    observed: np.ndarray  # (mesh, n) rotation of each driving gear, after the force rows
-    table: ForceTable
-    reference: dict[str, tuple[float, float]]  # (k0, c0) of each mesh and of the rope of one drum
     channels: ChannelRows
     basis: np.ndarray  # Phi (n, r): q = Phi p, mass-orthonormal
     frequencies: np.ndarray  # omega (r,), rad/s
@@ -77,6 +73,21 @@ class System:
     def machine(self) -> Machine:
         """The machine it was assembled from."""
         return self.layout.machine
+
+    def at(self, name: str) -> slice:
+        """Rows of the element called ``name``."""
+        i = [element.name for element in self.elements].index(name)
+        return slice(int(self.table.row[i]), int(self.table.row[i + 1]))
+
+    def element(self, name: str) -> Element:
+        """The element called ``name``."""
+        return next(element for element in self.elements if element.name == name)
+
+    def observed_by(self, name: str, motion: np.ndarray) -> np.ndarray:
+        """What the element called ``name`` observes, from displacements (row + observed,) of `all_rows`."""
+        i = [element.name for element in self.elements].index(name)
+        first, end = self.table.seen[i] + len(self.rows)
+        return motion[first:end]
 
     @property
     def all_rows(self) -> np.ndarray:
@@ -114,36 +125,15 @@ def assemble(
         mass[at] += part.mass
         damping[at] += part.damping
         stiffness[at] += part.stiffness
-    rows, row_names, observed = _force_rows(lay)
-    base = len(rows)
-    loads = {m.name: reference_load(m, nominal_forces(machine)[m.name]) for m in machine.meshes}
-    mesh_stiffness = {m.name: mean_stiffness(m.drive, loads[m.name]) for m in machine.meshes}
-    reference = {name: (k0, machine.mesh(name).damping_time * k0) for name, (k0, _) in mesh_stiffness.items()}
-    if isinstance(machine.load, Rope):
-        reference["rope"] = rope_reference(machine.load)
-    elements, constant, rolling = element_rows(lay, base, loads), _constant_force(lay), lay.rolling()
-    for row, k0, c0 in _reference_springs(lay, rows, mesh_stiffness, reference, elements):
-        stiffness += k0 * np.outer(row, row)
-        damping += c0 * np.outer(row, row)
-    if isinstance(machine.losses, Coulomb):
-        bearing_drag(elements, lay, _bearing_loads(lay, stiffness, constant))
-    rows = np.vstack([rows, elements.matrix()])
-    patterns = np.column_stack([rows.T, constant, mass @ rolling, stiffness @ rolling])
-    try:
-        basis, frequencies = modal_basis(mass, stiffness, patterns, band, lay.names)
-    except MachineError as error:  # what moves freely need not be what is too soft
-        softest = min(machine.shafts, key=torsional_stiffness)
-        raise MachineError(
-            f"{error} The softest shaft in torsion is {softest.name} with {torsional_stiffness(softest):.3g} N m/rad."
-        ) from error
+    assembly = Assembly(lay, mass, damping, stiffness, _constant_force(lay), band)
+    for elements in SOURCES_OF_FORCE.values():
+        assembly.add(elements(assembly))
+    rows, (basis, frequencies) = assembly.rows, assembly.modes
+    table, observed = element_table(assembly.elements, lay.size)
     gyroscopic, left_out = np.zeros((0, 0)), 0.0
     if machine.gyroscopic:
-        gyroscopic = _gyroscopic(lay)
-        one, other, strengths, left_out = planes(basis.T @ gyroscopic @ basis)
-        back = basis.T @ mass
-        gyroscopic_planes(elements, one @ back, other @ back, strengths, machine.profile.highest or 1.0)
-        rows = np.vstack([rows[:base], elements.matrix()])
-    table = force_table(machine, loads, mesh_stiffness, elements.extra(rolling))
+        gyroscopic = rolling_matrix(lay)
+        left_out = planes(basis.T @ gyroscopic @ basis)[3]
     names = channel_names(machine) if channels is None else tuple(channels)
     return System(
         layout=lay,
@@ -151,36 +141,27 @@ def assemble(
         mass=mass,
         damping=damping,
         stiffness=stiffness,
-        rolling=rolling,
-        constant_force=constant,
+        rolling=assembly.rolling,
+        constant_force=assembly.constant_force,
+        elements=tuple(assembly.elements),
         rows=rows,
-        row_names=(*row_names, *elements.row_names),
-        element_names=tuple(elements.names),
-        gyroscopic=gyroscopic,
-        gyroscopic_left_out=left_out,
+        row_names=tuple(f"{element.name}:{word}" for element in assembly.elements for word in element.row_names),
+        rolls=_rolls(assembly),
         observed=observed,
         table=table,
-        reference=reference,
-        channels=channel_rows(names, lay, rows, (*row_names, *elements.row_names), reference),
+        gyroscopic=gyroscopic,
+        gyroscopic_left_out=left_out,
+        channels=channel_rows(names, lay, assembly.elements),
         basis=basis,
         frequencies=frequencies,
     )
 
 
-def _reference_springs(
-    lay: Layout,
-    rows: np.ndarray,
-    meshes: dict[str, tuple[float, float]],
-    reference: dict[str, tuple[float, float]],
-    elements: ElementRows,
-) -> Iterator[tuple[np.ndarray, float, float]]:
-    """Row, stiffness and damping of every spring of the linear reference."""
-    for i, mesh in enumerate(lay.machine.meshes):
-        yield rows[4 * i], *reference[mesh.name]
-        yield rows[4 * i + 1], meshes[mesh.name][1], 0.0
-    for row in rows[4 * len(lay.machine.meshes) :]:
-        yield row, *reference["rope"]
-    yield from zip(elements.rows, elements.stiffness, elements.damping, strict=True)
+def _rolls(assembly: Assembly) -> np.ndarray:
+    rolling = assembly.rows @ assembly.rolling
+    rolling[abs(rolling) < 1e-12 * abs(rolling).max(initial=0.0)] = 0.0
+    counts = [len(element.rows) for element in assembly.elements]
+    return np.where(np.repeat([element.rolls for element in assembly.elements], counts), rolling, 0.0)
 
 
 def natural_frequencies(system: System) -> np.ndarray:
@@ -191,8 +172,10 @@ def natural_frequencies(system: System) -> np.ndarray:
 def mesh_mode_frequency(system: System, share: float = 0.1) -> float:
     """Highest frequency (Hz) of a mode that stores at least ``share`` of its strain energy in one mesh; 0 if none."""
     top = 0.0
-    for i, mesh in enumerate(system.machine.meshes):
-        stored = system.reference[mesh.name][0] * (system.rows[4 * i] @ system.basis) ** 2 / system.frequencies**2
+    for element in system.elements:
+        if element.spring != "mesh" or not element.stiffness[0]:
+            continue
+        stored = element.stiffness[0] * (element.rows[0] @ system.basis) ** 2 / system.frequencies**2
         if (stored > share).any():
             top = max(top, float(system.frequencies[stored > share].max()))
     return top / (2 * np.pi)
@@ -228,8 +211,8 @@ def _massive(
 def _bearing_parts(lay: Layout) -> list[Part]:
     parts = []
     for bearing in lay.machine.bearings:
-        if bearing.model == "hertz":
-            continue  # a nonlinear element, see `mbd.elements`
+        if bearing.inside is not None:
+            continue  # a nonlinear element
         axes = np.array([bearing_row(lay, bearing, axis) for axis in BEARING_AXES])
         if bearing.damping is None:
             turn, k = springs(bearing.stiffness_matrix)
@@ -272,29 +255,12 @@ def _drive_part(lay: Layout) -> list[Part]:
 
 
 def _load_part(lay: Layout) -> list[Part]:
-    if not isinstance(lay.machine.load, Rope):
+    load = lay.machine.load
+    n = len(load.coordinates)
+    if n == 0:
         return []
-    index = np.array([i for i, name in enumerate(lay.names) if name.startswith("container:")])
-    zero = np.zeros((len(index), len(index)))
-    mass = lay.machine.load.container_mass * np.eye(len(index))
-    return [_massive(lay, "load", "load", index, mass, zero, zero)]
-
-
-def _force_rows(lay: Layout) -> tuple[np.ndarray, tuple[str, ...], np.ndarray]:
-    machine = lay.machine
-    rows, names, observed = [], [], []
-    for mesh in machine.meshes:
-        pair = mesh_rows(mesh, machine.shaft(mesh.driving), machine.shaft(mesh.driven))
-        for row in pair:
-            first, second = lay.node_row(mesh.driving, mesh.y, row[:6]), lay.node_row(mesh.driven, mesh.y, row[6:])
-            rows.append(first + second)
-        names += [f"{mesh.name}:{flank}:{what}" for flank in ("drive", "coast") for what in ("delta", "psi")]
-        observed.append(lay.angle_row(mesh.driving, mesh.y))
-    if vertical_rope(machine.load):
-        rows += [lay.stretch_row(y) for y in machine.load.drums]
-        names += [f"rope:{i}:stretch" for i in range(len(machine.load.drums))]
-    shape = (-1, lay.size)
-    return np.array(rows).reshape(shape), tuple(names), np.array(observed).reshape(shape)
+    zero = np.zeros((n, n))
+    return [_massive(lay, "load", "load", np.arange(lay.size - n, lay.size), load.mass * np.eye(n), zero, zero)]
 
 
 def _constant_force(lay: Layout) -> np.ndarray:
@@ -304,33 +270,4 @@ def _constant_force(lay: Layout) -> np.ndarray:
         nodes, base = lay.nodes[shaft.name], lay.bases[shaft.name]
         lift = np.tile(np.eye(6)[2], len(nodes))
         force[lay.spans[shaft.name]] -= machine.gravity * base.T @ (shaft_matrices(shaft, nodes)[0] @ lift)
-    load = machine.load
-    if isinstance(load, StaticTorque):
-        for y in load.drums:
-            force -= load.torque * lay.angle_row(load.shaft, y)
-            if load.direction is not None:
-                pull = np.array([*pull_axis(load.direction), 0.0, 0.0, 0.0]) * load.torque / load.drum_radius
-                force += lay.node_row(load.shaft, y, pull)
-    else:
-        force[-1] -= machine.gravity * load.container_mass
-    return force
-
-
-def _bearing_loads(lay: Layout, stiffness: np.ndarray, force: np.ndarray) -> dict[str, float]:
-    """Force (N) in every bearing by name under the constant force ``force``, by the linear reference."""
-    q = np.linalg.solve(stiffness, force)
-    found = {}
-    for bearing in lay.machine.bearings:
-        motion = np.array([bearing_row(lay, bearing, axis) @ q for axis in BEARING_AXES])
-        found[bearing.name] = float(np.linalg.norm((bearing.stiffness_matrix @ motion)[:3]))
-    return found
-
-
-def _gyroscopic(lay: Layout) -> np.ndarray:
-    """G (n, n) of all shafts per speed of the motor."""
-    ratios = lay.machine.ratios()
-    matrix = np.zeros((lay.size, lay.size))
-    for shaft in lay.machine.shafts:
-        nodes, base, span = lay.nodes[shaft.name], lay.bases[shaft.name], lay.spans[shaft.name]
-        matrix[span, span] = shaft.sense * ratios[shaft.name] * base.T @ gyroscopic_matrix(shaft, nodes) @ base
-    return matrix
+    return force + machine.load.constant_force(lay)

@@ -6,8 +6,9 @@ import math
 from dataclasses import replace
 from typing import Any, Literal
 
-from mbd.bearings import BearingSpec, hertz_bearing, rigid_bearing
+from mbd.bearings import BearingSpec, rigid_bearing
 from mbd.checks import MachineError
+from mbd.forces.rolling_bearing import hertz_bearing
 from mbd.rolling_catalogue import by_designation
 from mbd.rolling_elements import RollingElements, pass_frequencies
 from pipelines.derived import bearing_names

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from mbd.hanging import Ground
-from mbd.load import Load, Rope, RopePendulum, StaticTorque
+from mbd.forces.ground import Ground
+from mbd.forces.pendulum import RopePendulum
+from mbd.forces.rope import Rope
+from mbd.load import Load, StaticTorque
 from pipelines.derived import output_torque
 from pipelines.layout import Layout
 from pipelines.scene import Scene

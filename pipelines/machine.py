@@ -202,6 +202,7 @@ def machine(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> Machin
         profile=speed_profile(scene),
         load=load_spec(scene, layout),
         shaft_couplings=coupling_specs(scene),
+        forces=tuple(table.spec(number) for number, table in enumerate(scene.forces, 1)),
         losses=losses_spec(scene),
         brake=Brake(shaft=driven, y=ends[0], torque=drive.brake_torque_N_m) if drive.brake_torque_N_m else None,
         gyroscopic=scene.shaft_model.gyroscopic,

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from fem.contact.frame import RungError
 from fem.gears.geometry import GeometryError
 from mbd.checks import MachineError
-from mbd.load import Rope, check_wound_rope
 from mbd.rolling_catalogue import designations
 from mbd.shafts import shaft_nodes
 from pipelines.bearings import linear_bearing, rolling_elements
@@ -115,9 +114,7 @@ def _stations(scene: Scene, layout: Layout, shaft: int) -> tuple[float, ...]:
 def _bad_load(scene: Scene, layout: Layout) -> Iterator[Problem]:
     try:
         load = load_spec(scene, layout)
-        if isinstance(load, Rope):
-            ratio = layout.shaft_ratios[layout.loaded]
-            check_wound_rope(load, ratio, speed_profile(scene), scene.simulation.end_s)
+        load.check_run(speed_profile(scene), layout.shaft_ratios[layout.loaded], scene.simulation.end_s)
     except MachineError as error:
         yield Problem("load", str(error))
 

@@ -20,6 +20,7 @@ from pipelines.tables.casing import (
     SensorTable,
 )
 from pipelines.tables.faults import FaultTable
+from pipelines.tables.forces import ForceModel
 from pipelines.tables.gears import DeviationTable, StageTable
 from pipelines.tables.housing import HousingTable
 from pipelines.tables.losses import LossModel, NoLosses
@@ -42,6 +43,7 @@ class Scene(Table):
     bearings: BearingModel = LinearBearings()
     couplings: Annotated[tuple[CouplingTable, ...], Field(max_length=100)] = ()
     disks: Annotated[tuple[DiskTable, ...], Field(max_length=100)] = ()
+    forces: Annotated[tuple[ForceModel, ...], Field(max_length=100)] = ()
     deviations: DeviationTable = DeviationTable()
     faults: Annotated[tuple[FaultTable, ...], Field(max_length=1000)] = ()
     casing: CasingModel
@@ -85,6 +87,7 @@ class Scene(Table):
         ]
         named += [(f"couplings.{n}.shafts", tuple(s - 1 for s in c.shafts)) for n, c in enumerate(self.couplings, 1)]
         named += [(f"disks.{n}.shaft", (disk.shaft - 1,)) for n, disk in enumerate(self.disks, 1)]
+        named += [(f"forces.{n}.shaft", (force.shaft - 1,)) for n, force in enumerate(self.forces, 1)]
         named += [("drive.shaft", ((self.drive.shaft or 1) - 1,))]
         named += [("load.shaft", ((self.load.shaft or len(self.shafts)) - 1,))]
         for path, shafts in named:
@@ -93,6 +96,12 @@ class Scene(Table):
                     yield f"{path}: there is no shaft {place + 1}; {len(self.shafts)} are given"
             if len(shafts) == 2 and shafts[0] == shafts[1]:
                 yield f"{path}: both ends are on shaft {shafts[0] + 1}"
+        for order, force in enumerate(self.forces, 1):
+            sections = self.shafts[min(max(force.shaft, 1), len(self.shafts)) - 1].sections
+            start, end = sections[0].start_mm, sections[-1].end_mm
+            if not start <= force.position_mm <= end:
+                path = f"forces.{order}.position_mm = {force.position_mm:g}"
+                yield f"{path}: shaft {force.shaft} reaches from {start:g} to {end:g} mm"
         if isinstance(self.casing, FlexibleBase):
             for number, shaft in enumerate(self.shafts, 1):
                 carried = len(shaft.bearing_positions_mm) - shaft.bearing_supports.count("ground")

@@ -8,8 +8,9 @@ from fem.casing.body import ReducedBody
 from fem.contact.law import MeshLaw
 from mbd.bearings import BearingSpec
 from mbd.drive import CouplingSpec, SpeedProfile
+from mbd.forces.rope import Rope
 from mbd.gear_mesh import MeshSpec
-from mbd.load import Rope, StaticTorque
+from mbd.load import StaticTorque
 from mbd.machine import Machine
 from mbd.shafts import Disk, Section, ShaftSpec
 

@@ -1,39 +1,43 @@
 """Compiled functions called through their address: one copy, made when first called, kept on disk by its sources."""
 
+import importlib
 import os
+import shutil
 import stat
 import subprocess
 import sys
+import types as types_of_python
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numba import njit, types
+from numba.core.dispatcher import Dispatcher
 
 from fem import compiled_files
 from fem.cache_folder import CacheWarning
-from fem.compiled import FLOAT, INTEGER, VECTOR, apart, inner, sources, stored
+from fem.compiled import FLOAT, INTEGER, VECTOR, Inner, Signature, apart, inner, reached, stored
+
+ROOT = Path(__file__).resolve().parents[1]
 
 posix = pytest.mark.skipif(os.name != "posix", reason="owners and modes as POSIX has them")
 
 MODULE = """
 import sys
-from pathlib import Path
 import numpy as np
 from numba import njit, types
-from fem.compiled import FLOAT, INTEGER, VECTOR, apart, sources, stored
+from fem.compiled import FLOAT, INTEGER, VECTOR, apart, stored
 from factor import FACTOR, scaled
-FILES = sources(Path(__file__), Path(__file__).with_name("factor.py"))
 
 @apart(types.Tuple((FLOAT, INTEGER)), VECTOR, INTEGER)
-@stored(FILES, entry=False)
+@stored(__file__, entry=False)
 def weighted(values, count):
     total = 0.0
     for i in range(count):
         total += scaled(values[i])
     return total, count
 
-@stored(FILES)
+@stored(__file__)
 def entry(values):
     total, count = weighted(values, len(values))
     return total / count
@@ -171,6 +175,25 @@ def test_a_function_apart_is_compiled_when_first_called():
     assert list(function.overloads) == [(FLOAT, FLOAT)]
 
 
+def test_one_of_several_functions_is_chosen_by_its_number():
+    """Functions of one signature, picked while the caller runs; only what is called is compiled."""
+    signature = Signature(FLOAT, FLOAT)
+    functions = [njit(lambda x: x + 1.0), njit(lambda x: 3.0 * x), njit(lambda x: -x)]
+    cells = np.array([signature.cell(function) for function in functions])
+    call = signature.call
+
+    @njit
+    def total(cells, x):
+        found = 0.0
+        for cell in cells:
+            found += call(cell, x)
+        return found
+
+    assert total(cells[:2], 5.0) == 21.0
+    assert total(cells[1:2], 5.0) == 15.0
+    assert [len(function.overloads) for function in functions] == [1, 1, 0]
+
+
 def _twice(a, b):
     return 2.0 * a, 2.0 * b
 
@@ -219,15 +242,46 @@ def test_an_inner_function_runs_in_python_too():
     assert cube(3.0) == 27.0
 
 
-def test_sources_lists_the_files_of_a_folder(tmp_path):
-    (tmp_path / "b.py").touch()
-    (tmp_path / "a.py").touch()
-    (tmp_path / "notes.txt").touch()
-    assert [path.name for path in sources(tmp_path)] == ["compiled.py", "a.py", "b.py"]
-    changed = [stored((tmp_path / "a.py",))(_copy_of_twice()).py_func.__qualname__]
-    (tmp_path / "a.py").write_text("x = 1", encoding="utf-8")
-    changed += [stored((tmp_path / "a.py",))(_copy_of_twice()).py_func.__qualname__]
-    assert changed[0] != changed[1]
+def called_files(function, seen):
+    """Files of everything that a compiled function can take from its globals, directly or not."""
+    own = getattr(function, "py_func", function)
+    own = getattr(own, "__wrapped__", own)
+    if own in seen or not hasattr(own, "__code__"):
+        return
+    seen[own] = Path(own.__code__.co_filename)
+    names = set(own.__code__.co_names)
+    for name, value in own.__globals__.items():
+        if name not in names:
+            continue
+        members = [value]
+        if isinstance(value, types_of_python.ModuleType):
+            members = [getattr(value, word, None) for word in names]
+        for member in members:
+            if isinstance(member, Dispatcher | Inner):
+                called_files(member, seen)
+
+
+@pytest.mark.parametrize("module", ["mbd.integrators.modal_loop", "mbd.forces.newton", "mbd.forces.flank"])
+def test_every_file_that_compiled_code_calls_counts_for_its_copy_on_disk(module, tmp_path):
+    """In a copy: the files are found by their imports in whatever folder, and an edit of any of them changes the name
+    under which the code is stored."""
+    loaded = importlib.import_module(module)
+    seen = {}
+    for value in list(vars(loaded).values()):
+        if isinstance(value, Dispatcher | Inner):
+            called_files(value, seen)
+    called = {path.resolve() for path in seen.values() if ROOT in path.resolve().parents}
+    assert len(called) > 1
+    assert called <= set(reached(loaded.__file__))
+    for package in ("fem", "mbd"):
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+    copy = tmp_path / Path(loaded.__file__).relative_to(ROOT)
+    names = {stored(str(copy))(_copy_of_twice()).py_func.__qualname__}
+    for number, path in enumerate(sorted(called), 2):
+        edited = tmp_path / path.relative_to(ROOT)
+        edited.write_text(edited.read_text(encoding="utf-8") + "\n# edited\n", encoding="utf-8")
+        names.add(stored(str(copy))(_copy_of_twice()).py_func.__qualname__)
+        assert len(names) == number, f"{path.name} does not count"
 
 
 def _copy_of_twice():

@@ -12,9 +12,9 @@ from test_rope import MASS, RADIUS, hoist
 from mbd.channels import bearing_force
 from mbd.checks import MachineError
 from mbd.drive import SpeedProfile
-from mbd.hanging import Ground
+from mbd.forces.ground import Ground
+from mbd.forces.pendulum import RopePendulum
 from mbd.linearised import linear_modes
-from mbd.load import RopePendulum
 from mbd.machine import STANDARD_GRAVITY
 from mbd.simulate import Settings, simulate
 from mbd.statics import equilibrium

@@ -10,12 +10,14 @@ from scipy import linalg
 
 from fem.contact.evaluate import evaluate, law_tables
 from fem.contact.teeth import tooth_terms
-from mbd.bearings import BearingSpec, hertz_bearing
+from mbd.bearings import BearingSpec
 from mbd.channels import DIRECTIONS, channel_names, journal_acceleration
 from mbd.checks import MachineError
 from mbd.drive import CouplingSpec, SpeedProfile
+from mbd.forces.rolling_bearing import hertz_bearing
+from mbd.forces.rope import Rope
 from mbd.linearised import linear_modes, tangent, turned
-from mbd.load import Rope, StaticTorque
+from mbd.load import StaticTorque
 from mbd.machine import Machine
 from mbd.mesh_reference import approach_at
 from mbd.rolling_catalogue import by_designation
@@ -214,10 +216,10 @@ def test_a_damped_bounce_decays_at_the_linearised_rate():
     modes, state = linear_modes(system), equilibrium(system)
     i = modes.dominant.index("rope bounce")
     velocity = np.zeros_like(state.velocity)
-    velocity[system.layout.container] = 1e-3
+    velocity[system.layout.names.index("container:lift")] = 1e-3
     start = dataclasses.replace(state, velocity=velocity)
     run = simulate(system, Settings(end=0.6, output_rate=1000.0, step=1e-5), start=start)
-    lift = run.channel("container:lift")[50:] - state.displacement[system.layout.container]
+    lift = run.channel("container:lift")[50:] - state.displacement[system.layout.names.index("container:lift")]
     value = fitted_eigenvalue(lift, 1e-3, modes.frequencies[i])
     assert abs(value) / (2 * np.pi) == pytest.approx(modes.frequencies[i], rel=5e-3)
     assert -value.real / abs(value) == pytest.approx(modes.damping_ratios[i], rel=0.02)

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
-from mbd.bearings import BearingSpec, hertz_bearing
+from mbd.bearings import BearingSpec
 from mbd.channels import bearing_force, journal_acceleration
 from mbd.checks import MachineError
 from mbd.drive import CouplingSpec, SpeedProfile
-from mbd.hertz import response
+from mbd.forces.rolling_bearing import hertz_bearing, response
 from mbd.load import StaticTorque
 from mbd.machine import Machine
 from mbd.rolling_catalogue import by_designation, designations

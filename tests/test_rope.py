@@ -6,7 +6,7 @@ from mbd_rigs import no_casing
 
 from mbd.bearings import BearingSpec
 from mbd.drive import CouplingSpec, SpeedProfile
-from mbd.load import Rope
+from mbd.forces.rope import Rope
 from mbd.machine import STANDARD_GRAVITY, Machine
 from mbd.shafts import Disk, Section, ShaftSpec
 from mbd.simulate import Settings, simulate

@@ -16,7 +16,8 @@ from scipy.integrate import solve_ivp
 from fem.contact.evaluate import evaluate, law_tables
 from mbd.bearings import rigid_bearing
 from mbd.drive import CouplingSpec, SpeedProfile
-from mbd.load import Rope, StaticTorque
+from mbd.forces.rope import Rope
+from mbd.load import StaticTorque
 from mbd.machine import STANDARD_GRAVITY, Machine
 from mbd.shafts import Disk, Section, ShaftSpec
 from mbd.simulate import Settings, simulate

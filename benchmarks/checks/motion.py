@@ -13,9 +13,9 @@ from benchmarks.checks.record import Check, Values
 from fem.casing.body import ReducedBody
 from mbd.bearings import BearingSpec
 from mbd.drive import CouplingSpec, SpeedProfile
+from mbd.forces.rope import Rope
 from mbd.integrators import exponential, trapezoidal
 from mbd.integrators.generalised_alpha import spectral_radius
-from mbd.load import Rope
 from mbd.machine import STANDARD_GRAVITY, Machine
 from mbd.shafts import Disk, Section, ShaftSpec, shaft_matrices, shaft_nodes, shear_coefficient
 from mbd.simulate import Settings, simulate

@@ -105,30 +105,22 @@ class Equations:
         """Take them from the assembled system."""
         from numba import njit
 
-        from mbd.forces import LOG_COLUMNS
-        from mbd.rows_solver import forces_at
+        from mbd.forces.element import WIDTH
+        from mbd.forces.newton import forces_at
+        from mbd.forces.table import Instant, instant
 
         basis, table = machine.basis, machine.table
         u_rows, v_rows = np.ascontiguousarray(machine.all_rows @ basis), np.ascontiguousarray(machine.rows @ basis)
-        constant, m, columns = basis.T @ machine.constant_force, len(v_rows), len(LOG_COLUMNS)
-        elements, held = len(table.tau) + len(table.rope_ea), np.full(len(table.tau), -1.0)
+        constant, m, columns = basis.T @ machine.constant_force, len(v_rows), instant(table).log.shape
 
         @njit
         def push(t, p, rate):
-            force, log = np.zeros(m), np.zeros((elements, columns))
-            slope_u, slope_v = np.empty((m, 2)), np.empty((m, 2))
-            forces_at(
-                table,
-                SPEED * t,
-                SPEED,
-                u_rows @ np.ascontiguousarray(p),
-                v_rows @ np.ascontiguousarray(rate),
-                held,
-                force,
-                slope_u,
-                slope_v,
-                log,
+            force, slope_u, slope_v, none = np.empty(m), np.empty((m, WIDTH)), np.empty((m, WIDTH)), np.empty(0)
+            now = Instant(
+                np.empty(m), np.empty(m), np.empty((m, WIDTH)), np.empty(columns), np.empty(m), np.empty((m, WIDTH))
             )
+            u, v = u_rows @ np.ascontiguousarray(p), v_rows @ np.ascontiguousarray(rate)
+            forces_at(table, (SPEED * t, SPEED, t), u, v, none, slope_u[:0], force, slope_u, slope_v, now)
             return constant + v_rows.T @ force
 
         state = equilibrium(machine)

@@ -56,7 +56,7 @@ _inline: dict[str, Any] = {"forceinline": True, "fastmath": {"contract"}}
 
 
 @apart(types.UniTuple(FLOAT, 14), VECTOR, FLOAT, types.UniTuple(FLOAT, 4), INTEGER, MATRIX, MATRIX, VECTOR)
-@stored(lanes.SOURCES)
+@stored(__file__)
 def evaluate_coupled(tables, cycle, states, count, pinion, wheel, pair_force):
     """F, M, U, dF/d delta, dF/d psi, dM/d psi, dU/dc of a law with coupling along the face, at `count` states (1, 2).
 

@@ -15,7 +15,6 @@ from numba import njit, types
 from fem.compiled import FLOAT, INTEGER, MATRIX, PLAIN, VECTOR, apart, stored
 from fem.contact import lanes, slices
 from fem.contact.face import evaluate_coupled
-from fem.contact.lanes import SOURCES
 from fem.contact.near import pairs_near
 from fem.contact.packing import (
     BLOCKS,
@@ -42,7 +41,7 @@ def settle(slope, work, bits):
 
 
 @apart(types.UniTuple(FLOAT, 14), VECTOR, FLOAT, types.UniTuple(FLOAT, 4), INTEGER, MATRIX, MATRIX, VECTOR)
-@stored(SOURCES)
+@stored(__file__)
 def evaluate_uncoupled(tables, cycle, states, count, pinion, wheel, pair_force):
     """What `fem.contact.face.evaluate_coupled` returns, of a law whose slices are not coupled along the face.
 
@@ -132,7 +131,7 @@ def rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_for
     return force, moment, energy, k, mixed, tilt, rate
 
 
-@stored(SOURCES)
+@stored(__file__)
 def evaluate(tables, cycle, delta, psi, pinion, wheel):
     """Response of one flank at one state.
 
@@ -150,7 +149,7 @@ def evaluate(tables, cycle, delta, psi, pinion, wheel):
     return respond(tables, cycle, (delta, psi, delta, psi), np.int64(1), pinion, wheel, np.empty(0))[:7]
 
 
-@stored(SOURCES)
+@stored(__file__)
 def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
     """Responses at (delta, psi) and at (delta_0, psi_0), both at the same cycle, without dU/dc.
 
@@ -164,7 +163,7 @@ def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
     return found[:6] + found[7:13]
 
 
-@stored(SOURCES)
+@stored(__file__)
 def evaluate_shares(tables, cycle, delta, psi, pinion, wheel, pair_force):
     """As `evaluate`, and add the force (N) of pair p to pair_force[p - floor(c') + pair_force.size // 2].
 
@@ -173,7 +172,7 @@ def evaluate_shares(tables, cycle, delta, psi, pinion, wheel, pair_force):
     return respond(tables, cycle, (delta, psi, delta, psi), np.int64(1), pinion, wheel, pair_force)[:7]
 
 
-@stored(SOURCES)
+@stored(__file__)
 def evaluate_many(tables, cycle, delta, psi, pinion, wheel, out):
     """Rows of `evaluate` for states given as arrays (n,), into out (n, 7)."""
     none = np.empty(0)

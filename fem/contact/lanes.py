@@ -11,12 +11,11 @@ load beyond the range of the Hertz term, sweeps that do not settle.
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 from numba import njit
 
-from fem.compiled import PLAIN, sources
+from fem.compiled import PLAIN
 from fem.contact.packing import (
     CELL,
     GAP,
@@ -44,7 +43,6 @@ from fem.contact.packing import (
     Y,
 )
 
-SOURCES = sources(Path(__file__).parent)  # what compiled laws are made of
 # rows of the first pair; those of the second stand SECOND rows further
 X, GAP_SLOPE, FRACTION, FRACTION_SLOPE, COMPLIANCE, COMPLIANCE_SLOPE, DEPTH, DEPTH_SLOPE = range(8)
 LOAD, LOG, ON, PAIR, SCRATCH, EXPONENT = range(8, 14)

@@ -30,7 +30,6 @@ from fem.contact.lanes import (
     PAIR,
     PINION_VARIANT,
     SECOND,
-    SOURCES,
     WHEEL_VARIANT,
     X,
     approach_of,
@@ -65,7 +64,7 @@ TOTAL = SYSTEM + MAX_PAIRS
     types.Tuple((INTEGER, FLOAT, FLOAT, FLOAT, FLOAT)),
     VECTOR, INTEGER, INTEGER, FLOAT, FLOAT, FLOAT, MATRIX, INTEGER, VECTOR, MATRIX,
 )  # fmt: skip
-@stored(SOURCES)
+@stored(__file__)
 def solve_slice(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, work):
     """Solve one slice; returns its number of pairs and, per unit width, load, stiffness, energy, d(energy)/d xi.
 

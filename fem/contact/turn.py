@@ -224,7 +224,7 @@ def solve_in_turn(
 
 
 @apart(types.UniTuple(FLOAT, 7), VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, INTEGER, VECTOR)
-@stored(lanes.SOURCES)
+@stored(__file__)
 def evaluate_in_turn(tables, own_cycle, delta, psi, near, n_near, pair_force):
     """F, M, U, dF/d delta, dF/d psi, dM/d psi, dU/dc' at one state; pair_force as in `fem.contact.face`."""
     n_s = int(tables[SLICES])

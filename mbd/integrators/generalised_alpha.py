@@ -21,9 +21,9 @@ import numpy as np
 from scipy import linalg
 
 from mbd.checks import StepError
-from mbd.forces import LOG_COLUMNS, element_count
+from mbd.forces.newton import solve_rows, work_between
+from mbd.forces.table import instant
 from mbd.integrators.base import TOLERANCE, Block, Flow, uniform_clock
-from mbd.rows_solver import parametric, solve_rows
 from mbd.statics import State
 from mbd.system import System
 
@@ -53,27 +53,26 @@ class GeneralisedAlpha:
         self._g_u = self._beta * step**2 * system.all_rows @ answer
         self._g_v = self._gamma * step * system.rows @ answer
         self._answer = answer
-        elements = element_count(system.table)
-        self._empty_log = np.zeros((elements, len(LOG_COLUMNS)))
 
     def start(self, state: State) -> Block:
         """Set the state at t = 0."""
         system = self._system
         self._q, self._v, self._forces = state.displacement.copy(), state.velocity.copy(), state.forces.copy()
-        self._angle, self._motor = state.motor_angle, 0.0
-        self._rows, self._log = system.all_rows @ self._q, self._empty_log.copy()
+        self._angle, self._time, self._motor = state.motor_angle, 0.0, 0.0
+        self._rows, self._now = system.all_rows @ self._q, instant(system.table)
+        self._push_by_angle = np.zeros(len(self._forces))
         still = np.zeros((len(self._rows), len(self._forces)))
         v = system.rows @ self._v
         used = solve_rows(
-            system.table, self._angle, state.motor_speed, self._rows.copy(), v.copy(), still,
-            still[: len(v)].copy(), self._forces, self._rows, v, self._log, TOLERANCE,
+            system.table, (self._angle, state.motor_speed, 0.0), self._rows.copy(), v.copy(), still,
+            still[: len(v)].copy(), self._forces, self._rows, v, self._now, TOLERANCE,
         )  # fmt: skip
         if used < 0:
             raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")
         self._push = system.constant_force + system.rows.T @ self._forces
         self._acceleration = self.inverse_mass @ (self._push - system.damping @ self._v - system.stiffness @ self._q)
-        instant = self._instant()
-        return self._block([(instant[0], *instant)], np.array([[0.0, self._angle, state.motor_speed, 0.0]]))
+        first = self._instant()
+        return self._block([(first[0], *first)], np.array([[0.0, self._angle, state.motor_speed, 0.0]]))
 
     def branch(self, change: np.ndarray) -> GeneralisedAlpha:
         """A second integrator at this instant, its state moved by ``change`` (x,)."""
@@ -87,7 +86,8 @@ class GeneralisedAlpha:
         other = GeneralisedAlpha(self._system, 0.5 * self._step, self._radius)
         other._q, other._v, other._forces = self._q.copy(), self._v.copy(), self._forces.copy()
         other._angle, other._motor, other._acceleration = self._angle, self._motor, self._acceleration.copy()
-        other._rows, other._log = self._rows.copy(), self._log.copy()
+        other._rows, other._now, other._time = self._rows.copy(), self._now, self._time
+        other._push_by_angle = np.zeros(len(self._forces))
         return other
 
     def advance(
@@ -115,9 +115,10 @@ class GeneralisedAlpha:
         a_p = linalg.cho_solve(self._factor, free)
         u_p = system.all_rows @ (q_p + self._beta * h * h * a_p)
         w_p = system.rows @ (v_p + self._gamma * h * a_p)
-        rows, rates, log = u_p.copy(), w_p.copy(), self._empty_log.copy()
+        rows, rates, now = u_p.copy(), w_p.copy(), instant(system.table)
+        clock = angle, speed, self._time + h
         used = solve_rows(
-            system.table, angle, speed, u_p, w_p, self._g_u, self._g_v, self._forces, rows, rates, log, TOLERANCE
+            system.table, clock, u_p, w_p, self._g_u, self._g_v, self._forces, rows, rates, now, TOLERANCE
         )
         step = self.counters["steps"]
         if used < 0:
@@ -125,21 +126,22 @@ class GeneralisedAlpha:
                 f"time step {step} (t = {(step + 1) * h:.6g} s, h = {h:.3g} s): the contact forces did not converge. "
                 "Use a smaller step."
             )
-        parametric(system.table, self._angle, angle, self._rows, rows, self._log, log)
+        work_between(system.table, self._angle, clock, self._rows, rows, rates, self._now, now, self._push_by_angle)
         self._acceleration = a_p + self._answer @ self._forces
         self._q = q_p + self._beta * h * h * self._acceleration
         self._v = v_p + self._gamma * h * self._acceleration
-        self._rows, self._log, self._angle = rows, log, angle
+        self._rows, self._now, self._angle, self._time = rows, now, angle, clock[2]
         self.counters["steps"] += 1
         self.counters["iterations"] += used
 
     def _instant(self) -> tuple[np.ndarray, ...]:
-        return np.concatenate([self._q, self._v]), self._forces.copy(), self._rows.copy(), self._log.copy()
+        found = self._forces, self._rows, self._now.elastic, self._now.lost, self._push_by_angle, self._now.log
+        return np.concatenate([self._q, self._v]), *(values.copy() for values in found)
 
     def _block(self, instants: list[tuple[np.ndarray, ...]], clock: np.ndarray) -> Block:
-        states, starts, forces, rows, log = (np.array(column) for column in zip(*instants, strict=True))
+        columns = dict(zip(Block._fields, (np.array(column) for column in zip(*instants, strict=True)), strict=False))
         none = np.zeros((len(instants), 0, len(self._forces)))
-        return Block(states, starts, forces, rows, log, clock, np.arange(len(instants)), none)
+        return Block(**columns, clock=clock, whole=np.arange(len(instants)), holds=none)
 
 
 def spectral_radius(step_over_period: float, radius: float = DEFAULT_RADIUS) -> float:

@@ -24,10 +24,11 @@ import numpy as np
 from scipy import linalg
 
 from mbd.checks import StepError
-from mbd.forces import LOG_COLUMNS, element_count
+from mbd.forces.element import LOG_COLUMNS
+from mbd.forces.newton import solve_rows
+from mbd.forces.table import Instant, instant
 from mbd.integrators.base import LENGTH, TOLERANCE, Block, Flow, join
 from mbd.integrators.modal_loop import QUARTERS, Constants, Memory, advance_modes
-from mbd.rows_solver import solve_rows
 from mbd.statics import State
 from mbd.system import System
 
@@ -87,15 +88,15 @@ class ModalIntegrator:
         """Set the state at t = 0."""
         table, constants = self._system.table, self._constants
         eta = _stack(self._from_displacement @ state.displacement + self._from_velocity @ state.velocity)
-        log = np.zeros((1, element_count(table), len(LOG_COLUMNS)))
+        now = instant(table)
         m, past = len(state.forces), constants.powers.shape[1]
         u = constants.rows @ eta
         v = self._system.rows @ (self.velocity @ eta)
         still = np.zeros((len(u), m))
         forces = state.forces.copy()
         used = solve_rows(
-            table, state.motor_angle, state.motor_speed, u, v, still, still[:m].copy(), forces, u.copy(), v.copy(),
-            log[0], TOLERANCE,
+            table, (state.motor_angle, state.motor_speed, 0.0), u, v, still, still[:m].copy(), forces, u.copy(),
+            v.copy(), now, TOLERANCE,
         )  # fmt: skip
         if used < 0:
             raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")
@@ -106,13 +107,25 @@ class ModalIntegrator:
             pushes=np.tile(state.forces @ constants.enter, (past, 1)),
             past=np.full(2, self._step),
             counts=np.zeros(3, dtype=np.int64),
-            motor=np.array([state.motor_angle, state.motor_speed]),
+            motor=np.array([state.motor_angle, state.motor_speed, 0.0]),
             rows=u.copy(),
-            log=log[0].copy(),
+            elements=now,
         )
         states, clock = eta[None].copy(), np.array([[0.0, state.motor_angle, state.motor_speed, 0.0]])
         holds = np.zeros((1, past, m))
-        return Block(states, states, forces[None], u[None], log, clock, np.zeros(1, dtype=np.int64), holds)
+        return Block(
+            states=states,
+            starts=states,
+            forces=forces[None],
+            rows=u[None],
+            elastic=now.elastic[None].copy(),
+            lost=now.lost[None].copy(),
+            push=np.zeros((1, m)),
+            log=now.log[None].copy(),
+            clock=clock,
+            whole=np.zeros(1, dtype=np.int64),
+            holds=holds,
+        )
 
     def advance(
         self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray, like: Block | None = None
@@ -131,7 +144,7 @@ class ModalIntegrator:
         assert self._memory is not None, "call start first"
         other = copy.copy(self)
         other.counters = dict(self.counters)
-        other._memory = Memory(*(array.copy() for array in self._memory))
+        other._memory = _copied(self._memory)
         other._memory.state[:] += change
         return other
 
@@ -164,7 +177,10 @@ class ModalIntegrator:
             starts=instants[:-1],
             forces=np.empty((n, m)),
             rows=np.empty((n, len(constants.rows))),
-            log=np.zeros((n, element_count(table), len(LOG_COLUMNS))),
+            elastic=np.empty((n, m)),
+            lost=np.empty((n, m)),
+            push=np.empty((n, m)),
+            log=np.empty((n, len(table.rule), len(LOG_COLUMNS))),
             clock=np.empty((n, 4)),
             whole=np.zeros(len(angles), dtype=np.int64),
             holds=np.empty((n, past, m)),
@@ -185,8 +201,13 @@ class ModalIntegrator:
         return Block(*(x[:used] for x in block))._replace(whole=whole), now
 
 
+def _copied(memory: Memory) -> Memory:
+    arrays = {name: value.copy() for name, value in memory._asdict().items() if name != "elements"}
+    return Memory(elements=Instant(*(array.copy() for array in memory.elements)), **arrays)
+
+
 def _constants(holds: Holds, lengths: np.ndarray, flow: Flow, rows: np.ndarray) -> Constants:
-    """``rows`` (m + mesh, mode) complex."""
+    """``rows`` (m + observed, mode) complex."""
     m, values = flow.rows.shape[1], flow.values
     table = [holds(values, float(h)) for h in lengths]  # level, hold
     past, size = max(len(hold.weights) for hold in table[0]), (len(lengths), len(table[0]))

@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.compiled import inner, stored
-from mbd.elements import SOURCES
-from mbd.forces import parametric_work
-from mbd.rows_solver import NEAR, iterate
+from mbd.forces.element import WIDTH
+from mbd.forces.newton import NEAR, iterate
+from mbd.forces.table import Instant, contact_changed, parametric_work
 
 QUARTERS = 4
 ROUGH, SMOOTH = 0.025, 0.005
@@ -34,8 +34,8 @@ class Constants(NamedTuple):
     load: np.ndarray  # (level, 2 mode) what the constant load adds in a step
     ramp: np.ndarray  # (level, 2 mode) the same per unit of motor acceleration
     enter: np.ndarray  # (m, 2 mode) modal force per row force
-    rows: np.ndarray  # (m + mesh, 2 mode) row displacements
-    g_u: np.ndarray  # (level, hold, m + mesh, m)
+    rows: np.ndarray  # (m + observed, 2 mode) row displacements
+    g_u: np.ndarray  # (level, hold, m + observed, m)
     g_v: np.ndarray  # (level, hold, m, m)
 
 
@@ -47,9 +47,9 @@ class Memory(NamedTuple):
     pushes: np.ndarray  # (s, 2 mode) modal forces of the last instants, newest first
     past: np.ndarray  # (2,) lengths of the last two steps, s
     counts: np.ndarray  # (3,) int: steps since the start or the last kink, level to try, level of the last step
-    motor: np.ndarray  # (2,) angle, speed
-    rows: np.ndarray  # (m + mesh,)
-    log: np.ndarray  # (element, column)
+    motor: np.ndarray  # (3,) angle, speed, time
+    rows: np.ndarray  # (m + observed,)
+    elements: Instant  # what they answered
 
 
 @inner(fastmath={"reassoc", "contract", "nsz"})
@@ -87,15 +87,6 @@ def _add_product(target, weight, push):
 
 
 @inner()
-def _kink(before, after, n_contact):
-    """True if one of the first elements, flanks and ropes, touched or let go."""
-    changed = False
-    for k in range(n_contact):
-        changed = changed or (before[k, 0] > 0.0) != (after[k, 0] > 0.0)
-    return changed
-
-
-@inner()
 def _extrapolate(forces, past, smooth, h, guess):
     """Forces h after the last instant: the parabola, line or constant through as many instants as are smooth."""
     near, far = past[0], past[0] + past[1]
@@ -120,10 +111,10 @@ def _choose_hold(counts, level, n_past):
 
 
 @inner()
-def _remember(constants, memory, hold, level, n_contact, eta, force, row_values, log, held):
+def _remember(constants, memory, hold, level, kink, eta, force, row_values, now, held):
     """Finish the step: its own part of the state, the polynomials of the forces, and the memory."""
     _, _, _, weights, powers, _, _, enter, _, _, _ = constants
-    state, forces, pushes, past, counts, _, rows, last_log = memory
+    state, forces, pushes, past, counts, _, rows, last = memory
     n_past = len(pushes)
     for s in range(n_past - 1, 0, -1):
         for j in range(len(eta)):
@@ -139,32 +130,37 @@ def _remember(constants, memory, hold, level, n_contact, eta, force, row_values,
             for s in range(1, n_past):
                 held[k, r] += powers[hold, k, s] * forces[s - 1, r]
         forces[2, r], forces[1, r], forces[0, r] = forces[1, r], forces[0, r], force[r]
-    counts[0] = 0 if _kink(last_log, log, n_contact) else counts[0] + 1
+    counts[0] = 0 if kink else counts[0] + 1
     counts[2] = level
     past[1], past[0] = past[0], constants.length[level]
     for r in range(len(rows)):
         rows[r] = row_values[r]
-    for k in range(log.shape[0]):
-        for j in range(log.shape[1]):
-            last_log[k, j] = log[k, j]
+    for r in range(len(force)):
+        last.elastic[r] = now.elastic[r]
+        for j in range(WIDTH):
+            last.stiffness[r, j] = now.stiffness[r, j]
+    for k in range(len(last.log)):
+        for j in range(last.log.shape[1]):
+            last.log[k, j] = now.log[k, j]
     for j in range(len(eta)):
         state[j] = eta[j]
 
 
-@stored(SOURCES)
+@stored(__file__)
 def advance_modes(table, first, angles, speeds, accelerations, constants, memory, block, tolerance, plan):
     """Steps from `first` on, as far as the block reaches; next step, instants, iterations, True if one failed.
 
     ``plan`` (instant,) are the levels to take; empty: chosen as the forces ask.
     """
     length, growth, rate, weights, _, load, ramp, enter, rows, g_u, g_v = constants
-    state, past_forces, pushes, past, counts, motor, last_rows, last_log = memory
-    states, _, forces, row_values, log, clock, whole, holds = block
+    state, past_forces, pushes, past, counts, motor, last_rows, last = memory
+    states, _, forces, row_values, elastic, lost, push, log, clock, whole, holds = block
     m, n_rows, n_past, finest = len(enter), len(rows), len(pushes), len(length) - 1
     units = QUARTERS**finest
     u_p, v_p, v, guess = np.empty(n_rows), np.empty(m), np.empty(m), np.empty(m)
-    moving, quality, frozen = np.empty(len(state)), np.zeros(1), np.zeros((len(table.tau), 6))
-    iterations, n, n_contact = 0, 0, len(table.tau) + len(table.rope_ea)
+    moving, quality = np.empty(len(state)), np.zeros(1)
+    stiffness, frozen, frozen_stiffness = np.empty((m, WIDTH)), np.empty(m), np.empty((m, WIDTH))
+    iterations, n = 0, 0
     planned = len(plan) > 0
     for i in range(first, len(angles)):
         if n + units > len(states):
@@ -190,22 +186,25 @@ def advance_modes(table, first, angles, speeds, accelerations, constants, memory
             for r in range(m):
                 v_p[r] = _dot(rows[r], moving)
             _extrapolate(past_forces, past, counts[0], length[level], guess)
+            now = Instant(elastic[n], lost[n], stiffness, log[n], frozen, frozen_stiffness)
+            time = motor[2] + length[level]
             used = iterate(
-                table, angle, speed, u_p, v_p, g_u[level, hold], g_v[level, hold], guess, row_values[n], v, log[n],
-                tolerance, NEAR, ROUGH if may_cut else np.inf, quality, last_rows, frozen,
+                table, (angle, speed, time), u_p, v_p, g_u[level, hold], g_v[level, hold], guess, row_values[n], v, now,
+                tolerance, NEAR, ROUGH if may_cut else np.inf, quality, last_rows,
             )  # fmt: skip
-            if may_cut and (used < 0 or _kink(last_log, log[n], n_contact)):
+            kink = contact_changed(table, last.elastic, now.elastic)
+            if may_cut and (used < 0 or kink):
                 counts[1] += 1
                 continue
             if used < 0:
                 return i, n, iterations, True
             iterations += used
-            parametric_work(table, motor[0], angle, last_rows, row_values[n], last_log, log[n], frozen)
+            parametric_work(table, motor[0], angle, last_rows, row_values[n], last, now, push[n])
             for r in range(m):
                 forces[n, r] = guess[r]
             clock[n, 0], clock[n, 1], clock[n, 2], clock[n, 3] = length[level], angle, speed, a
-            _remember(constants, memory, hold, level, n_contact, eta, guess, row_values[n], log[n], holds[n])
-            motor[0], motor[1] = angle, speed
+            _remember(constants, memory, hold, level, kink, eta, guess, row_values[n], now, holds[n])
+            motor[0], motor[1], motor[2] = angle, speed, time
             position += own
             n += 1
             if level > 0 and position % (QUARTERS * own) == 0 and quality[0] < SMOOTH:

@@ -17,9 +17,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from mbd.checks import StepError
-from mbd.forces import LOG_COLUMNS, element_count
+from mbd.forces.newton import solve_rows, work_between
+from mbd.forces.table import Instant, instant
 from mbd.integrators.base import TOLERANCE, Block, Flow, uniform_clock
-from mbd.rows_solver import parametric, solve_rows
 from mbd.statics import State
 from mbd.system import System
 
@@ -45,19 +45,19 @@ class Reference:
         self._x = np.zeros(2 * n)
         m = len(system.rows)
         self._still = np.zeros((len(self._u_rows), m)), np.zeros((m, m))
-        elements = element_count(system.table)
-        self._log, self._rows, self._angle = np.zeros((elements, len(LOG_COLUMNS))), np.zeros(len(self._u_rows)), 0.0
+        self._now, self._rows, self._angle, self._time = instant(system.table), np.zeros(len(self._u_rows)), 0.0, 0.0
 
     def start(self, state: State) -> Block:
         """Set the state at t = 0."""
         to_modal = self._system.basis.T @ self._system.mass
         self._x = np.concatenate([to_modal @ state.displacement, to_modal @ state.velocity])
-        self._angle = state.motor_angle
-        forces, self._rows, self._log = self._forces(self._x, self._angle, state.motor_speed)
+        self._angle, self._time = state.motor_angle, 0.0
+        forces, self._rows, _, self._now = self._forces(self._x, (self._angle, state.motor_speed, 0.0))
         clock = np.array([[0.0, self._angle, state.motor_speed, 0.0]])
         return Block(
-            self._x[None], self._x[None], forces[None], self._rows[None], self._log[None], clock,
-            np.zeros(1, dtype=int), np.zeros((1, 0, len(forces))),
+            self._x[None], self._x[None], forces[None], self._rows[None], self._now.elastic[None],
+            self._now.lost[None], np.zeros((1, len(forces))), self._now.log[None], clock, np.zeros(1, dtype=int),
+            np.zeros((1, 0, len(forces))),
         )  # fmt: skip
 
     def branch(self, change: np.ndarray) -> Reference:
@@ -80,15 +80,17 @@ class Reference:
         instants = []
         for angle, speed, acceleration in zip(angles, speeds, accelerations, strict=True):
             start, self._x = self._x, self._one_step(float(angle), float(acceleration))
-            forces, rows, log = self._forces(self._x, float(angle), float(speed))
-            parametric(self._system.table, self._angle, float(angle), self._rows, rows, self._log, log)
-            self._rows, self._log, self._angle = rows, log, float(angle)
+            clock = float(angle), float(speed), self._time + self._step
+            forces, rows, rates, now = self._forces(self._x, clock)
+            push = np.zeros(len(forces))
+            work_between(self._system.table, self._angle, clock, self._rows, rows, rates, self._now, now, push)
+            self._rows, self._now, self._angle, self._time = rows, now, clock[0], clock[2]
             self.counters["steps"] += 1
-            instants.append((self._x, start, forces, rows, log))
-        states, starts, forces, rows, log = (np.array(column) for column in zip(*instants, strict=True))
-        clock = uniform_clock(self._step, angles, speeds, accelerations)
+            instants.append((self._x, start, forces, rows, now.elastic, now.lost, push, now.log))
+        columns = dict(zip(Block._fields, (np.array(column) for column in zip(*instants, strict=True)), strict=False))
+        clocks = uniform_clock(self._step, angles, speeds, accelerations)
         none = np.zeros((len(instants), 0, len(self._v_rows)))
-        return Block(states, starts, forces, rows, log, clock, np.arange(len(instants)), none)
+        return Block(**columns, clock=clocks, whole=np.arange(len(instants)), holds=none)
 
     def _one_step(self, angle: float, acceleration: float) -> np.ndarray:
         h, n = self._step, len(self._omega2)
@@ -97,7 +99,7 @@ class Reference:
 
         def rate(t: float, x: np.ndarray) -> np.ndarray:
             angle = self._angle + speed * t + 0.5 * acceleration * t * t
-            forces = self._forces(x, angle, speed + acceleration * t)[0]
+            forces = self._forces(x, (angle, speed + acceleration * t, self._time + t))[0]
             push = prescribed + self._v_rows.T @ forces - self._damping @ x[n:] - self._omega2 * x[:n]
             return np.concatenate([x[n:], push])
 
@@ -107,13 +109,14 @@ class Reference:
         self.counters["iterations"] += int(answer.nfev)
         return answer.y[:, -1]
 
-    def _forces(self, x: np.ndarray, angle: float, speed: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _forces(
+        self, x: np.ndarray, clock: tuple[float, float, float]
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, Instant]:
+        """Residual forces, rows, their rates and the answers of the elements."""
         n = len(self._omega2)
         u, v = self._u_rows @ x[:n], self._v_rows @ x[n:]
-        forces, log = np.zeros(len(v)), np.zeros_like(self._log)
-        used = solve_rows(
-            self._system.table, angle, speed, u, v, *self._still, forces, u.copy(), v.copy(), log, TOLERANCE
-        )
+        forces, now = np.zeros(len(v)), instant(self._system.table)
+        used = solve_rows(self._system.table, clock, u, v, *self._still, forces, u.copy(), v.copy(), now, TOLERANCE)
         if used < 0:
             raise StepError(f"reference, step {self.counters['steps']}: the state is not finite. Use a smaller step.")
-        return forces, u, log
+        return forces, u, v, now

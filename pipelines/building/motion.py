@@ -31,7 +31,7 @@ def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw], f
     """
     import numpy as np
 
-    from mbd.load import Rope
+    from mbd.forces.rope import Rope
     from mbd.repeatability import other_start
     from mbd.simulate import Settings, simulate
     from mbd.statics import equilibrium

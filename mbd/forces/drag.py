@@ -1,0 +1,75 @@
+"""Drag of the bearings under their load, and the holding brake: torques that oppose the rotation.
+
+A bearing drags with mu_b P d/2: P its load at rest, d the shaft's diameter in it; the casing's reaction to it is left
+out. The brake is closed while the motors stand: its torque fades as (1 - (speed/omega_0)^2)^2 of the motor speed. Both
+reverse with the speed as tanh(omega/omega_0), see `mbd.losses`.
+
+References
+----------
+SKF (2018), Rolling Bearings, p. 132 (M = 0.5 mu P d).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from mbd.forces.element import Element, rule
+from mbd.losses import Coulomb
+
+if TYPE_CHECKING:
+    from mbd.forces.assembly import Assembly
+
+TORQUE, ROLL, SMOOTH, CLOSING = range(4)  # closing: motor speed below which a brake acts, 0 for a drag
+
+
+@rule(__file__)
+def drag_rule(values, motion, answer):
+    """Torque on a rotation."""
+    torque, closing = values[TORQUE], values[CLOSING]
+    if closing > 0.0:
+        rest = 1.0 - (motion.speed / closing) ** 2
+        if rest <= 0.0:
+            return
+        torque *= rest * rest
+    s = math.tanh((motion.v[0] + values[ROLL] * motion.speed) / values[SMOOTH])
+    answer.lost[0] = torque * s
+    answer.lost_by_v[0, 0] = torque * (1.0 - s * s) / values[SMOOTH]
+
+
+def bearing_drags(assembly: Assembly) -> Iterator[Element]:
+    """One per bearing, where bearings drag."""
+    losses = assembly.machine.losses
+    if not isinstance(losses, Coulomb) or losses.bearing_friction == 0.0:
+        return
+    forces = assembly.bearing_loads()
+    for bearing in assembly.machine.bearings:
+        sections = assembly.machine.shaft(bearing.shaft).sections
+        section = next(s for s in sections if s.y_start - 1e-9 <= bearing.y <= s.y_end + 1e-9)
+        torque = losses.bearing_friction * forces[bearing.name] * section.outer_diameter / 2
+        yield _drag(assembly, f"{bearing.name} drag", bearing.shaft, bearing.y, torque, max(torque, 1e-6), 0.0)
+
+
+def brakes(assembly: Assembly) -> Iterator[Element]:
+    """The holding brake, if there is one."""
+    brake = assembly.machine.brake
+    if brake is not None and brake.torque > 0.0:
+        yield _drag(assembly, "brake", brake.shaft, brake.y, brake.torque, brake.torque, assembly.smoothing)
+
+
+def _drag(
+    assembly: Assembly, name: str, shaft: str, y: float, torque: float, scale: float, closing: float
+) -> Element:  # fmt: skip
+    roll = assembly.ratios[shaft]
+    return Element(
+        kind="drag",
+        name=name,
+        part=name,
+        rule=drag_rule,
+        values=(torque, roll, assembly.smoothing * roll, closing),
+        rows=assembly.layout.angle_row(shaft, y)[None],
+        row_names=("angle",),
+        scale=(scale,),
+        rolls=True,
+    )

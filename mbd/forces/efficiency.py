@@ -1,0 +1,74 @@
+"""Mesh efficiency: a pair of torques that lets every mesh pass on a given share of the power that enters it.
+
+With the mesh force F a pair of torques tau = F r_b1 x opposes the rotation of both gears, so that what comes out is eta
+times what goes in. From (1 - x i)/(1 + x) = eta with i = r_b1/r_b2,
+
+    x = (1 - eta)/(eta + i)      the driving gear gives the power
+    x = (1 - eta)/(1 + eta i)    the driven gear gives it (the load lowers; or the coast flank in lifting)
+
+and the power tau (phi1' + phi2') is lost. The torques are equal and turn with phi1 and phi2, which have opposite senses
+in space: they need no reaction in the casing. They reverse with the speed as tanh(omega/omega_0), see `mbd.losses`.
+
+References
+----------
+Niemann & Winter (2003), Maschinenelemente II, 21.10.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from mbd.forces.element import Element, rule
+from mbd.forces.flank import flank_name
+from mbd.losses import Efficiency, mesh_sliding_rows
+
+if TYPE_CHECKING:
+    from mbd.forces.assembly import Assembly
+
+ETA, RADIUS, RATIO, ROLL, SMOOTH = range(5)
+
+
+@rule(__file__)
+def efficiency_rule(values, motion, answer):
+    """Torque on kappa = phi1 + phi2; reads the drive and the coast flank."""
+    eta, ratio = values[ETA], values[RATIO]
+    total = motion.v[0] + values[ROLL] * motion.speed
+    s = math.tanh(total / values[SMOOTH])
+    ds = (1.0 - s * s) / values[SMOOTH]
+    forth, back = (1.0 - eta) / (eta + ratio), (1.0 - eta) / (1.0 + eta * ratio)
+    for side in range(2):
+        force, row = motion.read_force[2 * side], 2 * side
+        sign = 1.0 if side == 0 else -1.0
+        way = sign * s
+        x = 0.5 * ((1.0 + way) * forth + (1.0 - way) * back)
+        dx = 0.5 * (forth - back) * sign * ds
+        share = values[RADIUS] * x * s
+        answer.lost[0] += share * force
+        answer.lost_by_v[0, 0] += values[RADIUS] * force * (x * ds + dx * s)
+        answer.lost_by_u[0, 1 + row] = share * motion.read_stiffness[row, 0]
+        answer.lost_by_u[0, 2 + row] = share * motion.read_stiffness[row, 1]
+
+
+def elements(assembly: Assembly) -> Iterator[Element]:
+    """One per mesh, where the losses go by efficiency."""
+    losses, ratios = assembly.machine.losses, assembly.ratios
+    if not isinstance(losses, Efficiency):
+        return
+    for mesh in assembly.machine.meshes:
+        roll = ratios[mesh.driving] + ratios[mesh.driven]
+        yield Element(
+            kind="efficiency",
+            name=f"{mesh.name} losses",
+            part=f"{mesh.name} losses",
+            rule=efficiency_rule,
+            values=(
+                losses.mesh_efficiency, mesh.base_radius_driving, mesh.ratio, roll, assembly.smoothing * roll
+            ),
+            rows=mesh_sliding_rows(assembly.layout, mesh, 1)[1:],
+            row_names=("kappa",),
+            scale=(assembly.mesh_loads[mesh.name] * mesh.base_radius_driving,),
+            reads=(flank_name(mesh.name, 0), flank_name(mesh.name, 1)),
+            rolls=True,
+        )  # fmt: skip

@@ -1,0 +1,154 @@
+"""What an element kind is: everything that makes a nonlinear force, a file of this folder each.
+
+A kind has a compiled rule and a function that finds its elements in a machine (see `mbd.forces.registry`). An element
+acts on rows: u (n,) are linear readings of the coordinates, and a force F on a row pulls the coordinates back by
+row^T F. It is the sum
+
+    F = dU/du (elastic) + the rest (lost), dissipated power = lost . u'
+
+of a part that follows from a potential U(u, motor angle) and of all that does not: damping, friction, an outside
+force. A linear reference (k0, c0) of each row is part of the system's matrices; what is left,
+lambda = k0 u + c0 u' - F, is what the time step solves for (`mbd.forces.newton`). The rest of this package asks for
+nothing else of a kind: the loop, the equilibrium, the linearised view and the energy balance go by the tables of
+`mbd.forces.table`.
+
+The rule
+--------
+``rule(values, motion, answer)`` fills the views of `Answer` for one element; they are zero when it is called.
+``values`` are the numbers that the kind packed for it. The columns of slopes are the element's own rows, then those it
+reads.
+
+The potential may depend on the motor angle besides the rows: by mesh cycle, cage or rope length. The work of that
+dependence (parametric work) is the mean of log[BY_ANGLE] = dU/d angle times the step of the angle. A kind whose dU/d
+angle jumps (``by_frozen`` of `Element`) gives U, dU/du and its slopes at the rows ``before`` of the last instant and
+the angle of now instead; then, by the changes G and Q of force and stiffness at frozen rows, to third order in the step
+
+    work = U(a_1, u_0) - U(a_0, u_0) + G . Du/2 + Du . Q Du/12 + [D G . Du - G . D2 u]/12,
+
+where the last bracket, central differences over the neighbouring steps, is added by `mbd.element_work`.
+
+Calls
+-----
+The loop calls a rule through its address (`fem.compiled.Signature`). It knows no kind, a new one recompiles nothing but
+itself, and what no machine uses is never compiled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import types
+
+from fem.compiled import FLOAT, MATRIX, VECTOR, Signature, stored
+
+WIDTH = 6  # rows at most that the force on a row depends on
+LOG_COLUMNS = ("energy", "by_angle", "frozen_energy", "parametric")
+ENERGY, BY_ANGLE, FROZEN_ENERGY, PARAMETRIC = range(len(LOG_COLUMNS))  # J, J/rad, J, J in the step that ends here
+
+
+class Motion(NamedTuple):
+    """Where an element is; u, v of the rows without the rolling of the train."""
+
+    angle: float  # of the motor, rad
+    speed: float  # rad/s
+    time: float  # s
+    u: np.ndarray  # (n,) displacements of its rows
+    v: np.ndarray  # (n,) rates
+    seen: np.ndarray  # (k,) displacements of the rows that it observes only
+    before: np.ndarray  # (n,) u of the last instant; empty: the answer at frozen rows is not asked for
+    held: np.ndarray  # (n, WIDTH) stiffness that damping takes instead of the present one; empty: the present one
+    read_force: np.ndarray  # (r,) elastic forces on the rows of the elements that it reads
+    read_stiffness: np.ndarray  # (r, WIDTH) their stiffness
+
+
+class Answer(NamedTuple):
+    """What a rule fills in."""
+
+    elastic: np.ndarray  # (n,) dU/du
+    stiffness: np.ndarray  # (n, WIDTH) d elastic/du
+    lost: np.ndarray  # (n,) all other force
+    lost_by_u: np.ndarray  # (n, WIDTH) d lost/du
+    lost_by_v: np.ndarray  # (n, WIDTH) d lost/dv
+    frozen: np.ndarray  # (n,) dU/du at the rows `before`
+    frozen_stiffness: np.ndarray  # (n, WIDTH)
+    log: np.ndarray  # (LOG_COLUMNS,): ENERGY, BY_ANGLE or FROZEN_ENERGY
+
+
+MOTION = types.NamedTuple((FLOAT, FLOAT, FLOAT, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, VECTOR, MATRIX), Motion)
+ANSWER = types.NamedTuple((VECTOR, MATRIX, VECTOR, MATRIX, MATRIX, VECTOR, MATRIX, VECTOR), Answer)
+RULE = Signature(types.none, VECTOR, MOTION, ANSWER)
+call_rule: Any = RULE.call
+
+
+def rule(file: str, **options: Any) -> Callable[[Callable], int]:
+    """Decorator of a kind's rule in ``file``: compiled when it is first called, kept on disk."""
+
+    def decorate(function: Callable) -> int:
+        return RULE.cell(stored(file, entry=False, **options)(function))
+
+    return decorate
+
+
+class Signal(NamedTuple):
+    """A channel made of an element's rows: motion . u + force . F; elements with the same name add up."""
+
+    name: str
+    units: str
+    motion: tuple[float, ...] = ()
+    force: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Element:
+    """One element of a machine. Shapes: n rows, coordinates of the layout; SI."""
+
+    kind: str
+    name: str  # of this element alone, e.g. "mesh_1:drive"
+    part: str  # whose energy it counts to; "" for forces that do no work
+    spring: str = ""  # what its stiffness is called among natural modes: "mesh", "bearing", "rope", ...
+    rule: int  # from `rule`
+    values: np.ndarray | Sequence[float]  # numbers that the rule reads
+    rows: np.ndarray  # (n, coordinate)
+    row_names: tuple[str, ...]  # (n,) behind the name
+    scale: tuple[float, ...]  # (n,) force that counts as 1 for convergence
+    stiffness: tuple[float, ...] = ()  # (n,) linear reference k0, 0 if left out
+    damping: tuple[float, ...] = ()  # (n,) linear reference c0
+    guess: tuple[float, ...] = ()  # (n,) lambda from which the equilibrium is sought
+    seen: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))  # (k, coordinate) rows that are observed only
+    reads: tuple[str, ...] = ()  # names of elements before it, one after another, whose forces its own follow
+    rolls: bool = False  # its rows move while the train rolls, so that F does work on the rolling
+    opens: bool = False  # it may lose contact, which is when the elastic force on its first row is 0
+    inner_contacts: bool = False  # contacts inside it, or with the ground, open and close unseen by `opens`
+    by_frozen: bool = False  # its parametric work goes by frozen rows, see above
+    signals: tuple[Signal, ...] = ()
+    lets_go: str = ""  # counter of contacts lost
+    touches: str = ""  # counter of contacts made
+
+    def reference(self, name: str) -> np.ndarray:
+        """``stiffness``, ``damping`` or ``guess`` (n,), zeros if left out."""
+        return np.array(getattr(self, name) or (0.0,) * len(self.rows))
+
+
+@stored(__file__)
+def evaluate_rule(chosen, values, motion, answer):
+    """A rule for callers in Python."""
+    call_rule(chosen, values, motion, answer)
+
+
+def evaluated(
+    chosen: int, values: np.ndarray, u: np.ndarray, v: np.ndarray | None = None, angle: float = 0.0
+) -> Answer:
+    """What a rule answers at the rows u and their rates v (rest if None), motor at rest at ``angle`` (rad)."""
+    n = len(u)
+    none, still = np.zeros(0), np.zeros(n) if v is None else np.array(v, dtype=float)
+    empty = np.zeros((0, WIDTH))
+    motion = Motion(angle, 0.0, 0.0, np.array(u, dtype=float), still, none, none, empty, none, empty)
+    answer = Answer(
+        *(np.zeros(n), np.zeros((n, WIDTH)), np.zeros(n), np.zeros((n, WIDTH)), np.zeros((n, WIDTH))),
+        *(np.zeros(n), np.zeros((n, WIDTH)), np.zeros(len(LOG_COLUMNS))),
+    )
+    evaluate_rule(chosen, np.ascontiguousarray(values, dtype=float), motion, answer)
+    return answer

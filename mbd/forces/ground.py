@@ -1,0 +1,69 @@
+"""Ground under a container: it pushes upwards only; nothing moves along it.
+
+With the height g of the ground and the lift z of the container, both over the place where the just taut rope holds it
+at t = 0, F = max(0, k s + c s') for s = g - z > 0, z with the rolling of the train.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mbd.checks import finite, not_negative, positive
+from mbd.forces.element import ENERGY, Element, rule
+
+if TYPE_CHECKING:
+    from mbd.forces.assembly import Assembly
+    from mbd.forces.rope import Rope
+
+STIFFNESS, DAMPING, LEVEL, RISE = range(4)
+
+
+@rule(__file__)
+def ground_rule(values, motion, answer):
+    """Force on the lift (m) of the container."""
+    s = values[LEVEL] - motion.u[0] - values[RISE] * motion.angle
+    if s <= 0.0:
+        return
+    k, c = values[STIFFNESS], values[DAMPING]
+    rate = -motion.v[0] - values[RISE] * motion.speed
+    elastic = k * s
+    answer.elastic[0], answer.stiffness[0, 0], answer.log[ENERGY] = -elastic, k, 0.5 * elastic * s
+    if elastic + c * rate > 0.0:
+        answer.lost[0], answer.lost_by_v[0, 0] = -c * rate, c
+    else:
+        answer.lost[0], answer.lost_by_u[0, 0] = elastic, -k
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ground:
+    """Ground under the container: ``level`` (m) over the place of the just taut rope, N/m, damping ratio of the
+    container on it."""
+
+    level: float
+    stiffness: float
+    damping_ratio: float = 0.1
+
+    def __post_init__(self) -> None:
+        finite("ground level", self.level)
+        positive("ground stiffness", self.stiffness)
+        not_negative("ground damping_ratio", self.damping_ratio)
+
+    def element(self, assembly: Assembly, load: Rope) -> Element:
+        """The ground under the container of a rope."""
+        damping = 2 * self.damping_ratio * (self.stiffness * load.container_mass) ** 0.5
+        return Element(
+            kind="ground",
+            name="ground",
+            part="ground",
+            spring="ground",
+            rule=ground_rule,
+            values=(self.stiffness, damping, self.level, load.travel_per_radian * assembly.ratios[load.shaft]),
+            rows=np.eye(assembly.layout.size)[-1:],
+            row_names=("lift",),
+            scale=(max(load.container_mass * assembly.machine.gravity, 1.0),),
+            inner_contacts=True,
+            rolls=True,
+        )

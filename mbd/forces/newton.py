@@ -1,0 +1,221 @@
+"""Newton iteration for the forces on the rows of one time step or of the equilibrium, compiled.
+
+With the predictions u_p, v_p without the new forces and the constant matrices G_u, G_v of the linear system, find
+
+    lambda = Lambda(u, v),   u = u_p + G_u lambda,   v = v_p + G_v lambda.
+
+The flank potentials are convex and G_u is positive, so without damping the solution is unique; a step that raises the
+residual is halved (the force law has kinks where a contact opens). The damping tau k_t u' jumps where a pair of teeth
+touches, because k_t does: a step may then have no solution, the flank being neither in nor out of contact. Such a step
+is taken with k_t held at its value for the guess, which makes the force monotone again.
+
+A Newton step leaves 0.05 r^2 to r^2 of the residual r it starts from (measured on the rig). With forces extrapolated in
+time r falls with a power of the time step, so what is left after one step is far below the error of the step itself:
+from a residual below ``near`` the step is taken without evaluating the forces again, and the answers of the elements
+are moved along by their tangents. A time step then costs one evaluation.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, inner, stored
+from mbd.forces.element import WIDTH
+from mbd.forces.table import CLOCK, INSTANT, TABLE, follow_tangent, parametric_work, row_forces
+
+MAX_ITERATIONS = 60
+MAX_HALVINGS = 8
+NEAR = 0.01  # of the scale: what is left is below 1e-5 of it in 99 of 100 steps of 33 us
+
+
+@inner()
+def move_rows(predicted, flexibility, force, result):
+    """result = predicted + flexibility @ force; rows beyond the forces are observed only."""
+    for r in range(len(predicted)):
+        result[r] = predicted[r]
+    for j in range(len(force)):
+        if force[j] != 0.0:
+            for r in range(len(predicted)):
+                result[r] += flexibility[r, j] * force[j]
+
+
+@inner()
+def copy_to(target, source):
+    """Copy element by element: an array assignment drags its error text into the compilation, which costs seconds."""
+    for r in range(len(target)):
+        target[r] = source[r]
+
+
+@inner()
+def residual_size(force, target, scale):
+    """Largest |target - force| in units of ``scale``."""
+    worst = 0.0
+    for r in range(len(force)):
+        worst = max(worst, abs(target[r] - force[r]) / scale[r])
+    return worst
+
+
+@apart(
+    INTEGER,
+    *(TABLE, CLOCK, VECTOR, VECTOR, MATRIX, MATRIX, VECTOR, VECTOR, VECTOR, INSTANT, FLOAT, FLOAT, FLOAT),
+    *(VECTOR, VECTOR),
+)
+@stored(__file__, entry=False)
+def iterate(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, near, limit, quality, before):
+    """Iterate on ``force`` (in: guess, out: solution); returns the iterations used, or -1 without convergence.
+
+    ``clock`` is `mbd.forces.table.CLOCK`; residuals in units of the scale of the forces: below ``tolerance`` the guess
+    is taken, from below ``near`` one more step is, above ``limit`` nothing is. ``quality`` (1,) takes the residual of
+    the guess, ``now`` the answers of the elements. ``before`` as in `mbd.forces.table.row_forces`.
+    """
+    m = len(force)
+    guess, held = force.copy(), np.empty((0, WIDTH))
+    used = newton(
+        table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, near, limit, quality, before
+    )  # fmt: skip
+    if used >= 0:
+        return used
+    if quality[0] > limit:
+        return -1
+    copy_to(force, guess)
+    move_rows(u_p, g_u, force, u)
+    move_rows(v_p, g_v, force, v)
+    held = np.empty((m, WIDTH))
+    row_forces(table, clock, u, v, before[:0], held[:0], guess, np.empty((m, WIDTH)), np.empty((m, WIDTH)), now)
+    for r in range(m):
+        copy_to(held[r], now.stiffness[r])
+    used = newton(
+        table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, near, limit, quality, before
+    )  # fmt: skip
+    return MAX_ITERATIONS + used if used >= 0 else -1
+
+
+@inner()
+def newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, near, limit, quality, before):
+    """`iterate` with the stiffnesses ``held`` (row, WIDTH) for the damping, or the present ones if that is empty."""
+    m = len(force)
+    target, step, trial = np.empty(m), np.zeros(m), np.empty(m)
+    slope_u, slope_v = np.empty((m, WIDTH)), np.empty((m, WIDTH))
+    size = np.inf
+    for iteration in range(MAX_ITERATIONS + 1):
+        last, part = size, 1.0
+        for _ in range(MAX_HALVINGS):
+            for r in range(m):
+                trial[r] = force[r] + part * step[r]
+            move_rows(u_p, g_u, trial, u)
+            move_rows(v_p, g_v, trial, v)
+            row_forces(table, clock, u, v, before, held, target, slope_u, slope_v, now)
+            size = residual_size(trial, target, table.scale)
+            if size < last:
+                break
+            part *= 0.5
+        copy_to(force, trial)
+        if iteration == 0:
+            quality[0] = size
+            if not size <= limit:
+                return -1
+        if size <= tolerance:
+            return iteration
+        for r in range(m):
+            step[r] = target[r] - force[r]
+        if not newton_step(table, g_u, g_v, slope_u, slope_v, step):
+            return -1
+        if size <= near:
+            for r in range(m):
+                force[r] += step[r]
+            copy_to(trial, u[:m])
+            move_rows(u_p, g_u, force, u)
+            move_rows(v_p, g_v, force, v)
+            follow_tangent(table, trial, u, v, force, now)
+            return iteration + 1
+    return -1
+
+
+@inner()
+def newton_step(table, g_u, g_v, slope_u, slope_v, step):
+    """Solve (1 - S_u G_u - S_v G_v) step = residual in place; rows whose force does not depend on the motion stay."""
+    m = len(step)
+    active, n = np.empty(m, dtype=np.int64), 0
+    pushed, n_pushed = np.empty(m, dtype=np.int64), 0  # rows that move by a given force
+    for r in range(m):
+        moves = False
+        for k in range(table.width[r]):
+            moves = moves or slope_u[r, k] != 0.0 or slope_v[r, k] != 0.0
+        if moves:
+            active[n] = r
+            n += 1
+        elif step[r] != 0.0:
+            pushed[n_pushed] = r
+            n_pushed += 1
+    matrix, right = np.zeros((n, n)), np.empty(n)
+    for i in range(n):
+        r = active[i]
+        right[i] = step[r]
+        for k in range(table.width[r]):
+            su, sv = slope_u[r, k], slope_v[r, k]
+            if su != 0.0 or sv != 0.0:
+                a = table.pattern[r, k]
+                for j in range(n):
+                    matrix[i, j] -= su * g_u[a, active[j]] + sv * g_v[a, active[j]]
+                for j in range(n_pushed):
+                    right[i] += (su * g_u[a, pushed[j]] + sv * g_v[a, pushed[j]]) * step[pushed[j]]
+        matrix[i, i] += 1.0
+    if not solve_dense(matrix, right):
+        return False
+    for i in range(n):
+        step[active[i]] = right[i]
+    return True
+
+
+@inner()
+def solve_dense(matrix, right):
+    """Gaussian elimination with partial pivoting in place; the answer is in ``right``; False if singular."""
+    n = len(right)
+    for i in range(n):
+        p = i
+        for j in range(i + 1, n):
+            if abs(matrix[j, i]) > abs(matrix[p, i]):
+                p = j
+        if matrix[p, i] == 0.0 or not math.isfinite(matrix[p, i]):
+            return False
+        if p != i:
+            for j in range(i, n):
+                matrix[i, j], matrix[p, j] = matrix[p, j], matrix[i, j]
+            right[i], right[p] = right[p], right[i]
+        for j in range(i + 1, n):
+            q = matrix[j, i] / matrix[i, i]
+            if q != 0.0:
+                for c in range(i + 1, n):
+                    matrix[j, c] -= q * matrix[i, c]
+                right[j] -= q * right[i]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            right[i] -= matrix[i, j] * right[j]
+        right[i] /= matrix[i, i]
+    return True
+
+
+@stored(__file__)
+def solve_rows(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance):
+    """`iterate` for one instant, to the tolerance."""
+    quality = np.empty(1)
+    return iterate(
+        table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, 0.0, np.inf, quality, quality[:0]
+    )  # fmt: skip
+
+
+@stored(__file__)
+def forces_at(table, clock, u, v, before, held, force, slope_u, slope_v, now):
+    """`mbd.forces.table.row_forces` at one instant."""
+    row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now)
+
+
+@stored(__file__)
+def work_between(table, angle_before, clock, u_before, u, v, last, now, push):
+    """`mbd.forces.table.parametric_work` of a step whose elements were not asked for frozen rows: they are here."""
+    m = len(v)
+    force, slope_u, slope_v = np.empty(m), np.empty((m, WIDTH)), np.empty((m, WIDTH))
+    row_forces(table, clock, u, v, u_before, slope_u[:0], force, slope_u, slope_v, now)
+    parametric_work(table, angle_before, clock[0], u_before, u, last, now, push)

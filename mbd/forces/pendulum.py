@@ -1,0 +1,142 @@
+"""Container that swings on its ropes below a trolley at rest.
+
+With L the free length of the rigidly rolling train, e the vertical stretch row and (X, Y) the sway,
+
+    d = sqrt((L + e)^2 + X^2 + Y^2)      s = d - L      F = max(0, k s + c s'),   k = EA/L per drum
+
+pulls along the ropes; U = k s^2/2. No approximation of small angles. s is formed as (d^2 - L^2)/(d + L): the difference
+of metres would leave 1e-15 m, 2e-12 of a light weight, on which the search for the equilibrium stalls. The rate s'
+leaves out the part of L', which is (1 - cos of the angle) times the rope speed. Winding at constant speed changes L
+slowly: the sway angle then grows as L^(-3/4) (adiabatic invariant E/omega of the pendulum).
+
+The container is let go at t = 0: until then a force square to the ropes holds it at its angle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from mbd.channels import ROPE_FORCE, SWAY, Reading
+from mbd.checks import MachineError
+from mbd.forces.element import BY_ANGLE, ENERGY, Element, Signal, rule
+from mbd.forces.rope import LENGTH, LOSS, STIFFNESS_TIMES_LENGTH, TRAVEL, Rope
+
+if TYPE_CHECKING:
+    from mbd.forces.assembly import Assembly
+    from mbd.layout import Layout
+
+
+@rule(__file__)
+def pendulum_rule(values, motion, answer):
+    """Force on (stretch, X, Y) of the ropes of one drum; ``values`` are those of `mbd.forces.rope`."""
+    u, v = motion.u, motion.v
+    length = values[LENGTH] - values[TRAVEL] * motion.angle
+    k = values[STIFFNESS_TIMES_LENGTH] / length
+    c = values[LOSS] * math.sqrt(k)
+    depth = length + u[0]
+    distance = math.sqrt(depth * depth + u[1] * u[1] + u[2] * u[2])
+    s = (u[0] * (depth + length) + u[1] * u[1] + u[2] * u[2]) / (distance + length)  # d - L without its cancellation
+    if s <= 0.0:
+        return
+    n = (depth / distance, u[1] / distance, u[2] / distance)
+    rate = n[0] * v[0] + n[1] * v[1] + n[2] * v[2]
+    elastic = k * s
+    pulls = elastic + c * rate > 0.0
+    loss = c * rate if pulls else -elastic
+    for i in range(3):
+        answer.elastic[i], answer.lost[i] = elastic * n[i], loss * n[i]
+        for j in range(3):
+            along, across = n[i] * n[j], ((1.0 if i == j else 0.0) - n[i] * n[j]) / distance
+            answer.stiffness[i, j] = k * along + elastic * across
+            if pulls:
+                answer.lost_by_u[i, j] = loss * across
+                answer.lost_by_v[i, j] = c * along
+            else:
+                answer.lost_by_u[i, j] = -answer.stiffness[i, j]
+    answer.log[ENERGY] = 0.5 * elastic * s
+    answer.log[BY_ANGLE] = -values[TRAVEL] * (elastic * (n[0] - 1.0) - 0.5 * elastic * s / length)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RopePendulum(Rope):
+    """A container on ropes that swings; ``sway`` (rad) in x and y at t = 0, where it is let go."""
+
+    sway: tuple[float, float] = (0.0, 0.0)
+    model: Literal["rope", "rope-pendulum"] = "rope-pendulum"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for angle in self.sway:
+            if not abs(angle) < math.radians(75):
+                raise MachineError(f"rope sway {angle!r} rad must be below 75 deg.")
+        if self.ground is not None:
+            raise MachineError("rope: a swinging container has no ground under it; use the load model 'rope'.")
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """The container's sway, then its lift."""
+        return ("container:sway_x", "container:sway_y", *super().coordinates)
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Those of the rope, and the sway."""
+        return (*super().channel_names, *SWAY)
+
+    def rolling(self, ratio: float) -> np.ndarray:
+        """Motion of its coordinates per motor angle."""
+        return np.array([0.0, 0.0, *super().rolling(ratio)])
+
+    @property
+    def along(self) -> np.ndarray:
+        """Unit vector (3,) of the ropes at t = 0, from the container."""
+        along = np.array([math.tan(self.sway[0]), math.tan(self.sway[1]), 1.0])
+        return along / np.linalg.norm(along)
+
+    def holding_force(self, lay: Layout) -> np.ndarray:
+        """Force (n,) that holds the container at its angle until t = 0, square to the ropes."""
+        force = np.zeros(lay.size)
+        if any(self.sway):
+            along = self.along * [1.0, 1.0, -1.0]
+            force[-3:] = self.container_mass * lay.machine.gravity * (-along[2] * along + [0.0, 0.0, 1.0])
+        return force
+
+    def elements(self, assembly: Assembly) -> Iterator[Element]:
+        """The ropes of every drum, first guessed as those of the held container on drums that stand."""
+        weight = self.weight_per_drum(assembly.machine.gravity)
+        stiffness, swing = self.stiffness_times_length / self.length, weight / self.length
+        along = self.along
+        tension = self.container_mass * assembly.machine.gravity * along[2] / len(self.drums)
+        distance = self.length * (1 + tension / self.stiffness_times_length)
+        stretch, x, y = distance * along[2] - self.length, distance * along[0], distance * along[1]
+        sway = np.eye(assembly.layout.size)[[-3, -2]]
+        for i, place in enumerate(self.drums):
+            yield Element(
+                kind="pendulum",
+                name=f"rope:{i}",
+                part="rope",
+                spring="rope",
+                rule=pendulum_rule,
+                values=(
+                    self.stiffness_times_length, self.length, self.travel(assembly.ratios[self.shaft]), self.loss
+                ),
+                rows=np.vstack([self.stretch_row(assembly.layout, place), sway]),
+                row_names=("stretch", "x", "y"),
+                scale=(weight, weight, weight),
+                stiffness=(stiffness, swing, swing),
+                damping=(self.loss * math.sqrt(stiffness), 0.0, 0.0),
+                guess=(
+                    stiffness * stretch - tension * along[2], swing * x - tension * along[0],
+                    swing * y - tension * along[1],
+                ),
+                signals=(Signal(ROPE_FORCE, "N", force=(1.0, 0.0, 0.0)),),
+            )  # fmt: skip
+
+    def readings(self, lay: Layout) -> dict[str, Reading]:
+        """Those of the rope, and the sway."""
+        sways = {name: Reading("m", displacement=np.eye(lay.size)[k - 3]) for k, name in enumerate(SWAY)}
+        return super().readings(lay) | sways

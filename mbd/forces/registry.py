@@ -1,0 +1,44 @@
+"""SOURCES_OF_FORCE: everything in a machine that makes a force, in the order of their rows.
+
+A kind of element is a file of this folder (see `mbd.forces.element`) and a line here. Loads, nonlinear bearings and
+outside forces are objects of the machine that bring their own elements: a new one of these needs no line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+
+from mbd.forces import drag, efficiency, flank, gyroscopic_plane, sliding
+from mbd.forces.assembly import Assembly
+from mbd.forces.element import Element
+
+
+def load(assembly: Assembly) -> Iterable[Element]:
+    """What hangs on the drums."""
+    return assembly.machine.load.elements(assembly)
+
+
+def bearings(assembly: Assembly) -> Iterator[Element]:
+    """Bearings that are no linear springs."""
+    for bearing in assembly.machine.bearings:
+        if bearing.inside is not None:
+            yield bearing.inside.element(assembly, bearing)
+
+
+def outside(assembly: Assembly) -> Iterator[Element]:
+    """Further forces from outside."""
+    for force in assembly.machine.forces:
+        yield from force.elements(assembly)
+
+
+SOURCES_OF_FORCE: dict[str, Callable[[Assembly], Iterable[Element]]] = {
+    "flanks": flank.elements,
+    "load": load,
+    "bearings": bearings,
+    "mesh efficiency": efficiency.elements,
+    "tooth friction": sliding.elements,
+    "brake": drag.brakes,
+    "outside forces": outside,
+    "bearing drag": drag.bearing_drags,  # needs the linear reference of all above
+    "gyroscopic moments": gyroscopic_plane.elements,  # needs the modes with all above
+}

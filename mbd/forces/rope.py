@@ -1,0 +1,197 @@
+"""Container on vertical ropes: a load that hangs on the drums by elastic falls.
+
+The container (mass m) hangs on n falls that lead to the drums; a drum angle phi lifts it by phi R/reeving. A drum
+carries n/drums falls of the stiffness k = (n/drums) EA/L with the length L = L_0 - phi R/reeving of the rigidly rolling
+train, and the force max(0, k s + c s') while the stretch s = phi R/reeving - x > 0; else the rope is slack.
+c = 2 zeta sqrt(k m/drums). U = k s^2/2 depends on the motor angle by L.
+
+With a direction d (unit vector across the shaft) the ropes also pull the drum: it moves by u and s = (phi R - d . u)/
+reeving - x, so that F/reeving acts along d. Without one the pull is balanced at the drum.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from mbd.channels import CONTAINER, ROPE_FORCE, Reading
+from mbd.checks import MachineError, finite, not_negative, positive
+from mbd.drive import SpeedProfile
+from mbd.forces.element import BY_ANGLE, ENERGY, Element, Signal, rule
+from mbd.forces.ground import Ground
+from mbd.load import Load, pull_axis
+
+if TYPE_CHECKING:
+    from mbd.forces.assembly import Assembly
+    from mbd.layout import Layout
+
+STIFFNESS_TIMES_LENGTH, LENGTH, TRAVEL, LOSS = range(4)  # loss: 2 zeta sqrt(mass per rope)
+
+
+@rule(__file__)
+def rope_rule(values, motion, answer):
+    """Force on the stretch (m) of the ropes of one drum."""
+    stretch = motion.u[0]
+    if stretch <= 0.0:
+        return
+    length = values[LENGTH] - values[TRAVEL] * motion.angle
+    k = values[STIFFNESS_TIMES_LENGTH] / length
+    elastic, c = k * stretch, values[LOSS] * math.sqrt(k)
+    answer.elastic[0], answer.stiffness[0, 0] = elastic, k
+    answer.log[ENERGY] = 0.5 * elastic * stretch
+    answer.log[BY_ANGLE] = answer.log[ENERGY] * values[TRAVEL] / length
+    if elastic + c * motion.v[0] > 0.0:
+        answer.lost[0], answer.lost_by_v[0, 0] = c * motion.v[0], c
+    else:
+        answer.lost[0], answer.lost_by_u[0, 0] = -elastic, -k
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rope(Load):
+    """A container on ropes; ``axial_stiffness`` is EA of one rope (N), ``falls`` their number over all drums."""
+
+    container_mass: float
+    drum_radius: float
+    falls: int
+    axial_stiffness: float
+    length: float
+    reeving: float = 2.0
+    damping_ratio: float = 0.02
+    follow_length: bool = True  # False: keep the stiffness of the initial length
+    direction: float | None = None  # rad from +x to +z in which the ropes pull the drums
+    ground: Ground | None = None
+    model: Literal["rope", "rope-pendulum"] = "rope"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("container_mass", "drum_radius", "falls", "axial_stiffness", "length", "reeving"):
+            positive(f"rope {name}", getattr(self, name))
+        not_negative("rope damping_ratio", self.damping_ratio)
+        if self.direction is not None:
+            finite("rope direction", self.direction)
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """The container's lift."""
+        return ("container:lift",)
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Rope force, lift and acceleration of the container."""
+        return (ROPE_FORCE, *CONTAINER)
+
+    @property
+    def mass(self) -> float:
+        """Of the container, kg."""
+        return self.container_mass
+
+    @property
+    def travel_per_radian(self) -> float:
+        """Rise of the container per radian of the drum (m)."""
+        return self.drum_radius / self.reeving
+
+    @property
+    def stiffness_times_length(self) -> float:
+        """EA of all falls of one drum (N): k = this / L."""
+        return self.falls * self.axial_stiffness / len(self.drums)
+
+    @property
+    def loss(self) -> float:
+        """2 zeta sqrt(mass per drum): the damping of the ropes of a drum is this times the root of their stiffness."""
+        return 2 * self.damping_ratio * math.sqrt(self.container_mass / len(self.drums))
+
+    @property
+    def idle(self) -> bool:
+        """Whether the container stands on the ground at t = 0 with the rope slack."""
+        return self.ground is not None and self.ground.level > 0.0
+
+    def torque_on_shaft(self, gravity: float) -> float:
+        """Torque (N m, lowering positive) of the hanging weight."""
+        return self.container_mass * gravity * self.travel_per_radian
+
+    def rolling(self, ratio: float) -> np.ndarray:
+        """Motion of its coordinates per motor angle."""
+        return np.array([self.travel_per_radian * ratio])
+
+    def constant_force(self, lay: Layout) -> np.ndarray:
+        """Weight of the container on its lift."""
+        force = np.zeros(lay.size)
+        force[-1] = -lay.machine.gravity * self.container_mass
+        return force
+
+    def stretch_row(self, lay: Layout, y: float) -> np.ndarray:
+        """Row of the stretch of the ropes of the drum at ``y``."""
+        row = self.travel_per_radian * lay.angle_row(self.shaft, y)
+        row -= lay.node_row(self.shaft, y, np.array([*pull_axis(self.direction), 0.0, 0.0, 0.0])) / self.reeving
+        row[-1] -= 1.0
+        return row
+
+    def weight_per_drum(self, gravity: float) -> float:
+        """Weight (N) on the ropes of a drum, at least that of 1 N over all: the scale of their force."""
+        return max(self.container_mass * gravity, 1.0) / len(self.drums)
+
+    def travel(self, ratio: float) -> float:
+        """Shortening (m) of the ropes per motor angle, as far as their stiffness follows it."""
+        return self.travel_per_radian * ratio if self.follow_length else 0.0
+
+    def elements(self, assembly: Assembly) -> Iterator[Element]:
+        """The ropes of every drum, and the ground."""
+        stiffness = self.stiffness_times_length / self.length
+        travel = self.travel(assembly.ratios[self.shaft])
+        for i, y in enumerate(self.drums):
+            yield Element(
+                kind="rope",
+                name=f"rope:{i}",
+                part="rope",
+                spring="rope",
+                rule=rope_rule,
+                values=(self.stiffness_times_length, self.length, travel, self.loss),
+                rows=self.stretch_row(assembly.layout, y)[None],
+                row_names=("stretch",),
+                scale=(self.weight_per_drum(assembly.machine.gravity),),
+                stiffness=(stiffness,),
+                damping=(self.loss * math.sqrt(stiffness),),
+                opens=True,
+                signals=(Signal(ROPE_FORCE, "N", force=(1.0,)),),
+                lets_go="rope:slack_events",
+            )
+        if self.ground is not None:
+            yield self.ground.element(assembly, self)
+
+    def readings(self, lay: Layout) -> dict[str, Reading]:
+        """Channels of the container's motion."""
+        rise, lift = float(lay.rolling()[-1]), np.eye(lay.size)[-1]
+        return {
+            CONTAINER[0]: Reading("m", displacement=lift, rigid=(rise, 0.0, 0.0)),
+            CONTAINER[1]: Reading("m/s2", acceleration=lift, rigid=(0.0, 0.0, rise)),
+        }
+
+    def turned(self, angle: float, ratio: float) -> Rope:
+        """The same after the motors have rolled by ``angle`` (rad)."""
+        if not self.follow_length:
+            return self
+        wound = self.travel_per_radian * ratio * angle
+        if wound >= self.length:
+            raise MachineError(
+                f"motor angle {angle:.6g} rad: the drums have then wound {wound:.4g} m of {self.length:.4g} m of rope. "
+                "Stay below, or start with a longer rope."
+            )
+        return replace(self, length=self.length - wound)
+
+    def check_run(self, profile: SpeedProfile, ratio: float, end: float) -> None:
+        """Raise MachineError if the drums would wind more rope than there is before ``end`` (s)."""
+        if not self.follow_length:
+            return
+        corners = profile.times[(profile.times > 0.0) & (profile.times < end)]
+        times = np.concatenate([np.linspace(0.0, end, 1001), corners])
+        wound = self.travel_per_radian * ratio * profile.angle(times)
+        if wound.max() >= self.length:
+            when = times[wound >= self.length].min()
+            raise MachineError(
+                f"rope: its {self.length:.4g} m are wound up at t = {when:.4g} s (by {end:.4g} s the drums would take "
+                f"{wound.max():.4g} m). Start with a longer rope, or lift less."
+            )

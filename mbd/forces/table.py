@@ -1,0 +1,235 @@
+"""Element tables: all elements of a machine as flat arrays, and the compiled loops over them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+
+from fem.compiled import FLOAT, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, inner, stored
+from mbd.forces.element import (
+    BY_ANGLE,
+    ENERGY,
+    FROZEN_ENERGY,
+    LOG_COLUMNS,
+    PARAMETRIC,
+    WIDTH,
+    Answer,
+    Element,
+    Motion,
+    call_rule,
+)
+
+
+class Table(NamedTuple):
+    """Constants of the elements in their order (a tuple that numba reads); rows are counted over all elements."""
+
+    rule: np.ndarray  # (element,) cell of the kind's rule
+    row: np.ndarray  # (element + 1,) first row of each element, and the number of rows
+    value: np.ndarray  # (element + 1,) the same for its numbers in `values`
+    values: np.ndarray
+    seen: np.ndarray  # (element, 2) first and end of the rows that it observes, counted among those
+    read: np.ndarray  # (element, 2) first and end of the rows that it reads
+    opens: np.ndarray  # (element,) 1 if it may lose contact
+    by_frozen: np.ndarray  # (element,) 1 if its parametric work goes by frozen rows
+    pattern: np.ndarray  # (row, WIDTH) rows that the columns of its slopes belong to
+    width: np.ndarray  # (row,) how many of them are used
+    stiffness: np.ndarray  # (row,) reference k0
+    damping: np.ndarray  # (row,) reference c0
+    scale: np.ndarray  # (row,) force that counts as 1 for convergence
+
+
+class Instant(NamedTuple):
+    """What the elements answer at an instant."""
+
+    elastic: np.ndarray  # (row,) part of the forces that follows from the potentials
+    lost: np.ndarray  # (row,) all other force
+    stiffness: np.ndarray  # (row, WIDTH) slopes of the elastic part by the element's own rows
+    log: np.ndarray  # (element, column), see `mbd.forces.element.LOG_COLUMNS`
+    frozen: np.ndarray  # (row,) elastic forces at the rows of the last instant and the parameter of this one
+    frozen_stiffness: np.ndarray  # (row, WIDTH)
+
+
+TABLE = types.NamedTuple(
+    (
+        *(INTEGERS, INTEGERS, INTEGERS, VECTOR, INTEGER_MATRIX, INTEGER_MATRIX, INTEGERS, INTEGERS),
+        *(INTEGER_MATRIX, INTEGERS, VECTOR, VECTOR, VECTOR),
+    ),
+    Table,
+)
+INSTANT = types.NamedTuple((VECTOR, VECTOR, MATRIX, MATRIX, VECTOR, MATRIX), Instant)
+CLOCK = types.UniTuple(FLOAT, 3)  # motor angle (rad), its speed (rad/s), time (s)
+
+
+def element_table(elements: Sequence[Element], n_coordinates: int) -> tuple[Table, np.ndarray]:
+    """The table of the elements, and all rows that they observe (k, coordinate)."""
+    first = _starts(len(element.rows) for element in elements)
+    place = {element.name: i for i, element in enumerate(elements)}
+    pattern, width, seen, reads = [], [], [], []
+    observed: list[np.ndarray] = []
+    for i, element in enumerate(elements):
+        start, end = (first[place[element.reads[0]]], first[place[element.reads[-1]] + 1]) if element.reads else (0, 0)
+        columns = [*range(first[i], first[i + 1]), *range(start, end)]
+        pattern += [columns + [-1] * (WIDTH - len(columns))] * len(element.rows)
+        width += [len(columns)] * len(element.rows)
+        reads.append((start, end))
+        seen.append(_observed(observed, element.seen))
+    packed = [np.asarray(element.values, dtype=float) for element in elements]
+    per_row = {
+        name: np.concatenate([np.zeros(0), *(element.reference(name) for element in elements)])
+        for name in ("stiffness", "damping", "scale")
+    }
+    table = Table(
+        rule=np.array([element.rule for element in elements], dtype=np.int64),
+        row=first,
+        value=_starts(len(values) for values in packed),
+        values=np.concatenate([np.zeros(0), *packed]),
+        seen=np.array(seen, dtype=np.int64).reshape(-1, 2),
+        read=np.array(reads, dtype=np.int64).reshape(-1, 2),
+        opens=np.array([element.opens for element in elements], dtype=np.int64),
+        by_frozen=np.array([element.by_frozen for element in elements], dtype=np.int64),
+        pattern=np.array(pattern, dtype=np.int64).reshape(-1, WIDTH),
+        width=np.array(width, dtype=np.int64),
+        **per_row,
+    )
+    return table, np.array(observed).reshape(-1, n_coordinates)
+
+
+def _starts(counts: Iterable[int]) -> np.ndarray:
+    return np.concatenate([[0], np.cumsum(np.fromiter(counts, dtype=np.int64))]).astype(np.int64)
+
+
+def _observed(known: list[np.ndarray], rows: np.ndarray) -> tuple[int, int]:
+    """First and end of ``rows`` among the known ones, where they are added if they are new."""
+    n = len(rows)
+    for start in range(len(known) - n + 1 if n else 0):
+        if all(np.array_equal(a, b) for a, b in zip(known[start : start + n], rows, strict=True)):
+            return start, start + n
+    known.extend(rows)
+    return len(known) - n, len(known)
+
+
+def instant(table: Table) -> Instant:
+    """Room for the answers of one instant."""
+    m = len(table.pattern)
+    return Instant(
+        elastic=np.zeros(m),
+        lost=np.zeros(m),
+        stiffness=np.zeros((m, WIDTH)),
+        log=np.zeros((len(table.rule), len(LOG_COLUMNS))),
+        frozen=np.zeros(m),
+        frozen_stiffness=np.zeros((m, WIDTH)),
+    )
+
+
+def slope_matrix(slope: np.ndarray, table: Table) -> np.ndarray:
+    """Matrix (m, m) of the slopes (m, WIDTH) with respect to the rows that each row's force depends on."""
+    matrix = np.zeros((len(slope), len(slope)))
+    for r, values in enumerate(slope):
+        for k in range(table.width[r]):
+            matrix[r, table.pattern[r, k]] += values[k]
+    return matrix
+
+
+@apart(types.none, TABLE, CLOCK, VECTOR, VECTOR, VECTOR, MATRIX, VECTOR, MATRIX, MATRIX, INSTANT)
+@stored(__file__, entry=False)
+def row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now):
+    """Residual forces lambda = k0 u + c0 u' - F and their slopes at row displacements u and rates v; fills ``now``.
+
+    ``slope_u[r]`` and ``slope_v[r]`` hold d force[r] by the rows ``pattern[r]``. ``before`` (row,) and ``held``
+    (row, WIDTH), either of which may be empty, are those of `mbd.forces.element.Motion`.
+    """
+    m = len(force)
+    _clear(slope_u, slope_v, now)
+    for e in range(len(table.rule)):
+        a, b = table.row[e], table.row[e + 1]
+        seen, end = m + table.seen[e, 0], m + table.seen[e, 1]
+        first, last = table.read[e, 0], table.read[e, 1]
+        call_rule(
+            table.rule[e],
+            table.values[table.value[e] : table.value[e + 1]],
+            Motion(
+                clock[0], clock[1], clock[2], u[a:b], v[a:b], u[seen:end], before[a:b], held[a:b],
+                now.elastic[first:last], now.stiffness[first:last],
+            ),
+            Answer(
+                now.elastic[a:b], now.stiffness[a:b], now.lost[a:b], slope_u[a:b], slope_v[a:b], now.frozen[a:b],
+                now.frozen_stiffness[a:b], now.log[e],
+            ),
+        )  # fmt: skip
+    for r in range(m):
+        k0, c0 = table.stiffness[r], table.damping[r]
+        force[r] = k0 * u[r] + c0 * v[r] - (now.elastic[r] + now.lost[r])
+        for j in range(table.width[r]):
+            slope_u[r, j] = -now.stiffness[r, j] - slope_u[r, j]
+            slope_v[r, j] = -slope_v[r, j]
+            if table.pattern[r, j] == r:
+                slope_u[r, j] += k0
+                slope_v[r, j] += c0
+
+
+@inner()
+def _clear(slope_u, slope_v, now):
+    for r in range(len(slope_u)):
+        now.elastic[r], now.lost[r], now.frozen[r] = 0.0, 0.0, 0.0
+        for j in range(WIDTH):
+            slope_u[r, j], slope_v[r, j] = 0.0, 0.0
+            now.stiffness[r, j], now.frozen_stiffness[r, j] = 0.0, 0.0
+    for e in range(len(now.log)):
+        for j in range(now.log.shape[1]):
+            now.log[e, j] = 0.0
+
+
+@inner()
+def follow_tangent(table, before, u, v, force, now):
+    """Move what the elements answered at the rows ``before`` to u, v nearby, where ``force`` is the solution."""
+    for e in range(len(table.rule)):
+        a, b = table.row[e], table.row[e + 1]
+        energy = 0.0
+        for r in range(a, b):
+            change = 0.0
+            for j in range(b - a):
+                change += now.stiffness[r, j] * (u[a + j] - before[a + j])
+            energy += (now.elastic[r] + 0.5 * change) * (u[r] - before[r])
+            now.elastic[r] += change
+        now.log[e, ENERGY] += energy
+        if table.opens[e] == 1 and now.elastic[a] < 0.0:
+            now.elastic[a] = 0.0
+        for r in range(a, b):
+            now.lost[r] = table.stiffness[r] * u[r] + table.damping[r] * v[r] - force[r] - now.elastic[r]
+
+
+@inner()
+def parametric_work(table, angle_before, angle, u_before, u, last, now, push):
+    """Fill the parametric work of the step from motor angle ``angle_before`` to ``angle`` (rad), and into ``push``
+    (row,) the change of the elastic forces by the parameter alone, of the elements that go by frozen rows."""
+    for e in range(len(table.rule)):
+        a, b = table.row[e], table.row[e + 1]
+        for r in range(a, b):
+            push[r] = 0.0
+        if table.by_frozen[e] == 0:
+            slope = 0.5 * (last.log[e, BY_ANGLE] + now.log[e, BY_ANGLE])
+            now.log[e, PARAMETRIC] = slope * (angle - angle_before)
+        elif last.log[e, ENERGY] > 0.0 or now.log[e, ENERGY] > 0.0:
+            along, bent = 0.0, 0.0
+            for r in range(a, b):
+                push[r] = now.frozen[r] - last.elastic[r]
+                along += push[r] * (u[r] - u_before[r])
+                for j in range(b - a):
+                    change = now.frozen_stiffness[r, j] - last.stiffness[r, j]
+                    bent += change * (u[r] - u_before[r]) * (u[a + j] - u_before[a + j])
+            work = now.log[e, FROZEN_ENERGY] - last.log[e, ENERGY]
+            now.log[e, PARAMETRIC] = work + 0.5 * along + bent / 12.0
+
+
+@inner()
+def contact_changed(table, before, after):
+    """True if an element touched or let go between the elastic forces (row,) of two instants."""
+    changed = False
+    for e in range(len(table.rule)):
+        if table.opens[e] == 1:
+            r = table.row[e]
+            changed = changed or (before[r] > 0.0) != (after[r] > 0.0)
+    return changed

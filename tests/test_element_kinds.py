@@ -1,0 +1,162 @@
+"""What every element kind must meet, whatever it is: its forces, slopes and works belong to one another."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from mbd_rigs import no_casing, rigid_casing, train
+
+from mbd.drive import SpeedProfile
+from mbd.forces.element import BY_ANGLE, ENERGY, WIDTH, Element, Signal, rule
+from mbd.forces.ground import Ground
+from mbd.forces.newton import forces_at
+from mbd.forces.pendulum import RopePendulum
+from mbd.forces.rolling_bearing import hertz_bearing
+from mbd.forces.table import instant, slope_matrix
+from mbd.forces.torque import Torque
+from mbd.linearised import linear_modes
+from mbd.load import OutsideForce
+from mbd.losses import Brake, Coulomb, Efficiency
+from mbd.rolling_catalogue import by_designation
+from mbd.simulate import Settings, simulate
+from mbd.statics import equilibrium
+from mbd.system import assemble
+
+CUBIC = 3e13  # N/m3
+
+
+@rule(__file__)
+def snubber_rule(values, motion, answer):
+    """A kind of this file alone: F = k u^3 + c u'."""
+    u, v = motion.u[0], motion.v[0]
+    answer.elastic[0], answer.stiffness[0, 0] = values[0] * u**3, 3.0 * values[0] * u**2
+    answer.lost[0], answer.lost_by_v[0, 0] = values[1] * v, values[1]
+    answer.log[ENERGY] = 0.25 * values[0] * u**4
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Snubber(OutsideForce):
+    def elements(self, assembly):
+        yield Element(
+            kind="snubber", name=self.name, part=self.name, spring="snubber", rule=snubber_rule, values=(CUBIC, 50.0),
+            rows=assembly.layout.axis_row(self.shaft, self.y, 2)[None], row_names=("uz",), scale=(10.0,),
+            signals=(Signal(f"{self.name}:force", "N", force=(1.0,)),),
+        )  # fmt: skip
+
+
+def hoisting(**load):
+    return train(1, load="rope", rope={"container_mass": 300.0, **load})
+
+
+def swinging():
+    machine = hoisting()
+    fields = {f.name: getattr(machine.load, f.name) for f in dataclasses.fields(machine.load) if f.name != "model"}
+    return dataclasses.replace(machine, load=RopePendulum(**fields, sway=(0.05, 0.02)))
+
+
+def in_rolling_bearings(*names):
+    machine = hoisting()
+    bearings = tuple(
+        hertz_bearing(b.name, b.shaft, b.y, by_designation(names[i % 2]), 1e-5) for i, b in enumerate(machine.bearings)
+    )
+    return dataclasses.replace(machine, bearings=bearings)
+
+
+def lossy(losses):
+    return dataclasses.replace(hoisting(), losses=losses, brake=Brake(shaft="shaft_1", y=-0.2, torque=40.0))
+
+
+SNUBBER = Snubber(name="snubber", shaft="shaft_1", y=0.0)
+PUSH = Torque(name="push", shaft="shaft_2", y=0.0, times=np.array([0.0, 0.02, 0.03]), torques=np.array([0.0, 5.0, 3.0]))
+MACHINES = {
+    "rope": hoisting,
+    "ground": lambda: hoisting(ground=Ground(level=-0.0002, stiffness=1e6)),
+    "pendulum": swinging,
+    "balls": lambda: in_rolling_bearings("6208", "6208"),
+    "rollers": lambda: in_rolling_bearings("NU208", "6208"),
+    "efficiency": lambda: lossy(Efficiency(mesh_efficiency=0.95)),
+    "coulomb": lambda: lossy(Coulomb(tooth_friction=0.06, bearing_friction=0.002)),
+    "gyroscopic": lambda: dataclasses.replace(hoisting(), gyroscopic=True),
+    "from outside": lambda: dataclasses.replace(hoisting(), forces=(SNUBBER, PUSH)),
+}
+
+
+def answer(system, u, v, clock):
+    """Residual forces, slope matrices by u and v, and what the elements answered."""
+    m = len(v)
+    now, force, by_u, by_v = instant(system.table), np.zeros(m), np.zeros((m, WIDTH)), np.zeros((m, WIDTH))
+    forces_at(system.table, clock, u, v, u[:0], by_u[:0], force, by_u, by_v, now)
+    return force, slope_matrix(by_u, system.table), slope_matrix(by_v, system.table), now
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_forces_slopes_and_potentials_belong_together(name):
+    """At the equilibrium, motors at speed: slopes are those of the forces, elastic forces and dU/d angle those of U."""
+    system = assemble(MACHINES[name](), no_casing(), ())
+    state, m, angle, speed = equilibrium(system), len(system.rows), 0.03, 2.0
+    u, v = system.all_rows @ state.displacement, np.zeros(m)
+    _, by_u, by_v, now = answer(system, u, v, (angle, speed, 0.01))
+    owner = np.repeat(np.arange(len(system.elements)), np.diff(system.table.row))
+    assert abs(now.log[:, ENERGY]).max() > 0.0
+    size, h = system.table.scale, 1e-8
+    for r in range(m):
+        up, down = u.copy(), u.copy()
+        up[r], down[r] = u[r] + h, u[r] - h
+        plus, minus = (answer(system, x, v, (angle, speed, 0.01)) for x in (up, down))
+        change = plus[0] - minus[0]
+        np.testing.assert_allclose(change, 2 * h * by_u[:, r], atol=5e-3 * abs(change).max() + 1e-9 * size[r])
+        work = (plus[3].log[owner[r], ENERGY] - minus[3].log[owner[r], ENERGY]) / (2 * h)
+        assert work == pytest.approx(now.elastic[r], rel=1e-4, abs=1e-6 * size[r])
+        rate = v.copy()
+        rate[r] = 1e-6
+        moved = answer(system, u, rate, (angle, speed, 0.01))[0] - answer(system, u, -rate, (angle, speed, 0.01))[0]
+        np.testing.assert_allclose(moved, 2e-6 * by_v[:, r], rtol=1e-4, atol=1e-9 * size[r])
+    turned = [answer(system, u, v, (angle + d, speed, 0.01))[3].log[:, ENERGY] for d in (1e-5, -1e-5)]
+    for i, element in enumerate(system.elements):
+        if not element.by_frozen and not element.rolls:
+            assert now.log[i, BY_ANGLE] == pytest.approx((turned[0][i] - turned[1][i]) / 2e-5, rel=1e-3, abs=1e-9)
+
+
+def test_a_kind_that_nothing_else_knows_runs_and_its_energy_is_balanced():
+    profile = SpeedProfile(times=np.array([0.01, 0.02]), speeds=np.array([0.0, 94.0]))
+    machine = dataclasses.replace(hoisting(), forces=(SNUBBER,), profile=profile)
+    system = assemble(machine, rigid_casing(machine))
+    run = simulate(
+        assemble(machine, rigid_casing(machine), ("snubber:force",)), Settings(end=0.06, output_rate=5e3, step=1e-5)
+    )
+    assert run.channel("snubber:force").std() > 1.0
+    assert run.book("snubber", "dissipated") > 0.0
+    assert abs(run.book("snubber", "residual")) < 1e-3 * run.book("snubber", "scale")
+    assert abs(run.book("total", "residual")) < 1e-6 * run.book("total", "scale")
+    assert "snubber" in linear_modes(system).part_names
+
+
+@pytest.mark.parametrize("method", ["exponential", "generalised-alpha"])
+def test_a_torque_over_time_reaches_the_motors_and_its_work_is_booked(method):
+    """A slow torque on the output shaft takes its share off the motors; what it works is what it is said to receive."""
+    standing = SpeedProfile(times=np.zeros(1), speeds=np.zeros(1))
+    push = Torque(name="push", shaft="shaft_2", y=0.0, times=np.array([0.0, 0.2]), torques=np.array([0.0, 8.0]))
+    machine = dataclasses.replace(train(1, profile=standing, coupling_damping=5.0), forces=(push,))
+    channels = ("motor_1:torque", "motor_2:torque")
+    run = simulate(
+        assemble(machine, no_casing(), channels),
+        Settings(end=0.3, output_rate=2e3, step=2e-5, integrator=method),
+    )
+    torque = run.channel(channels[0]) + run.channel(channels[1])
+    taken = 8.0 * machine.ratios()["shaft_2"]
+    late = run.time > 0.25
+    assert torque[0] - torque[late].mean() == pytest.approx(taken, rel=1e-3)
+    assert run.book("push", "stored") == 0.0
+    assert run.book("push", "dissipated") < 0.0  # it gives work
+    assert abs(run.book("total", "residual")) < 1e-5 * run.book("total", "scale")
+
+
+def test_a_torque_works_on_the_rolling_train():
+    """Lifting at constant speed: its work is torque times angle."""
+    push = Torque(name="push", shaft="shaft_2", y=0.0, times=np.zeros(1), torques=np.array([4.0]))
+    profile = SpeedProfile(times=np.array([0.01, 0.04]), speeds=np.array([0.0, 94.0]))
+    machine = dataclasses.replace(train(1, profile=profile), forces=(push,))
+    run = simulate(assemble(machine, no_casing(), ("shaft_2:angle",)), Settings(end=0.05, output_rate=1e5, step=1e-5))
+    turned = run.channel("shaft_2:angle")[-1] - run.channel("shaft_2:angle")[0]
+    assert run.book("push", "dissipated") == pytest.approx(-4.0 * turned, rel=1e-3)
+    assert abs(run.book("total", "residual")) < 1e-6 * run.book("total", "scale")
