@@ -115,8 +115,7 @@ def inner(**options: Any) -> Callable:
     return functools.partial(Inner, **options)
 
 
-@intrinsic
-def lent(typingctx: Any, array: types.Array) -> tuple[Any, Callable]:
+def _lent(typingctx: Any, array: types.Array) -> tuple[Any, Callable]:
     """The array without a share in its memory, for callees: no references are counted for it and slices of it.
 
     It holds as long as the caller keeps the array itself. Counting takes 5 ns per slice and more.
@@ -129,6 +128,9 @@ def lent(typingctx: Any, array: types.Array) -> tuple[Any, Callable]:
         return view._getvalue()
 
     return array(array), generate
+
+
+lent: Any = intrinsic(_lent)
 
 
 def apart(result: types.Type, *arguments: types.Type) -> Callable:
