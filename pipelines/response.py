@@ -9,7 +9,6 @@ import numpy as np
 import xarray
 
 from mbd import channels
-from mbd.forces.rope import Rope
 from mbd.machine import Machine
 from mbd.trajectory import Trajectory
 from pipelines.scene import Scene
@@ -64,7 +63,7 @@ def make_response(scene: Scene, machine: Machine, trajectory: Trajectory) -> xar
         data["journal_acceleration"] = variable(
             ("bearing", "axis"), points(bearings, channels.journal_acceleration), "m/s2", "acceleration of the journal"
         )
-    if isinstance(machine.load, Rope):
+    if channels.ROPE_FORCE in trajectory.channel_names:
         data["rope_force"] = variable((), trajectory.channel(channels.ROPE_FORCE), "N", "force of all falls together")
         data["container_lift"] = variable((), trajectory.channel(channels.CONTAINER[0]), "m", "rise of the container")
         data["container_acceleration"] = variable(

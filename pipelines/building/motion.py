@@ -23,7 +23,6 @@ class MotionSpec:
 
 def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw]) -> Built:
     """The trajectory of the wanted channels, with its energy books and counters."""
-    from mbd.forces.rope import Rope
     from mbd.simulate import Settings, simulate
     from mbd.system import assemble
     from pipelines.layout import lay_out
@@ -42,7 +41,7 @@ def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw]) -
         integrator=table.integrator,
     )
     trajectory = simulate(system, settings)
-    return Built(trajectory, ledger(trajectory, system.basis.shape[1], rope=isinstance(train.load, Rope)))
+    return Built(trajectory, ledger(trajectory, system.basis.shape[1], rope=bool(train.load.coordinates)))
 
 
 def ledger(trajectory: Trajectory, coordinates: int, *, rope: bool) -> dict[str, int]:
