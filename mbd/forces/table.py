@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from fem.compiled import FLOAT, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, inner, stored
+from fem.compiled import FLOAT, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, inner, lent, stored
 from mbd.forces.element import (
     BY_ANGLE,
     ENERGY,
@@ -21,6 +21,8 @@ from mbd.forces.element import (
     Motion,
     call_rule,
 )
+
+LOG_WIDTH = len(LOG_COLUMNS)
 
 
 class Table(NamedTuple):
@@ -142,44 +144,37 @@ def row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now):
     (row, WIDTH), either of which may be empty, are those of `mbd.forces.element.Motion`.
     """
     m = len(force)
-    _clear(slope_u, slope_v, now)
-    for e in range(len(table.rule)):
-        a, b = table.row[e], table.row[e + 1]
-        seen, end = m + table.seen[e, 0], m + table.seen[e, 1]
-        first, last = table.read[e, 0], table.read[e, 1]
-        call_rule(
-            table.rule[e],
-            table.values[table.value[e] : table.value[e + 1]],
-            Motion(
-                clock[0], clock[1], clock[2], u[a:b], v[a:b], u[seen:end], before[a:b], held[a:b],
-                now.elastic[first:last], now.stiffness[first:last],
-            ),
-            Answer(
-                now.elastic[a:b], now.stiffness[a:b], now.lost[a:b], slope_u[a:b], slope_v[a:b], now.frozen[a:b],
-                now.frozen_stiffness[a:b], now.log[e],
-            ),
-        )  # fmt: skip
+    rows, rates, old, hold = lent(u), lent(v), lent(before), lent(held)
+    elastic, stiffness, lost = lent(now.elastic), lent(now.stiffness), lent(now.lost)
+    frozen, frozen_stiffness, log = lent(now.frozen), lent(now.frozen_stiffness), lent(now.log)
+    by_u, by_v, values = lent(slope_u), lent(slope_v), lent(table.values)
+    starts, places, seen, read = lent(table.row), lent(table.value), lent(table.seen), lent(table.read)
+    rules, widths, pattern = lent(table.rule), lent(table.width), lent(table.pattern)
+    k, c = lent(table.stiffness), lent(table.damping)
     for r in range(m):
-        k0, c0 = table.stiffness[r], table.damping[r]
-        force[r] = k0 * u[r] + c0 * v[r] - (now.elastic[r] + now.lost[r])
-        for j in range(table.width[r]):
-            slope_u[r, j] = -now.stiffness[r, j] - slope_u[r, j]
-            slope_v[r, j] = -slope_v[r, j]
-            if table.pattern[r, j] == r:
-                slope_u[r, j] += k0
-                slope_v[r, j] += c0
-
-
-@inner()
-def _clear(slope_u, slope_v, now):
-    for r in range(len(slope_u)):
-        now.elastic[r], now.lost[r], now.frozen[r] = 0.0, 0.0, 0.0
+        elastic[r], lost[r], frozen[r] = 0.0, 0.0, 0.0
         for j in range(WIDTH):
-            slope_u[r, j], slope_v[r, j] = 0.0, 0.0
-            now.stiffness[r, j], now.frozen_stiffness[r, j] = 0.0, 0.0
-    for e in range(len(now.log)):
-        for j in range(now.log.shape[1]):
-            now.log[e, j] = 0.0
+            by_u[r, j], by_v[r, j], stiffness[r, j], frozen_stiffness[r, j] = 0.0, 0.0, 0.0, 0.0
+    for e in range(len(rules)):
+        for j in range(LOG_WIDTH):
+            log[e, j] = 0.0
+        a, b, first, last = starts[e], starts[e + 1], read[e, 0], read[e, 1]
+        motion = Motion(
+            clock[0], clock[1], clock[2], rows[a:b], rates[a:b], rows[m + seen[e, 0] : m + seen[e, 1]], old[a:b],
+            hold[a:b], elastic[first:last], stiffness[first:last],
+        )  # fmt: skip
+        answer = Answer(
+            elastic[a:b], stiffness[a:b], lost[a:b], by_u[a:b], by_v[a:b], frozen[a:b], frozen_stiffness[a:b], log[e]
+        )
+        call_rule(rules[e], values[places[e] : places[e + 1]], motion, answer)
+    for r in range(m):
+        force[r] = k[r] * u[r] + c[r] * v[r] - (elastic[r] + lost[r])
+        for j in range(widths[r]):
+            by_u[r, j] = -stiffness[r, j] - by_u[r, j]
+            by_v[r, j] = -by_v[r, j]
+            if pattern[r, j] == r:
+                by_u[r, j] += k[r]
+                by_v[r, j] += c[r]
 
 
 @inner()

@@ -31,7 +31,6 @@ def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw], f
     """
     import numpy as np
 
-    from mbd.forces.rope import Rope
     from mbd.repeatability import other_start
     from mbd.simulate import Settings, simulate
     from mbd.statics import equilibrium
@@ -55,7 +54,7 @@ def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw], f
     if table.start:
         start = other_start(system, equilibrium(system, float(train.profile.speed(np.zeros(1))[0])), table.start)
     trajectory = simulate(system, settings, start=start, file=folder / "values.npy" if folder else None)
-    return Built(trajectory, ledger(trajectory, system.basis.shape[1], rope=isinstance(train.load, Rope)))
+    return Built(trajectory, ledger(trajectory, system.basis.shape[1], rope=bool(train.load.coordinates)))
 
 
 def ledger(trajectory: Trajectory, coordinates: int, *, rope: bool) -> dict[str, int]:

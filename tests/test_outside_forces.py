@@ -1,0 +1,42 @@
+"""Forces from outside in a scene: a torque over time on a shaft."""
+
+import numpy as np
+import pytest
+
+from pipelines.chain import motion_scene
+from pipelines.errors import SceneError
+from pipelines.payload import digest
+from pipelines.scene_file import load_scene
+
+TORQUE = {"model": "torque", "shaft": 2, "position_mm": 0.0, "times_s": [0.0, 0.5], "torques_N_m": [0.0, 12.0]}
+
+
+def scene(**changes):
+    return load_scene("minimal", {"forces": [TORQUE | changes]}).scene
+
+
+def test_a_torque_of_a_scene_in_si():
+    force = scene(position_mm=10.0).forces[0].spec(1)
+    assert (force.name, force.shaft, force.y) == ("force_1", "shaft_2", 0.01)
+    np.testing.assert_array_equal(force.times, [0.0, 0.5])
+    np.testing.assert_array_equal(force.torques, [0.0, 12.0])
+
+
+def test_the_motion_is_computed_anew_for_another_torque():
+    one, other = (digest(motion_scene(scene(torques_N_m=[0.0, value]))) for value in (12.0, 13.0))
+    assert one != other
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"torques_N_m": [1.0]}, "times_s has 2 values, torques_N_m has 1"),
+        ({"times_s": [0.5, 0.5]}, "must rise strictly"),
+        ({"shaft": 7}, "there is no shaft 7"),
+        ({"position_mm": 5000.0}, "forces.1.position_mm"),
+        ({"model": "thrust"}, "torque"),
+    ],
+)
+def test_impossible_forces_are_refused(changes, message):
+    with pytest.raises(SceneError, match=message):
+        scene(**changes)
