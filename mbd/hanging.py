@@ -4,9 +4,10 @@ Pendulum: with L the free length of the rigidly rolling train, e the vertical st
 
     d = sqrt((L + e)^2 + X^2 + Y^2)      s = d - L      F = max(0, k s + c s'),   k = EA/L per drum
 
-pulls along the ropes; U = k s^2/2. No approximation of small angles. The rate s' leaves out the part of L', which is
-(1 - cos of the angle) times the rope speed. Winding at constant speed changes L slowly: the sway angle then grows as
-L^(-3/4) (adiabatic invariant E/omega of the pendulum).
+pulls along the ropes; U = k s^2/2. No approximation of small angles. s is formed as (d^2 - L^2)/(d + L): the difference
+of metres would leave 1e-15 m, 2e-12 of a light weight, on which the search for the equilibrium stalls. The rate s'
+leaves out the part of L', which is (1 - cos of the angle) times the rope speed. Winding at constant speed changes L
+slowly: the sway angle then grows as L^(-3/4) (adiabatic invariant E/omega of the pendulum).
 
 Ground: with the height g of the ground and the lift z of the container, both over the place where the just taut rope
 holds it at t = 0, F = max(0, k s + c s') for s = g - z > 0. It pushes upwards only; nothing moves along it.
@@ -45,7 +46,7 @@ def rope_pull(values, angle, u, v, force, stiff, loss):
     c = values[3] * math.sqrt(k)
     depth = length + u[0]
     distance = math.sqrt(depth * depth + u[1] * u[1] + u[2] * u[2])
-    s = distance - length
+    s = (u[0] * (depth + length) + u[1] * u[1] + u[2] * u[2]) / (distance + length)  # d - L without its cancellation
     for i in range(3):
         force[i] = 0.0
         for j in range(3):
