@@ -9,8 +9,8 @@ signal, after the filter of the recorder.
 
 Measured on one stage over 0.5 s against steps of 2.5 us, estimate over true error: 0.8 to 1.3 for loaded machines, ten
 and forty times overloaded ones, light ones with contacts that open, and rolling bearings (steps of 10 to 100 us, errors
-of 0.03 to 40 %), 0.8 to 1.25 for the trapezoidal rule. Where the error sits in the few impacts of a run-up, it depends on
-whether a stretch meets them: 0.23 to 2.9 (5 kg; 3000 and 6000 rpm; 50 and 100 us).
+of 0.03 to 40 %), 0.8 to 1.25 for the trapezoidal rule. Where the error sits in the few impacts of a run-up, it depends
+on whether a stretch meets them: 0.23 to 2.9 (5 kg; 3000 and 6000 rpm; 50 and 100 us).
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from mbd.integrators.base import Block, Integrator
 from mbd.recorder import Recorder, low_pass
 
 ORDER = 2
-STRETCH = 200  # samples of a stretch
+STRETCH = 160  # samples of a stretch
 LEAST = 60  # samples: below, the filter takes all
 STRETCHES = 4
-SHARE = 0.016  # of a long run; computed with half the step it costs twice that
+SHARE = 0.012  # of a long run; computed with half the step it costs twice that
 
 
 class StepCheck:
