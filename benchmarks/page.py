@@ -59,7 +59,7 @@ def benchmarks_page(result: dict[str, Any]) -> str:
         ("Casing: reduction", "Rung craig-bampton to a band of 5 kHz, check-up of the report included.", "modes",
          casing_table),
         ("Casing: static condensation", "", "static", casing_table),
-        ("Time loop", "Time steps, output filter and energy books; assembly, modes, equilibrium and the start of the "
+        ("Time loop", "Time steps, output filter and energy balance; assembly, modes, equilibrium and the start of the "
          "filter are set-up. The rig starts at once: 900 rpm at 0.05 s. Compiled code is loaded beforehand.", "loop",
          loop_table),
         ("One rung changed", "`rig-healthy` with one word changed, 0.3 s of motion, 900 rpm from 0.05 s on; "

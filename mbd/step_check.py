@@ -7,10 +7,10 @@ a doubled step). A stretch starts without error, and the error builds up until d
 adds; so only its second half counts. The estimate is the RMS of the error over all stretches in parts of the RMS of the
 signal, after the filter of the recorder.
 
-Measured on one stage over 0.5 s against steps of 2.5 us, estimate over true error: 0.8 to 1.3 for loaded machines, ten
-and forty times overloaded ones, light ones with contacts that open, and rolling bearings (steps of 10 to 100 us, errors
-of 0.03 to 40 %), 0.8 to 1.25 for the trapezoidal rule. Where the error sits in the few impacts of a run-up, it depends
-on whether a stretch meets them: 0.23 to 2.9 (5 kg; 3000 and 6000 rpm; 50 and 100 us).
+Measured on one stage over 0.5 s against steps of 2.5 us, estimate over true error: 0.8 to 1.5 for loaded machines, ten
+and forty times overloaded ones, friction, rolling bearings, and 20 kg with contacts that open (steps of 10 to 100 us,
+errors of 0.03 to 34 %); 0.88 to 1.12 for the trapezoidal rule. Where the error sits in the few impacts of a run-up, it
+depends on whether a stretch meets them: 0.2 to 2.9 (5 kg; 3000 and 6000 rpm; 50 and 100 us).
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from mbd.integrators.base import Block, Integrator
 from mbd.recorder import Recorder, low_pass
 
 ORDER = 2
-STRETCH = 200  # samples of a stretch
+STRETCH = 160  # samples of a stretch
 LEAST = 60  # samples: below, the filter takes all
 STRETCHES = 4
-SHARE = 0.016  # of a long run; computed with half the step it costs twice that
+SHARE = 0.012  # of a long run; computed with half the step it costs twice that
 
 
 class StepCheck:

@@ -51,6 +51,6 @@ INVARIANTS = (
     ("order of each integrator: 3 for exponential, 2 for the others", "0.15", "test_integrators.py::test_order"),
     ("no drift of energy without damping", "1e-8", "test_integrators.py::test_undamped_energy_does_not_drift"),
     ("two independent integrators agree", "1 %", "test_integrators.py::test_two_independent_integrators_agree"),
-    ("energy books close", "1 % of a part's loss", "test_energy.py::test_books_close"),
+    ("energy balances close", "1 % of a part's loss", "test_energy.py::test_books_close"),
     ("a slack container falls freely", "1 %", "test_rope.py::test_a_slack_container_falls_freely"),
 )  # fmt: skip
