@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numba import njit, types
+from waiting import HANGING
 
 from fem.compiled import FLOAT, INTEGER, VECTOR, apart, inner, sources, stored
 
@@ -61,7 +62,7 @@ def program(tmp_path, monkeypatch):
 
 
 def answer(process):
-    printed, _ = process.communicate(timeout=300)
+    printed, _ = process.communicate(timeout=HANGING)
     assert process.returncode == 0
     value, hits = printed.split()
     return float(value), int(hits)

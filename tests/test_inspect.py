@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 from test_solid_stiffness import pair_of
+from waiting import HANGING
 
 from fem.contact.iso import Iso
 from fem.contact.solid import Solid
@@ -326,7 +327,7 @@ def test_the_window_opens_on_a_virtual_screen(tmp_path):
         env={**os.environ, "PYTHONPATH": str(here.parent)},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=HANGING,
         check=False,
     )
     assert done.returncode == 0, done.stderr
