@@ -1,18 +1,24 @@
 # make run   installs what is missing and runs the main job on the shipped rig
 # make test  installs what is missing and runs the default tests
+# make test-lowest  runs them with the lowest versions that pyproject.toml allows, on the lowest Python
 VENV ?= .venv
 PYTHON ?= python3
 BIN := $(VENV)/bin
+LOWEST := .venv-lowest
+LOWEST_PYTHON ?= python3.11
 SYSTEM_PACKAGES := python3 python3-venv libglu1-mesa libgl1 libegl1 libosmesa6 libxcursor1 libxft2 libxinerama1 \
 	libgomp1 libfontconfig1 libxrender1
 
-.PHONY: run test test-all lint bench peers system clean
+.PHONY: run test test-lowest test-all lint bench peers system clean
 
 run: $(BIN)/.installed
 	$(BIN)/gearcase run rig-missing-tooth
 
 test: $(BIN)/.installed-dev
 	$(BIN)/python -m pytest -n 2 --dist loadfile
+
+test-lowest: $(LOWEST)/.installed
+	$(LOWEST)/bin/python -m pytest -n 2 --dist loadfile
 
 test-all: $(BIN)/.installed-dev
 	$(BIN)/python tests/all_parts.py
@@ -69,5 +75,11 @@ $(BIN)/.installed-dev: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	touch $(BIN)/.installed $@
 
+$(LOWEST)/.installed: pyproject.toml tests/lowest_versions.py | system
+	$(LOWEST_PYTHON) -m venv --clear $(LOWEST)
+	$(LOWEST)/bin/python tests/lowest_versions.py > $(LOWEST)/lowest.txt
+	$(LOWEST)/bin/python -m pip install --quiet --disable-pip-version-check --constraint $(LOWEST)/lowest.txt --editable '.[dev]'
+	touch $@
+
 clean:
-	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(LOWEST) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

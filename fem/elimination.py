@@ -113,7 +113,7 @@ def group_graph(K: sp.spmatrix, block: int) -> sp.csr_matrix:
     gather = sp.csr_matrix((np.ones(n, np.int32), np.arange(n), np.arange(0, n + 1, block)), shape=(size, n))
     graph = sp.csr_matrix(gather @ touched)
     graph = sp.csr_matrix(graph + graph.T)  # an entry may have cancelled to 0 on one side of the diagonal only
-    graph.setdiag(0)
+    graph -= sp.diags(graph.diagonal(), dtype=np.int32)
     graph.eliminate_zeros()
     graph.sort_indices()
     return graph

@@ -46,9 +46,11 @@ def diagnosis_settings(scene: Scene, layout: Layout | None = None) -> DiagnosisS
 
 def _rope_length(scene: Scene, layout: Layout, time: float) -> float | None:
     """Free rope length (m) at a time (s): the length at the start less what the drums have wound."""
+    from scipy.integrate import trapezoid
+
     if not isinstance(scene.load, RopeTable):
         return None
     times, speeds = np.array(scene.drive.times_s), np.array(scene.drive.speeds_rpm) * 2 * np.pi / 60
     fine = np.linspace(0.0, time, 2001)
-    angle = float(np.trapezoid(np.interp(fine, times, speeds), fine)) * layout.shaft_ratios[layout.loaded]
+    angle = float(trapezoid(np.interp(fine, times, speeds), fine)) * layout.shaft_ratios[layout.loaded]
     return scene.load.rope_length_m - angle * scene.load.drum_radius_mm / 1000 / scene.load.reeving_ratio

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 KINDS = ("ground", "bearing", "sensor")
-TIMEOUT = 120.0  # s
+TIMEOUT = 900.0  # s, against a renderer that hangs; a software renderer on a busy machine takes minutes
 MESH_DIRECTION = (-0.55, -0.35, 1.0)
 RENDERER = "pipelines.view"
 

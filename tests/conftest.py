@@ -41,6 +41,13 @@ _FOLDER = pytest.StashKey[str]()
 _BEFORE = pytest.StashKey[str | None]()
 
 
+def pytest_terminal_summary(terminalreporter, config):
+    """Say how to repeat the order of the tests, which is another one in each run."""
+    seed = config.getoption("randomly_seed", None)
+    if seed is not None and config.pluginmanager.hasplugin("randomly"):
+        terminalreporter.write_line(f"Random order of the tests; repeat it with --randomly-seed={seed}")
+
+
 @pytest.fixture
 def own_cache(tmp_path, monkeypatch):
     """An empty cache of this test alone."""

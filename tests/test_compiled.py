@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from numba import njit, types
 from numba.core.dispatcher import Dispatcher
+from waiting import HANGING
 
 from fem import compiled_files
 from fem.cache_folder import CacheWarning
@@ -73,7 +74,7 @@ def program(tmp_path, monkeypatch):
 
 def answer(process, said=""):
     """The value and how often stored code served; on standard error stands nothing, or once what is `said`."""
-    printed, complaints = process.communicate(timeout=300)
+    printed, complaints = process.communicate(timeout=HANGING)
     assert process.returncode == 0, complaints
     assert complaints.count("CacheWarning") == (1 if said else 0), complaints
     assert said in complaints

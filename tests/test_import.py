@@ -99,6 +99,18 @@ def test_same_step_same_mesh_and_same_file(step, stepped, small, tmp_path):
     assert content_hash(tmp_path / "housing.step") == content_hash(step)
 
 
+def test_a_step_file_does_not_depend_on_what_was_written_before_nor_on_its_name(step, small, tmp_path):
+    with session() as gmsh:
+        gmsh.option.setString("Geometry.OCCTargetUnit", "M")
+        gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(tmp_path / "box.step"))
+        gmsh.model.occ.importShapes(str(tmp_path / "box.step"))
+    for name in ("again.step", "other.step"):
+        write_step(small, tmp_path / name)
+        assert (tmp_path / name).read_bytes() == step.read_bytes()
+
+
 def test_a_rigid_body_from_the_mesh_is_the_one_from_the_dimensions(small, native):
     settings = {"density": 7200.0, "mount_stiffness": 1e8, "sensors": small.sensors}
     exact, meshed = rigid_body(small, **settings), rigid_from_mesh(native, **settings)

@@ -5,10 +5,12 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+import tomllib
 import zipfile
 from pathlib import Path
 
 import pytest
+from lowest_versions import lowest_versions
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("fem", "mbd", "pipelines", "meshes")
@@ -69,6 +71,13 @@ def test_every_module_scene_and_mesh_is_in_the_wheel(wheel):
     assert wanted <= inside
     assert not [name for name in inside if name.startswith(("tests", "benchmarks"))]
     assert any(name.endswith("licenses/LICENSE") for name in inside)
+
+
+def test_requirements_have_a_lowest_version_and_only_the_compiler_has_a_highest():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
+    assert len(lowest_versions()) == len(wanted)
+    assert [text.partition(">=")[0] for text in wanted if "<" in text] == ["numba"]
 
 
 @pytest.mark.slow

@@ -7,7 +7,6 @@ fixed seed: the same input gives the same mesh. Mid-side nodes lie on the curved
 from __future__ import annotations
 
 import logging
-import re
 import signal
 import threading
 from collections.abc import Iterator, Mapping
@@ -24,7 +23,7 @@ from fem.casing.quality import GOOD_QUALITY, checked_quality, straightened
 from fem.casing.seats import seat_points
 from fem.casing.sizes import MM, Refinement, Sizes, set_sizes
 from fem.casing.solid import build_solid, find_patches
-from fem.casing.step_file import read_step, refinements
+from fem.casing.step_file import named, read_step, refinements
 from fem.ledger import count
 
 _log = logging.getLogger(__name__)
@@ -137,9 +136,7 @@ def write_step(housing: Housing, path: Path) -> None:
     with session() as gmsh:
         build_solid(gmsh, housing)
         gmsh.write(str(path))
-    text = path.read_text(encoding="latin-1")
-    header = f"FILE_NAME('{path.name}','2000-01-01T00:00:00',(''),(''),'','gearcase','');"
-    text = re.sub(r"FILE_NAME\(.*?\);", lambda _: header, text, count=1, flags=re.DOTALL)
+    text = named(path.read_text(encoding="latin-1"), "housing")
     path.write_text(text, encoding="latin-1", newline="\n")
 
 
@@ -166,6 +163,7 @@ def session() -> Iterator[Any]:
                 "Mesh.LcIntegrationPrecision": 1e-6,  # of element counts along edges; 1e-9 by default takes 1.4 s here
             }.items():
                 gmsh.option.setNumber(option, value)
+            gmsh.option.setString("Geometry.OCCTargetUnit", "MM")  # OpenCASCADE keeps the unit of an earlier session
             gmsh.model.add("housing")
             yield gmsh
         except Exception as error:

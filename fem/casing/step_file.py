@@ -1,4 +1,7 @@
-"""A STEP file -> tetrahedra, in an open gmsh session: read, locate the key points, refine there, mesh."""
+"""A STEP file -> tetrahedra, in an open gmsh session: read, locate the key points, refine there, mesh.
+
+And what names the content of a file that was written.
+"""
 
 from __future__ import annotations
 
@@ -30,6 +33,17 @@ def declared_unit(path: Path) -> str:
         if found := re.search(r"SI_UNIT\((\.\w+\.|\$),\.METRE\.\)", entity):
             return _DECLARED.get(found[1].replace("$", ""), "")
     return ""
+
+
+def named(text: str, name: str) -> str:
+    """The STEP text under this name, without what differs from one writing of a solid to the next.
+
+    OpenCASCADE names the file by its path and the time, and the product by its own version and a count of the files
+    that this process has written; the count stays when gmsh is closed.
+    """
+    header = f"FILE_NAME('{name}','2000-01-01T00:00:00',(''),(''),'','gearcase','');"
+    text = re.sub(r"FILE_NAME\(.*?\);", lambda _: header, text, count=1, flags=re.DOTALL)
+    return re.sub(r"PRODUCT\(\s*'[^']*',\s*'[^']*',", lambda _: f"PRODUCT('{name}','{name}',", text, count=1)
 
 
 def read_step(gmsh: Any, housing: ImportedHousing) -> None:

@@ -87,9 +87,11 @@ def cantilever(
     alpha : inclination of the force to the normal of the axis, pressing towards the clamped end (rad)
     elastic_modulus, shear_modulus : Pa
     """
+    from scipy.integrate import trapezoid
+
     arm = math.cos(alpha) * (load_height - height) - load_offset * math.sin(alpha)
-    bending = np.trapezoid(arm**2 / (elastic_modulus * 2.0 / 3.0 * half_thickness**3), height)
-    along = np.trapezoid(1.0 / (2.0 * half_thickness), height)
+    bending = trapezoid(arm**2 / (elastic_modulus * 2.0 / 3.0 * half_thickness**3), height)
+    along = trapezoid(1.0 / (2.0 * half_thickness), height)
     return (
         float(bending),
         float(SHEAR_FACTOR * math.cos(alpha) ** 2 / shear_modulus * along),

@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 import xarray
+from waiting import HANGING
 
 from pipelines.payload import digest
 from pipelines.results import CONTROL, RESPONSE
@@ -75,10 +76,10 @@ def kill(folder: Path, undisturbed: tuple[str, float], *, between: tuple[float, 
             time.sleep(moment)
             at_work += process.poll() is None
             process.send_signal(signal.SIGKILL)
-            process.communicate(timeout=60)
+            process.communicate(timeout=HANGING)
         assert set(whole_results(folder).values()) <= {wanted}, "half a result looks whole"
         process = start(folder)
-        _, err = process.communicate(timeout=120)
+        _, err = process.communicate(timeout=HANGING)
         assert process.returncode == 0, err
         assert "damaged" not in err
         assert set(whole_results(folder).values()) == {wanted}

@@ -10,6 +10,7 @@ import warnings
 
 import pytest
 from machine import SHORT, bits, start, whole_results
+from waiting import HANGING
 
 from pipelines.runs import run
 
@@ -19,14 +20,14 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits a
 @pytest.mark.parametrize("limit", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in (3000, 40_000))])
 def test_a_full_disk_is_said_and_nothing_half_is_left(undisturbed, tmp_path, limit):
     process = start(tmp_path, limit=limit)
-    _, err = process.communicate(timeout=120)
+    _, err = process.communicate(timeout=HANGING)
     assert process.returncode == 1
     assert "Traceback" not in err
     assert "File too large" in err
     assert "space" in err
     assert whole_results(tmp_path) == {}
     process = start(tmp_path)
-    _, err = process.communicate(timeout=120)
+    _, err = process.communicate(timeout=HANGING)
     assert process.returncode == 0, err
     assert set(whole_results(tmp_path).values()) == {undisturbed[0]}
 
@@ -38,7 +39,7 @@ def test_two_runs_at_once_on_one_cache(undisturbed, tmp_path):
         folder.mkdir()
     processes = [start(folder, cache=tmp_path / "cache") for folder in folders]
     for process, folder in zip(processes, folders, strict=True):
-        _, err = process.communicate(timeout=240)
+        _, err = process.communicate(timeout=HANGING)
         assert process.returncode == 0, err
         assert "damaged" not in err
         assert set(whole_results(folder).values()) == {undisturbed[0]}
@@ -92,7 +93,7 @@ def test_a_cache_that_cannot_be_written_is_only_a_warning(undisturbed, tmp_path)
     blocked = tmp_path / "file"
     blocked.write_text("in the way", encoding="utf-8")
     process = start(tmp_path, cache=blocked / "cache")
-    _, err = process.communicate(timeout=120)
+    _, err = process.communicate(timeout=HANGING)
     assert process.returncode == 0, err
     assert "warning" in err
     assert set(whole_results(tmp_path).values()) == {undisturbed[0]}
@@ -112,7 +113,7 @@ def test_a_small_and_a_read_only_disk_under_the_cache(undisturbed, tmp_path):
             if option:
                 subprocess.run(["mount", "-o", option, str(place)], check=True)
             process = start(tmp_path, cache=place / "cache")
-            _, err = process.communicate(timeout=120)
+            _, err = process.communicate(timeout=HANGING)
             assert process.returncode == 0, err
             assert "warning" in err
         assert set(whole_results(tmp_path).values()) == {undisturbed[0]}
