@@ -7,13 +7,13 @@ from typing import Any
 
 from benchmarks.clock import timed
 from benchmarks.rig import casing_parts, casing_rung, keep, kept, read
-from fem.casing.checkup import check_up
-from fem.casing.grounded import ground_casing
-from fem.casing.modes import casing_modes
-from fem.casing.reduction import count_fixed_modes, reduce_body
-from fem.casing.rungs import MODES_OVER_BAND, CraigBamptonCasing, StaticCasing
-from fem.elasticity import assemble
-from fem.linear_solver import cholmod_available, factorize
+from fem.casing.reduced.checkup import check_up
+from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.models import MODES_OVER_BAND, CraigBamptonCasing, StaticCasing
+from fem.casing.reduced.modes import casing_modes
+from fem.casing.reduced.reduction import count_fixed_modes, reduce_body
+from fem.elements.tetrahedra import assemble
+from fem.numerics.linear_solver import cholmod_available, factorize
 
 SHIFT = 4e7  # 1/s2: K + SHIFT M of the free body is definite and has the pattern of K
 

@@ -11,9 +11,9 @@ from numba import njit
 
 from benchmarks.clock import timed
 from benchmarks.rig import Laws, keep, plane_law, read, stage_law
-from fem.contact.curves import stiffness_curve
-from fem.contact.evaluate import checked_teeth, evaluate, law_tables
-from pipelines.derived import derive
+from fem.contact.evaluation.curves import stiffness_curve
+from fem.contact.evaluation.evaluator import checked_teeth, evaluate, law_tables
+from pipelines.plant.facts import derive
 
 CALLS = 20_000
 

@@ -13,8 +13,8 @@ import numpy as np
 from numba import njit
 
 from benchmarks.rig import plane_law, read
-from fem.contact.curves import stiffness_curve
-from fem.contact.evaluate import evaluate, evaluate_two, law_tables
+from fem.contact.evaluation.curves import stiffness_curve
+from fem.contact.evaluation.evaluator import evaluate, evaluate_two, law_tables
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import tooth_terms
 

@@ -12,9 +12,9 @@ from benchmarks.clock import timed
 from benchmarks.rig import casing_body, kept, moving, read, stage_law, system
 from mbd.integrators.base import Integrator
 from mbd.integrators.methods import METHODS
+from mbd.output.trajectory import Trajectory
 from mbd.simulate import Settings, simulate
-from mbd.system import System, mesh_mode_frequency
-from mbd.trajectory import Trajectory
+from mbd.system.system import System, mesh_mode_frequency
 
 CHANNEL = "sensor_3:az"
 JOURNAL = "bearing_3:journal_az"  # where there is no casing
@@ -146,9 +146,9 @@ def precision(folder: Path) -> list[dict[str, Any]]:
 
 def shares(folder: Path) -> list[dict[str, Any]]:
     """CPU microseconds per step of the full rig: the loop, the channels, the books of linear parts and elements."""
-    from mbd.books import Books
-    from mbd.recorder import Recorder
-    from mbd.statics import equilibrium
+    from mbd.energy.balance import Books
+    from mbd.output.recorder import Recorder
+    from mbd.system.statics import equilibrium
 
     machine, n, block = rig(folder), 6000, 480
     clock = time.process_time()
@@ -185,7 +185,7 @@ def relative_error(found: np.ndarray, exact: np.ndarray) -> float:
 
 def reference_cost(machine: System) -> str:
     """Why the adaptive method is not in the table: its measured cost of a few steps."""
-    from mbd.statics import equilibrium
+    from mbd.system.statics import equilibrium
 
     step, n = 10e-6, 2
     method: Integrator = METHODS["reference"](machine, step)

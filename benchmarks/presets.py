@@ -11,10 +11,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from pipelines.cache import Cache
-from pipelines.child import command, environment
-from pipelines.scene_file import LoadedScene, changed, load_scene
-from pipelines.trade.presets import PRESETS, preset_settings
+from pipelines.engine.cache import Cache
+from pipelines.engine.child import command, environment
+from pipelines.scene.file import LoadedScene, changed, load_scene
+from pipelines.scene.presets import PRESETS, preset_settings
 from pipelines.trade.probes import PROBES
 from pipelines.trade.tradeoff import differences
 from pipelines.trade.variants import Measured, measure

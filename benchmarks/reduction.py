@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.clock import conditions
-from pipelines.child import command, environment
+from pipelines.engine.child import command, environment
 
 CASES = (  # mm, Hz, solver
     (26.0, 5000.0, "multifrontal"),
@@ -59,10 +59,10 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
 
     from benchmarks.clock import peak_megabytes
     from benchmarks.rig import casing_parts, read
-    from fem.casing.checkup import check_up
-    from fem.casing.modes import casing_modes
-    from fem.casing.reduction import reduced_and_counted
-    from fem.casing.rungs import MODES_OVER_BAND, CraigBamptonCasing
+    from fem.casing.reduced.checkup import check_up
+    from fem.casing.reduced.models import MODES_OVER_BAND, CraigBamptonCasing
+    from fem.casing.reduced.modes import casing_modes
+    from fem.casing.reduced.reduction import reduced_and_counted
 
     steps: list[dict[str, Any]] = []
 

@@ -6,26 +6,26 @@ import pickle
 from pathlib import Path
 from typing import Any
 
-from fem.casing.body import ReducedBody
-from fem.casing.housing import Housing
-from fem.casing.rungs import CraigBamptonCasing, NoCasing, RigidCasing, StaticCasing
-from fem.contact.energy import Energy
-from fem.contact.iso import Iso
+from fem.casing.geometry.housing import Housing
+from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.models import CraigBamptonCasing, NoCasing, RigidCasing, StaticCasing
 from fem.contact.law import MeshLaw
-from fem.contact.plane import Plane
+from fem.contact.models.energy import Energy
+from fem.contact.models.iso import Iso
+from fem.contact.models.plane import Plane
+from fem.elements.materials import Material
 from fem.gears.geometry import GearPair
-from fem.materials import Material
-from mbd.system import System, assemble
-from pipelines.derived import bearing_points, derive
-from pipelines.housing import housing
-from pipelines.layout import Layout, lay_out, material
-from pipelines.machine import machine
-from pipelines.parts import mesh_inputs
-from pipelines.scene import Scene
-from pipelines.scene_channels import wanted_channels
-from pipelines.scene_file import load_scene
-from pipelines.tables.casing import NoCasingTable, RigidCasingTable
-from pipelines.tables.gears import EnergyMesh, IsoMesh
+from mbd.system.system import System, assemble
+from pipelines.plant.channels import wanted_channels
+from pipelines.plant.facts import bearing_points, derive
+from pipelines.plant.housing import housing
+from pipelines.plant.layout import Layout, lay_out, material
+from pipelines.plant.machine import machine
+from pipelines.plant.teeth import mesh_inputs
+from pipelines.scene.file import load_scene
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.casing import NoCasingTable, RigidCasingTable
+from pipelines.scene.tables.gears import EnergyMesh, IsoMesh
 
 SCENE = "rig-healthy"
 RAMP = {"drive.times_s": [0.0, 0.05, 5.0], "drive.speeds_rpm": [0.0, 900.0, 900.0]}  # so that a short run moves

@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from fem.contact.solid import Solid
-from fem.contact.solid_contact import solve
+from fem.contact.models.solid import Solid
+from fem.contact.wheels.contact import solve
 from fem.gears.geometry import Gear, GearPair
 
 CASES = ((0.0, 12e-3), (12.0, 12e-3), (15.0, 30e-3))  # beta in degrees, b in m

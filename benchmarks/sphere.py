@@ -17,9 +17,9 @@ import sys
 import numpy as np
 from scipy.optimize import brentq
 
-from fem.casing.lanczos import block_lanczos
-from fem.elasticity import EDGES, assemble, lame
-from fem.linear_solver import factorize
+from fem.casing.reduced.lanczos import block_lanczos
+from fem.elements.tetrahedra import EDGES, assemble, lame
+from fem.numerics.linear_solver import factorize
 
 INNER, OUTER = 0.6, 1.0  # m
 STEEL = {"elastic_modulus": 2.0e11, "poisson_ratio": 0.3, "density": 7800.0}

@@ -11,18 +11,18 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from fem.stored_array import StoredArray
-from mbd.books import BOOK_COLUMNS, Books
-from mbd.channels import sensor_names
-from mbd.checks import StepError, positive
+from fem.storage.stored_array import StoredArray
+from mbd.accuracy.repeatability import Repeatability
+from mbd.accuracy.step_check import StepCheck
+from mbd.coordinates.channels import sensor_names
+from mbd.energy.balance import BOOK_COLUMNS, Books
 from mbd.integrators.base import LENGTH, Block, Integrator
 from mbd.integrators.methods import METHODS
-from mbd.recorder import PASS_SHARE, Recorder
-from mbd.repeatability import Repeatability
-from mbd.statics import State, equilibrium
-from mbd.step_check import StepCheck
-from mbd.system import System, mesh_mode_frequency
-from mbd.trajectory import Trajectory
+from mbd.output.recorder import PASS_SHARE, Recorder
+from mbd.output.trajectory import Trajectory
+from mbd.parts.checks import StepError, positive
+from mbd.system.statics import State, equilibrium
+from mbd.system.system import System, mesh_mode_frequency
 
 logger = logging.getLogger(__name__)
 

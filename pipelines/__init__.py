@@ -7,7 +7,7 @@ __all__ = ["run"]
 
 def __getattr__(name: str) -> Any:
     if name == "run":  # imported late: importing the package must stay cheap
-        from pipelines.runs import run
+        from pipelines.runs.run import run
 
         return run
     raise AttributeError(f"module 'pipelines' has no attribute {name!r}")

@@ -16,7 +16,7 @@ import warnings
 from collections.abc import Sequence
 from typing import NoReturn, TextIO
 
-from pipelines.argument_types import count, days, number, path, picture, positive, seconds, several, share
+from pipelines.border.argument_types import count, days, number, path, picture, positive, seconds, several, share
 
 PROLOGUE = """\
 From gearbox geometry to sensor signals: finite-element mesh stiffness, reduced casing, multibody run, diagnosis.
@@ -62,7 +62,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Usage and the message on standard error; exit code 2."""
-        from pipelines.shown import shown
+        from pipelines.border.shown import shown
 
         head, tail = message[:_MESSAGE_END], message[_MESSAGE_END:]
         if len(tail) > _MESSAGE_END:
@@ -112,7 +112,7 @@ def _scene(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument(
         "--preset",
-        choices=("draft", "standard", "reference"),  # as in pipelines.trade.presets
+        choices=("draft", "standard", "reference"),  # as in pipelines.scene.presets
         help="how finely it is computed; --set counts more (default: as the scene says)",
     )
 
@@ -305,7 +305,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     top = parser()
     options = top.parse_args(arguments)
     if options.version:
-        from pipelines.code_version import library_versions
+        from pipelines.engine.code_version import library_versions
 
         sys.stdout.write(f"gearcase {library_versions('gearcase')['gearcase']}\n")
         return 0
@@ -334,8 +334,8 @@ def _streams_open() -> bool:
 
 
 def _guarded(options: argparse.Namespace) -> int:
-    from pipelines.errors import CacheWarning
-    from pipelines.shown import shown
+    from pipelines.border.errors import CacheWarning
+    from pipelines.border.shown import shown
 
     _log_to_terminal(options.verbose)
     try:
@@ -364,7 +364,7 @@ def _guarded(options: argparse.Namespace) -> int:
 
 def _report(error: Exception, *, verbose: bool) -> int:
     """Print the message of an error; 2 if it is about the input, else 1."""
-    from pipelines.shown import message_text
+    from pipelines.border.shown import message_text
 
     ours = type(error).__module__.partition(".")[0] in ("fem", "mbd", "pipelines")
     text = str(error) if ours else f"{type(error).__name__}: {error}"
@@ -384,7 +384,7 @@ def _show_warning(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    from pipelines.shown import message_text
+    from pipelines.border.shown import message_text
 
     sys.stderr.write(f"{message_text(f'warning: {message}')}\n")
 

@@ -1,6 +1,6 @@
 """Settings that make a shipped scene quick: coarse rungs and a short motion, for tests of the whole chain."""
 
-from pipelines.scene_file import load_scene
+from pipelines.scene.file import load_scene
 
 
 def diagnosable(name):
@@ -28,6 +28,6 @@ def coarse(name, end=0.1):
 
 def as_options(settings):
     """The same for the command line."""
-    from pipelines.toml_text import format_value
+    from pipelines.border.toml_text import format_value
 
     return [word for path, value in settings.items() for word in ("--set", f"{path}={format_value(value)}")]

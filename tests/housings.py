@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from fem.casing.dimensions import Bore, Sensor
-from fem.casing.features import Feet
-from fem.casing.housing import Housing
+from fem.casing.geometry.dimensions import Bore, Sensor
+from fem.casing.geometry.features import Feet
+from fem.casing.geometry.housing import Housing
 
 RIG_SHAFTS = (0.0, 0.07668, 0.18275, 0.31569)  # m
 RIG_BORES = (0.047, 0.062, 0.075, 0.095)  # m

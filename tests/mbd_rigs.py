@@ -4,15 +4,15 @@ import math
 
 import numpy as np
 
-from fem.casing.body import ReducedBody
+from fem.casing.reduced.body import ReducedBody
 from fem.contact.law import MeshLaw
-from mbd.bearings import BearingSpec
-from mbd.drive import CouplingSpec, SpeedProfile
 from mbd.forces.rope import Rope
-from mbd.gear_mesh import MeshSpec
-from mbd.load import StaticTorque
-from mbd.machine import Machine
-from mbd.shafts import Disk, Section, ShaftSpec
+from mbd.parts.bearings import BearingSpec
+from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.gear_mesh import MeshSpec
+from mbd.parts.load import StaticTorque
+from mbd.parts.machine import Machine
+from mbd.parts.shafts import Disk, Section, ShaftSpec
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 TRANSVERSE_ANGLE = math.radians(20.5)

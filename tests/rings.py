@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from fem.plane_elasticity import stiffness
+from fem.elements.sections import stiffness
 
 YOUNG, POISSON = 206e9, 0.3
 

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-from fem.elasticity import EDGES
+from fem.elements.tetrahedra import EDGES
 
 
 def box_mesh(size, divisions, *, distortion=0.0, seed=0):

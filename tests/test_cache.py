@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from fem.records import Record, array
-from pipelines.cache import Cache
-from pipelines.errors import CacheWarning
-from pipelines.payload import PayloadError, digest, flat, load_payload, save_payload
+from fem.storage.records import Record, array
+from pipelines.border.errors import CacheWarning
+from pipelines.engine.cache import Cache
+from pipelines.engine.storage import PayloadError, digest, flat, load_payload, save_payload
 
 KEY = "0123456789abcdef" * 4
 
@@ -184,11 +184,11 @@ FORGED = {
     "a class of the library": {"kind": "dataclass", "type": "subprocess:Popen", "items": {}},
     "a class that ours has imported": {
         "kind": "dataclass",
-        "type": "pipelines.processes:subprocess.Popen",
+        "type": "pipelines.engine.processes:subprocess.Popen",
         "items": {},
     },
     "a function": {"kind": "dataclass", "type": "pipelines.cli:main", "items": {}},
-    "a class that is no record": {**RECORD, "type": "pipelines.cache:Cache"},
+    "a class that is no record": {**RECORD, "type": "pipelines.engine.cache:Cache"},
     "a module that is not there": {**RECORD, "type": "pipelines.absent:Record"},
     "no class": {**RECORD, "type": ["fem"]},
     "a file above": {**RECORD, "file": "../part_1.h5"},
@@ -196,7 +196,7 @@ FORGED = {
     "a link": {"kind": "bytes", "file": "part_2.bin"},
     "a file that is not there": {"kind": "array", "file": "part_9.npy"},
     "no file": {"kind": "text", "file": 5},
-    "other fields": {"kind": "dataclass", "type": "pipelines.errors:Problem", "items": {"command": RECORD}},
+    "other fields": {"kind": "dataclass", "type": "pipelines.border.errors:Problem", "items": {"command": RECORD}},
     "an unknown kind": {"kind": "pickle", "file": "part_1.h5"},
     "no kind": {"items": []},
     "not a table": [1, 2],

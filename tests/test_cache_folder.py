@@ -5,12 +5,12 @@ import stat
 
 import pytest
 
-from fem import cache_folder
-from fem.cache_folder import UnusableFolder, cache_root, check_private, claim, make_private
-from pipelines import payload
-from pipelines.cache import Cache
+from fem.storage import cache_folder
+from fem.storage.cache_folder import UnusableFolder, cache_root, check_private, claim, make_private
+from pipelines.border.errors import CacheWarning
 from pipelines.cli import main
-from pipelines.errors import CacheWarning
+from pipelines.engine import storage
+from pipelines.engine.cache import Cache
 
 KEY = "0123456789abcdef" * 4
 
@@ -145,4 +145,4 @@ def test_a_cache_that_cannot_be_used_is_said_once(tmp_path, recwarn):
 
 def test_there_is_one_definition_of_the_cache_warning():
     assert CacheWarning is cache_folder.CacheWarning
-    assert payload.CONTENTS == "contents.json"
+    assert storage.CONTENTS == "contents.json"

@@ -9,18 +9,18 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from housings import housing_for_shafts, small_housing
 
-from fem.casing.checkup import _asymmetry, check_up
-from fem.casing.coupling import CouplingError, surface_weights
-from fem.casing.dimensions import HousingError, Sensor
-from fem.casing.grounded import BEARING_AXES, ground_casing
-from fem.casing.mesh import CasingMesh, MeshError
-from fem.casing.mesher import mesh_housing
-from fem.casing.modes import CasingModes, casing_modes, reduced_body
-from fem.casing.reduction import reduce_body
-from fem.casing.rigid import housing_mass
-from fem.casing.rungs import CraigBamptonCasing, NoCasing, RigidCasing, StaticCasing
-from fem.elasticity import mass_properties
-from fem.materials import CAST_IRON
+from fem.casing.geometry.dimensions import HousingError, Sensor
+from fem.casing.meshing.mesh import CasingMesh, MeshError
+from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.reduced.checkup import _asymmetry, check_up
+from fem.casing.reduced.coupling import CouplingError, surface_weights
+from fem.casing.reduced.grounded import BEARING_AXES, ground_casing
+from fem.casing.reduced.models import CraigBamptonCasing, NoCasing, RigidCasing, StaticCasing
+from fem.casing.reduced.modes import CasingModes, casing_modes, reduced_body
+from fem.casing.reduced.reduction import reduce_body
+from fem.casing.reduced.rigid import housing_mass
+from fem.elements.materials import CAST_IRON
+from fem.elements.tetrahedra import mass_properties
 
 BAND = 1500.0
 

@@ -12,21 +12,21 @@ from housings import housing_for_shafts
 from rendering import drawn
 from test_casing_ground import SMALL
 
-from fem.casing.body import ReducedBody
-from fem.casing.grounded import ground_casing
-from fem.casing.mesher import mesh_housing
-from fem.casing.modes import casing_modes, natural_modes, reduced_body
-from fem.casing.reduction import reduce_body
-from fem.casing.rungs import RigidCasing
-from fem.materials import CAST_IRON
-from pipelines.build import run_graph
-from pipelines.cache import Cache
-from pipelines.casing_export import checked_target, mode_shapes, write_mat, write_uff, write_vtu
+from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.models import RigidCasing
+from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
+from fem.casing.reduced.reduction import reduce_body
+from fem.elements.materials import CAST_IRON
+from pipelines.border.errors import InputError
 from pipelines.commands.casing import mode_table
-from pipelines.errors import InputError
-from pipelines.film import film_page
-from pipelines.mode_pictures import ModeView, write_mode
-from pipelines.stages import Graph, Stage, explain
+from pipelines.engine.cache import Cache
+from pipelines.engine.run_graph import run_graph
+from pipelines.engine.step import Graph, Stage, explain
+from pipelines.figures.film import film_page
+from pipelines.figures.mode_pictures import ModeView, write_mode
+from pipelines.runs.casing_export import checked_target, mode_shapes, write_mat, write_uff, write_vtu
 
 
 @pytest.fixture(scope="module")

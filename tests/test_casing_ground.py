@@ -9,19 +9,19 @@ import scipy.sparse as sp
 from housings import housing_for_shafts
 from scipy.sparse.linalg import splu
 
-from fem.casing.accuracy import full_response, reduced_response, sensor_rows, state_error, third_octaves
-from fem.casing.checkup import check_up
-from fem.casing.coupling import CouplingError
-from fem.casing.damping import damping_ratios
-from fem.casing.grounded import BEARING_AXES, ground_casing
-from fem.casing.lanczos import EigenError, block_lanczos
-from fem.casing.mesher import mesh_housing
-from fem.casing.modes import casing_modes, kept_modes, natural_modes, reduced_body
-from fem.casing.reduction import count_fixed_modes, reduce_body, reduced_and_counted
-from fem.casing.truncation import TruncationError, kept
-from fem.ledger import counting
-from fem.linear_solver import nested_dissection
-from fem.materials import CAST_IRON
+from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.reduced.accuracy import full_response, reduced_response, sensor_rows, state_error, third_octaves
+from fem.casing.reduced.checkup import check_up
+from fem.casing.reduced.coupling import CouplingError
+from fem.casing.reduced.damping import damping_ratios
+from fem.casing.reduced.grounded import BEARING_AXES, ground_casing
+from fem.casing.reduced.lanczos import EigenError, block_lanczos
+from fem.casing.reduced.modes import casing_modes, kept_modes, natural_modes, reduced_body
+from fem.casing.reduced.reduction import count_fixed_modes, reduce_body, reduced_and_counted
+from fem.casing.reduced.truncation import TruncationError, kept
+from fem.elements.materials import CAST_IRON
+from fem.numerics.linear_solver import nested_dissection
+from fem.storage.ledger import counting
 
 BAND = 1500.0
 MOUNTS = ((2e7, 3e7, 5e7),)
@@ -67,7 +67,7 @@ def sprung(mesh):
 
 
 def full_frequencies(casing, springs, highest):
-    from fem.linear_solver import factorize
+    from fem.numerics.linear_solver import factorize
 
     solve = factorize(casing.on_springs(springs)).solve
     theta, _ = block_lanczos(solve, casing.M_free, smallest=(2 * np.pi * highest) ** -2)
@@ -108,7 +108,7 @@ def test_mounts_change_without_finite_elements_and_agree_with_the_full_model(spr
 
 
 def test_soft_mounts_give_the_rigid_rung_and_stiff_ones_lift_the_frequencies(sprung, housing):
-    from fem.casing.rungs import RigidCasing
+    from fem.casing.reduced.models import RigidCasing
 
     _, _, modes = sprung
     soft = frequencies(reduced_body(modes, mounts=((1e4, 1e4, 1e4),)))[:6]
@@ -224,7 +224,7 @@ def test_a_missed_mode_is_an_error(fixed, monkeypatch):
     reduction, counted = reduced_and_counted(*held, highest=1.5 * BAND)
     assert reduction.n_fixed == counted
     assert np.array_equal(reduction.modes, fixed[1].modes)  # the same numbers beside the count as without
-    monkeypatch.setattr("fem.casing.reduction.count_fixed_modes", lambda *_: counted + 1)
+    monkeypatch.setattr("fem.casing.reduced.reduction.count_fixed_modes", lambda *_: counted + 1)
     with pytest.raises(EigenError, match=f"{counted} fixed-interface modes found below 2250 Hz, {counted + 1} exist"):
         reduced_and_counted(*held, highest=1.5 * BAND)
 

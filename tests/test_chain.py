@@ -2,12 +2,12 @@
 
 import pytest
 
-from pipelines.doubts import doubts
-from pipelines.layout import lay_out
-from pipelines.looked_for import diagnosis_settings
-from pipelines.payload import digest
-from pipelines.scene_file import load_scene
-from pipelines.study import plan_study
+from pipelines.engine.storage import digest
+from pipelines.plant.checks.doubts import doubts
+from pipelines.plant.layout import lay_out
+from pipelines.plant.looked_for import diagnosis_settings
+from pipelines.scene.file import load_scene
+from pipelines.steps.study import plan_study
 
 
 def inputs(scene, *settings, **options):

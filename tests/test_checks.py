@@ -7,21 +7,21 @@ from types import SimpleNamespace
 import pytest
 from mbd_rigs import no_casing, train
 
-from fem.casing.imported import Seat
-from fem.casing.locate import ByCylinder
-from mbd.channels import channel_names
-from mbd.checks import MachineError
-from mbd.system import assemble
-from pipelines import cost
+from fem.casing.meshing.imported import Seat
+from fem.casing.meshing.locate import ByCylinder
+from mbd.coordinates.channels import channel_names
+from mbd.parts.checks import MachineError
+from mbd.system.system import assemble
+from pipelines.border.errors import SceneError
 from pipelines.cli import main
-from pipelines.doubts import doubts
-from pipelines.errors import SceneError
-from pipelines.hoist import load_spec
-from pipelines.layout import lay_out
-from pipelines.scene_file import load_scene
-from pipelines.strength import STATIC_STRENGTH, TORSION_STRENGTH, contact_pressure, torques_along, torsions
-from pipelines.study import plan_study
-from pipelines.validity import checked_layout
+from pipelines.plant.checks import cost
+from pipelines.plant.checks.doubts import doubts
+from pipelines.plant.checks.strength import STATIC_STRENGTH, TORSION_STRENGTH, contact_pressure, torques_along, torsions
+from pipelines.plant.checks.validity import checked_layout
+from pipelines.plant.hoist import load_spec
+from pipelines.plant.layout import lay_out
+from pipelines.scene.file import load_scene
+from pipelines.steps.study import plan_study
 
 NO_WINDOWS = {"diagnosis.windows_s": {}}
 FAULT = {"faults": [{"kind": "missing-tooth", "stage": 1, "gear": "wheel", "tooth": 0}], "control": "without-faults"}
@@ -216,7 +216,7 @@ def test_a_wavelength_needs_the_thickness_of_an_imported_wall():
 
 def test_signals_that_find_no_room_are_refused_before_the_work(monkeypatch):
     monkeypatch.setattr(cost.shutil, "disk_usage", lambda _: type("Usage", (), {"free": 1e6})())
-    with pytest.raises(SceneError, match=r"signals of 1 simulations take about 4\.64 MB .*, 1 MB are free"):
+    with pytest.raises(SceneError, match=r"signals of 1 simulations take about 2\.32 MB .*, 1 MB are free"):
         plan_study(load_scene("minimal"))
 
 
@@ -227,7 +227,7 @@ def test_check_says_what_a_run_costs(capsys):
 
 @pytest.mark.parametrize("scene", ["minimal", "rig-healthy"])
 def test_the_channels_counted_are_those_recorded(scene):
-    from pipelines.machine import bearing_specs
+    from pipelines.plant.machine import bearing_specs
 
     loaded = load_scene(scene).scene
     recorded = SimpleNamespace(
@@ -284,8 +284,8 @@ def test_torsion_follows_the_torque_along_the_shaft():
 
 def test_the_seat_found_on_the_solid_is_the_seat_of_its_mesh():
     """The grid over the cylinders gives the bearing points that the surface mesh gives."""
-    from fem.casing.mesher import find_seats
-    from pipelines.housing import housing
+    from fem.casing.meshing.mesher import find_seats
+    from pipelines.plant.housing import housing
 
     scene = load_scene("rig-step").scene
     made = housing(scene, scene.casing.housing, lay_out(scene))

@@ -10,12 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from pipelines import child, pictures, worker
-from pipelines.build import run_graph
-from pipelines.cache import Cache
-from pipelines.errors import WorkError
-from pipelines.processes import Pool
-from pipelines.stages import Graph, Stage
+from pipelines.border.errors import WorkError
+from pipelines.engine import child, worker
+from pipelines.engine.cache import Cache
+from pipelines.engine.processes import Pool
+from pipelines.engine.run_graph import run_graph
+from pipelines.engine.step import Graph, Stage
+from pipelines.figures import render
 
 ROOT = Path(__file__).resolve().parent.parent
 PLANTED = "import pathlib; pathlib.Path(__file__).with_name('planted').touch()\n"
@@ -82,13 +83,13 @@ def test_the_renderer_runs_nothing_of_the_working_folder(planted, tmp_path, monk
     monkeypatch.setenv("PYTHONPATH", str(planted))
     job = tmp_path / "job.json"
     job.write_text("{}", encoding="utf-8")
-    assert "KeyError" in pictures._run_child(job, 120.0)  # it came as far as the empty job
+    assert "KeyError" in str(render._run_child(job, 120.0))  # it came as far as the empty job
     assert harmless(planted)
 
 
 def test_the_folder_of_the_script_is_not_searched(tmp_path):
     script = tmp_path / "study.py"
-    script.write_text("from pipelines.child import _folders; print(_folders())", encoding="utf-8")
+    script.write_text("from pipelines.engine.child import _folders; print(_folders())", encoding="utf-8")
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (ROOT, tmp_path / "tools")))}
     (tmp_path / "tools").mkdir()
     folders = subprocess.run(
@@ -102,7 +103,9 @@ def test_the_library_comes_before_what_the_user_added(tmp_path):
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (ROOT, tmp_path)))}
     (tmp_path / "queue.py").write_text(PLANTED, encoding="utf-8")
     (tmp_path / "tool.py").write_text("import queue; print(queue.__file__)", encoding="utf-8")
-    program = "import subprocess; from pipelines.child import *; subprocess.run(command('tool'), env=environment())"
+    program = (
+        "import subprocess; from pipelines.engine.child import *; subprocess.run(command('tool'), env=environment())"
+    )
     command = [sys.executable, "-P", "-c", program]
     done = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True, check=True)
     assert Path(done.stdout.strip()) == Path(os.__file__).with_name("queue.py")
@@ -167,6 +170,6 @@ def test_an_error_that_cannot_be_pickled_keeps_its_words(tmp_path):
 def test_folders_go_to_the_child_as_they_are(monkeypatch, tmp_path):
     monkeypatch.setattr(sys, "path", ["", str(ROOT / "tests"), "__editable__.tool.finder.__path_hook__"])
     monkeypatch.chdir(tmp_path)
-    home, names, folders = json.loads(child.command("pipelines.view")[4])
+    home, names, folders = json.loads(child.command("pipelines.figures.view")[4])
     assert (home, folders) == (str(ROOT), sys.path[1:])
     assert set(names) == set(child.PACKAGES)

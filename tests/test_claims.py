@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from pipelines import claims, results
-from pipelines.claims import claimed
-from pipelines.errors import InputError, WorkError
+from pipelines.border.errors import InputError, WorkError
+from pipelines.runs import claims, run_folder
+from pipelines.runs.claims import claimed
 
 STAMP = "2026-01-31_12-00-00"
 
@@ -25,8 +25,8 @@ def one_second(monkeypatch):
 
 
 def fill(claim, text="x"):
-    (claim.folder / results.RESPONSE).write_text(text, encoding="utf-8")
-    (claim.folder / results.RUN).write_text(text, encoding="utf-8")
+    (claim.folder / run_folder.RESPONSE).write_text(text, encoding="utf-8")
+    (claim.folder / run_folder.RUN).write_text(text, encoding="utf-8")
 
 
 def visible(folder):
@@ -38,7 +38,7 @@ def test_a_folder_appears_when_everything_is_there(tmp_path, one_second):
         fill(claim)
         assert not claim.final.exists()
     assert visible(tmp_path / "rig") == [STAMP]
-    assert visible(claim.final) == [results.RESPONSE, results.RUN]
+    assert visible(claim.final) == [run_folder.RESPONSE, run_folder.RUN]
 
 
 @pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
@@ -60,7 +60,7 @@ def test_runs_that_begin_in_one_second_all_keep_their_results(tmp_path, one_seco
     with claimed("rig", root=tmp_path) as first, claimed("rig", root=tmp_path) as second:
         fill(first, "first")
         fill(second, "second")
-    found = {(path / results.RUN).read_text(encoding="utf-8") for path in (tmp_path / "rig").iterdir()}
+    found = {(path / run_folder.RUN).read_text(encoding="utf-8") for path in (tmp_path / "rig").iterdir()}
     assert found == {"first", "second"}
 
 
@@ -71,29 +71,29 @@ def test_twenty_four_starts_in_one_second_leave_twenty_four_results(tmp_path, on
         together.wait()
         with claimed("rig", root=tmp_path) as claim:
             fill(claim, str(number))
-        results.note_latest(claim.final)
+        run_folder.note_latest(claim.final)
         return claim.final
 
     with ThreadPoolExecutor(24) as pool:
         folders = list(pool.map(run, range(24)))
     for number, folder in enumerate(folders):
-        assert (folder / results.RUN).read_text(encoding="utf-8") == str(number)
-    names = {STAMP, *(f"{STAMP}_{number}" for number in range(2, 25)), results.LATEST}
+        assert (folder / run_folder.RUN).read_text(encoding="utf-8") == str(number)
+    names = {STAMP, *(f"{STAMP}_{number}" for number in range(2, 25)), run_folder.LATEST}
     assert set(visible(tmp_path / "rig")) == names
-    assert results.find_run("rig", root=tmp_path) in folders
+    assert run_folder.find_run("rig", root=tmp_path) in folders
 
 
 CHILD = """
 import sys
 sys.path[:0] = {path!r}
 from pathlib import Path
-from pipelines import claims, results
+from pipelines.runs import claims, run_folder
 claims.time.strftime = lambda _: {stamp!r}
 with claims.claimed("rig", root=Path({root!r})) as claim:
-    (claim.folder / results.RESPONSE).write_text(sys.argv[1], encoding="utf-8")
+    (claim.folder / run_folder.RESPONSE).write_text(sys.argv[1], encoding="utf-8")
     print("at work", flush=True)
     sys.stdin.readline()
-results.note_latest(claim.final)
+run_folder.note_latest(claim.final)
 """
 
 
@@ -111,7 +111,7 @@ def test_processes_that_begin_in_one_second_all_keep_their_results(tmp_path):
     for process in processes:
         process.communicate("go on\n")
         assert process.returncode == 0
-    found = [path.read_text(encoding="utf-8") for path in (tmp_path / "rig").glob(f"*/{results.RESPONSE}")]
+    found = [path.read_text(encoding="utf-8") for path in (tmp_path / "rig").glob(f"*/{run_folder.RESPONSE}")]
     assert sorted(found) == [str(number) for number in range(6)]
     assert len(visible(tmp_path / "rig")) == 6 + 1
 
@@ -169,7 +169,7 @@ def test_one_folder_is_given_to_one_run_alone(tmp_path):
             fill(claim)
             with pytest.raises(InputError, match="another run is writing there"), claimed("rig", out):
                 pass
-        assert visible(out) == [results.RESPONSE, results.RUN]
+        assert visible(out) == [run_folder.RESPONSE, run_folder.RUN]
         with pytest.raises(InputError, match="nothing is overwritten"), claimed("rig", out):
             pass
 
@@ -181,7 +181,7 @@ def test_a_folder_that_is_there_is_filled_and_not_replaced(tmp_path, monkeypatch
     monkeypatch.chdir(tmp_path / "volume")
     with claimed("rig", ".") as claim:
         fill(claim)
-    assert visible(tmp_path / "volume") == [results.RESPONSE, results.RUN]
+    assert visible(tmp_path / "volume") == [run_folder.RESPONSE, run_folder.RUN]
     assert os.stat(tmp_path / "volume").st_ino == before
 
 
@@ -191,7 +191,7 @@ def test_a_link_to_an_empty_folder_is_followed(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "far")
     with claimed("rig", tmp_path / "link") as claim:
         fill(claim)
-    assert visible(tmp_path / "far") == [results.RESPONSE, results.RUN]
+    assert visible(tmp_path / "far") == [run_folder.RESPONSE, run_folder.RUN]
 
 
 def test_a_folder_that_someone_else_makes_meanwhile_costs_nothing(tmp_path, caplog):
@@ -200,7 +200,7 @@ def test_a_folder_that_someone_else_makes_meanwhile_costs_nothing(tmp_path, capl
         (tmp_path / "mine").mkdir()
         (tmp_path / "mine" / "letter").write_text("x", encoding="utf-8")
     assert claim.final == tmp_path / "mine_2"
-    assert visible(tmp_path / "mine_2") == [results.RESPONSE, results.RUN]
+    assert visible(tmp_path / "mine_2") == [run_folder.RESPONSE, run_folder.RUN]
     assert visible(tmp_path / "mine") == ["letter"]
     assert "the results are in" in caplog.text
 
@@ -217,7 +217,7 @@ def test_results_that_cannot_be_moved_are_kept_and_named(tmp_path, monkeypatch):
     with pytest.raises(WorkError, match=r"They are in .*partial-mine"):
         run()
     monkeypatch.undo()
-    assert visible(tmp_path / ".partial-mine") == [results.RESPONSE, results.RUN]
+    assert visible(tmp_path / ".partial-mine") == [run_folder.RESPONSE, run_folder.RUN]
     with pytest.raises(InputError, match="keeps results"), claimed("rig", tmp_path / "mine"):
         pass
     assert visible(tmp_path) == [".partial-mine"]

@@ -9,7 +9,7 @@ import time
 import pytest
 
 from pipelines.cli import COMMANDS, main, parser
-from pipelines.scene_file import load_scene
+from pipelines.scene.file import load_scene
 
 
 def gearcase(capsys, *arguments):
@@ -105,9 +105,9 @@ def test_explain_builds_nothing(capsys, own_cache):
 
 def test_explain_of_another_scene_lists_its_stages_and_no_differences(capsys, own_cache):
     """After a run of minimal the differences of rig-missing-tooth to it filled 21,398 letters."""
-    from pipelines.build import run_graph
-    from pipelines.cache import Cache
-    from pipelines.study import plan_study
+    from pipelines.engine.cache import Cache
+    from pipelines.engine.run_graph import run_graph
+    from pipelines.steps.study import plan_study
 
     scene = load_scene("minimal", {"simulation.end_s": 0.01, "diagnosis.windows_s": {}})
     run_graph(plan_study(scene).graph, Cache(), ["simulate"])
@@ -123,7 +123,7 @@ def test_explain_of_another_scene_lists_its_stages_and_no_differences(capsys, ow
 
 
 def test_cache_info_verify_and_clear(capsys, own_cache):
-    from pipelines.cache import Cache
+    from pipelines.engine.cache import Cache
 
     entry = Cache().store("law", "0" * 64, lambda folder: (folder / "a").write_bytes(b"abc"))
     assert "law                  1 entries" in gearcase(capsys, "cache")[1]
@@ -161,7 +161,7 @@ def test_failures_of_the_work(capsys, monkeypatch, error, code, words):
 
 
 def test_our_own_work_errors_are_one_message(capsys, monkeypatch):
-    from pipelines.errors import WorkError
+    from pipelines.border.errors import WorkError
 
     monkeypatch.setattr("pipelines.commands.check.main", raising(WorkError("no convergence at t = 1 s")))
     assert gearcase(capsys, "check", "minimal") == (1, "", "gearcase: no convergence at t = 1 s\n")

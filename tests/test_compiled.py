@@ -15,9 +15,9 @@ from numba import njit, types
 from numba.core.dispatcher import Dispatcher
 from waiting import HANGING
 
-from fem import compiled_files
-from fem.cache_folder import CacheWarning
-from fem.compiled import FLOAT, INTEGER, VECTOR, Inner, Signature, apart, inner, reached, stored
+from fem.numerics import compiled_files
+from fem.numerics.compiled import FLOAT, INTEGER, VECTOR, Inner, Signature, apart, inner, reached, stored
+from fem.storage.cache_folder import CacheWarning
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -27,7 +27,7 @@ MODULE = """
 import sys
 import numpy as np
 from numba import njit, types
-from fem.compiled import FLOAT, INTEGER, VECTOR, apart, stored
+from fem.numerics.compiled import FLOAT, INTEGER, VECTOR, apart, stored
 from factor import FACTOR, scaled
 
 @apart(types.Tuple((FLOAT, INTEGER)), VECTOR, INTEGER)
@@ -48,7 +48,7 @@ if __name__ == "__main__":
     print(whole.entry(np.arange(5.0)), len(whole.entry.stats.cache_hits))
 """
 FACTOR = """
-from fem.compiled import inner
+from fem.numerics.compiled import inner
 FACTOR = {}
 @inner()
 def scaled(value):
@@ -141,7 +141,7 @@ def test_code_that_others_could_have_written_is_not_run(program, tmp_path, which
 def test_a_users_own_compiled_functions_are_left_alone(tmp_path, monkeypatch):
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     (tmp_path / "own.py").write_text("from numba import njit\n@njit(cache=True)\ndef f(x):\n    return x\n")
-    (tmp_path / "main.py").write_text("import fem.contact.kernel, own\nprint(own.f.stats.cache_path)")
+    (tmp_path / "main.py").write_text("import fem.contact.evaluation.kernel, own\nprint(own.f.stats.cache_path)")
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
     command = [sys.executable, str(tmp_path / "main.py")]
     printed = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout

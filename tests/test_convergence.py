@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipelines.cache import Cache
 from pipelines.cli import parser
-from pipelines.scene_file import load_scene
+from pipelines.engine.cache import Cache
+from pipelines.scene.file import load_scene
 from pipelines.trade.axes import AXES, AxisError
 from pipelines.trade.convergence import CAUTION, ConvergenceError, study
 from pipelines.trade.refinement import refine

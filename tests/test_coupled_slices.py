@@ -7,8 +7,16 @@ import pytest
 from mesh_laws import made_up_law
 from scipy.optimize import root
 
-from fem.contact.condensation import fit_terms
-from fem.contact.evaluate import LawError, checked_teeth, evaluate, evaluate_law, evaluate_two, law_tables, shares
+from fem.contact.evaluation.evaluator import (
+    LawError,
+    checked_teeth,
+    evaluate,
+    evaluate_law,
+    evaluate_two,
+    law_tables,
+    shares,
+)
+from fem.contact.models.solid_condensation import fit_terms
 
 XI = np.linspace(-1.5, 1.5, 201)
 TERMS = {

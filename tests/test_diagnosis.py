@@ -8,11 +8,11 @@ import pytest
 import xarray
 from synthetic import MESH, RATE, WHEEL, response
 
-from pipelines.analysis import analyse, envelope_band
-from pipelines.diagnosis import DiagnosisError, DiagnosisSettings, diagnose
-from pipelines.export import save_diagnoses
-from pipelines.lines import LineTable
-from pipelines.verdict import (
+from pipelines.signals.analysis import analyse, envelope_band
+from pipelines.signals.diagnosis import DiagnosisError, DiagnosisSettings, diagnose
+from pipelines.signals.export import save_diagnoses
+from pipelines.signals.lines import LineTable
+from pipelines.signals.verdict import (
     directions,
     grade,
     headline,
@@ -226,11 +226,11 @@ def test_saved_lines_come_back(clear, tmp_path):
 
 
 def test_the_stage_names_error_free_gears_and_seeds_apart():
-    from pipelines.building.diagnosing import CaseSpec, DiagnosingSpec, diagnoses
+    from pipelines.steps.diagnosing import CaseSpec, diagnoses
 
-    spec = DiagnosingSpec(cases=(CaseSpec(settings=settings(), full=True),) * 2)
+    cases = [CaseSpec(settings=settings(), full=True)] * 2
     runs = [response(state, deviations=on) for on in ("off", "on") for state in ("missing-tooth", "healthy")]
-    error_free, seeded = diagnoses(spec, tuple(runs))
+    error_free, seeded = diagnoses(cases, runs)
     assert error_free.deviations == "off"
     assert seeded.deviations.startswith("seed ")
 

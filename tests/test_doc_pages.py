@@ -11,7 +11,7 @@ from benchmarks import page
 from benchmarks.__main__ import RESULTS
 from benchmarks.modules import modules
 from mbd.integrators.methods import METHODS
-from pipelines.tables import bearings, casing, gears, losses, motion, shafts
+from pipelines.scene.tables import bearings, casing, gears, losses, motion, shafts
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 

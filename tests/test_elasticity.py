@@ -6,7 +6,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from solids import box_mesh, unknowns
 
-from fem.elasticity import (
+from fem.elements.tetrahedra import (
     ElementError,
     assemble,
     conical_rule,
@@ -17,7 +17,7 @@ from fem.elasticity import (
     shape_gradients,
     shape_values,
 )
-from fem.linear_solver import SingularMatrixError, cholmod_available, factorize, nested_dissection
+from fem.numerics.linear_solver import SingularMatrixError, cholmod_available, factorize, nested_dissection
 
 STEEL = {"elastic_modulus": 2.0e11, "poisson_ratio": 0.3, "density": 7800.0}
 SOLVERS = [

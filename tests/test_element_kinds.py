@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
-from mbd.drive import SpeedProfile
 from mbd.forces.element import BY_ANGLE, ENERGY, WIDTH, Element, Signal, rule
 from mbd.forces.ground import Ground
 from mbd.forces.newton import forces_at
@@ -14,13 +13,14 @@ from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rolling_bearing import hertz_bearing
 from mbd.forces.table import instant, slope_matrix
 from mbd.forces.torque import Torque
-from mbd.linearised import linear_modes
-from mbd.load import OutsideForce
-from mbd.losses import Brake, Coulomb, Efficiency
-from mbd.rolling_catalogue import by_designation
+from mbd.parts.drive import SpeedProfile
+from mbd.parts.load import OutsideForce
+from mbd.parts.losses import Brake, Coulomb, Efficiency
+from mbd.parts.rolling_catalogue import by_designation
 from mbd.simulate import Settings, simulate
-from mbd.statics import equilibrium
-from mbd.system import assemble
+from mbd.system.linearised import linear_modes
+from mbd.system.statics import equilibrium
+from mbd.system.system import assemble
 
 CUBIC = 3e13  # N/m3
 

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
-from mbd.drive import SpeedProfile
-from mbd.element_work import ElementWork
-from mbd.flow_work import FlowWork
+from mbd.energy.element_energy import ElementWork
+from mbd.energy.exact_integrals import FlowWork
 from mbd.forces.element import ENERGY, PARAMETRIC
 from mbd.integrators.base import ACCELERATION, LENGTH, SPEED
 from mbd.integrators.exponential import exponential, phi_functions
+from mbd.parts.drive import SpeedProfile
 from mbd.simulate import Settings, simulate
-from mbd.statics import equilibrium
-from mbd.system import assemble
+from mbd.system.statics import equilibrium
+from mbd.system.system import assemble
 
 RAMP = SpeedProfile(times=np.array([0.01, 0.04]), speeds=np.array([0.0, 94.25]))
 JERK = SpeedProfile(times=np.array([0.01, 0.0105]), speeds=np.array([0.0, -94.25]))
@@ -112,7 +112,7 @@ def test_the_motor_lifts_the_load():
 def test_a_book_sampled_every_few_steps_is_the_same(monkeypatch):
     machine = train(1, profile=RAMP)
     every = books(machine, end=0.1, step=5e-6, integrator="trapezoidal")
-    monkeypatch.setattr("mbd.sampled_work.MAX_SAMPLES", 5000)
+    monkeypatch.setattr("mbd.energy.sampled_integrals.MAX_SAMPLES", 5000)
     some = books(machine, end=0.1, step=5e-6, integrator="trapezoidal")
     column = every.book_columns.index("dissipated")
     np.testing.assert_allclose(some.books[:, column], every.books[:, column], rtol=0.02)

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from gear_pairs import gear_pair
 
-from fem.contact.curves import stiffness_curve
-from fem.contact.energy import Energy, cantilever, foundation_factors, tooth_parts
-from fem.contact.evaluate import evaluate_law
+from fem.contact.evaluation.curves import stiffness_curve
+from fem.contact.evaluation.evaluator import evaluate_law
 from fem.contact.frame import RungError
-from fem.contact.plane import Plane
+from fem.contact.models.energy import Energy, cantilever, foundation_factors, tooth_parts
+from fem.contact.models.plane import Plane
+from fem.elements.materials import Material
 from fem.gears.path import line_length, path_points
-from fem.materials import Material
 
 
 def test_cantilever_of_constant_section():

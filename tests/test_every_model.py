@@ -3,18 +3,20 @@
 The default tests take the models of all fields side by side, the slow ones each model alone.
 """
 
+import sys
 from typing import Literal, get_args, get_origin
 
 import numpy as np
 import pytest
 import xarray
 
-from pipelines import pictures, results
-from pipelines.errors import SceneError
-from pipelines.lines import LineTable
-from pipelines.runs import Options, run_scene
-from pipelines.scene import Scene
-from pipelines.scene_file import load_scene
+from pipelines.border.errors import SceneError
+from pipelines.figures import render
+from pipelines.runs import run_folder
+from pipelines.runs.run import Options, run_scene
+from pipelines.scene.file import load_scene
+from pipelines.scene.scene import Scene
+from pipelines.signals.lines import LineTable
 
 SHORT = {  # six turns of the pinion
     "control": "without-faults",
@@ -79,10 +81,10 @@ def test_the_tables_are_read():
     ids=words,
 )
 def test_every_model_runs_with_its_control(chosen, tmp_path, monkeypatch):
-    monkeypatch.setattr(pictures, "RENDERER", ("-c", "pass"))  # pictures are tested elsewhere
+    monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-c", "pass"])  # pictures are tested elsewhere
     scene = loaded(chosen)
     finished = run_scene(scene, Options(out=tmp_path / "out", both_loads=False, processes=1))
-    for name in (results.RESPONSE, results.CONTROL):
+    for name in (run_folder.RESPONSE, run_folder.CONTROL):
         with xarray.open_dataset(finished.folder / name, engine="h5netcdf") as data:
             assert all(np.isfinite(variable.values).all() for variable in data.data_vars.values())
     assert (finished.folder / "report.html").is_file()

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from housings import small_housing
 
-from fem.casing.extrapolation import (
+from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.meshing.sizes import Sizes
+from fem.casing.reduced.extrapolation import (
     ORDER,
     RATIO,
     ExtrapolationError,
@@ -16,15 +18,13 @@ from fem.casing.extrapolation import (
     lowest_frequencies,
     stiffness_factor,
 )
-from fem.casing.grounded import ground_casing
-from fem.casing.mesher import mesh_housing
-from fem.casing.modes import casing_modes, natural_modes, reduced_body
-from fem.casing.reduction import reduce_body
-from fem.casing.sizes import Sizes
-from fem.materials import CAST_IRON
-from pipelines.chain import scene_stages
-from pipelines.errors import SceneError
-from pipelines.scene_file import load_scene
+from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
+from fem.casing.reduced.reduction import reduce_body
+from fem.elements.materials import CAST_IRON
+from pipelines.border.errors import SceneError
+from pipelines.scene.file import load_scene
+from pipelines.steps.graph import scene_stages
 
 BAND = 1500.0
 COUNT = 12

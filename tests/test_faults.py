@@ -8,12 +8,12 @@ from gear_pairs import gear_pair
 from rings import POISSON, YOUNG, whole_ring_response
 from scipy.integrate import quad
 
-from fem.contact import ring
-from fem.contact.curves import no_load_error, stiffness_curve
-from fem.contact.damage import crack_compliance, damaged_law, law_points
-from fem.contact.evaluate import evaluate_law, shares
-from fem.contact.plane import Plane
+from fem.contact.evaluation.curves import no_load_error, stiffness_curve
+from fem.contact.evaluation.evaluator import evaluate_law, shares
+from fem.contact.models.plane import Plane
 from fem.contact.teeth import tooth_terms
+from fem.contact.wheels import ring
+from fem.contact.wheels.damage import crack_compliance, damaged_law, law_points
 from fem.gears.faults import ChippedTooth, CrackedTooth, WornTooth, missing_tooth
 from fem.gears.gear import GeometryError
 from fem.gears.path import path_points

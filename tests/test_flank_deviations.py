@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from gear_pairs import gear_pair
 
-from fem.contact.evaluate import evaluate_law
-from fem.contact.iso import Iso
+from fem.contact.evaluation.evaluator import evaluate_law
+from fem.contact.models.iso import Iso
 from fem.contact.teeth import tooth_terms
 from fem.gears.flank_deviations import flank_tolerance, sample_flank_deviations
 from fem.gears.gear import GeometryError

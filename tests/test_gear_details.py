@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from gear_pairs import gear_pair
 
-from fem.contact import ring
-from fem.contact.iso import Iso, blank_factor
+from fem.contact.models.iso import Iso, blank_factor
+from fem.contact.wheels import ring
+from fem.elements.sections import stiffness
 from fem.gears.gear import GeometryError
 from fem.gears.interference import root_penetration
 from fem.gears.path import path_points
 from fem.gears.profile import form_radius
 from fem.gears.sector import sector_mesh
-from fem.plane_elasticity import stiffness
 
 PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
 

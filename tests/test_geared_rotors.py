@@ -8,17 +8,17 @@ import pytest
 from mbd_rigs import mesh_law, no_casing
 from scipy import linalg
 
-from mbd.bearings import BEARING_AXES, BearingSpec
-from mbd.drive import CouplingSpec, SpeedProfile
-from mbd.gear_mesh import MeshSpec
-from mbd.gyroscopic import gyroscopic_matrix, planes
-from mbd.linearised import linear_modes
-from mbd.load import StaticTorque
-from mbd.machine import Machine
-from mbd.shafts import Disk, Section, ShaftSpec, shaft_matrices, shaft_nodes
+from mbd.parts.bearings import BEARING_AXES, BearingSpec
+from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.gear_mesh import MeshSpec
+from mbd.parts.gyroscopic import gyroscopic_matrix, planes
+from mbd.parts.load import StaticTorque
+from mbd.parts.machine import Machine
+from mbd.parts.shafts import Disk, Section, ShaftSpec, shaft_matrices, shaft_nodes
 from mbd.simulate import Settings, simulate
-from mbd.statics import equilibrium
-from mbd.system import assemble
+from mbd.system.linearised import linear_modes
+from mbd.system.statics import equilibrium
+from mbd.system.system import assemble
 
 STEEL = {"elastic_modulus": 207e9, "poisson_ratio": 207 / (2 * 79.5) - 1, "density": 7800.0}
 TEETH, BASE_RADIUS, PRESSURE_ANGLE, MESH_STIFFNESS = (328, 23), 0.5086, math.radians(22.5), 1e8

@@ -9,16 +9,16 @@ from mbd_rigs import no_casing, rigid_casing, train
 from scipy.integrate import solve_ivp
 from test_rope import MASS, RADIUS, hoist
 
-from mbd.channels import bearing_force
-from mbd.checks import MachineError
-from mbd.drive import SpeedProfile
+from mbd.coordinates.channels import bearing_force
 from mbd.forces.ground import Ground
 from mbd.forces.pendulum import RopePendulum
-from mbd.linearised import linear_modes
-from mbd.machine import STANDARD_GRAVITY
+from mbd.parts.checks import MachineError
+from mbd.parts.drive import SpeedProfile
+from mbd.parts.machine import STANDARD_GRAVITY
 from mbd.simulate import Settings, simulate
-from mbd.statics import equilibrium
-from mbd.system import assemble
+from mbd.system.linearised import linear_modes
+from mbd.system.statics import equilibrium
+from mbd.system.system import assemble
 
 
 def swinging(length=5.0, sway=(0.02, 0.0), speed=0.0, follow=True):

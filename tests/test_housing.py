@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from housings import housing_for_shafts, small_housing
 
-from fem.casing.dimensions import HousingError, Sensor
-from fem.casing.features import Fillets, Flange, Ribs, Walls
-from fem.casing.mesh import MeshError
-from fem.casing.mesher import mesh_housing, session
-from fem.casing.rigid import housing_mass
-from fem.casing.rungs import CraigBamptonCasing, RigidCasing
-from fem.casing.sizes import Sizes, bending_wavelength
-from fem.casing.solid import build_solid
-from fem.elasticity import mass_properties
-from fem.materials import CAST_IRON, Material
+from fem.casing.geometry.dimensions import HousingError, Sensor
+from fem.casing.geometry.features import Fillets, Flange, Ribs, Walls
+from fem.casing.meshing.mesh import MeshError
+from fem.casing.meshing.mesher import mesh_housing, session
+from fem.casing.meshing.sizes import Sizes, bending_wavelength
+from fem.casing.meshing.solid import build_solid
+from fem.casing.reduced.models import CraigBamptonCasing, RigidCasing
+from fem.casing.reduced.rigid import housing_mass
+from fem.elements.materials import CAST_IRON, Material
+from fem.elements.tetrahedra import mass_properties
 
 RIBS = Ribs(thickness=0.008, height=0.012, per_boss=1, end_wall=2, cover=2)
 
@@ -137,6 +137,7 @@ def test_foot_fillets_add_a_little(small, plain_volume):
         ({"ribs": replace(RIBS, per_boss=3, thickness=0.02)}, "3 ribs of 20 mm under bearing_1 reach 31.6"),
         ({"ribs": Ribs(thickness=0.01, height=0.01)}, "none is placed"),
         ({"fillets": Fillets(foot=0.02)}, r"foot fillet radius is 20 mm \(limit: 0 to below 15 mm"),
+        ({"fillets": Fillets(inner=0.0001)}, r"inner fillet radius is 0.1 mm; faces below 0.5 mm cannot be meshed"),
     ],
 )  # fmt: skip
 def test_unsound_features_are_refused_with_numbers(small, change, message):
@@ -212,7 +213,7 @@ def test_elements_are_finer_at_bores_and_feet(small):
 @pytest.mark.skipif(os.name != "posix", reason="signals as POSIX has them")
 def test_a_closed_pipe_is_still_an_error_after_meshing_and_not_the_end_of_the_process():
     code = (
-        "import os; from fem.casing.mesher import session\n"
+        "import os; from fem.casing.meshing.mesher import session\n"
         "with session(): pass\n"
         "end, start = os.pipe(); os.close(end)\n"
         "try: os.write(start, b'x')\n"

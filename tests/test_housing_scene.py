@@ -6,18 +6,18 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from fem.casing.housing import Housing
-from fem.casing.imported import ImportedHousing, content_hash
-from fem.casing.locate import ByGroup
-from fem.casing.sizes import bending_wavelength
-from pipelines.build import run_graph
-from pipelines.cache import Cache
-from pipelines.chain import casing_error_stage, scene_stages
-from pipelines.errors import SceneError
-from pipelines.housing import housing
-from pipelines.layout import lay_out, material
-from pipelines.scene_file import load_scene
-from pipelines.stages import Graph
+from fem.casing.geometry.housing import Housing
+from fem.casing.meshing.imported import ImportedHousing, content_hash
+from fem.casing.meshing.locate import ByGroup
+from fem.casing.meshing.sizes import bending_wavelength
+from pipelines.border.errors import SceneError
+from pipelines.engine.cache import Cache
+from pipelines.engine.run_graph import run_graph
+from pipelines.engine.step import Graph
+from pipelines.plant.housing import housing
+from pipelines.plant.layout import lay_out, material
+from pipelines.scene.file import load_scene
+from pipelines.steps.graph import casing_error_stage, scene_stages
 
 FEATURES = {
     "casing.housing.side_wall_thickness_mm": 12.0,

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 from housings import small_housing
 
-from fem.casing.coupling import surface_weights
-from fem.casing.dimensions import HousingError
-from fem.casing.geometry import mesh_geometry
-from fem.casing.imported import ImportedHousing, Seat, content_hash
-from fem.casing.locate import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
-from fem.casing.mesh import MeshError
-from fem.casing.mesher import mesh_housing, session, write_step
-from fem.casing.quality import measure
-from fem.casing.rigid import rigid_body, rigid_from_mesh
-from fem.casing.sizes import Sizes
-from fem.elasticity import EDGES, mass_properties
+from fem.casing.geometry.dimensions import HousingError
+from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
+from fem.casing.meshing.locate import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
+from fem.casing.meshing.mesh import MeshError
+from fem.casing.meshing.mesher import mesh_housing, session, write_step
+from fem.casing.meshing.quality import measure
+from fem.casing.meshing.sizes import Sizes
+from fem.casing.meshing.source import mesh_geometry
+from fem.casing.reduced.coupling import surface_weights
+from fem.casing.reduced.rigid import rigid_body, rigid_from_mesh
+from fem.elements.tetrahedra import EDGES, mass_properties
 
 SIZES = Sizes(element=0.05)
 PLANE = ByPlane(through=(0.0, 0.0, -0.095), normal=(0.0, 0.0, -1.0))

@@ -10,10 +10,10 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 FILES = sorted(path for package in ("fem", "mbd", "pipelines") for path in (ROOT / package).rglob("*.py"))
 ONLY_IN = {  # package: modules or packages that may import it
-    "gmsh": {"fem.casing.mesher"},
-    "pyvista": {"pipelines.view"},
-    "vtk": {"pipelines.view"},
-    "sksparse": {"fem.linear_solver"},
+    "gmsh": {"fem.casing.meshing.mesher"},
+    "pyvista": {"pipelines.figures.view"},
+    "vtk": {"pipelines.figures.view"},
+    "sksparse": {"fem.numerics.linear_solver"},
     "skfem": {"fem"},
     "pydantic": {"pipelines"},
     "rich": {"pipelines"},
@@ -22,13 +22,13 @@ ONLY_IN = {  # package: modules or packages that may import it
 }
 MBD_TAKES = {
     "fem.contact.law",
-    "fem.compiled",
-    "fem.contact.evaluate",
-    "fem.contact.kernel",
+    "fem.numerics.compiled",
+    "fem.contact.evaluation.evaluator",
+    "fem.contact.evaluation.kernel",
     "fem.contact.teeth",
-    "fem.casing.body",
-    "fem.records",
-    "fem.stored_array",
+    "fem.casing.reduced.body",
+    "fem.storage.records",
+    "fem.storage.stored_array",
 }
 HEAVY = {"numba", "scipy", "h5py", "xarray", "matplotlib", "gmsh", "pyvista", "skfem", "numpy", "pydantic", "pandas"}
 

@@ -15,27 +15,27 @@ from rendering import drawn
 from test_solid_stiffness import pair_of
 from waiting import HANGING
 
-from fem.contact.iso import Iso
-from fem.contact.solid import Solid
+from fem.contact.models.iso import Iso
+from fem.contact.models.solid import Solid
 from fem.gears.modifications import PairModifications
-from pipelines import mesh_pictures
-from pipelines.building import stress
-from pipelines.building.flanks import FlanksSpec
-from pipelines.callouts import casing_figure, gear_figure
-from pipelines.errors import InputError
-from pipelines.mesh_frames import mesh_frames, passage
-from pipelines.mesh_pictures import MeshView, mesh_figure, show_mesh, write_mesh
-from pipelines.pictures import Picture, render_gears, render_mesh, render_stress
-from pipelines.plots import StiffnessPlot
-from pipelines.shapes import gear_view
-from pipelines.stress_pictures import (
+from pipelines.border.errors import InputError
+from pipelines.figures import mesh_pictures
+from pipelines.figures.callouts import casing_figure, gear_figure
+from pipelines.figures.colours import GONE
+from pipelines.figures.mesh_frames import mesh_frames, passage
+from pipelines.figures.mesh_pictures import MeshView, mesh_figure, show_mesh, write_mesh
+from pipelines.figures.plots import StiffnessPlot
+from pipelines.figures.render import Picture, render_gears, render_mesh, render_stress
+from pipelines.figures.shapes import gear_view
+from pipelines.figures.stress_pictures import (
     StressView,
     checked_mesh_file,
     stress_figure,
     teeth_in_mesh,
     write_teeth,
 )
-from pipelines.view_colours import GONE
+from pipelines.steps import stress
+from pipelines.steps.modified_laws import FlanksSpec
 
 LOAD = 1200.0
 COARSE = Solid(n_slices=5, refinement=0.6, positions=8)

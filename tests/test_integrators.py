@@ -7,16 +7,16 @@ import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 from scipy.linalg import expm
 
-from mbd.checks import StepError
-from mbd.drive import SpeedProfile
 from mbd.integrators import exponential, trapezoidal
 from mbd.integrators.base import join
 from mbd.integrators.generalised_alpha import spectral_radius
 from mbd.integrators.methods import METHODS
 from mbd.integrators.modal import complex_modes
+from mbd.parts.checks import StepError
+from mbd.parts.drive import SpeedProfile
 from mbd.simulate import Settings, simulate
-from mbd.statics import equilibrium
-from mbd.system import assemble, mesh_mode_frequency
+from mbd.system.statics import equilibrium
+from mbd.system.system import assemble, mesh_mode_frequency
 
 FIXED_STEP = ("exponential", "trapezoidal", "generalised-alpha")
 RAMP = SpeedProfile(times=np.array([0.0, 1.0]), speeds=np.array([0.0, 600.0]))

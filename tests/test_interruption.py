@@ -10,8 +10,8 @@ import time
 import pytest
 from waiting import HANGING
 
-from pipelines.payload import digest
-from pipelines.results import RESPONSE, find_run
+from pipelines.engine.storage import digest
+from pipelines.runs.run_folder import RESPONSE, find_run
 
 SCENE = ("minimal", "--set", "simulation.end_s=0.1", "--set", "diagnosis.windows_s={}")
 MOMENTS = 10
@@ -82,9 +82,9 @@ PARENT = """
 import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts in the background ignores it
 sys.path[:0] = {path!r}
-from pipelines.build import run_graph
-from pipelines.cache import Cache
-from pipelines.stages import Graph, Stage
+from pipelines.engine.run_graph import run_graph
+from pipelines.engine.cache import Cache
+from pipelines.engine.step import Graph, Stage
 from test_stages import make_slowly
 graph = Graph(Stage(name=f"s{{n}}", kind="slow", build=make_slowly, spec={seconds} + n, seconds=9.0) for n in range(2))
 run_graph(graph, Cache({cache!r}), ["s0", "s1"], processes=2)

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur
 
-from fem.contact.curves import stiffness_curve
-from fem.contact.evaluate import evaluate_law
+from fem.contact.evaluation.curves import stiffness_curve
+from fem.contact.evaluation.evaluator import evaluate_law
 from fem.contact.frame import RungError, flank_frame
-from fem.contact.iso import Iso, blank_factor, rack_factor
+from fem.contact.models.iso import Iso, blank_factor, rack_factor
+from fem.elements.materials import CAST_IRON, STEEL, Material, MaterialError
 from fem.gears.faults import missing_tooth
 from fem.gears.path import line_length
-from fem.materials import CAST_IRON, STEEL, Material, MaterialError
 
 PER_MM_UM = 1e9
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from gear_pairs import gear_pair
 
-from fem.contact.curves import stiffness_curve
-from fem.contact.evaluate import evaluate_law, shares
-from fem.contact.iso import Iso
-from fem.contact.line_loads import contact_pressure, line_loads
-from fem.contact.plane import Plane
+from fem.contact.evaluation.curves import stiffness_curve
+from fem.contact.evaluation.evaluator import evaluate_law, shares
+from fem.contact.evaluation.line_loads import contact_pressure, line_loads
+from fem.contact.models.iso import Iso
+from fem.contact.models.plane import Plane
 
 
 @pytest.fixture(scope="module")

@@ -8,23 +8,23 @@ import pytest
 from mbd_rigs import TRANSVERSE_ANGLE, mesh, no_casing, rigid_casing, train
 from scipy import linalg
 
-from fem.contact.evaluate import evaluate, law_tables
+from fem.contact.evaluation.evaluator import evaluate, law_tables
 from fem.contact.teeth import tooth_terms
-from mbd.bearings import BearingSpec
-from mbd.channels import DIRECTIONS, channel_names, journal_acceleration
-from mbd.checks import MachineError
-from mbd.drive import CouplingSpec, SpeedProfile
+from mbd.coordinates.channels import DIRECTIONS, channel_names, journal_acceleration
 from mbd.forces.rolling_bearing import hertz_bearing
 from mbd.forces.rope import Rope
-from mbd.linearised import linear_modes, tangent, turned
-from mbd.load import StaticTorque
-from mbd.machine import Machine
-from mbd.mesh_reference import approach_at
-from mbd.rolling_catalogue import by_designation
-from mbd.shafts import Disk, Section, ShaftSpec
+from mbd.parts.bearings import BearingSpec
+from mbd.parts.checks import MachineError
+from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.load import StaticTorque
+from mbd.parts.machine import Machine
+from mbd.parts.mesh_reference import approach_at
+from mbd.parts.rolling_catalogue import by_designation
+from mbd.parts.shafts import Disk, Section, ShaftSpec
 from mbd.simulate import Settings, simulate
-from mbd.statics import equilibrium
-from mbd.system import assemble
+from mbd.system.linearised import linear_modes, tangent, turned
+from mbd.system.statics import equilibrium
+from mbd.system.system import assemble
 from pipelines.cli import main
 
 STANDING = SpeedProfile(times=np.zeros(1), speeds=np.zeros(1))

@@ -10,25 +10,25 @@ from coarse import coarse, diagnosable
 from mbd_rigs import no_casing, train
 from synthetic import RATE
 
-from fem.stored_array import StoredArray
-from mbd.channels import channel_names
+from fem.storage.stored_array import StoredArray
+from mbd.coordinates.channels import channel_names
 from mbd.simulate import Settings, simulate
-from mbd.system import assemble
-from pipelines import results
-from pipelines.build import run_graph
-from pipelines.built import build_here
-from pipelines.cache import Cache
-from pipelines.chain import scene_stages
+from mbd.system.system import assemble
+from pipelines.border.errors import CacheWarning
 from pipelines.cli import main
-from pipelines.errors import CacheWarning
-from pipelines.export import export
-from pipelines.response import make_response
-from pipelines.response_file import write_response
-from pipelines.runs import Options, run_scene
-from pipelines.scene_file import load_scene
-from pipelines.signals import stored_type
-from pipelines.spectrum import cut, whole_revolutions
-from pipelines.stages import Graph
+from pipelines.engine.build_step import build_here
+from pipelines.engine.cache import Cache
+from pipelines.engine.run_graph import run_graph
+from pipelines.engine.step import Graph
+from pipelines.runs import run_folder
+from pipelines.runs.run import Options, run_scene
+from pipelines.scene.file import load_scene
+from pipelines.signals.export import export
+from pipelines.signals.labelled import stored_type
+from pipelines.signals.response import make_response
+from pipelines.signals.response_file import write_response
+from pipelines.signals.spectrum import cut, whole_revolutions
+from pipelines.steps.graph import scene_stages
 
 RATE_OUT = 20e3  # Hz
 
@@ -68,7 +68,9 @@ def test_memory_does_not_grow_by_the_signals_of_a_longer_motion(machine, tmp_pat
     added = (ends[1] - ends[0]) * RATE_OUT
     signals = 8 * len(machine.channels.names) * added
     print(f"{(peaks[1] - peaks[0]) / added:.1f} bytes for a sample of {signals / added:.0f}")
-    assert peaks[1] - peaks[0] < 32 * added < signals / 5  # the times alone grow
+    assert (
+        peaks[1] - peaks[0] < 80 * added < signals / 3
+    )  # the times grow, and up to a limit the blocks that are computed at once
 
 
 def long_motion(tmp_path, samples):
@@ -122,7 +124,7 @@ def short_run(tmp_path_factory):
 
 def test_response_nc_is_the_motion_within_the_stated_rounding(short_run):
     folder, _, trajectory = short_run
-    with xarray.open_dataset(folder / results.RESPONSE, engine="h5netcdf") as data:
+    with xarray.open_dataset(folder / run_folder.RESPONSE, engine="h5netcdf") as data:
         data.load()
     exact = {
         name: trajectory.channel(name)
@@ -147,7 +149,7 @@ def test_response_nc_is_the_motion_within_the_stated_rounding(short_run):
 def test_the_response_that_is_diagnosed_is_the_one_in_the_file(short_run):
     folder, _, trajectory = short_run
     view = make_response(trajectory, {})
-    with xarray.open_dataset(folder / results.RESPONSE, engine="h5netcdf") as data:
+    with xarray.open_dataset(folder / run_folder.RESPONSE, engine="h5netcdf") as data:
         assert set(view.variables) == set(data.variables)
         for name, variable in view.variables.items():
             assert variable.dtype == data[name].dtype or variable.dtype.kind in "UO"
@@ -168,7 +170,7 @@ def test_the_signals_of_a_run_are_stored_once(short_run):
     signals = trajectory.values.nbytes
     stored = sum(entry.bytes for entry in cache.entries())
     assert signals < stored < 1.3 * signals
-    assert (folder / results.RESPONSE).stat().st_size < 0.75 * signals
+    assert (folder / run_folder.RESPONSE).stat().st_size < 0.75 * signals
     assert not list((cache.folder / "partial").iterdir())
 
 
@@ -200,7 +202,7 @@ def test_a_motion_that_cannot_be_kept_is_in_memory(own_cache, tmp_path, monkeypa
     with pytest.warns(CacheWarning):
         held = build_here(stage, key, upstream, Cache(tmp_path / "file" / "cache"))
     assert isinstance(held.load().values, np.ndarray)
-    monkeypatch.setattr("pipelines.cache._write_manifest", lambda *_: (_ for _ in ()).throw(OSError(28, "full")))
+    monkeypatch.setattr("pipelines.engine.cache.write_manifest", lambda *_: (_ for _ in ()).throw(OSError(28, "full")))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CacheWarning)
         again = build_here(stage, key, upstream, Cache())
@@ -233,7 +235,7 @@ def test_run_and_diagnose_print_the_same(own_cache, tmp_path, capsys):
 
 def test_the_file_and_the_motion_are_exported_alike(short_run, tmp_path):
     folder, _, trajectory = short_run
-    with xarray.open_dataset(folder / results.RESPONSE, engine="h5netcdf") as data:
+    with xarray.open_dataset(folder / run_folder.RESPONSE, engine="h5netcdf") as data:
         export(data, tmp_path / "file.csv", "csv")
     export(make_response(trajectory, {}), tmp_path / "motion.csv", "csv")
     assert (tmp_path / "file.csv").read_bytes() == (tmp_path / "motion.csv").read_bytes()

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from mbd_rigs import mesh_law, rigid_casing, train
 
-from mbd.checks import MachineError
-from mbd.drive import SpeedProfile
-from mbd.losses import Brake, Coulomb, Efficiency, NoLosses, sliding_rows
-from mbd.mesh_reference import sliding_shares
+from mbd.parts.checks import MachineError
+from mbd.parts.drive import SpeedProfile
+from mbd.parts.losses import Brake, Coulomb, Efficiency, NoLosses, sliding_rows
+from mbd.parts.mesh_reference import sliding_shares
 from mbd.simulate import Settings, simulate
-from mbd.statics import equilibrium
-from mbd.system import assemble
+from mbd.system.statics import equilibrium
+from mbd.system.system import assemble
 
 SPEED = 94.2477796
 

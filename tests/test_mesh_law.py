@@ -9,8 +9,8 @@ from mesh_laws import made_up_law
 from scipy.integrate import trapezoid
 from scipy.optimize import root
 
-from fem.contact.curves import no_load_error, stiffness_curve
-from fem.contact.evaluate import LawError, evaluate, evaluate_law, law_tables, shares
+from fem.contact.evaluation.curves import no_load_error, stiffness_curve
+from fem.contact.evaluation.evaluator import LawError, evaluate, evaluate_law, law_tables, shares
 from fem.contact.teeth import tooth_terms
 from fem.gears.faults import missing_tooth
 

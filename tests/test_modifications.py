@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from gear_pairs import gear_pair
 
-from fem.contact.curves import no_load_error, stiffness_curve
-from fem.contact.damage import law_points, modified_law
-from fem.contact.evaluate import evaluate_law
-from fem.contact.iso import Iso
-from fem.contact.plane import Plane
+from fem.contact.evaluation.curves import no_load_error, stiffness_curve
+from fem.contact.evaluation.evaluator import evaluate_law
+from fem.contact.models.iso import Iso
+from fem.contact.models.plane import Plane
+from fem.contact.wheels.damage import law_points, modified_law
 from fem.gears.gear import GeometryError
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import (

@@ -6,13 +6,13 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from solids import box_mesh, unknowns
 
-import fem.multifrontal
-from fem import blas
-from fem.elasticity import assemble
-from fem.elimination import plan_elimination
-from fem.multifrontal import Cholesky, NearlySingularError, NotDefiniteError, count_negative
-from fem.sparse_product import product
-from fem.threads import side_by_side
+import fem.numerics.multifrontal
+from fem.elements.tetrahedra import assemble
+from fem.numerics import blas
+from fem.numerics.elimination import plan_elimination
+from fem.numerics.multifrontal import Cholesky, NearlySingularError, NotDefiniteError, count_negative
+from fem.numerics.sparse_product import product
+from fem.numerics.threads import side_by_side
 
 STEEL = {"elastic_modulus": 2.0e11, "poisson_ratio": 0.3, "density": 7800.0}
 
@@ -124,7 +124,7 @@ def test_numbers_do_not_depend_on_threads(plate, monkeypatch):
         later = other()
         return one(), later
 
-    monkeypatch.setattr(fem.multifrontal, "side_by_side", reverse)
+    monkeypatch.setattr(fem.numerics.multifrontal, "side_by_side", reverse)
     factors.append(Cholesky(plan, K))
     solutions.append(factors[-1].solve(X))
     for factor, solution in zip(factors[1:], solutions[1:], strict=True):

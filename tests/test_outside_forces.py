@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from pipelines.chain import motion_scene
-from pipelines.errors import SceneError
-from pipelines.payload import digest
-from pipelines.scene_file import load_scene
+from pipelines.border.errors import SceneError
+from pipelines.engine.storage import digest
+from pipelines.scene.file import load_scene
+from pipelines.steps.graph import motion_scene
 
 TORQUE = {"model": "torque", "shaft": 2, "position_mm": 0.0, "times_s": [0.0, 0.5], "torques_N_m": [0.0, 12.0]}
 

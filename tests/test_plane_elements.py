@@ -5,7 +5,7 @@ import pytest
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
-from fem.plane_elasticity import (
+from fem.elements.sections import (
     ElementError,
     elasticity,
     gauss_grid,

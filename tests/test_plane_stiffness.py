@@ -7,13 +7,13 @@ import pytest
 from rings import whole_ring_response
 from scipy import sparse
 
-from fem.contact import ring
-from fem.contact.evaluate import checked_teeth, evaluate, evaluate_shares, law_tables, share_reach
-from fem.contact.plane import Plane, PlaneError
+from fem.contact.evaluation.evaluator import checked_teeth, evaluate, evaluate_shares, law_tables, share_reach
+from fem.contact.models.plane import Plane, PlaneError
 from fem.contact.teeth import tooth_terms
+from fem.contact.wheels import ring
+from fem.elements.sections import shape_functions
 from fem.gears.geometry import Gear, GearPair
 from fem.gears.sector import sector_mesh
-from fem.plane_elasticity import shape_functions
 
 YOUNG, POISSON = 206e9, 0.3
 

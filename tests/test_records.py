@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from fem.records import Record, RecordError, array, names, scalar
+from fem.storage.records import Record, RecordError, array, names, scalar
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -6,11 +6,11 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from solids import box_mesh, facets_on, unknowns
 
-from fem.casing.coupling import CouplingError, mean_motion_rows, nearest_surface_point
-from fem.casing.lanczos import block_lanczos
-from fem.casing.reduction import ReductionError, craig_bampton, held_interface, reduce_body
-from fem.elasticity import assemble, rigid_body_modes
-from fem.linear_solver import factorize
+from fem.casing.reduced.coupling import CouplingError, mean_motion_rows, nearest_surface_point
+from fem.casing.reduced.lanczos import block_lanczos
+from fem.casing.reduced.reduction import ReductionError, craig_bampton, held_interface, reduce_body
+from fem.elements.tetrahedra import assemble, rigid_body_modes
+from fem.numerics.linear_solver import factorize
 
 IRON = {"elastic_modulus": 1.1e11, "poisson_ratio": 0.26, "density": 7200.0}
 

@@ -9,14 +9,14 @@ import pytest
 from scipy.io import loadmat
 from synthetic import MESH, WHEEL, response
 
-from pipelines.diagnosis import DiagnosisSettings, diagnose
-from pipelines.export import ExportError, export
-from pipelines.grid import Grid, GridError
-from pipelines.page import typeset
-from pipelines.pictures import LeftOut
-from pipelines.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
-from pipelines.report import ReportContents, write_report
-from pipelines.report_contents import cell, grid
+from pipelines.border.grid import Grid, GridError
+from pipelines.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
+from pipelines.figures.render import LeftOut
+from pipelines.report.contents import cell, grid
+from pipelines.report.page import typeset
+from pipelines.report.report import ReportContents, write_report
+from pipelines.signals.diagnosis import DiagnosisSettings, diagnose
+from pipelines.signals.export import ExportError, export
 
 WINDOWS = {"lifting": (0.5, 2.5), "lowering": (3.0, 5.0)}
 CYCLE = np.linspace(0, 4, 81)

@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
-from mbd.bearings import BearingSpec
-from mbd.channels import bearing_force, journal_acceleration
-from mbd.checks import MachineError
-from mbd.drive import CouplingSpec, SpeedProfile
+from mbd.coordinates.channels import bearing_force, journal_acceleration
 from mbd.forces.rolling_bearing import hertz_bearing, response
-from mbd.load import StaticTorque
-from mbd.machine import Machine
-from mbd.rolling_catalogue import by_designation, designations
-from mbd.rolling_elements import RollingElements, dimensionless_deflection, pass_frequencies
-from mbd.shafts import Disk, Section, ShaftSpec
+from mbd.parts.bearings import BearingSpec
+from mbd.parts.checks import MachineError
+from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.load import StaticTorque
+from mbd.parts.machine import Machine
+from mbd.parts.rolling_catalogue import by_designation, designations
+from mbd.parts.rolling_elements import RollingElements, dimensionless_deflection, pass_frequencies
+from mbd.parts.shafts import Disk, Section, ShaftSpec
 from mbd.simulate import Settings, simulate
-from mbd.statics import equilibrium
-from mbd.system import assemble
+from mbd.system.statics import equilibrium
+from mbd.system.system import assemble
 
 # Harris & Kotzalas (2007), Rolling Bearing Analysis, 5th ed., table 6.1: F(rho) and delta*
 HARRIS = [(0.1075, 0.9974), (0.3204, 0.9761), (0.5916, 0.9077), (0.7332, 0.8394), (0.83495, 0.7602), (0.90999, 0.6636),

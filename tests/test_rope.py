@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing
 
-from mbd.bearings import BearingSpec
-from mbd.drive import CouplingSpec, SpeedProfile
 from mbd.forces.rope import Rope
-from mbd.machine import STANDARD_GRAVITY, Machine
-from mbd.shafts import Disk, Section, ShaftSpec
+from mbd.parts.bearings import BearingSpec
+from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.machine import STANDARD_GRAVITY, Machine
+from mbd.parts.shafts import Disk, Section, ShaftSpec
 from mbd.simulate import Settings, simulate
-from mbd.statics import equilibrium
-from mbd.system import assemble, natural_frequencies
+from mbd.system.statics import equilibrium
+from mbd.system.system import assemble, natural_frequencies
 
 MASS, RADIUS, LENGTH, EA, FALLS = 1000.0, 0.1, 5.0, 3.57e6, 8
 OMEGA = np.sqrt(FALLS * EA / LENGTH / MASS)

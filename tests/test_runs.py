@@ -7,8 +7,9 @@ import sys
 
 import pytest
 
-from pipelines import pictures, results
 from pipelines.cli import main
+from pipelines.figures import render
+from pipelines.runs import run_folder
 
 SCENE = """
 extends = "minimal"
@@ -25,7 +26,7 @@ SIGNALS = {"response.nc", "control.nc", "run.json", "log.jsonl", "scene.asked.to
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(pictures, "RENDERER", ("-c", "pass"))
+    monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-c", "pass"])
     (tmp_path / "mine.toml").write_text(SCENE, encoding="utf-8")
     return tmp_path
 
@@ -36,10 +37,10 @@ def failing(*_, **__):
 
 def test_a_failing_diagnosis_leaves_the_signals_and_can_be_repeated(here, monkeypatch, capsys):
     with monkeypatch.context() as broken:
-        broken.setattr("pipelines.diagnosis.diagnose", failing)
+        broken.setattr("pipelines.signals.diagnosis.diagnose", failing)
         assert main(RUN) == 1
     err = capsys.readouterr().err
-    folder = results.find_run("mine")
+    folder = run_folder.find_run("mine")
     assert {path.name for path in folder.iterdir()} == SIGNALS
     assert "IndexError: boolean index did not match" in err
     assert "(in stage diagnose)" in err
@@ -52,10 +53,10 @@ def test_a_failing_diagnosis_leaves_the_signals_and_can_be_repeated(here, monkey
 
 
 def test_a_failing_report_leaves_signals_and_diagnosis(here, monkeypatch, capsys):
-    monkeypatch.setattr("pipelines.report.write_report", failing)
+    monkeypatch.setattr("pipelines.report.report.write_report", failing)
     assert main(RUN) == 1
     err = capsys.readouterr().err
-    folder = results.find_run("mine")
+    folder = run_folder.find_run("mine")
     made = {f"diagnosis.{ending}" for ending in ("nc", "csv", "json", "md", "txt")}
     assert {path.name for path in folder.iterdir()} == SIGNALS | made
     assert f"The signals are kept in {folder}." in err
@@ -81,5 +82,5 @@ def test_three_runs_started_together_leave_three_results(here):
         assert process.returncode == 0, err
     folders = [path for path in (here / "runs" / "mine").iterdir() if path.is_dir()]
     assert len(folders) == 3
-    assert results.find_run("mine") in [path.relative_to(here) for path in folders]
-    assert all((path / results.RESPONSE).is_file() for path in folders)
+    assert run_folder.find_run("mine") in [path.relative_to(here) for path in folders]
+    assert all((path / run_folder.RESPONSE).is_file() for path in folders)

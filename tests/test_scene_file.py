@@ -4,12 +4,12 @@ import tomllib
 
 import pytest
 
-from pipelines.errors import InputError, SceneError
-from pipelines.new_scene import new_scene
-from pipelines.scene_file import control_differences, control_of, load_scene, shipped_names
-from pipelines.scene_merge import settings_tree
-from pipelines.toml_text import format_document, statements
-from pipelines.validity import checked_layout
+from pipelines.border.errors import InputError, SceneError
+from pipelines.border.toml_text import format_document, statements
+from pipelines.plant.checks.validity import checked_layout
+from pipelines.scene.file import control_differences, control_of, load_scene, shipped_names
+from pipelines.scene.merge import settings_tree
+from pipelines.scene.new import new_scene
 
 SHIPPED = shipped_names()
 

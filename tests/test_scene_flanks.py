@@ -3,19 +3,19 @@
 import numpy as np
 import pytest
 
-from fem.contact.evaluate import evaluate_law
+from fem.contact.evaluation.evaluator import evaluate_law
 from fem.gears.faults import ChippedTooth, CrackedTooth, WornTooth
-from pipelines.build import run_graph
-from pipelines.cache import Cache
-from pipelines.chain import scene_stages
-from pipelines.doubts import doubts
-from pipelines.errors import SceneError
-from pipelines.flanks import common_wear, damaged_teeth, fault_name
-from pipelines.layout import lay_out
-from pipelines.parts import clearances, fault_terms
-from pipelines.scene_file import load_scene
-from pipelines.stages import Graph
-from pipelines.validity import checked_layout
+from pipelines.border.errors import SceneError
+from pipelines.engine.cache import Cache
+from pipelines.engine.run_graph import run_graph
+from pipelines.engine.step import Graph
+from pipelines.plant.checks.doubts import doubts
+from pipelines.plant.checks.validity import checked_layout
+from pipelines.plant.flanks import common_wear, damaged_teeth, fault_name
+from pipelines.plant.layout import lay_out
+from pipelines.plant.teeth import clearances, fault_terms
+from pipelines.scene.file import load_scene
+from pipelines.steps.graph import scene_stages
 
 DETAILS = """
 extends = "minimal"
@@ -143,7 +143,8 @@ def test_only_what_is_there_adds_a_stage(detailed, tmp_path):
     graph = Graph(scene_stages(detailed, "detailed"))
     assert list(graph.stages)[:2] == ["sound_law_1", "law_1"]
     sound, law = (
-        run_graph(graph, Cache(tmp_path), ["sound_law_1", "law_1"]).value(name)[0] for name in ("sound_law_1", "law_1")
+        run_graph(graph, Cache(tmp_path / "cache"), ["sound_law_1", "law_1"]).value(name)[0]
+        for name in ("sound_law_1", "law_1")
     )
     assert (law.pinion_variant_gap.shape[0], law.wheel_variant_gap.shape[0]) == (1, 1)
     assert (law.wheel_variant_compliance > 0).any()

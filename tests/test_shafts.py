@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from mbd.checks import MachineError
-from mbd.shafts import (
+from mbd.parts.checks import MachineError
+from mbd.parts.shafts import (
     Disk,
     Section,
     ShaftSpec,

@@ -7,17 +7,18 @@ import pytest
 import xarray
 from coarse import coarse, diagnosable
 
-from pipelines import results, run
-from pipelines.errors import SceneError
-from pipelines.runs import Options, run_scene
-from pipelines.scene_file import load_scene, shipped_names
+from pipelines import run
+from pipelines.border.errors import SceneError
+from pipelines.runs import run_folder
+from pipelines.runs.run import Options, run_scene
+from pipelines.scene.file import load_scene, shipped_names
 
 
 @pytest.mark.parametrize("name", shipped_names())
 def test_a_shipped_scene_runs(name, tmp_path):
     loaded = load_scene(name, coarse(name))
     finished = run_scene(loaded, Options(out=tmp_path / "out", with_control=False, with_report=False))
-    with xarray.open_dataset(finished.folder / results.RESPONSE, engine="h5netcdf") as data:
+    with xarray.open_dataset(finished.folder / run_folder.RESPONSE, engine="h5netcdf") as data:
         data.load()
     assert data.acceleration.sizes == {"time": 1000, "sensor": len(loaded.scene.sensors), "axis": 3}
     for variable in data.data_vars.values():
@@ -66,7 +67,7 @@ def test_the_resolved_scene_of_a_run_gives_the_same_run(whole_run, tmp_path):
     again = load_scene(folder / "scene.resolved.toml")
     finished = run_scene(again, Options(out=tmp_path / "again", with_report=False))
     assert {r.name for r in finished.records if not r.reused} == set()
-    with xarray.open_dataset(finished.folder / results.RESPONSE, engine="h5netcdf") as second:
+    with xarray.open_dataset(finished.folder / run_folder.RESPONSE, engine="h5netcdf") as second:
         assert second.acceleration.values.tobytes() == data.acceleration.values.tobytes()
 
 

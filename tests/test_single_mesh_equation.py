@@ -13,16 +13,16 @@ import pytest
 from mbd_rigs import TRANSVERSE_ANGLE, mesh, no_casing
 from scipy.integrate import solve_ivp
 
-from fem.contact.evaluate import evaluate, law_tables
-from mbd.bearings import rigid_bearing
-from mbd.drive import CouplingSpec, SpeedProfile
+from fem.contact.evaluation.evaluator import evaluate, law_tables
 from mbd.forces.rope import Rope
-from mbd.load import StaticTorque
-from mbd.machine import STANDARD_GRAVITY, Machine
-from mbd.shafts import Disk, Section, ShaftSpec
+from mbd.parts.bearings import rigid_bearing
+from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.load import StaticTorque
+from mbd.parts.machine import STANDARD_GRAVITY, Machine
+from mbd.parts.shafts import Disk, Section, ShaftSpec
 from mbd.simulate import Settings, simulate
-from mbd.statics import equilibrium
-from mbd.system import assemble
+from mbd.system.statics import equilibrium
+from mbd.system.system import assemble
 
 INERTIA, HALF, SOFT, SPEED, RATE = (2e-3, 8e-2), 3e-3, 0.5, 94.0, 40e3
 ROPE = {"container_mass": 100.0, "drum_radius": 0.1, "falls": 4, "axial_stiffness": 1e6, "length": 4.0}

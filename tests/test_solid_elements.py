@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from fem.contact.ring import flank_compliance
-from fem.contact.solid_ring import CutFunctions, sector_prism, solid_flank
+from fem.contact.wheels.ring import flank_compliance
+from fem.contact.wheels.solid_ring import CutFunctions, sector_prism, solid_flank
+from fem.elements.nested_condensation import INNER, TIED, CondensationError
+from fem.elements.prisms import axial_matrices, product_stiffness, section_blocks, slice_means
 from fem.gears.geometry import Gear
 from fem.gears.sector import sector_mesh, with_middles
-from fem.linear_solver import factorize
-from fem.nested_condensation import INNER, TIED, CondensationError
-from fem.solid_elasticity import axial_matrices, product_stiffness, section_blocks, slice_means
+from fem.numerics.linear_solver import factorize
 
 YOUNG, POISSON = 206e9, 0.3
 

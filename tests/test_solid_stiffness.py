@@ -7,10 +7,10 @@ import pytest
 
 from benchmarks.checks import solid
 from fem.contact.frame import RungError
-from fem.contact.plane import Plane
-from fem.contact.solid import Solid
-from fem.contact.solid_contact import solve
-from fem.contact.solid_stress import stress_field
+from fem.contact.models.plane import Plane
+from fem.contact.models.solid import Solid
+from fem.contact.models.solid_stress import stress_field
+from fem.contact.wheels.contact import solve
 from fem.gears.geometry import Gear, GearPair
 
 
@@ -168,7 +168,7 @@ def test_spur_pair_at_the_pitch_point_against_contact_in_the_plane():
 
 def test_coupling_along_the_face_is_what_plane_slices_lack(helical, spur):
     """Slices support one another: under an even load the mean is that of `plane` within 6 %, free faces the softer."""
-    from fem.contact.curves import stiffness_curve
+    from fem.contact.evaluation.curves import stiffness_curve
 
     for record, pair in ((spur, pair_of()), (helical, pair_of(12.0))):
         plane = stiffness_curve(Plane().law(pair, "drive"), LOAD, np.arange(16) / 16).secant.mean()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipelines.spectrum import (
+from pipelines.signals.spectrum import (
     SpectrumError,
     amplitude_spectrum,
     cut,

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from test_cache import manifest_of
 
-from pipelines.build import run_graph
-from pipelines.cache import Cache
-from pipelines.code_version import code_version, reachable
-from pipelines.errors import CacheWarning, WorkError
-from pipelines.processes import Pool
-from pipelines.stages import Built, Graph, Stage, explain
+from pipelines.border.errors import CacheWarning, WorkError
+from pipelines.engine.cache import Cache
+from pipelines.engine.code_version import code_version, reachable
+from pipelines.engine.processes import Pool
+from pipelines.engine.run_graph import run_graph
+from pipelines.engine.step import Built, Graph, Stage, explain
 
 CALLS = []
 
@@ -152,7 +152,8 @@ def test_explain_compares_with_a_variant_and_not_with_another_scene(cache):
         spec = Scene({f"value_{n}": n + (n < changed) for n in range(40)})
         return Graph([Stage(name="law", kind="law", build=make_nothing, spec=spec)])
 
-    cache.store("law", one(0).stages["law"].key({}), lambda folder: None, one(0).stages["law"].facts({}))
+    made = {"content": "", "seconds": 0.0, "peak_bytes": 0, "ledger": {}}
+    cache.store("law", one(0).stages["law"].key({}), lambda folder: None, {**one(0).stages["law"].facts({}), **made})
     (variant,) = explain(one(4), cache)
     assert not variant.first
     assert variant.reason.count("->") == 4
@@ -263,7 +264,7 @@ def test_a_graph_refuses_wrong_order_and_repeated_names():
 
 
 def test_the_code_version_follows_imports():
-    assert "fem.records" in reachable("pipelines.payload")
-    assert "pipelines.scene" in reachable("pipelines.scene_file")  # imported inside functions
-    assert "pipelines.scene" not in reachable("pipelines.payload")
-    assert code_version("pipelines.cache") != code_version("pipelines.payload")
+    assert "fem.storage.records" in reachable("pipelines.engine.storage")
+    assert "pipelines.scene.scene" in reachable("pipelines.scene.file")  # imported inside functions
+    assert "pipelines.scene.scene" not in reachable("pipelines.engine.storage")
+    assert code_version("pipelines.engine.cache") != code_version("pipelines.engine.storage")

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
-from mbd.checks import EquilibriumError
-from mbd.load import StaticTorque
-from mbd.statics import equilibrium
-from mbd.system import assemble
+from mbd.parts.checks import EquilibriumError
+from mbd.parts.load import StaticTorque
+from mbd.system.statics import equilibrium
+from mbd.system.system import assemble
 
 
 def needed_torque(machine):

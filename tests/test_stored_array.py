@@ -8,9 +8,9 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.hdf5 import CarefulFile, careful_file
-from fem.records import Record, array, names
-from fem.stored_array import StoredArray
+from fem.storage.hdf5 import CarefulFile, careful_file
+from fem.storage.records import Record, array, names
+from fem.storage.stored_array import StoredArray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from mesh_laws import made_up_law
 
-from fem.contact.curves import no_load_error
-from fem.contact.evaluate import LawError, evaluate, evaluate_law, evaluate_two, law_tables, shares
+from fem.contact.evaluation.curves import no_load_error
+from fem.contact.evaluation.evaluator import LawError, evaluate, evaluate_law, evaluate_two, law_tables, shares
 from fem.contact.teeth import checked_terms, least_clearance, tooth_terms, with_variants
 
 LAW = made_up_law()

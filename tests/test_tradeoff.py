@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import pytest
 
-from pipelines.cache import Cache
-from pipelines.errors import SceneError
-from pipelines.scene_file import load_scene
+from pipelines.border.errors import SceneError
+from pipelines.engine.cache import Cache
+from pipelines.scene import presets
+from pipelines.scene.file import load_scene
+from pipelines.scene.presets import LEVELS, PRESETS, load_preset
 from pipelines.trade import choices as choices_module
-from pipelines.trade import presets, tradeoff
+from pipelines.trade import tradeoff
 from pipelines.trade.choices import choices
-from pipelines.trade.presets import LEVELS, PRESETS, load_preset
 from pipelines.trade.tradeoff import trade
 from pipelines.trade.tradeoff_page import answers, trade_figure, trade_table
 from pipelines.trade.variants import step_costs
@@ -115,7 +116,7 @@ def test_a_setting_counts_more_than_the_preset():
 
 
 def test_every_choice_of_the_rig_is_a_valid_scene_or_says_why_not():
-    from pipelines.scene_file import changed
+    from pipelines.scene.file import changed
 
     loaded = load_scene("rig-missing-tooth")
     refused = []

@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
-from mbd.bearings import BEARING_AXES, BearingSpec, rigid_bearing, springs
-from mbd.checks import MachineError
-from mbd.couplings import ShaftCoupling
-from mbd.linearised import linear_modes
-from mbd.mesh_reference import nominal_forces
+from mbd.parts.bearings import BEARING_AXES, BearingSpec, rigid_bearing, springs
+from mbd.parts.checks import MachineError
+from mbd.parts.couplings import ShaftCoupling
+from mbd.parts.mesh_reference import nominal_forces
+from mbd.parts.train import Link, power_flow, shaft_ratios
 from mbd.simulate import Settings, simulate
-from mbd.statics import equilibrium
-from mbd.system import assemble, natural_frequencies
-from mbd.train import Link, power_flow, shaft_ratios
-from pipelines.errors import SceneError
-from pipelines.layout import lay_out
-from pipelines.scene_file import load_scene
-from pipelines.validity import checked_layout
+from mbd.system.linearised import linear_modes
+from mbd.system.statics import equilibrium
+from mbd.system.system import assemble, natural_frequencies
+from pipelines.border.errors import SceneError
+from pipelines.plant.checks.validity import checked_layout
+from pipelines.plant.layout import lay_out
+from pipelines.scene.file import load_scene
 
 
 def needed(machine):

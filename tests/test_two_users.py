@@ -22,10 +22,10 @@ ONE, OTHER = 54321, 54322
 PROGRAM = """
 import sys
 from pathlib import Path
-from fem.compiled import stored
-from pipelines.cache import Cache
+from fem.numerics.compiled import stored
+from pipelines.engine.cache import Cache
 
-@stored((Path(__file__),))
+@stored(__file__)
 def twice(x):
     return 2.0 * x
 

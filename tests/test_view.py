@@ -12,12 +12,12 @@ from synthetic import box, gear_outline, key_points
 
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
-from pipelines import picture_failures, pictures
-from pipelines.callouts import casing_figure, gear_figure, spread
-from pipelines.pictures import CasingView, GearPairView, LeftOut, Picture, render_casing, render_gears
-from pipelines.plots import StiffnessPlot
-from pipelines.shapes import casing_view, gear_view
-from pipelines.solids import enclosed_volume, gear_surface, prism_surface, without_tooth
+from pipelines.figures import render, render_failures
+from pipelines.figures.callouts import casing_figure, gear_figure, spread
+from pipelines.figures.plots import StiffnessPlot
+from pipelines.figures.render import CasingView, GearPairView, LeftOut, Picture, render_casing, render_gears
+from pipelines.figures.shapes import casing_view, gear_view
+from pipelines.figures.solids import enclosed_volume, gear_surface, prism_surface, without_tooth
 
 
 def area(outline):
@@ -161,11 +161,11 @@ KILL = "import os, signal; os.kill(os.getpid(), signal.{})"
     ],
 )
 def test_a_dead_renderer_leaves_one_picture_out(monkeypatch, caplog, program, graphics, limit, what, remedy):
-    monkeypatch.setattr(pictures, "command", lambda _: [sys.executable, "-c", program])
+    monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-c", program])
     if "sleep" in program:
-        monkeypatch.setattr(pictures, "TIMEOUT", 1.0)
-    monkeypatch.setattr(picture_failures, "graphics_found", lambda: graphics)
-    monkeypatch.setattr(picture_failures, "memory_limit", lambda: limit)
+        monkeypatch.setattr(render, "TIMEOUT", 1.0)
+    monkeypatch.setattr(render_failures, "graphics_found", lambda: graphics)
+    monkeypatch.setattr(render_failures, "memory_limit", lambda: limit)
     with caplog.at_level(logging.WARNING):
         found = render_gears(pair())
     assert isinstance(found, LeftOut)
@@ -180,7 +180,7 @@ def test_a_dead_renderer_leaves_one_picture_out(monkeypatch, caplog, program, gr
 LIMITED = """
 import resource, sys
 sys.path[:0] = {path!r}
-from pipelines.picture_failures import memory_limit
+from pipelines.figures.render_failures import memory_limit
 resource.setrlimit(resource.RLIMIT_AS, ({limit} * 2**20, resource.RLIM_INFINITY))
 print(memory_limit())
 """

@@ -9,8 +9,8 @@ from functools import cache
 import numpy as np
 
 from benchmarks.checks.record import Check, Values
-from fem.contact.evaluate import evaluate_law
-from fem.contact.iso import Iso, blank_factor, rack_factor
+from fem.contact.evaluation.evaluator import evaluate_law
+from fem.contact.models.iso import Iso, blank_factor, rack_factor
 from fem.gears.deviations import pitch_tolerance
 from fem.gears.geometry import Gear, GearPair
 from fem.gears.path import line_length

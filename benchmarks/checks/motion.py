@@ -10,17 +10,17 @@ import numpy as np
 from scipy.linalg import eigh, expm
 
 from benchmarks.checks.record import Check, Values
-from fem.casing.body import ReducedBody
-from mbd.bearings import BearingSpec
-from mbd.drive import CouplingSpec, SpeedProfile
+from fem.casing.reduced.body import ReducedBody
 from mbd.forces.rope import Rope
 from mbd.integrators import exponential, trapezoidal
 from mbd.integrators.generalised_alpha import spectral_radius
-from mbd.machine import STANDARD_GRAVITY, Machine
-from mbd.shafts import Disk, Section, ShaftSpec, shaft_matrices, shaft_nodes, shear_coefficient
+from mbd.parts.bearings import BearingSpec
+from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.machine import STANDARD_GRAVITY, Machine
+from mbd.parts.shafts import Disk, Section, ShaftSpec, shaft_matrices, shaft_nodes, shear_coefficient
 from mbd.simulate import Settings, simulate
-from mbd.statics import State, equilibrium
-from mbd.system import assemble
+from mbd.system.statics import State, equilibrium
+from mbd.system.system import assemble
 
 SHAFTS, TIME, LOAD = "Shafts", "Time integration", "Load and equilibrium"
 EXUDYN = "Exudyn documentation, recomputed"
@@ -131,7 +131,7 @@ def _hoist() -> tuple[np.ndarray, np.ndarray]:
 
 
 def _no_casing(machine: Machine) -> ReducedBody:
-    from fem.casing.rungs import NoCasing
+    from fem.casing.reduced.models import NoCasing
 
     return NoCasing().reduce({b.name: (0.0, b.y, 0.0) for b in machine.bearings})
 

@@ -10,13 +10,13 @@ import numpy as np
 from scipy import sparse
 
 from benchmarks.checks.record import Check, Values
-from fem.contact import ring
-from fem.contact.curves import stiffness_curve
+from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.law import MeshLaw
-from fem.contact.plane import Plane
+from fem.contact.models.plane import Plane
+from fem.contact.wheels import ring
+from fem.elements.sections import shape_functions
 from fem.gears.geometry import Gear, GearPair
 from fem.gears.sector import SectorMesh, sector_mesh
-from fem.plane_elasticity import shape_functions
 
 SUBJECT = "Mesh stiffness, rung plane"
 YOUNG, POISSON = 206e9, 0.3

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from benchmarks.checks.record import Check, Values
-from pipelines.derived import derive
-from pipelines.layout import lay_out
-from pipelines.scene_file import load_scene
-from pipelines.spectrum import amplitude_spectrum, cut, envelope, envelope_spectrum, whole_revolutions
+from pipelines.plant.facts import derive
+from pipelines.plant.layout import lay_out
+from pipelines.scene.file import load_scene
+from pipelines.signals.spectrum import amplitude_spectrum, cut, envelope, envelope_spectrum, whole_revolutions
 
 SUBJECT = "Frequencies and spectra"
 RATE, MESH = 10_000.0, 300.0

@@ -14,10 +14,10 @@ from benchmarks.checks.plane import helical_rows
 from benchmarks.checks.record import Check
 from benchmarks.peers.calculix_contact import POSITIONS_PER_CYCLE, RESULTS
 from benchmarks.rig import read
-from fem.contact.solid import Solid
-from fem.contact.solid_compliance import ContactCompliance
-from fem.contact.solid_contact import solve
-from pipelines.derived import derive
+from fem.contact.models.solid import Solid
+from fem.contact.wheels.compliance import ContactCompliance
+from fem.contact.wheels.contact import solve
+from pipelines.plant.facts import derive
 
 SUBJECT = "Mesh stiffness, rung solid"
 

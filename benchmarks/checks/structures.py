@@ -12,10 +12,10 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from benchmarks.checks.record import Check, Values
-from fem.casing.lanczos import block_lanczos
-from fem.casing.reduction import craig_bampton
-from fem.elasticity import EDGES, assemble
-from fem.linear_solver import factorize
+from fem.casing.reduced.lanczos import block_lanczos
+from fem.casing.reduced.reduction import craig_bampton
+from fem.elements.tetrahedra import EDGES, assemble
+from fem.numerics.linear_solver import factorize
 
 REDUCTION, ELEMENTS = "Reduction", "Solid elements"
 COFE = "MSC Nastran superelement run, published in vtpasquale/NASTRAN_CoFE (cantilever_bar)"

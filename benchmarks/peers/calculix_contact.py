@@ -26,15 +26,15 @@ from benchmarks.peers import ccx
 from benchmarks.peers.contact_deck import ContactModel
 from benchmarks.peers.tooth_mesh import Sizes
 from benchmarks.rig import plane_law, read
-from fem.contact.curves import stiffness_curve
-from fem.contact.energy import Energy
-from fem.contact.iso import Iso
+from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.law import MeshLaw
-from fem.contact.plane import Plane
-from fem.contact.solid import Solid
-from fem.contact.solid_contact import solve as solve_solid
+from fem.contact.models.energy import Energy
+from fem.contact.models.iso import Iso
+from fem.contact.models.plane import Plane
+from fem.contact.models.solid import Solid
+from fem.contact.wheels.contact import solve as solve_solid
 from fem.gears.geometry import GearPair
-from pipelines.derived import derive
+from pipelines.plant.facts import derive
 
 RESULTS = Path(__file__).resolve().parent.parent / "results" / "calculix_contact.json"
 PENALTY = 1e8  # N/mm3

@@ -19,12 +19,12 @@ import numpy as np
 from benchmarks.clock import conditions, timed
 from benchmarks.peers import ccx
 from benchmarks.rig import casing_parts, casing_rung, read
-from fem.casing.grounded import ground_casing
-from fem.casing.mesh import CasingMesh
-from fem.casing.reduction import Reduction, reduce_body
-from fem.casing.rungs import CraigBamptonCasing
-from fem.elasticity import EDGES
-from fem.materials import Material
+from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.models import CraigBamptonCasing
+from fem.casing.reduced.reduction import Reduction, reduce_body
+from fem.elements.materials import Material
+from fem.elements.tetrahedra import EDGES
 
 RESULTS = Path(__file__).resolve().parent.parent / "results" / "calculix_frequency.json"
 HIGHEST = 7500.0  # Hz

@@ -19,9 +19,9 @@ from scipy import sparse
 from benchmarks.peers import ccx
 from benchmarks.peers.tooth_mesh import Sizes
 from benchmarks.peers.wheel_mesh import LOADED_FACE, WheelMesh, wheel_mesh
+from fem.elements.materials import Material
 from fem.gears.geometry import GearPair
 from fem.gears.path import path_points
-from fem.materials import Material
 
 NAMES = ("PINION", "WHEEL")
 

@@ -56,7 +56,7 @@ def step_count(modes: int, rows: int, forces: int, outputs: int, iterations: flo
 
 def factor_count(matrix: Any) -> dict[str, float]:
     """Flops and bytes of a Cholesky factor in the nested dissection order of the library, by the column counts."""
-    from fem.linear_solver import nested_dissection
+    from fem.numerics.linear_solver import nested_dissection
 
     order = nested_dissection(matrix, block=3)
     counts = column_counts(matrix[order][:, order])
@@ -100,8 +100,8 @@ def column_counts(matrix: Any) -> np.ndarray:
 def measure() -> dict[str, Any]:
     """Counts, rates and the seconds that follow."""
     from benchmarks.rig import casing_parts, casing_rung, read
-    from fem.casing.grounded import ground_casing
-    from fem.casing.rungs import CraigBamptonCasing
+    from fem.casing.reduced.grounded import ground_casing
+    from fem.casing.reduced.models import CraigBamptonCasing
 
     scene, layout = read()
     box, iron = casing_parts(scene, layout)

@@ -45,11 +45,11 @@ def theirs(helix_deg: float = 0.0) -> dict[str, float]:
 
 def ours() -> dict[str, dict[str, float]]:
     """The same by the rungs energy and plane, with the steel of ROSS."""
-    from fem.contact.curves import stiffness_curve
-    from fem.contact.energy import Energy
-    from fem.contact.plane import Plane
+    from fem.contact.evaluation.curves import stiffness_curve
+    from fem.contact.models.energy import Energy
+    from fem.contact.models.plane import Plane
+    from fem.elements.materials import Material
     from fem.gears.geometry import Gear, GearPair
-    from fem.materials import Material
 
     steel = Material(name="steel of ROSS", elastic_modulus=211e9, poisson_ratio=211.0 / 162.4 - 1.0, density=7810.0)
     gear = Gear(teeth=62, normal_module=0.002, face_width=0.02, bore_radius=0.0175)

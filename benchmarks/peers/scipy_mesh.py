@@ -18,8 +18,8 @@ import numpy as np
 from benchmarks.clock import conditions, timed
 from benchmarks.peers.single_stage import CLOSE, RATE, SPAN, SPEED, Equations, error, instants, seconds_at, system
 from mbd.integrators.methods import METHODS
-from mbd.statics import equilibrium
-from mbd.system import System
+from mbd.system.statics import equilibrium
+from mbd.system.system import System
 
 RESULTS = Path(__file__).resolve().parent.parent / "results" / "scipy_mesh.json"
 STEPS = (20e-6, 10e-6, 5e-6, 2.5e-6, 1.25e-6, 0.625e-6)

@@ -16,17 +16,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.casing.body import ReducedBody
-from fem.contact.plane import Plane
+from fem.casing.reduced.body import ReducedBody
+from fem.contact.models.plane import Plane
 from fem.gears.geometry import Gear, GearPair
-from mbd.bearings import BearingSpec
-from mbd.drive import CouplingSpec, SpeedProfile
-from mbd.gear_mesh import MeshSpec
-from mbd.load import StaticTorque
-from mbd.machine import Machine
-from mbd.shafts import Disk, Section, ShaftSpec
-from mbd.statics import equilibrium
-from mbd.system import System, assemble
+from mbd.parts.bearings import BearingSpec
+from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.gear_mesh import MeshSpec
+from mbd.parts.load import StaticTorque
+from mbd.parts.machine import Machine
+from mbd.parts.shafts import Disk, Section, ShaftSpec
+from mbd.system.statics import equilibrium
+from mbd.system.system import System, assemble
 
 SPEED = 30.0 * math.pi  # rad/s, 900 rpm
 TORQUE = 56.0  # N m on the wheel, about 1000 N of mesh force

@@ -36,7 +36,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.records import Record, array, integer, scalar, text
+from fem.storage.records import Record, array, integer, scalar, text
 
 
 def _sound(*dims: str, units: str, infinite: bool = False) -> Any:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.gears.gear import Gear, GeometryError
-from fem.records import Record, array, integer, scalar
+from fem.storage.records import Record, array, integer, scalar
 
 GRADES = range(1, 12)
 ECCENTRIC_PART = 0.7  # share of the total cumulative deviation that runs once per revolution, before scaling

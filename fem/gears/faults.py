@@ -1,7 +1,8 @@
 """Faults of single teeth, with their severity: missing, chipped, cracked, worn.
 
 Each class holds what an inspection report would state, in m and rad, and checks itself against a gear. Faces are those
-of the gear pair: y from mid face, end "-y" or "+y". What a fault does to a mesh law stands in `fem.contact.damage`.
+of the gear pair: y from mid face, end "-y" or "+y". What a fault does to a mesh law stands in
+`fem.contact.wheels.damage`.
 """
 
 from __future__ import annotations

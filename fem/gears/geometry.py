@@ -10,10 +10,10 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
+from fem.elements.materials import STEEL, Material
 from fem.gears.gear import Gear, GeometryError, Rack, involute, require
 from fem.gears.interference import root_penetration
 from fem.gears.profile import form_radius
-from fem.materials import STEEL, Material
 
 __all__ = ["Gear", "GearPair", "GeometryError", "Rack"]
 

@@ -7,15 +7,15 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from mbd.bearings import BEARING_AXES
-from mbd.channels import bearing_row
-from mbd.checks import MachineError
+from mbd.coordinates.channels import bearing_row
+from mbd.coordinates.layout import Layout
+from mbd.coordinates.modal_basis import modal_basis
 from mbd.forces.element import Element
-from mbd.layout import Layout
-from mbd.machine import Machine
-from mbd.mesh_reference import nominal_forces, reference_load
-from mbd.reduction import modal_basis
-from mbd.shafts import torsional_stiffness
+from mbd.parts.bearings import BEARING_AXES
+from mbd.parts.checks import MachineError
+from mbd.parts.machine import Machine
+from mbd.parts.mesh_reference import nominal_forces, reference_load
+from mbd.parts.shafts import torsional_stiffness
 
 SLOWEST = 1.0  # rad/s: smoothing speed of a machine that never turns
 SMOOTHING = 0.02  # of the highest speed

@@ -2,7 +2,7 @@
 
 A bearing drags with mu_b P d/2: P its load at rest, d the shaft's diameter in it; the casing's reaction to it is left
 out. The brake is closed while the motors stand: its torque fades as (1 - (speed/omega_0)^2)^2 of the motor speed. Both
-reverse with the speed as tanh(omega/omega_0), see `mbd.losses`.
+reverse with the speed as tanh(omega/omega_0), see `mbd.parts.losses`.
 
 References
 ----------
@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from mbd.forces.element import Element, rule
-from mbd.losses import Coulomb
+from mbd.parts.losses import Coulomb
 
 if TYPE_CHECKING:
     from mbd.forces.assembly import Assembly

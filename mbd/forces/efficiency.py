@@ -7,7 +7,8 @@ times what goes in. From (1 - x i)/(1 + x) = eta with i = r_b1/r_b2,
     x = (1 - eta)/(1 + eta i)    the driven gear gives it (the load lowers; or the coast flank in lifting)
 
 and the power tau (phi1' + phi2') is lost. The torques are equal and turn with phi1 and phi2, which have opposite senses
-in space: they need no reaction in the casing. They reverse with the speed as tanh(omega/omega_0), see `mbd.losses`.
+in space: they need no reaction in the casing. They reverse with the speed as tanh(omega/omega_0), see
+`mbd.parts.losses`.
 
 References
 ----------
@@ -22,7 +23,7 @@ from typing import TYPE_CHECKING
 
 from mbd.forces.element import Element, rule
 from mbd.forces.flank import flank_name
-from mbd.losses import Efficiency, mesh_sliding_rows
+from mbd.parts.losses import Efficiency, mesh_sliding_rows
 
 if TYPE_CHECKING:
     from mbd.forces.assembly import Assembly

@@ -25,15 +25,15 @@ the angle of now instead; then, by the changes G and Q of force and stiffness at
 
     work = U(a_1, u_0) - U(a_0, u_0) + G . Du/2 + Du . Q Du/12 + [D G . Du - G . D2 u]/12,
 
-where the last bracket, central differences over the neighbouring steps, is added by `mbd.element_work`.
+where the last bracket, central differences over the neighbouring steps, is added by `mbd.energy.element_energy`.
 
 Calls
 -----
-The loop calls a rule through its address (`fem.compiled.Signature`). It knows no kind, a new one recompiles nothing but
-itself, and what no machine uses is never compiled. A call costs 0.1 to 0.15 us more than code that is part of the loop
-(rig: 8 elements, 26 us per step); with arrays that count references (`fem.compiled.lent`) it was 0.5 us. A static tuple
-of all rules that the compiler unrolls took no less time per step (33 us against 29 to 33 us on a busy machine) and
-compiles every kind into every loop.
+The loop calls a rule through its address (`fem.numerics.compiled.Signature`). It knows no kind, a new one recompiles
+nothing but itself, and what no machine uses is never compiled. A call costs 0.1 to 0.15 us more than code that is part
+of the loop (rig: 8 elements, 26 us per step); with arrays that count references (`fem.numerics.compiled.lent`) it was
+0.5 us. A static tuple of all rules that the compiler unrolls took no less time per step (33 us against 29 to 33 us on a
+busy machine) and compiles every kind into every loop.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
-from fem.compiled import FLOAT, MATRIX, VECTOR, Signature, stored
+from fem.numerics.compiled import FLOAT, MATRIX, VECTOR, Signature, stored
 
 WIDTH = 6  # rows at most that the force on a row depends on
 LOG_COLUMNS = ("energy", "by_angle", "frozen_energy", "parametric")

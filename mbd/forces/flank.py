@@ -1,7 +1,7 @@
 """Gear flank: the contact of the driving and the driven gear on one side of the teeth, by a mesh law.
 
 Rows are delta (approach along the transverse line of action) and psi (tilt in the plane of action), see
-`mbd.gear_mesh`; the rotation of the driving gear is observed, because it turns the mesh cycle. The law gives
+`mbd.parts.gear_mesh`; the rotation of the driving gear is observed, because it turns the mesh cycle. The law gives
 U(c, delta, psi) with F = dU/d delta, M = dU/d psi. With damping the force is F_t = max(0, F + tau k_t d),
 k_t = dF/d delta, d = delta' + (M/F) psi', and M_t = M F_t/F.
 
@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.compiled import inner
-from fem.contact.evaluate import evaluate, law_tables
-from fem.contact.kernel import evaluate_two
+from fem.contact.evaluation.evaluator import evaluate, law_tables
+from fem.contact.evaluation.kernel import evaluate_two
 from fem.contact.teeth import least_clearance
-from mbd.channels import mesh_channels
+from fem.numerics.compiled import inner
+from mbd.coordinates.channels import mesh_channels
 from mbd.forces.element import ENERGY, FROZEN_ENERGY, Element, Signal, rule
-from mbd.gear_mesh import MeshSpec, mesh_rows
-from mbd.mesh_reference import mean_stiffness, touching_approach
+from mbd.parts.gear_mesh import MeshSpec, mesh_rows
+from mbd.parts.mesh_reference import mean_stiffness, touching_approach
 
 if TYPE_CHECKING:
     from mbd.forces.assembly import Assembly

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbd.checks import finite, not_negative, positive
 from mbd.forces.element import ENERGY, Element, rule
+from mbd.parts.checks import finite, not_negative, positive
 
 if TYPE_CHECKING:
     from mbd.forces.assembly import Assembly

@@ -1,4 +1,4 @@
-"""Gyroscopic moments of all shafts in the time step: a pair of forces on two modal rows, per plane of `mbd.gyroscopic`.
+"""Gyroscopic moments of all shafts in the time step: a pair of forces on two modal rows, per plane of `gyroscopic`.
 
 The forces g Omega (b', -a') do no work. The linearised view takes the whole matrix in their place.
 """
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbd.forces.element import Element, rule
-from mbd.gyroscopic import planes, rolling_matrix
+from mbd.parts.gyroscopic import planes, rolling_matrix
 
 if TYPE_CHECKING:
     from mbd.forces.assembly import Assembly

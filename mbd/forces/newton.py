@@ -21,7 +21,7 @@ import math
 
 import numpy as np
 
-from fem.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, inner, stored
+from fem.numerics.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, inner, stored
 from mbd.forces.element import WIDTH
 from mbd.forces.table import CLOCK, INSTANT, TABLE, follow_tangent, parametric_work, row_forces
 

@@ -21,14 +21,14 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from mbd.channels import ROPE_FORCE, SWAY, Reading
-from mbd.checks import MachineError
+from mbd.coordinates.channels import ROPE_FORCE, SWAY, Reading
 from mbd.forces.element import BY_ANGLE, ENERGY, Element, Signal, rule
 from mbd.forces.rope import LENGTH, LOSS, STIFFNESS_TIMES_LENGTH, TRAVEL, Rope
+from mbd.parts.checks import MachineError
 
 if TYPE_CHECKING:
+    from mbd.coordinates.layout import Layout
     from mbd.forces.assembly import Assembly
-    from mbd.layout import Layout
 
 
 @rule(__file__)

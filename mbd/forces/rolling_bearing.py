@@ -7,7 +7,7 @@ z = sin theta) sees the radial and axial shifts of the inner raceway
 
 Ball (Jones, Harris): the groove centres, A = (f_i + f_o - 1) D apart, move to the distance
 sqrt((A cos a - P/2 + rho)^2 + (A sin a + p + w)^2) = A + delta, and Q = K delta^1.5 along their line; P is the
-diametral clearance, p an axial preload shift. K is that of `mbd.rolling_elements`.
+diametral clearance, p an axial preload shift. K is that of `mbd.parts.rolling_elements`.
 
 Roller: delta = (rho - P/2) cos a + (w + p) sin a - g s at the place s of a lamina along its length l, and
 q = c_L l^(8/9) delta^(10/9) per roller, c_L = 35 948 N/mm^(10/9) mm^(-8/9) for steel (both contacts), in ``LAMINAE``
@@ -32,11 +32,11 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from scipy import optimize
 
-from fem.compiled import inner
-from mbd.bearings import BEARING_AXES, BearingSpec
-from mbd.channels import bearing_force, bearing_row
+from fem.numerics.compiled import inner
+from mbd.coordinates.channels import bearing_force, bearing_row
 from mbd.forces.element import BY_ANGLE, ENERGY, Element, Signal, evaluated, rule
-from mbd.rolling_elements import RollingElements, element_values, pass_frequencies, reference_load
+from mbd.parts.bearings import BEARING_AXES, BearingSpec
+from mbd.parts.rolling_elements import RollingElements, element_values, pass_frequencies, reference_load
 
 if TYPE_CHECKING:
     from mbd.forces.assembly import Assembly

@@ -18,16 +18,16 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from mbd.channels import CONTAINER, ROPE_FORCE, Reading
-from mbd.checks import MachineError, finite, not_negative, positive
-from mbd.drive import SpeedProfile
+from mbd.coordinates.channels import CONTAINER, ROPE_FORCE, Reading
 from mbd.forces.element import BY_ANGLE, ENERGY, Element, Signal, rule
 from mbd.forces.ground import Ground
-from mbd.load import Load, pull_axis
+from mbd.parts.checks import MachineError, finite, not_negative, positive
+from mbd.parts.drive import SpeedProfile
+from mbd.parts.load import Load, pull_axis
 
 if TYPE_CHECKING:
+    from mbd.coordinates.layout import Layout
     from mbd.forces.assembly import Assembly
-    from mbd.layout import Layout
 
 STIFFNESS_TIMES_LENGTH, LENGTH, TRAVEL, LOSS = range(4)  # loss: 2 zeta sqrt(mass per rope)
 

@@ -7,7 +7,7 @@ opposes it on both gears. With m . (u1 - u2) at the pitch point as w and kappa =
 
 The shares (of pairs and places along the face) are those of error-free gears at the nominal load at rest, tabulated
 over the mesh cycle; friction does not act along the face. It reverses with the speed as tanh(omega/omega_0), see
-`mbd.losses`.
+`mbd.parts.losses`.
 
 References
 ----------
@@ -24,8 +24,8 @@ import numpy as np
 
 from mbd.forces.element import Element, rule
 from mbd.forces.flank import SIDES, flank_name
-from mbd.losses import Coulomb, mesh_sliding_rows
-from mbd.mesh_reference import sliding_shares
+from mbd.parts.losses import Coulomb, mesh_sliding_rows
+from mbd.parts.mesh_reference import sliding_shares
 
 if TYPE_CHECKING:
     from mbd.forces.assembly import Assembly

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbd.checks import MachineError, finite, frozen_array
 from mbd.forces.element import Element, rule
-from mbd.load import OutsideForce
+from mbd.parts.checks import MachineError, finite, frozen_array
+from mbd.parts.load import OutsideForce
 
 if TYPE_CHECKING:
     from mbd.forces.assembly import Assembly

@@ -28,7 +28,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from mbd.statics import State
+from mbd.system.statics import State
 
 TOLERANCE = 1e-7  # states move by 1e-6 of their size against 1e-9
 

@@ -21,7 +21,7 @@ import math
 import numpy as np
 
 from mbd.integrators.modal import Hold, ModalIntegrator
-from mbd.system import System
+from mbd.system.system import System
 
 SERIES_BELOW = 1.0
 SERIES_TERMS = 24

@@ -20,12 +20,12 @@ import copy
 import numpy as np
 from scipy import linalg
 
-from mbd.checks import StepError
 from mbd.forces.newton import solve_rows, work_between
 from mbd.forces.table import instant
 from mbd.integrators.base import TOLERANCE, Block, Flow, uniform_clock
-from mbd.statics import State
-from mbd.system import System
+from mbd.parts.checks import StepError
+from mbd.system.statics import State
+from mbd.system.system import System
 
 DEFAULT_RADIUS = 0.9
 

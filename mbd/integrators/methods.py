@@ -9,7 +9,7 @@ from mbd.integrators.exponential import exponential
 from mbd.integrators.generalised_alpha import GeneralisedAlpha
 from mbd.integrators.reference import Reference
 from mbd.integrators.trapezoidal import trapezoidal
-from mbd.system import System
+from mbd.system.system import System
 
 METHODS: dict[str, Callable[[System, float], Integrator]] = {
     "exponential": exponential,

@@ -23,14 +23,14 @@ from typing import NamedTuple
 import numpy as np
 from scipy import linalg
 
-from mbd.checks import StepError
 from mbd.forces.element import LOG_COLUMNS
 from mbd.forces.newton import solve_rows
 from mbd.forces.table import Instant, instant
 from mbd.integrators.base import LENGTH, TOLERANCE, Block, Flow, join
 from mbd.integrators.modal_loop import QUARTERS, Constants, Memory, advance_modes
-from mbd.statics import State
-from mbd.system import System
+from mbd.parts.checks import StepError
+from mbd.system.statics import State
+from mbd.system.system import System
 
 logger = logging.getLogger(__name__)
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.compiled import inner, stored
+from fem.numerics.compiled import inner, stored
 from mbd.forces.element import WIDTH
 from mbd.forces.newton import NEAR, iterate
 from mbd.forces.table import Instant, contact_changed, parametric_work

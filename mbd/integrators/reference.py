@@ -16,12 +16,12 @@ import copy
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from mbd.checks import StepError
 from mbd.forces.newton import solve_rows, work_between
 from mbd.forces.table import Instant, instant
 from mbd.integrators.base import TOLERANCE, Block, Flow, uniform_clock
-from mbd.statics import State
-from mbd.system import System
+from mbd.parts.checks import StepError
+from mbd.system.statics import State
+from mbd.system.system import System
 
 RTOL = 1e-9
 ATOL = 1e-13  # mass-normalised coordinates

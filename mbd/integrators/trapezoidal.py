@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbd.integrators.modal import Hold, ModalIntegrator
-from mbd.system import System
+from mbd.system.system import System
 
 
 def hold(eigenvalues: np.ndarray, step: float) -> Hold:

@@ -9,7 +9,7 @@ from collections import defaultdict
 
 def main(options: argparse.Namespace) -> int:
     """info: sizes by kind; verify: check every entry, 1 if one was damaged; clear: remove."""
-    from pipelines.cache import Cache
+    from pipelines.engine.cache import Cache
 
     cache = Cache()
     if options.action == "clear":

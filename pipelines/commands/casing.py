@@ -8,24 +8,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from fem.casing.modes import CasingModes, NaturalModes
-    from pipelines.build import Outcome
-    from pipelines.scene import Scene
+    from fem.casing.reduced.modes import CasingModes, NaturalModes
+    from pipelines.engine.run_graph import Outcome
+    from pipelines.scene.scene import Scene
 
 _STATIC_BAND = 1000.0  # Hz, to which the rung static is compared and exported
 
 
 def main(options: argparse.Namespace) -> int:
     """Build the casing; print check-up, modes and error (elastic rungs) and the coordinates; write the files asked."""
-    from pipelines.build import run_graph
-    from pipelines.cache import Cache
-    from pipelines.casing_export import checked_target
-    from pipelines.chain import casing_error_stage, casing_mounts
-    from pipelines.errors import InputError
-    from pipelines.stages import Graph
-    from pipelines.study import plan_study
-    from pipelines.terminal import shown_progress
-    from pipelines.trade.presets import load_asked
+    from pipelines.border.errors import InputError
+    from pipelines.engine.cache import Cache
+    from pipelines.engine.progress import shown_progress
+    from pipelines.engine.run_graph import run_graph
+    from pipelines.engine.step import Graph
+    from pipelines.runs.casing_export import checked_target
+    from pipelines.scene.presets import load_asked
+    from pipelines.steps.graph import casing_error_stage, casing_mounts
+    from pipelines.steps.study import plan_study
 
     targets = [checked_target(name) for name in options.export]
     loaded = load_asked(options)
@@ -42,7 +42,7 @@ def main(options: argparse.Namespace) -> int:
     body = outcome.value("casing")
     natural = None
     if elastic:
-        from fem.casing.modes import natural_modes
+        from fem.casing.reduced.modes import natural_modes
 
         modes, check = outcome.value("casing modes")
         limit = None if modes.band_limit == 0.0 else 1.5 * _band(loaded.scene)
@@ -77,7 +77,7 @@ def describe(modes: CasingModes) -> str:
 
 def mode_table(natural: NaturalModes, count: int) -> str:
     """Natural frequencies with effective masses in percent of mass and inertia."""
-    from pipelines.grid import Grid
+    from pipelines.border.grid import Grid
 
     share = 100.0 * natural.effective_mass / natural.total
     headers = ("mode", "Hz", "x %", "y %", "z %", "about x %", "about y %", "about z %")
@@ -94,8 +94,8 @@ def _band(scene: Scene) -> float:
 
 
 def _write(target: Path, outcome: Outcome, scene: Scene, natural: NaturalModes | None) -> None:
-    from pipelines import casing_export
-    from pipelines.errors import InputError
+    from pipelines.border.errors import InputError
+    from pipelines.runs import casing_export
 
     body = outcome.value("casing")
     try:

@@ -9,19 +9,19 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from pipelines.derived import Facts
-    from pipelines.scene_file import LoadedScene
+    from pipelines.plant.facts import Facts
+    from pipelines.scene.file import LoadedScene
 
 
 def main(options: argparse.Namespace) -> int:
     """Print ratios, frequencies, torques, cost and warnings; SceneError lists everything that does not fit."""
-    from pipelines.cost import estimate
-    from pipelines.derived import derive
-    from pipelines.doubts import doubts
-    from pipelines.layout import lay_out
-    from pipelines.scene_file import control_differences
-    from pipelines.study import plan_study
-    from pipelines.trade.presets import load_asked
+    from pipelines.plant.checks.cost import estimate
+    from pipelines.plant.checks.doubts import doubts
+    from pipelines.plant.facts import derive
+    from pipelines.plant.layout import lay_out
+    from pipelines.scene.file import control_differences
+    from pipelines.scene.presets import load_asked
+    from pipelines.steps.study import plan_study
 
     loaded = load_asked(options)
     study = plan_study(loaded)  # as `run` begins: what is refused there is refused here
@@ -60,7 +60,7 @@ def _lines(loaded: LoadedScene, facts: Facts) -> Iterator[str]:
     models += [f"casing {scene.casing.model}", f"shafts {scene.shaft_model.model}", f"load {scene.load.model}"]
     yield f"  rungs: {', '.join(models)}, integrator {scene.simulation.integrator}"
     if scene.faults:
-        from pipelines.flanks import fault_name
+        from pipelines.plant.flanks import fault_name
 
         yield "  faults: " + ", ".join(f"{fault_name(f)} of the stage {f.stage} {f.gear}" for f in scene.faults)
     yield f"  control: {scene.control or 'none'}"

@@ -8,12 +8,12 @@ import sys
 
 def main(options: argparse.Namespace) -> int:
     """Refine along one axis; print order, limit, error band and a verdict; write the plot."""
-    from pipelines.cache import Cache
-    from pipelines.terminal import shown_progress
-    from pipelines.trade.presets import load_asked
+    from pipelines.border.user_files import writable_file
+    from pipelines.engine.cache import Cache
+    from pipelines.engine.progress import shown_progress
+    from pipelines.scene.presets import load_asked
     from pipelines.trade.refinement import refine
     from pipelines.trade.refinement_page import convergence_figure, convergence_table, verdict
-    from pipelines.user_files import writable_file
 
     loaded = load_asked(options)
     path = writable_file(options.out or f"convergence-{loaded.name}-{options.over}.png")

@@ -9,30 +9,30 @@ import sys
 
 def main(options: argparse.Namespace) -> int:
     """Print verdict and envelope tables; --set diagnosis.... looks elsewhere without running anything."""
-    from pipelines import results
-    from pipelines.building.diagnosing import CaseSpec, diagnoses, words
-    from pipelines.errors import InputError
-    from pipelines.looked_for import diagnosis_settings
-    from pipelines.scene_file import load_scene
+    from pipelines.border.errors import InputError
+    from pipelines.plant.looked_for import diagnosis_settings
+    from pipelines.runs import run_folder
+    from pipelines.scene.file import load_scene
+    from pipelines.steps.diagnosing import CaseSpec, diagnoses, words
 
-    folder = results.find_run(options.run)
-    scene = load_scene(folder / results.RESOLVED, options.settings).scene
+    folder = run_folder.find_run(options.run)
+    scene = load_scene(folder / run_folder.RESOLVED, options.settings).scene
     settings = diagnosis_settings(scene)
     if settings is None:
         raise InputError(
             f"{folder}: the scene gives no diagnosis.windows_s or no sensors; there is nothing to look at."
         )
-    if not (folder / results.CONTROL).is_file():
+    if not (folder / run_folder.CONTROL).is_file():
         raise InputError(
             f"{folder}: no healthy control was run, so no line can be told from those of a healthy gearbox. "
             "Name a control in the scene and run it again."
         )
     with contextlib.ExitStack() as opened:
         runs = [
-            opened.enter_context(results.opened_run(folder / name)).assign_attrs(
+            opened.enter_context(run_folder.opened_run(folder / name)).assign_attrs(
                 sensor_noise_m_s2=scene.diagnosis.noise_m_s2
             )
-            for name in (results.RESPONSE, results.CONTROL)
+            for name in (run_folder.RESPONSE, run_folder.CONTROL)
         ]
         found = diagnoses([CaseSpec(settings=settings, full=True)], runs)
     sys.stdout.write(words(found, found))

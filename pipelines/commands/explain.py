@@ -10,10 +10,10 @@ _WORDS = {"reuse": "reused", "build": "built", "follow": "perhaps"}
 
 def main(options: argparse.Namespace) -> int:
     """Print one line per stage, with what changed since a scene like this one was run; nothing is built."""
-    from pipelines.cache import Cache
-    from pipelines.stages import explain
-    from pipelines.study import plan_study
-    from pipelines.trade.presets import load_asked
+    from pipelines.engine.cache import Cache
+    from pipelines.engine.step import explain
+    from pipelines.scene.presets import load_asked
+    from pipelines.steps.study import plan_study
 
     graph = plan_study(load_asked(options)).graph
     found = explain(graph, Cache())

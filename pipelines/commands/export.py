@@ -8,14 +8,14 @@ import sys
 
 def main(options: argparse.Namespace) -> int:
     """Write response.csv or response.mat."""
-    from pipelines import results
-    from pipelines.errors import InputError
-    from pipelines.export import export
-    from pipelines.user_files import writable_file
+    from pipelines.border.errors import InputError
+    from pipelines.border.user_files import writable_file
+    from pipelines.runs import run_folder
+    from pipelines.signals.export import export
 
-    folder = results.find_run(options.run)
+    folder = run_folder.find_run(options.run)
     target = writable_file(options.out or folder / f"response.{options.form}")
-    with results.opened_run(folder / results.RESPONSE) as run:
+    with run_folder.opened_run(folder / run_folder.RESPONSE) as run:
         try:
             path = export(run, target, options.form)
         except OSError as error:

@@ -10,15 +10,15 @@ def main(options: argparse.Namespace) -> int:
     """Build the laws and print the stiffness and transmission error of each pair at its load."""
     import numpy as np
 
-    from fem.contact.curves import stiffness_curve
-    from pipelines.build import run_graph
-    from pipelines.cache import Cache
-    from pipelines.derived import derive
-    from pipelines.layout import lay_out
-    from pipelines.report_contents import grid
-    from pipelines.study import plan_study
-    from pipelines.terminal import shown_progress
-    from pipelines.trade.presets import load_asked
+    from fem.contact.evaluation.curves import stiffness_curve
+    from pipelines.engine.cache import Cache
+    from pipelines.engine.progress import shown_progress
+    from pipelines.engine.run_graph import run_graph
+    from pipelines.plant.facts import derive
+    from pipelines.plant.layout import lay_out
+    from pipelines.report.contents import grid
+    from pipelines.scene.presets import load_asked
+    from pipelines.steps.study import plan_study
 
     loaded = load_asked(options)
     graph = plan_study(loaded, with_control=False, both_loads=False).graph

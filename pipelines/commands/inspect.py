@@ -7,30 +7,30 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.pictures import LeftOut
+from pipelines.figures.render import LeftOut
 
 if TYPE_CHECKING:
-    from pipelines.build import Outcome
-    from pipelines.layout import Layout
-    from pipelines.mesh_pictures import MeshView
-    from pipelines.scene import Scene
+    from pipelines.engine.run_graph import Outcome
+    from pipelines.figures.mesh_pictures import MeshView
+    from pipelines.plant.layout import Layout
+    from pipelines.scene.scene import Scene
 
 
 def main(options: argparse.Namespace) -> int:
     """Write gears_<n>.png and, for a meshed casing, casing.png; say what could not be rendered."""
-    from pipelines.build import run_graph
-    from pipelines.building import reporting
-    from pipelines.cache import Cache
-    from pipelines.callouts import casing_figure, gear_figure
-    from pipelines.derived import derive
-    from pipelines.errors import InputError
-    from pipelines.layout import lay_out
-    from pipelines.mesh_pictures import show_mesh, write_mesh
-    from pipelines.pictures import Picture
-    from pipelines.study import plan_study
-    from pipelines.terminal import shown_progress
-    from pipelines.trade.presets import load_asked
-    from pipelines.user_files import writable_folder
+    from pipelines.border.errors import InputError
+    from pipelines.border.user_files import writable_folder
+    from pipelines.engine.cache import Cache
+    from pipelines.engine.progress import shown_progress
+    from pipelines.engine.run_graph import run_graph
+    from pipelines.figures.callouts import casing_figure, gear_figure
+    from pipelines.figures.mesh_pictures import show_mesh, write_mesh
+    from pipelines.figures.render import Picture
+    from pipelines.plant.facts import derive
+    from pipelines.plant.layout import lay_out
+    from pipelines.scene.presets import load_asked
+    from pipelines.steps import reporting
+    from pipelines.steps.study import plan_study
 
     folder = writable_folder(options.out)
     loaded = load_asked(options)
@@ -39,7 +39,7 @@ def main(options: argparse.Namespace) -> int:
         raise InputError(f"--stage {stage}: the scene has {len(scene.stages)} stages. Count from 1.")
     graph = plan_study(loaded, with_control=False, both_loads=False).graph
     if options.stress or options.mesh is not None:
-        from pipelines.commands.inspect_stress import stress_files
+        from pipelines.runs.inspect_stress import stress_files
 
         stressed = stress_files(scene, lay_out(scene), graph, options)
         sys.stdout.write(_listed(stressed))
@@ -93,9 +93,9 @@ def _listed(found: list[Path] | LeftOut) -> str:
 
 def gears_title(scene: Scene, layout: Layout, stage: int) -> str:
     """Title of the overview of a stage: scene, position, load and size."""
-    from pipelines.derived import derive
-    from pipelines.flanks import first_tooth_fault
-    from pipelines.shapes import shown_cycle
+    from pipelines.figures.shapes import shown_cycle
+    from pipelines.plant.facts import derive
+    from pipelines.plant.flanks import first_tooth_fault
 
     pair, fault = layout.pairs[stage - 1], first_tooth_fault(scene, stage)
     cycle = shown_cycle(pair, None if fault is None else (fault.gear, fault.tooth or 0))
@@ -109,12 +109,12 @@ def mesh_view(scene: Scene, layout: Layout, stage: int, outcome: Outcome, option
     """The mesh of a stage at its load, healthy and with its faults, around the passage of the first damaged tooth."""
     import numpy as np
 
-    from pipelines.derived import derive
-    from pipelines.flanks import fault_name, first_tooth_fault
-    from pipelines.mesh_frames import mesh_frames, passage
-    from pipelines.mesh_pictures import MeshView
-    from pipelines.parts import fault_terms
-    from pipelines.shapes import gear_view
+    from pipelines.figures.mesh_frames import mesh_frames, passage
+    from pipelines.figures.mesh_pictures import MeshView
+    from pipelines.figures.shapes import gear_view
+    from pipelines.plant.facts import derive
+    from pipelines.plant.flanks import fault_name, first_tooth_fault
+    from pipelines.plant.teeth import fault_terms
 
     pair, table = layout.pairs[stage - 1], scene.stages[stage - 1]
     law = outcome.value(f"law_{stage}")[0]
@@ -145,11 +145,11 @@ def mesh_view(scene: Scene, layout: Layout, stage: int, outcome: Outcome, option
 
 def casing_mode_files(outcome: Outcome, scene: Scene, number: int, folder: Path) -> list[Path] | LeftOut:
     """Still, film and page of a natural mode of the casing in its ground; InputError beyond the last one."""
-    from fem.casing.modes import natural_modes
-    from pipelines.casing_export import mode_shapes
-    from pipelines.chain import casing_mounts
-    from pipelines.errors import InputError
-    from pipelines.mode_pictures import ModeView, write_mode
+    from fem.casing.reduced.modes import natural_modes
+    from pipelines.border.errors import InputError
+    from pipelines.figures.mode_pictures import ModeView, write_mode
+    from pipelines.runs.casing_export import mode_shapes
+    from pipelines.steps.graph import casing_mounts
 
     modes, mesh = outcome.value("casing modes")[0], outcome.value("casing mesh")
     factor = outcome.value("casing").stiffness_factor

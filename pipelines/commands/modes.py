@@ -8,26 +8,26 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mbd.linearised import LinearModes
-    from pipelines.grid import Grid
-    from pipelines.scene import Scene
+    from mbd.system.linearised import LinearModes
+    from pipelines.border.grid import Grid
+    from pipelines.scene.scene import Scene
 
 KINDS = {"shaft": "shafts", "bearing": "bearings", "casing": "casing", "rope": "rope", "drive": "drive"}
 
 
 def main(options: argparse.Namespace) -> int:
     """Build laws and casing, linearise the machine at rest under its load, print its modes."""
-    from mbd.linearised import linear_modes, turned
-    from mbd.system import DEFAULT_BAND, assemble
-    from pipelines.build import run_graph
-    from pipelines.cache import Cache
-    from pipelines.layout import lay_out
-    from pipelines.machine import machine
-    from pipelines.parts import mesh_inputs
-    from pipelines.scene_channels import wanted_channels
-    from pipelines.study import plan_study
-    from pipelines.terminal import shown_progress
-    from pipelines.trade.presets import load_asked
+    from mbd.system.linearised import linear_modes, turned
+    from mbd.system.system import DEFAULT_BAND, assemble
+    from pipelines.engine.cache import Cache
+    from pipelines.engine.progress import shown_progress
+    from pipelines.engine.run_graph import run_graph
+    from pipelines.plant.channels import wanted_channels
+    from pipelines.plant.layout import lay_out
+    from pipelines.plant.machine import machine
+    from pipelines.plant.teeth import mesh_inputs
+    from pipelines.scene.presets import load_asked
+    from pipelines.steps.study import plan_study
 
     loaded = load_asked(options)
     scene = loaded.scene
@@ -53,7 +53,7 @@ def main(options: argparse.Namespace) -> int:
 
 def mode_table(title: str, modes: LinearModes) -> Grid:
     """One row per mode; shares of its strain and kinetic energy in per cent."""
-    from pipelines.report_contents import grid
+    from pipelines.report.contents import grid
 
     columns = {kind: words for kind, words in KINDS.items() if kind in modes.part_kinds}
     columns |= {name: name.replace("_", " ") for name in modes.mesh_names}
@@ -69,7 +69,7 @@ def mode_table(title: str, modes: LinearModes) -> Grid:
 
 def notes(scene: Scene, modes: LinearModes, up_to: float) -> list[str]:
     """What the table was made with, and what bounds it."""
-    from pipelines.tables.casing import CraigBamptonCasingTable
+    from pipelines.scene.tables.casing import CraigBamptonCasingTable
 
     found = [
         f"{name.replace('_', ' ')}: {force:.4g} N, tangent stiffness {stiffness / 1e6:.4g} N/um"

@@ -8,8 +8,8 @@ import sys
 
 def main(options: argparse.Namespace) -> int:
     """Run the scene; print the verdict and where the report is."""
-    from pipelines.runs import Options, run_scene
-    from pipelines.trade.presets import load_asked
+    from pipelines.runs.run import Options, run_scene
+    from pipelines.scene.presets import load_asked
 
     finished = run_scene(
         load_asked(options),

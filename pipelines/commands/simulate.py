@@ -8,9 +8,9 @@ import sys
 
 def main(options: argparse.Namespace) -> int:
     """Run the machine and write response.nc; no control, diagnosis or report."""
-    from pipelines.results import RESPONSE
-    from pipelines.runs import Options, run_scene
-    from pipelines.trade.presets import load_asked
+    from pipelines.runs.run import Options, run_scene
+    from pipelines.runs.run_folder import RESPONSE
+    from pipelines.scene.presets import load_asked
 
     finished = run_scene(
         load_asked(options),

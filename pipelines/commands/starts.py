@@ -8,10 +8,10 @@ import sys
 
 def main(options: argparse.Namespace) -> int:
     """Run the machine from slightly different states of rest; print what a level is worth."""
-    from pipelines.cache import Cache
-    from pipelines.scene_file import changed
-    from pipelines.terminal import shown_progress
-    from pipelines.trade.presets import load_asked
+    from pipelines.engine.cache import Cache
+    from pipelines.engine.progress import shown_progress
+    from pipelines.scene.file import changed
+    from pipelines.scene.presets import load_asked
     from pipelines.trade.spread import spread_table
     from pipelines.trade.variants import measure
 

@@ -8,12 +8,12 @@ import sys
 
 def main(options: argparse.Namespace) -> int:
     """Measure every choice against the reference; print the table and the answers, write the plot."""
-    from pipelines.cache import Cache
-    from pipelines.terminal import shown_progress
-    from pipelines.trade.presets import load_asked
+    from pipelines.border.user_files import writable_file
+    from pipelines.engine.cache import Cache
+    from pipelines.engine.progress import shown_progress
+    from pipelines.scene.presets import load_asked
     from pipelines.trade.tradeoff import trade
     from pipelines.trade.tradeoff_page import answers, trade_figure, trade_table
-    from pipelines.user_files import writable_file
 
     loaded = load_asked(options)
     path = writable_file(options.out or f"tradeoff-{loaded.name}.png")

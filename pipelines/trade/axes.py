@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from pipelines.scene import Scene
-from pipelines.tables.casing import ElasticBase
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.casing import ElasticBase
 
 Settings = dict[str, object]
 

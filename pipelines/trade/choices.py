@@ -10,9 +10,9 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from pipelines.scene import Scene
-from pipelines.tables.casing import CraigBamptonCasingTable, NoCasingTable, RigidCasingTable
-from pipelines.trade.presets import PRESETS, preset_settings
+from pipelines.scene.presets import PRESETS, preset_settings
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.casing import CraigBamptonCasingTable, NoCasingTable, RigidCasingTable
 
 Settings = dict[str, object]
 

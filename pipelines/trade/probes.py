@@ -15,11 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipelines.build import Outcome
-from pipelines.derived import derive
-from pipelines.layout import lay_out
-from pipelines.scene import Scene
-from pipelines.tables.casing import NoCasingTable
+from pipelines.engine.run_graph import Outcome
+from pipelines.plant.facts import derive
+from pipelines.plant.layout import lay_out
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.casing import NoCasingTable
 
 LEAST_LINE_LOAD = 100e3  # N/m, where the scene loads a pair with nothing
 FREQUENCIES = 10  # lowest ones that are compared
@@ -53,7 +53,7 @@ def _laws(scene: Scene) -> list[str]:
 
 
 def _gears(scene: Scene, outcome: Outcome) -> list[Value]:
-    from fem.contact.curves import stiffness_curve
+    from fem.contact.evaluation.curves import stiffness_curve
 
     layout, values = lay_out(scene), []
     facts = derive(scene, layout).stages
@@ -99,11 +99,11 @@ def _frf(scene: Scene, outcome: Outcome) -> list[Value]:
 
 
 def _machine(scene: Scene, outcome: Outcome) -> list[Value]:
-    from mbd.linearised import linear_modes
-    from mbd.system import assemble
-    from pipelines.machine import machine
-    from pipelines.parts import mesh_inputs
-    from pipelines.scene_channels import wanted_channels
+    from mbd.system.linearised import linear_modes
+    from mbd.system.system import assemble
+    from pipelines.plant.channels import wanted_channels
+    from pipelines.plant.machine import machine
+    from pipelines.plant.teeth import mesh_inputs
 
     layout = lay_out(scene)
     train = machine(scene, layout, mesh_inputs(scene, layout, [outcome.value(name) for name in _laws(scene)]))
@@ -116,9 +116,9 @@ def _machine(scene: Scene, outcome: Outcome) -> list[Value]:
 
 def _signals(scene: Scene, outcome: Outcome) -> list[Value]:
     """Over the three axes of every sensor (of every journal without a casing)."""
-    from pipelines.analysis import channel, channel_names
-    from pipelines.response import make_response
-    from pipelines.signals import labels
+    from pipelines.signals.analysis import channel, channel_names
+    from pipelines.signals.labelled import labels
+    from pipelines.signals.response import make_response
 
     run = make_response(outcome.value("simulate"), labels(scene))
     windows = scene.diagnosis.windows_s or {"whole run": (0.0, scene.simulation.end_s)}
@@ -133,10 +133,10 @@ def _signals(scene: Scene, outcome: Outcome) -> list[Value]:
 
 
 def _lines(scene: Scene, outcome: Outcome) -> list[Value]:
-    from pipelines.analysis import analyse
-    from pipelines.looked_for import diagnosis_settings
-    from pipelines.response import make_response
-    from pipelines.signals import labels
+    from pipelines.plant.looked_for import diagnosis_settings
+    from pipelines.signals.analysis import analyse
+    from pipelines.signals.labelled import labels
+    from pipelines.signals.response import make_response
 
     settings = diagnosis_settings(scene)
     if settings is None or not scene.faults:

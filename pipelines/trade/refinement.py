@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pipelines.build import Observer
-from pipelines.cache import Cache
-from pipelines.scene_file import LoadedScene, changed
+from pipelines.engine.cache import Cache
+from pipelines.engine.run_graph import Observer
+from pipelines.scene.file import LoadedScene, changed
 from pipelines.trade.axes import AXES
 from pipelines.trade.convergence import Convergence, study
 from pipelines.trade.variants import Measured, measure

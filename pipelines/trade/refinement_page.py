@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pipelines.grid import Grid
-from pipelines.report_contents import grid
+from pipelines.border.grid import Grid
+from pipelines.report.contents import grid
 from pipelines.trade.axes import AXES
 from pipelines.trade.refinement import RefinementStudy
 
@@ -47,7 +47,7 @@ def verdict(found: RefinementStudy, wanted: float) -> str:
 
 def convergence_figure(name: str, found: RefinementStudy) -> Figure:
     """Error of every quantity over the size of the levels, both logarithmic, with the bands of the setting in use."""
-    from pipelines.plots import dress, new_figure, plain
+    from pipelines.figures.plots import dress, new_figure, plain
 
     figure = new_figure(5.0)
     axes = figure.subplots()

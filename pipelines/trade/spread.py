@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipelines.grid import Grid
+from pipelines.border.grid import Grid
 from pipelines.trade.probes import Value
 
 

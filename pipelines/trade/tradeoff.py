@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from pipelines.build import Observer
-from pipelines.cache import Cache
-from pipelines.errors import SceneError
-from pipelines.scene_file import LoadedScene, changed
+from pipelines.border.errors import SceneError
+from pipelines.engine.cache import Cache
+from pipelines.engine.run_graph import Observer
+from pipelines.scene.file import LoadedScene, changed
 from pipelines.trade.choices import PRESET, Choice, choices
 from pipelines.trade.probes import DECIBEL, PROBES, Value
 from pipelines.trade.variants import Measured, measure, step_costs, time_steps

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from pipelines.grid import Grid
-from pipelines.report_contents import grid
+from pipelines.border.grid import Grid
+from pipelines.report.contents import grid
 from pipelines.trade.choices import PRESET
 from pipelines.trade.tradeoff import Priced, Tradeoff
 
@@ -69,7 +69,7 @@ def trade_figure(found: Tradeoff) -> Figure:
     """Error of sensor rms over seconds, every point named; those on the front in a ring."""
     from matplotlib.ticker import NullFormatter, ScalarFormatter
 
-    from pipelines.plots import dress, new_figure, plain
+    from pipelines.figures.plots import dress, new_figure, plain
 
     shown = [one for one in found.priced if not math.isnan(one.error)]
     figure = new_figure(max(6.0, 0.2 * len(shown) + 1.5), 13.0)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from pipelines.build import Observer, Outcome, run_graph
-from pipelines.cache import Cache
-from pipelines.chain import scene_stages
-from pipelines.motion_warnings import log_warnings
-from pipelines.scene import Scene
-from pipelines.scene_file import LoadedScene, changed
-from pipelines.stages import Graph, Stage
-from pipelines.study import add_stages
+from pipelines.engine.cache import Cache
+from pipelines.engine.run_graph import Observer, Outcome, run_graph
+from pipelines.engine.step import Graph, Stage
+from pipelines.scene.file import LoadedScene, changed
+from pipelines.scene.scene import Scene
+from pipelines.signals.motion_warnings import log_warnings
+from pipelines.steps.graph import scene_stages
+from pipelines.steps.study import add_stages
 from pipelines.trade.probes import PROBES, Value
 
 SHORT_SECONDS = (0.01, 0.02, 0.06)  # of motion: to compile a time loop, and to see what a step costs

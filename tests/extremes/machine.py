@@ -15,8 +15,8 @@ from pathlib import Path
 import xarray
 from waiting import HANGING
 
-from pipelines.payload import digest
-from pipelines.results import CONTROL, RESPONSE
+from pipelines.engine.storage import digest
+from pipelines.runs.run_folder import CONTROL, RESPONSE
 
 SHORT = {"simulation.end_s": 0.05, "diagnosis.windows_s": {}}
 ARGUMENTS = [part for name, value in SHORT.items() for part in ("--set", f"{name}={value}")]

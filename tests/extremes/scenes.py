@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from pipelines.build import run_graph
-from pipelines.cache import Cache
-from pipelines.scene_file import LoadedScene, find_source, read_tree
-from pipelines.study import plan_study
+from pipelines.engine.cache import Cache
+from pipelines.engine.run_graph import run_graph
+from pipelines.scene.file import LoadedScene, find_source, read_tree
+from pipelines.steps.study import plan_study
 
 EXTREMES = (
     *(0, -1, 1, 1e-300, 1e-12, -1e-12, 1e-3, 1e3, 1e6, 1e12, 1e300, -1e300),

@@ -7,16 +7,16 @@ import pytest
 import scipy.linalg as la
 from housings import small_housing
 
-from fem.casing.accuracy import reduced_response
-from fem.casing.dimensions import HousingError, Sensor
-from fem.casing.grounded import ground_casing
-from fem.casing.mesher import mesh_housing
-from fem.casing.modes import casing_modes, reduced_body
-from fem.casing.reduction import reduce_body
-from fem.casing.rigid import housing_mass, rigid_from_mesh
-from fem.casing.rungs import StaticCasing
-from fem.elasticity import mass_properties
-from fem.materials import Material
+from fem.casing.geometry.dimensions import HousingError, Sensor
+from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.reduced.accuracy import reduced_response
+from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.models import StaticCasing
+from fem.casing.reduced.modes import casing_modes, reduced_body
+from fem.casing.reduced.reduction import reduce_body
+from fem.casing.reduced.rigid import housing_mass, rigid_from_mesh
+from fem.elements.materials import Material
+from fem.elements.tetrahedra import mass_properties
 
 
 def single():

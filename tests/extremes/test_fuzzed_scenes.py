@@ -11,11 +11,11 @@ from contextlib import contextmanager
 import pytest
 from scenes import mutated, shipped_tree, simulated, unexplained
 
-from pipelines.errors import InputError
-from pipelines.scene import Scene
-from pipelines.scene_file import LoadedScene, Source, validate
-from pipelines.scene_merge import Merged
-from pipelines.validity import checked_layout
+from pipelines.border.errors import InputError
+from pipelines.plant.checks.validity import checked_layout
+from pipelines.scene.file import LoadedScene, Source, validate
+from pipelines.scene.merge import Merged
+from pipelines.scene.scene import Scene
 
 SECONDS = 10.0  # for one scene, refused or moved
 SHORT = 0.004  # s of motion of those that are valid

@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 from gear_pairs import gear_pair
 
-from fem.contact.curves import stiffness_curve
-from fem.contact.energy import Energy
-from fem.contact.evaluate import evaluate_law, shares
+from fem.contact.evaluation.curves import stiffness_curve
+from fem.contact.evaluation.evaluator import evaluate_law, shares
 from fem.contact.frame import RungError
-from fem.contact.iso import Iso
-from fem.contact.plane import Plane
-from fem.contact.solid import Solid
+from fem.contact.models.energy import Energy
+from fem.contact.models.iso import Iso
+from fem.contact.models.plane import Plane
+from fem.contact.models.solid import Solid
 from fem.gears.geometry import GearPair
 
 NOMINAL = 100e3  # N/m

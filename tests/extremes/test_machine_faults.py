@@ -12,7 +12,7 @@ import pytest
 from machine import SHORT, bits, start, whole_results
 from waiting import HANGING
 
-from pipelines.runs import run
+from pipelines.runs.run import run
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits as POSIX has them")
 

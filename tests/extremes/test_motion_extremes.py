@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
-from mbd.checks import EquilibriumError, MachineError, StepError
-from mbd.drive import SpeedProfile
-from mbd.losses import Coulomb, Efficiency
+from mbd.parts.checks import EquilibriumError, MachineError, StepError
+from mbd.parts.drive import SpeedProfile
+from mbd.parts.losses import Coulomb, Efficiency
 from mbd.simulate import STEPS_PER_PERIOD, Settings, simulate
-from mbd.statics import equilibrium
-from mbd.system import assemble, mesh_mode_frequency
+from mbd.system.statics import equilibrium
+from mbd.system.system import assemble, mesh_mode_frequency
 
 REFUSALS = (MachineError, EquilibriumError, StepError)
 SPEED = 94.2477796

@@ -8,8 +8,8 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from scenes import simulated, unexplained
 
-from pipelines.errors import InputError
-from pipelines.scene_file import load_scene
+from pipelines.border.errors import InputError
+from pipelines.scene.file import load_scene
 
 ROUNDS = {"fast": 12, "slow": 150}
 

@@ -1,0 +1,1 @@
+"""Dimensions of a parametric housing, and whether they make a sound body."""

@@ -1,0 +1,17 @@
+"""A parametric gearbox housing whose dimensions are known to make a sound body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fem.casing.geometry.dimensions import Dimensions, HousingError
+from fem.casing.geometry.soundness import housing_problems
+
+
+@dataclass(frozen=True, kw_only=True)
+class Housing(Dimensions):
+    """Dimensions (m) that are checked when it is made; `HousingError` lists everything that is wrong at once."""
+
+    def __post_init__(self) -> None:
+        if problems := housing_problems(self):
+            raise HousingError("housing: " + "; ".join(problems))

@@ -1,0 +1,231 @@
+"""What is wrong with the dimensions of a parametric housing: every problem with its numbers, limit and remedy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import combinations, pairwise
+
+import numpy as np
+
+from fem.casing.geometry.dimensions import Box, Dimensions
+
+THINNEST_LIGAMENT = 0.3  # least material between two holes or bosses, or around a bore, in wall thicknesses
+SMALLEST_FILLET = 0.0005  # m: at 0.1 mm surfaces of housings could not be made or meshed
+_TOUCH = 1e-9  # m
+
+
+def housing_problems(housing: Dimensions) -> list[str]:
+    """All problems; the parts are looked at only once the box itself is sound."""
+    if problems := list(_box_problems(housing)):
+        return problems
+    checks = (_bore_problems, _foot_problems, _pad_problems, _flange_problems, _rib_problems, _fillet_problems)
+    found = [problem for check in checks for problem in check(housing)]
+    return found + list(_name_problems(housing))
+
+
+def _ligament(housing: Dimensions) -> float:
+    return THINNEST_LIGAMENT * housing.wall("side")
+
+
+def _box_problems(housing: Dimensions) -> Iterator[str]:
+    sound = True
+    sizes = {name: getattr(housing, name) for name in ("length", "width", "height", "wall_thickness", "axis_height")}
+    sizes |= {f"thickness of the {name}": housing.wall(name) for name in ("side", "end", "floor", "cover")}
+    for name, value in sizes.items():
+        if not (math.isfinite(value) and value > 0.0):
+            sound = False
+            yield f"{name} is {_mm(value)}; it must be positive"
+    if not sound:
+        return
+    limit = min(housing.length, housing.width, housing.height) / 2
+    if housing.wall_thickness >= limit:
+        yield (
+            f"wall thickness {_mm(housing.wall_thickness)} fills the box (limit {_mm(limit)}, half of its smallest "
+            "side); make the walls thinner or the box larger"
+        )
+        return
+    for what, used, room in (
+        ("end walls", 2 * housing.wall("end"), housing.length),
+        ("side walls", 2 * housing.wall("side"), housing.width),
+        ("floor and cover", housing.wall("floor") + housing.wall("cover"), housing.height),
+    ):
+        if used >= room:
+            yield f"{what} are {_mm(used)} thick together and fill the box of {_mm(room)}; make them thinner"
+
+
+def _bore_problems(housing: Dimensions) -> Iterator[str]:
+    if not housing.bores:
+        yield "no bores; give one for each bearing"
+    (low, high), wall, ligament = housing.cavity, housing.wall("side"), _ligament(housing)
+    for bore in housing.bores:
+        if bore.side not in (-1, 1):
+            yield f"{bore.name}: side is {bore.side}; give -1 (wall at -y) or +1 (wall at +y)"
+        if not bore.diameter > 0.0:
+            yield f"{bore.name}: bore diameter is {_mm(bore.diameter)}; it must be positive"
+        if (ring := (bore.boss_diameter - bore.diameter) / 2) < ligament:
+            yield (
+                f"{bore.name}: boss ring is {_mm(ring)} thick (limit {_mm(ligament)}); enlarge the boss diameter "
+                f"{_mm(bore.boss_diameter)} or shrink the bore {_mm(bore.diameter)}"
+            )
+        if bore.boss_length < wall:
+            yield f"{bore.name}: boss length {_mm(bore.boss_length)} is less than the wall {_mm(wall)} it contains"
+        if bore.boss_length > (limit := housing.width / 2 - wall / 2):
+            yield f"{bore.name}: boss length {_mm(bore.boss_length)} reaches the opposite boss (limit {_mm(limit)})"
+        room = min(bore.x - low[0], high[0] - bore.x, bore.z - low[2], high[2] - bore.z) - bore.boss_diameter / 2
+        if room < 0.0:
+            yield (
+                f"{bore.name}: boss at x = {_mm(bore.x)}, z = {_mm(bore.z)} leaves its side wall by {_mm(-room)}; "
+                "enlarge or move the box"
+            )
+    for one, two in combinations(housing.bores, 2):
+        gap = math.hypot(one.x - two.x, one.z - two.z) - (one.boss_diameter + two.boss_diameter) / 2
+        if one.side == two.side and gap < ligament:
+            what = "overlap by" if gap < 0.0 else "leave a ligament of only"
+            yield (
+                f"bosses of {one.name} and {two.name} {what} {_mm(abs(gap))} (limit: {_mm(ligament)} apart); "
+                "shrink the bosses or move the shafts apart"
+            )
+
+
+def _foot_problems(housing: Dimensions) -> Iterator[str]:
+    feet = housing.feet
+    for name in ("length", "height"):
+        if not getattr(feet, name) > 0.0:
+            yield f"foot {name} is {_mm(getattr(feet, name))}; it must be positive"
+    if not len(feet.x) >= 2:
+        yield f"{len(feet.x)} feet along each side wall; give at least 2"
+        return
+    if 2 * feet.length >= housing.width:
+        yield f"feet of {_mm(feet.length)} meet in the middle of the box (limit {_mm(housing.width / 2)}); shorten them"
+    ends = sorted((x - feet.length / 2, x + feet.length / 2) for x in feet.x)
+    for (_, end), (start, _) in pairwise(ends):
+        if start <= end:
+            yield f"two feet overlap by {_mm(end - start)} in x; shorten or move them"
+    low, high = housing.box
+    if ends[0][0] < low[0] - 1e-12 or ends[-1][1] > high[0] + 1e-12:
+        yield (
+            f"feet from x = {_mm(ends[0][0])} to {_mm(ends[-1][1])} leave the box "
+            f"({_mm(low[0])} to {_mm(high[0])}); move them inwards"
+        )
+
+
+def _pad_problems(housing: Dimensions) -> Iterator[str]:
+    feet, ligament = housing.feet, _ligament(housing)
+    for name in ("overhang", "pad_diameter", "pad_height", "bolt_diameter"):
+        if not (math.isfinite(getattr(feet, name)) and getattr(feet, name) >= 0.0):
+            yield f"foot {name} is {_mm(getattr(feet, name))}; it must not be negative"
+    if (feet.pad_diameter > 0.0) != (feet.pad_height > 0.0):
+        yield (
+            f"bolt pads of diameter {_mm(feet.pad_diameter)} and height {_mm(feet.pad_height)}; give both, or neither"
+        )
+    room = min(feet.length, feet.overhang or feet.length)
+    if feet.pad_diameter > room:
+        yield (
+            f"bolt pads of {_mm(feet.pad_diameter)} are larger than the room on the foot (limit {_mm(room)}); shrink "
+            "them, or enlarge the feet or their overhang"
+        )
+    if not feet.bolt_diameter:
+        return
+    if not feet.pad_diameter:
+        yield f"bolt holes of {_mm(feet.bolt_diameter)} need bolt pads; give the pads a diameter and a height"
+    elif (ring := (feet.pad_diameter - feet.bolt_diameter) / 2) < ligament:
+        yield f"bolt pads leave a ring of {_mm(ring)} around the hole (limit {_mm(ligament)}); enlarge the pads"
+    if (least := feet.bolt_diameter + 2 * ligament) > feet.overhang:
+        yield (
+            f"bolt holes of {_mm(feet.bolt_diameter)} need feet that stand out by {_mm(least)} beyond the side wall "
+            f"(they stand out by {_mm(feet.overhang)}); enlarge the overhang"
+        )
+
+
+def _flange_problems(housing: Dimensions) -> Iterator[str]:
+    if (flange := housing.flange) is None:
+        return
+    (low, high), ligament = housing.box, _ligament(housing)
+    if not (flange.width > 0.0 and flange.height > 0.0):
+        yield f"flange of width {_mm(flange.width)} and height {_mm(flange.height)}; both must be positive"
+        return
+    bottom, top = flange.split - flange.height / 2, flange.split + flange.height / 2
+    floor = low[2] + housing.wall("floor")
+    if bottom < floor or top > high[2] + _TOUCH:
+        yield (
+            f"flange from z = {_mm(bottom)} to {_mm(top)} leaves the walls ({_mm(floor)} to {_mm(high[2])}); move "
+            "the split plane or lower the flange"
+        )
+    for bore in housing.bores:
+        radius = bore.boss_diameter / 2
+        for edge, name in ((bottom - bore.z, "underside"), (-(top - bore.z), "upper side")):
+            # distance from the flange to the boss, seen from the side on which the flange passes
+            if -ligament < edge - radius < ligament and abs(edge - radius) > _TOUCH:
+                yield (
+                    f"the {name} of the flange passes the boss of {bore.name} at {_mm(edge - radius)} (limit: "
+                    f"{_mm(ligament)} away from it or into it); move the split plane"
+                )
+
+
+def _rib_problems(housing: Dimensions) -> Iterator[str]:
+    if (ribs := housing.ribs) is None:
+        return
+    if not (ribs.thickness > 0.0 and ribs.height > 0.0):
+        yield f"ribs of thickness {_mm(ribs.thickness)} and height {_mm(ribs.height)}; both must be positive"
+        return
+    if min(ribs.per_boss, ribs.end_wall, ribs.cover) < 0 or not ribs.per_boss + ribs.end_wall + ribs.cover:
+        yield "ribs are sized but none is placed; give a number of ribs per boss, end wall or cover"
+        return
+    ligament, boxes = _ligament(housing), housing.rib_boxes()
+    for bore in housing.bores if ribs.per_boss else ():
+        outermost = (ribs.per_boss - 1) / ribs.per_boss * bore.boss_diameter / 2 + ribs.thickness / 2
+        if outermost > (limit := (bore.diameter + bore.boss_diameter) / 4):
+            yield (
+                f"{ribs.per_boss} ribs of {_mm(ribs.thickness)} under {bore.name} reach {_mm(outermost)} from its axis "
+                f"(limit {_mm(limit)}, the middle of the boss ring); use fewer or thinner ribs"
+            )
+    if ribs.thickness > (limit := min(housing.length, housing.width) / 4):
+        yield f"ribs are {_mm(ribs.thickness)} thick (limit {_mm(limit)}, a quarter of the box); thin them"
+    for name, (start, end) in boxes.items():
+        for bore in housing.bores if " under " in name else ():
+            if name.endswith(f"under {bore.name}") or (bore.side > 0) != (end[1] > 0.0):
+                continue
+            gap = _distance(start, end, bore.x, bore.z) - bore.diameter / 2
+            if gap < ligament:
+                yield f"{name} is {_mm(gap)} from the bore of {bore.name} (limit {_mm(ligament)}); thin the ribs"
+    for (name, one), (other, two) in combinations(boxes.items(), 2):
+        if (gap := _gap(one, two)) < ligament:
+            what = f"overlap by {_mm(-gap)}" if gap < 0.0 else f"are only {_mm(gap)} apart"
+            yield f"{name} and {other} {what} (limit: {_mm(ligament)} apart); use fewer or thinner ribs"
+
+
+def _fillet_problems(housing: Dimensions) -> Iterator[str]:
+    fillets, (low, high) = housing.fillets, housing.cavity
+    for name, radius, limit, why in (
+        ("foot", fillets.foot, housing.feet.height, "the height of the feet"),
+        ("inner", fillets.inner, 0.5 * float((high - low).min()), "half of the smallest side of the cavity"),
+    ):
+        if 0.0 < radius < SMALLEST_FILLET:
+            yield (
+                f"{name} fillet radius is {_mm(radius)}; faces below {_mm(SMALLEST_FILLET)} cannot be meshed: enlarge "
+                "it, or give 0 for a sharp edge"
+            )
+        if not 0.0 <= radius < limit:
+            yield f"{name} fillet radius is {_mm(radius)} (limit: 0 to below {_mm(limit)}, {why}); shrink it"
+
+
+def _name_problems(housing: Dimensions) -> Iterator[str]:
+    names = [b.name for b in housing.bores] + [s.name for s in housing.sensors]
+    for name in dict.fromkeys(names):
+        if names.count(name) > 1:
+            yield f"the name {name!r} is given {names.count(name)} times"
+
+
+def _distance(low: np.ndarray, high: np.ndarray, x: float, z: float) -> float:
+    """From a point (x, z) to the rectangle of a box seen along y."""
+    return math.hypot(max(low[0] - x, x - high[0], 0.0), max(low[2] - z, z - high[2], 0.0))
+
+
+def _gap(one: Box, two: Box) -> float:
+    """Free distance of two boxes along the axis that separates them most; negative when they overlap."""
+    return float(max(max(a - b, c - d) for a, b, c, d in zip(two[0], one[1], one[0], two[1], strict=True)))
+
+
+def _mm(metres: float) -> str:
+    return f"{1000 * metres:.6g} mm"

@@ -1,0 +1,1 @@
+"""From a housing, whatever it comes from, to tetrahedra with named patches."""

@@ -1,0 +1,230 @@
+"""Geometry -> CasingMesh through gmsh and OpenCASCADE: the one module that imports gmsh.
+
+Geometry is built in millimetres (the tolerances of OpenCASCADE are absolute) and returned in metres. One thread and a
+fixed seed: the same input gives the same mesh. Mid-side nodes lie on the curved surfaces unless `curved=False`.
+"""
+
+from __future__ import annotations
+
+import logging
+import signal
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem.casing.geometry.housing import Housing
+from fem.casing.meshing.imported import ImportedHousing, finish
+from fem.casing.meshing.mesh import CasingMesh, MeshError
+from fem.casing.meshing.quality import GOOD_QUALITY, checked_quality, straightened
+from fem.casing.meshing.seats import seat_points
+from fem.casing.meshing.sizes import MM, Refinement, Sizes, set_sizes
+from fem.casing.meshing.solid import build_solid, find_patches
+from fem.casing.meshing.step_file import named, read_step, refinements
+from fem.storage.ledger import count
+
+_log = logging.getLogger(__name__)
+_lock = threading.Lock()  # gmsh keeps one global model
+_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # gmsh stores the mid-sides 23 and 13 the other way round
+
+
+def mesh_housing(
+    housing: Housing, *, element_size: float = 0.022, sizes: Sizes | None = None, curved: bool = True
+) -> CasingMesh:
+    """Mesh a housing with ten-node tetrahedra.
+
+    Parameters
+    ----------
+    housing : Housing
+    element_size : m, wanted edge length; bores get at least twelve elements around
+    sizes : instead of `element_size`, with finer bores and feet
+    curved : mid-side nodes on the true cylinders (else straight edges)
+
+    Raises
+    ------
+    MeshError : element size out of range, an element below a quality limit (with its place), a missing surface
+    """
+    sizes = sizes or Sizes(element=element_size)
+    check_element_size(housing, sizes.element)
+    with session() as gmsh:
+        build_solid(gmsh, housing)
+        patches = find_patches(gmsh, housing)
+        finer = [
+            Refinement(
+                surfaces=patches[bore.name],
+                size=sizes.at_bore(bore.diameter),
+                near=(bore.boss_diameter - bore.diameter) / 2,
+                far=bore.boss_diameter,
+            )
+            for bore in housing.bores
+        ]
+        feet, ground = housing.feet, [tag for name in housing.ground_points() for tag in patches[name]]
+        if sizes.foot is not None or feet.pad_diameter:
+            local = sizes.at_foot(feet.bolt_diameter or feet.pad_diameter)
+            far = feet.height + 2 * (sizes.element - local)
+            finer.append(Refinement(ground, local, near=feet.pad_height, far=far))
+        nodes, elements, facets, owner = tetrahedra(gmsh, sizes.element, finer, patches, curved=curved)
+    points = housing.ground_points() | {bore.name: housing.bore_centre(bore) for bore in housing.bores}
+    return finished_mesh(nodes, elements, facets, owner, {name: points[name] for name in patches}, sizes, curved)
+
+
+def check_element_size(housing: Housing, size: float) -> None:
+    """MeshError unless elements of a size (m) suit the walls and the box of a housing."""
+    smallest, largest = housing.thinnest_wall / 10, min(housing.length, housing.width, housing.height)
+    if not smallest <= size <= largest:
+        raise MeshError(
+            f"element size {MM * size:.4g} mm is out of range; give {MM * smallest:.4g} mm (a tenth of the wall) to "
+            f"{MM * largest:.4g} mm (the smallest side)"
+        )
+
+
+def mesh_step(housing: ImportedHousing, sizes: Sizes) -> CasingMesh:
+    """Mesh the solid of a STEP file with ten-node tetrahedra, finer at the bearing seats.
+
+    Raises
+    ------
+    MeshError : what `step_file` and `imported` refuse, or an element below a quality limit (with its place)
+    """
+    with session() as gmsh:
+        read_step(gmsh, housing)
+        finer = refinements(gmsh, housing, sizes)
+        nodes, elements, _, _ = tetrahedra(gmsh, sizes.element, finer, {}, curved=True)
+    mesh = finish(housing, housing.placed(nodes, 1.0), elements, {}, element_size=sizes.element)
+    count("casing_meshes")
+    _log.info("casing mesh: %d nodes, %d tetrahedra", len(mesh.nodes), len(mesh.elements))
+    return mesh
+
+
+def find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:
+    """Bearing points of a STEP solid without its mesh, see `fem.casing.meshing.seats`."""
+    with session() as gmsh:
+        return seat_points(gmsh, housing)
+
+
+def finished_mesh(
+    nodes: np.ndarray,
+    elements: np.ndarray,
+    facets: np.ndarray,
+    owner: np.ndarray,
+    points: Mapping[str, np.ndarray],
+    sizes: Sizes,
+    curved: bool,
+) -> CasingMesh:
+    """The record of a mesh that gmsh made, its quality checked."""
+    remedy = f"Use an element size below {MM * sizes.element:.4g} mm"
+    mesh = CasingMesh(
+        nodes=nodes,
+        elements=elements,
+        facets=facets,
+        facet_patch=owner,
+        patch_names=tuple(points),
+        patch_points=np.array(list(points.values())),
+        element_size=sizes.element,
+        quality=checked_quality(nodes, elements, remedy),
+        curved=int(curved),
+    )
+    count("casing_meshes")
+    _log.info("casing mesh: %d nodes, %d tetrahedra", len(mesh.nodes), len(mesh.elements))
+    return mesh
+
+
+def write_step(housing: Housing, path: Path) -> None:
+    """Write the solid of a parametric housing as STEP (AP214, mm); the same housing gives the same bytes."""
+    with session() as gmsh:
+        build_solid(gmsh, housing)
+        gmsh.write(str(path))
+    text = named(path.read_text(encoding="latin-1"), "housing")
+    path.write_text(text, encoding="latin-1", newline="\n")
+
+
+@contextmanager
+def session() -> Iterator[Any]:
+    """A fresh gmsh, alone in this process, closed whatever happens; works outside the main thread."""
+    import gmsh
+
+    with _lock:
+        with _broken_pipes_kept():
+            gmsh.initialize(["gearcase", "-v", "0"], readConfigFiles=False, interruptible=False)
+        try:
+            for option, value in {
+                "General.Terminal": 0,
+                "General.NumThreads": 1,
+                "Mesh.MaxNumThreads3D": 1,
+                "Mesh.RandomSeed": 1,
+                "Mesh.Algorithm": 6,
+                "Mesh.Algorithm3D": 10,  # HXT: of gmsh's algorithms the one with the best worst element here
+                "Mesh.Optimize": 1,
+                "Mesh.ElementOrder": 1,
+                "Mesh.MeshSizeFromPoints": 0,
+                "Mesh.MeshSizeExtendFromBoundary": 0,
+                "Mesh.LcIntegrationPrecision": 1e-6,  # of element counts along edges; 1e-9 by default takes 1.4 s here
+            }.items():
+                gmsh.option.setNumber(option, value)
+            gmsh.option.setString("Geometry.OCCTargetUnit", "MM")  # OpenCASCADE keeps the unit of an earlier session
+            gmsh.model.add("housing")
+            yield gmsh
+        except Exception as error:
+            if isinstance(error, MeshError):
+                raise
+            raise MeshError(f"gmsh could not mesh the housing: {error}. Try another element size") from error
+        finally:
+            gmsh.finalize()
+
+
+@contextmanager
+def _broken_pipes_kept() -> Iterator[None]:
+    """gmsh lets a write to a closed pipe end the process; put back what held before (the main thread alone may)."""
+    main = threading.current_thread() is threading.main_thread()
+    before = signal.getsignal(signal.SIGPIPE) if main and hasattr(signal, "SIGPIPE") else None
+    try:
+        yield
+    finally:
+        if before is not None:
+            signal.signal(signal.SIGPIPE, before)
+
+
+def tetrahedra(
+    gmsh: Any, element: float, refinements: list[Refinement], patches: Mapping[str, list[int]], *, curved: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Mesh the current model.
+
+    Returns
+    -------
+    nodes (n, 3) in m, elements (e, 10), facets (f, 6) of the outer surface, index of the patch of each facet (f,) or -1
+    """
+    set_sizes(gmsh, element, refinements)
+    gmsh.option.setNumber("Mesh.SecondOrderLinear", 0 if curved else 1)
+    gmsh.model.mesh.generate(3)
+    if _worst_quality(gmsh) < GOOD_QUALITY:
+        gmsh.model.mesh.optimize("Netgen")
+    gmsh.model.mesh.setOrder(2)
+    kinds, _, connectivity = gmsh.model.mesh.getElements(3)
+    if list(kinds) != [11]:
+        raise MeshError(f"gmsh made elements of type {list(kinds)}, expected ten-node tetrahedra (11)")
+    node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    elements = connectivity[0].reshape(-1, 10)[:, _TO_VTK]
+    used = np.unique(elements)
+    place = np.zeros(int(node_tags.max()) + 1, np.int64)
+    place[node_tags] = np.arange(len(node_tags))
+    number = np.full(len(place), -1, np.int64)
+    number[used] = np.arange(len(used))
+    nodes = straightened(coordinates.reshape(-1, 3)[place[used]] / MM, number[elements])
+    owner = {tag: index for index, name in enumerate(patches) for tag in patches[name]}
+    facets, facet_patch = [], []
+    for _, tag in gmsh.model.getEntities(2):
+        if len(gmsh.model.getAdjacencies(2, tag)[0]) != 1:
+            continue  # between two solids that are bonded
+        for kind, _, corners in zip(*gmsh.model.mesh.getElements(2, tag), strict=True):
+            if kind != 9:
+                raise MeshError(f"gmsh made surface elements of type {kind}, expected six-node triangles (9)")
+            facets.append(number[corners.reshape(-1, 6)])
+            facet_patch.append(np.full(len(facets[-1]), owner.get(tag, -1)))
+    return nodes, number[elements], np.vstack(facets), np.concatenate(facet_patch)
+
+
+def _worst_quality(gmsh: Any) -> float:
+    _, tags, _ = gmsh.model.mesh.getElements(3)
+    return min(float(np.min(gmsh.model.mesh.getElementQualities(own, "minSICN"))) for own in tags)

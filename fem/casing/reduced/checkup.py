@@ -1,0 +1,270 @@
+"""Check-up of a reduced casing: the measures that a structural analyst looks at before trusting it.
+
+Before grounding (free body): symmetry, K R = 0, mass, centre of gravity and inertia from R^T M R against the mesh
+integral, and the six rigid body modes three ways: from geometry (R itself), from the stiffness (the free unknowns
+follow the feet, u_i = -K_ii^-1 K_ig R_g) and from the eigenvalues of the body condensed to its six feet.
+After grounding (a casing on mount springs stands on its reference springs here, which are stiffer than any mount): the
+reaction to gravity, definiteness, block forms of the reduced matrices, the static response of the
+interface against the full model, modal effective masses, optionally the frequencies of the full grounded model.
+
+The list follows the practice of NASTRAN-based Craig-Bampton checks (Young, Primer on the Craig-Bampton method, 2000).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+
+from fem.casing.reduced.grounded import GroundedCasing
+from fem.casing.reduced.lanczos import block_lanczos
+from fem.casing.reduced.reduction import Reduction
+from fem.elements.tetrahedra import mass_properties, rigid_body_modes
+from fem.numerics.threads import side_by_side
+from fem.storage.records import Record, array, names, scalar
+
+_LIMITS = {
+    "stiffness_asymmetry": 1e-12,
+    "mass_asymmetry": 1e-12,
+    "grounding": 1e-9,
+    "rigid_from_stiffness": 1e-6,
+    "rigid_eigenvalue": 1e-6,
+    "mass_error": 1e-9,
+    "centre_error": 1e-9,
+    "inertia_error": 1e-8,
+    "reaction_error": 1e-7,
+    "reduced_mass_definite": 1.0,
+    "reduced_stiffness_definite": 1.0,
+    "modal_mass_identity": 1e-8,
+    "modal_coupling": 1e-6,
+    "static_response": 1e-8,
+}
+_MEANING = {
+    "stiffness_asymmetry": "max |(K - K^T) x| over max |K|, x of random signs",
+    "mass_asymmetry": "max |(M - M^T) x| over max |M|, x of random signs",
+    "grounding": "max |K R| over max |K| max |R|: a rigid motion needs no force",
+    "rigid_from_stiffness": "rigid motion of the feet carries the body rigidly, largest relative deviation",
+    "rigid_eigenvalue": "sixth over seventh eigenvalue of the free body condensed to its feet",
+    "mass_error": "mass from R^T M R against the mesh integral",
+    "centre_error": "centre of gravity, the same, over the radius of gyration",
+    "inertia_error": "inertia tensor, the same",
+    "reaction_error": "reaction of the feet to gravity against the weight",
+    "reduced_mass_definite": "number of eigenvalues of the reduced mass that are not positive",
+    "reduced_stiffness_definite": "number of eigenvalues of the reduced stiffness that are not positive",
+    "modal_mass_identity": "modal block of the mass, largest deviation from identity",
+    "modal_coupling": "coupling block of the stiffness between interface and modes, relative",
+    "static_response": "interface response to unit loads, reduced against full model",
+}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CheckUp(Record):
+    """Measured deviations of a reduced casing from what must hold; all relative unless stated."""
+
+    stiffness_asymmetry: float = scalar(units="1")
+    mass_asymmetry: float = scalar(units="1")
+    grounding: float = scalar(units="1")
+    rigid_from_stiffness: float = scalar(units="1")
+    rigid_eigenvalue: float = scalar(units="1")
+    mass_error: float = scalar(units="1")
+    centre_error: float = scalar(units="1")
+    inertia_error: float = scalar(units="1")
+    reaction_error: float = scalar(units="1")
+    reduced_mass_definite: float = scalar(units="1")
+    reduced_stiffness_definite: float = scalar(units="1")
+    modal_mass_identity: float = scalar(units="1")
+    modal_coupling: float = scalar(units="1")
+    static_response: float = scalar(units="1")
+    mass: float = scalar(units="kg")
+    centre: np.ndarray = array("axis", units="m")
+    inertia: np.ndarray = array("axis", "axis", units="kg m2")
+    frequencies: np.ndarray = array("mode", units="Hz")  # of the grounded reduced body
+    effective_mass: np.ndarray = array("mode", "motion", units="SI")  # kg and, about the centre, kg m2
+    movable: np.ndarray = array("motion", units="SI")  # mass and inertia that do not sit on clamped nodes
+    full_frequencies: np.ndarray = array("full_mode", units="Hz")  # of the full grounded model; empty if not asked
+    frequency_error: np.ndarray = array("full_mode", units="1")  # reduced over full - 1
+    limit_names: tuple[str, ...] = names("limit")
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """Names of the items beyond their limits."""
+        return tuple(name for name in self.limit_names if not getattr(self, name) < _LIMITS[name])
+
+    def report(self, n_modes: int = 10) -> str:
+        """The check-up as text: every item with its limit, then mass properties and the first modes."""
+        lines = ["Check-up of the reduced casing"]
+        for name in self.limit_names:
+            value = getattr(self, name)
+            verdict = "ok  " if value < _LIMITS[name] else "FAIL"
+            lines.append(f"  {verdict} {name:<27} {value:9.2e}  (limit {_LIMITS[name]:.0e})  {_MEANING[name]}")
+        x, y, z = self.centre
+        lines.append(f"  mass {self.mass:.6g} kg, centre of gravity ({x:.6g}, {y:.6g}, {z:.6g}) m")
+        lines.append("  inertia about it (kg m2): " + "; ".join(" ".join(f"{v:.5g}" for v in r) for r in self.inertia))
+        if n_modes:
+            lines += self._mode_lines(n_modes)
+        if len(self.full_frequencies):
+            lines.append(
+                f"  {len(self.full_frequencies)} frequencies to {self.full_frequencies[-1]:.1f} Hz: "
+                f"largest error {self.frequency_error.max():.2e}, smallest {self.frequency_error.min():.2e}"
+            )
+        return "\n".join(lines)
+
+    def _mode_lines(self, n_modes: int) -> list[str]:
+        lines = ["  grounded modes: Hz, effective mass in x y z in percent of the movable mass"]
+        share = 100.0 * self.effective_mass[:, :3] / self.movable[:3]
+        for number in range(min(n_modes, len(self.frequencies))):
+            words = " ".join(f"{v:6.2f}" for v in share[number])
+            line = f"    {number + 1:3d} {self.frequencies[number]:10.2f}  {words}"
+            if number < len(self.full_frequencies):
+                line += f"   full model {self.full_frequencies[number]:10.2f} ({self.frequency_error[number]:+.1e})"
+            lines.append(line)
+        total = " ".join(f"{v:6.2f}" for v in share.sum(axis=0))
+        return [*lines, f"    all {len(self.frequencies)} modes   {total}"]
+
+
+def check_up(casing: GroundedCasing, reduction: Reduction, *, full_band: float | None = None) -> CheckUp:
+    """Measure a reduction against its mesh.
+
+    Parameters
+    ----------
+    full_band : Hz; if given, the modes of the full grounded model up to it are computed, too (as dear as a reduction)
+    """
+    mesh = casing.mesh
+    mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)
+    R = rigid_body_modes(mesh.nodes, centre)
+    MR = casing.M @ R
+    held = _held(casing, reduction)
+    frequencies, phi = _grounded_modes(held, reduction.mass)
+    full, error = np.zeros(0), np.zeros(0)
+    if full_band is not None:
+        theta, _ = block_lanczos(
+            casing.interface.factor.solve, casing.M_free, smallest=(2.0 * math.pi * full_band) ** -2.0
+        )
+        full = 1.0 / (2.0 * math.pi * np.sqrt(theta))
+        full = full[: len(frequencies)]
+        error = frequencies[: len(full)] / full - 1.0
+    force = casing.expansion.T @ MR
+    effective = (phi.T @ (reduction.basis.T @ force)) ** 2
+    moving = np.ones(len(R))
+    moving[casing.clamped] = 0.0
+    rigid, reduced = side_by_side(
+        lambda: _rigid_items(casing, R, MR, mass, inertia), lambda: _reduced_items(casing, reduction, held)
+    )
+    return CheckUp(
+        stiffness_asymmetry=_asymmetry(casing.K),
+        mass_asymmetry=_asymmetry(casing.M),
+        grounding=float(abs(casing.K @ R).max() / (abs(casing.K).max() * abs(R).max())),
+        **rigid,
+        **reduced,
+        mass=mass,
+        centre=centre,
+        inertia=inertia,
+        frequencies=frequencies,
+        effective_mass=effective,
+        movable=np.einsum("im,im->m", moving[:, None] * R, casing.M @ (moving[:, None] * R)),
+        full_frequencies=full,
+        frequency_error=error,
+        limit_names=tuple(_LIMITS),
+    )
+
+
+def _asymmetry(matrix: sp.csr_matrix) -> float:
+    """By one product with a random vector of signs, in which entries that differ do not cancel."""
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], matrix.shape[0])
+    return float(abs(matrix @ signs - matrix.T @ signs).max(initial=0.0) / abs(matrix.data).max(initial=0.0))
+
+
+def _held(casing: GroundedCasing, reduction: Reduction) -> np.ndarray:
+    """Reduced stiffness on the reference springs."""
+    stiffness = reduction.stiffness.copy()
+    place = np.arange(len(casing.springs))
+    stiffness[place, place] += casing.springs
+    return stiffness
+
+
+def _grounded_modes(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    square, phi = la.eigh(stiffness, mass)
+    return np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi), phi
+
+
+def _rigid_items(
+    casing: GroundedCasing, R: np.ndarray, MR: np.ndarray, mass: float, inertia: np.ndarray
+) -> dict[str, float]:
+    """Rigid body items of the free body, and the reaction to gravity of the grounded one."""
+    block = R.T @ MR
+    gyration = math.sqrt(np.trace(inertia) / (2.0 * mass))
+    first_moment = np.array([block[2, 4], block[0, 5], block[1, 3]])
+    motion, together, reaction = (_on_clamped_feet if casing.ground == "fixed" else _on_springs)(casing, R, MR)
+    condensed = motion.T @ (casing.K @ motion)
+    value = np.sort(abs(la.eigh(condensed, motion.T @ motion, eigvals_only=True)))
+    return {
+        "rigid_from_stiffness": float(abs(together - R).max() / abs(R).max()),
+        "rigid_eigenvalue": float(value[5] / value[6]) if len(value) > 6 else 0.0,
+        "mass_error": float(abs(np.diag(block)[:3] / mass - 1.0).max()),
+        "centre_error": float(abs(first_moment).max() / (mass * gyration)),
+        "inertia_error": float(abs(block[3:, 3:] - inertia).max() / np.trace(inertia)),
+        "reaction_error": float(abs(reaction + mass * np.eye(3)).max() / mass),
+    }
+
+
+def _on_clamped_feet(
+    casing: GroundedCasing, R: np.ndarray, MR: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Motions led by the feet (n, 6 feet), with all feet as one body (n, 6), reaction to unit gravity (3, 3).
+
+    Each foot moves as a rigid patch, six columns per foot; the rest follows by the stiffness.
+    """
+    mesh, solve, E = casing.mesh, casing.interface.factor.solve, casing.expansion
+    feet = mesh.patches("ground_")
+    motion = np.zeros((len(R), 6 * len(feet)))
+    for index, name in enumerate(feet):
+        unknowns = (3 * np.unique(mesh.patch(name))[:, None] + np.arange(3)).ravel()
+        motion[unknowns, 6 * index : 6 * index + 6] = R[unknowns]
+    motion -= E @ solve(E.T @ (casing.K @ motion))
+    together = motion.reshape(len(R), len(feet), 6).sum(axis=1)
+    gravity = (casing.K @ (E @ solve(E.T @ MR[:, :3])))[casing.clamped]
+    return motion, together, R[casing.clamped, :3].T @ (gravity - MR[casing.clamped, :3])
+
+
+def _on_springs(casing: GroundedCasing, R: np.ndarray, MR: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The same where the feet stand on springs, led by the ground under the springs, three columns per foot."""
+    solve, E, at_feet = casing.interface.factor.solve, casing.expansion, np.flatnonzero(casing.springs)
+    rows, stiffness = casing.interface.rows[at_feet], casing.springs[at_feet]
+    motion = E @ solve(rows.T.toarray() * stiffness)
+    feet = np.array([casing.mesh.point(name) for name in casing.mesh.patches("ground_")])
+    centre = mass_properties(casing.mesh.nodes, casing.mesh.elements, casing.material.density)[1]
+    ground = rigid_body_modes(feet, centre)
+    forces = stiffness[:, None] * (rows @ solve(E.T @ MR[:, :3]))
+    return motion, motion @ ground, -ground[:, :3].T @ forces
+
+
+def _reduced_items(casing: GroundedCasing, reduction: Reduction, held: np.ndarray) -> dict[str, float]:
+    """Definiteness and block forms by projection of the full matrices, static response of the interface."""
+    from fem.numerics.sparse_product import product
+
+    b = reduction.constraint.shape[1]
+    interface = casing.interface
+    coupling = product(casing.K_free, reduction.constraint).T @ reduction.modes
+    scale = np.sqrt(np.outer(np.diag(interface.stiffness), np.maximum((2 * math.pi * reduction.frequencies) ** 2, 1.0)))
+    identity = reduction.modes.T @ product(casing.M_free, reduction.modes)
+    static = 0.0
+    if b:
+        exact = interface.rows @ interface.factor.solve(interface.rows.T.toarray())
+        found = la.solve(held, np.eye(len(held), b))[:b]
+        size = np.sqrt(np.outer(np.diag(exact), np.diag(exact)))
+        static = float((abs(found - exact) / size).max())
+    return {
+        "reduced_mass_definite": float((_scaled_eigenvalues(reduction.mass) <= 0.0).sum()),
+        "reduced_stiffness_definite": float((_scaled_eigenvalues(held) <= 0.0).sum()),
+        "modal_mass_identity": float(abs(identity - np.eye(len(identity))).max(initial=0.0)),
+        "modal_coupling": float((abs(coupling) / scale).max(initial=0.0)),
+        "static_response": static,
+    }
+
+
+def _scaled_eigenvalues(matrix: np.ndarray) -> np.ndarray:
+    root = np.sqrt(abs(np.diag(matrix)))
+    return la.eigvalsh(matrix / np.outer(root, root)) if len(matrix) else np.ones(1)

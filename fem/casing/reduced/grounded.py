@@ -1,0 +1,186 @@
+"""A meshed casing with its points tied to it and its ground: matrices and constraint modes, ready for reduction.
+
+Ground. `fixed` clamps every node under the feet. `springs` leaves the body free: the mean motion (ux, uy, uz) of every
+foot becomes an interface, to which mount springs are added afterwards without finite elements; only for the
+factorisation the feet stand on reference springs D, which the reduced matrices do not contain.
+
+Coupling of the points to their patches. `mean` (RBE3) adds no stiffness. `rigid` (RBE2) makes the patch move as a rigid
+body, as a stiff outer ring pressed into its seat does: u = E [other unknowns, six per patch], K -> E^T K E.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.reduced.coupling import AXES, CouplingError, mean_motion_rows
+from fem.casing.reduced.reduction import Interface, held_interface
+from fem.elements.materials import Material
+from fem.elements.tetrahedra import assemble, rigid_body_modes
+from fem.numerics.linear_solver import Solver
+
+BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")  # the rotation ry about the shaft is left free
+GROUND_AXES = ("ux", "uy", "uz")
+
+Ground = Literal["fixed", "springs"]
+Coupling = Literal["mean", "rigid"]
+
+
+@dataclass(frozen=True, eq=False)
+class GroundedCasing:
+    """Free-body matrices, the unknowns q left by clamping and rigid patches, u = E q, and the held interface."""
+
+    mesh: CasingMesh
+    material: Material
+    ground: Ground
+    coupling: Coupling
+    K: sp.csr_matrix  # (3 node, 3 node), the free body
+    M: sp.csr_matrix
+    expansion: sp.csr_matrix  # E (3 node, n)
+    clamped: np.ndarray  # of the 3 node unknowns; empty on springs
+    K_free: sp.csr_matrix  # (n, n) without the reference springs
+    M_free: sp.csr_matrix
+    coordinate_names: tuple[str, ...]  # of the interface, "ground_1:ux", ..., "bearing_1:ux", ...
+    springs: np.ndarray  # (interface,), reference springs D, N/m; zero but at feet on springs
+    interface: Interface
+
+    @property
+    def K_held(self) -> sp.csr_matrix:
+        """The definite stiffness that was factorised, K + B^T D B."""
+        return self.on_springs(self.springs)
+
+    def on_springs(self, springs: np.ndarray) -> sp.csr_matrix:
+        """K of the unknowns q with springs (interface,) at the interface coordinates."""
+        if not springs.any():
+            return self.K_free
+        rows = self.interface.rows
+        return sp.csr_matrix(self.K_free + rows.T @ sp.diags_array(springs) @ rows)
+
+    def expanded(self, q: np.ndarray) -> np.ndarray:
+        """Displacements (3 node, k) of the mesh."""
+        return self.expansion @ q
+
+
+def ground_casing(
+    mesh: CasingMesh,
+    material: Material,
+    *,
+    interfaces: Mapping[str, Sequence[str]] | None = None,
+    ground: Ground = "fixed",
+    coupling: Coupling = "mean",
+    solver: Solver = "auto",
+) -> GroundedCasing:
+    """Assemble, hold or free the feet, tie the points, and factorise.
+
+    Parameters
+    ----------
+    interfaces : bearing patches that carry loads with the axes they carry; all with `BEARING_AXES` by default
+
+    Raises
+    ------
+    CouplingError : no ground patch, an interface that touches the clamped nodes, rigid patches that share nodes
+    MeshError : unknown patch
+    SingularMatrixError : a part of the mesh hangs loose
+    """
+    K, M = assemble(
+        mesh.nodes,
+        mesh.elements,
+        elastic_modulus=material.elastic_modulus,
+        poisson_ratio=material.poisson_ratio,
+        density=material.density,
+    )
+    feet = mesh.patches("ground_")
+    if not feet:
+        raise CouplingError("casing mesh has no patch ground_1, ...; name at least one foot")
+    if interfaces is None:
+        interfaces = dict.fromkeys(mesh.patches("bearing_"), BEARING_AXES)
+    on_springs = ground == "springs"
+    points = (dict.fromkeys(feet, GROUND_AXES) if on_springs else {}) | dict(interfaces)
+    held = np.unique(np.concatenate([mesh.patch(name).ravel() for name in feet]))
+    for name in interfaces:
+        if np.isin(mesh.patch(name), held).any():
+            raise CouplingError(f"{name} shares nodes with a foot; move the foot or the bore")
+    clamped_nodes = held[:0] if on_springs else held
+    if coupling == "rigid":
+        expansion, rows = _rigid_patches(mesh, points, clamped_nodes)
+    else:
+        expansion, rows = _mean_patches(mesh, points, clamped_nodes)
+    names = tuple(f"{name}:{axis}" for name, axes in points.items() for axis in axes)
+    K_free, M_free = _projected(K, expansion), _projected(M, expansion)
+    reference = material.elastic_modulus * mesh.element_size
+    springs = np.array([reference if name.startswith("ground_") else 0.0 for name in names])
+    return GroundedCasing(
+        mesh=mesh,
+        material=material,
+        ground=ground,
+        coupling=coupling,
+        K=K,
+        M=M,
+        expansion=expansion,
+        clamped=_unknowns(clamped_nodes),
+        K_free=K_free,
+        M_free=M_free,
+        coordinate_names=names,
+        springs=springs,
+        interface=held_interface(K_free, rows, penalty=springs if on_springs else None, solver=solver),
+    )
+
+
+def _mean_patches(
+    mesh: CasingMesh, points: Mapping[str, Sequence[str]], clamped: np.ndarray
+) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+    """E leaves out the clamped nodes; rows of the mean motions."""
+    free = _unknowns(np.setdiff1d(np.arange(len(mesh.nodes)), clamped))
+    n = 3 * len(mesh.nodes)
+    expansion = sp.csr_matrix((np.ones(len(free)), (free, np.arange(len(free)))), shape=(n, len(free)))
+    rows = [
+        mean_motion_rows(mesh.nodes, mesh.patch(name), mesh.point(name))[[AXES.index(axis) for axis in axes]]
+        for name, axes in points.items()
+    ]
+    return expansion, sp.csr_matrix(sp.vstack(rows)[:, free] if rows else (0, len(free)))
+
+
+def _rigid_patches(
+    mesh: CasingMesh, points: Mapping[str, Sequence[str]], clamped: np.ndarray
+) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+    """E replaces the nodes of every patch by six motions of its point; unit rows of the axes that are interfaces."""
+    owner = np.full(len(mesh.nodes), -1)
+    owner[clamped] = len(points)
+    for number, name in enumerate(points):
+        nodes = np.unique(mesh.patch(name))
+        if (taken := owner[nodes] >= 0).any():
+            other = list(points)[int(owner[nodes][taken][0])]
+            raise CouplingError(f"{name} and {other} share nodes and cannot both be rigid; take coupling 'mean'")
+        owner[nodes] = number
+    free = _unknowns(np.flatnonzero(owner < 0))
+    size = len(free) + 6 * len(points)
+    row, column, value = [free], [np.arange(len(free))], [np.ones(len(free))]
+    interface = []
+    for number, (name, axes) in enumerate(points.items()):
+        nodes = np.flatnonzero(owner == number)
+        first = len(free) + 6 * number
+        row.append(np.repeat(_unknowns(nodes), 6))
+        column.append(np.tile(np.arange(first, first + 6), 3 * len(nodes)))
+        value.append(rigid_body_modes(mesh.nodes[nodes], mesh.point(name)).ravel())
+        interface += [first + AXES.index(axis) for axis in axes]
+    place = (np.concatenate(row), np.concatenate(column))
+    expansion = sp.csr_matrix((np.concatenate(value), place), shape=(3 * len(mesh.nodes), size))
+    count = len(interface)
+    return expansion, sp.csr_matrix((np.ones(count), (np.arange(count), interface)), shape=(count, size))
+
+
+def _projected(matrix: sp.csr_matrix, expansion: sp.csr_matrix) -> sp.csr_matrix:
+    """E^T A E; a plain choice of unknowns is sliced."""
+    if expansion.nnz == expansion.shape[1]:
+        chosen = expansion.tocsc().indices
+        return sp.csr_matrix(matrix[chosen][:, chosen])
+    return sp.csr_matrix(expansion.T @ matrix @ expansion)
+
+
+def _unknowns(nodes: np.ndarray) -> np.ndarray:
+    return (3 * nodes[:, None] + np.arange(3)).ravel()

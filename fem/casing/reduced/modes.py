@@ -1,0 +1,257 @@
+"""CasingModes: the expensive result of a casing reduction, and the cheap step from it to a ReducedBody.
+
+Sensors are recovered from the basis on the nodes, mount springs are added to the coordinates of the feet, damping comes
+from the modes of the grounded reduced body, fewer modes from what is stored (`fem.casing.reduced.truncation`). Changing
+any of these costs no factorisation and no eigensolution of the mesh.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+
+from fem.casing.geometry.dimensions import Sensor
+from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.coupling import nearest_surface_point
+from fem.casing.reduced.damping import DampingRatio, modal_damping
+from fem.casing.reduced.grounded import BEARING_AXES, GROUND_AXES, GroundedCasing
+from fem.casing.reduced.reduction import Reduction
+from fem.casing.reduced.truncation import ModeSet, fewest_modes, kept
+from fem.elements.tetrahedra import mass_properties, rigid_body_modes
+from fem.storage.records import Record, array, integer, names, scalar, text
+
+Mounts = Sequence[Sequence[float]]  # stiffness in x, y, z (N/m): one row for all feet, or one per foot in their order
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CasingModes(Record):
+    """Reduced matrices of a casing in its ground and its basis on the mesh.
+
+    On springs the matrices are those of the free body; `reduced_body` adds the mounts.
+    """
+
+    model: str = text()  # "static" | "craig-bampton"
+    solver: str = text()  # which code factorised the stiffness
+    ground: str = text()  # "fixed" | "springs"
+    coupling: str = text()  # "mean" | "rigid"
+    mass: np.ndarray = array("coordinate", "coordinate", units="SI")
+    stiffness: np.ndarray = array("coordinate", "coordinate", units="SI")
+    coordinate_names: tuple[str, ...] = names("coordinate")  # interface, "mode_1", ..., "inertia_1", ...
+    reference_springs: np.ndarray = array("interface", units="N/m")  # under the feet while factorising
+    fixed_frequencies: np.ndarray = array("mode", units="Hz")  # fixed-interface modes, then inertia corrections
+    band_limit: float = scalar(units="Hz")  # every fixed-interface mode below it is kept
+    counted: int = integer()  # fixed-interface modes below the limit by the law of inertia; -1: not counted
+    unknowns: int = integer()  # of the grounded mesh
+    participation: np.ndarray = array("coordinate", "motion", units="SI")  # T^T M R, R about the centre of gravity
+    total_mass: float = scalar(units="kg")
+    centre: np.ndarray = array("axis", units="m")  # of gravity
+    inertia: np.ndarray = array("axis", "axis", units="kg m2")  # about the centre
+    point_names: tuple[str, ...] = names("point")  # ground and bearing points
+    point_positions: np.ndarray = array("point", "axis", units="m")
+    nodes: np.ndarray = array("node", "axis", units="m")
+    facets: np.ndarray = array("facet", "facet_corner", units="1", dtype=np.int32)  # the surface, into nodes
+    basis: np.ndarray = array("node", "axis", "coordinate", units="SI", dtype=np.float32)
+
+    @property
+    def interface_names(self) -> tuple[str, ...]:
+        """Names of the physical coordinates."""
+        return tuple(name for name in self.coordinate_names if ":" in name)
+
+    @property
+    def mode_set(self) -> ModeSet:
+        """The matrices with their layout."""
+        n_fixed = sum(name.startswith("mode_") for name in self.coordinate_names)
+        return ModeSet(self.stiffness, self.mass, len(self.interface_names), n_fixed, np.eye(len(self.mass)))
+
+    def springs(self, mounts: Mounts | None) -> np.ndarray:
+        """Stiffness (interface,) that the mounts of the feet add.
+
+        Raises
+        ------
+        ValueError : mounts of a fixed casing, none of one on springs, not one row or one per foot, none positive
+        """
+        if (mounts is not None) != (self.ground == "springs"):
+            need = "needs mounts" if mounts is None else "takes no mounts"
+            raise ValueError(f"casing with ground {self.ground!r} {need}; set casing.ground to fit")
+        out = np.zeros(len(self.interface_names))
+        if mounts is None:
+            return out
+        feet = [name for name in self.point_names if name.startswith("ground_")]
+        rows = np.asarray(mounts, float)
+        if rows.shape not in ((1, 3), (len(feet), 3)):
+            raise ValueError(f"mounts {rows.shape}: give one row of x, y, z (N/m), or one for each of {len(feet)} feet")
+        if not (np.isfinite(rows).all() and (rows > 0.0).all()):
+            raise ValueError(f"mount stiffness is {rows.min():g} N/m; every mount needs a positive one in x, y and z")
+        rows = np.broadcast_to(rows, (len(feet), 3))
+        for place, name in enumerate(self.interface_names):
+            point, axis = name.split(":")
+            if point in feet:
+                out[place] = rows[feet.index(point), GROUND_AXES.index(axis)]
+        return out
+
+
+def casing_modes(
+    casing: GroundedCasing, reduction: Reduction, *, model: str, band_limit: float, counted: int = -1
+) -> CasingModes:
+    """Collect what later stages need of a reduction."""
+    mesh = casing.mesh
+    basis = reduction.basis
+    extra = reduction.modes.shape[1] - reduction.n_fixed
+    mode_names = [f"mode_{i + 1}" for i in range(reduction.n_fixed)] + [f"inertia_{i + 1}" for i in range(extra)]
+    mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)
+    force = casing.expansion.T @ (casing.M @ rigid_body_modes(mesh.nodes, centre))
+    return CasingModes(
+        model=model,
+        solver=casing.interface.factor.name,
+        ground=casing.ground,
+        coupling=casing.coupling,
+        mass=reduction.mass,
+        stiffness=reduction.stiffness,
+        coordinate_names=casing.coordinate_names + tuple(mode_names),
+        reference_springs=casing.springs,
+        fixed_frequencies=reduction.frequencies,
+        band_limit=band_limit,
+        counted=counted,
+        unknowns=casing.K_free.shape[0],
+        participation=basis.T @ force,
+        total_mass=mass,
+        centre=centre,
+        inertia=inertia,
+        point_names=mesh.patch_names,
+        point_positions=mesh.patch_points,
+        nodes=mesh.nodes,
+        facets=mesh.facets,
+        basis=_expanded(casing, basis).reshape(len(mesh.nodes), 3, -1),
+    )
+
+
+def _expanded(casing: GroundedCasing, basis: np.ndarray) -> np.ndarray:
+    """The basis on all unknowns of the mesh in single precision, a few columns at a time."""
+    out = np.empty((casing.expansion.shape[0], basis.shape[1]), np.float32)
+    for start in range(0, basis.shape[1], 32):
+        out[:, start : start + 32] = casing.expanded(basis[:, start : start + 32])
+    return out
+
+
+def kept_modes(
+    modes: CasingModes, springs: np.ndarray, *, limit: float | None = None, frequency_error: float | None = None
+) -> ModeSet:
+    """The modes that a body keeps.
+
+    Parameters
+    ----------
+    springs : (interface,), N/m
+    limit : Hz, fixed-interface modes up to it; all by default
+    frequency_error : with it, the fewest modes (of those up to the limit) that keep every frequency of the body up to
+        two thirds of the limit so close to that with all of them
+    """
+    whole = modes.mode_set
+    if limit is None:
+        limit = modes.band_limit
+    if limit > modes.band_limit * (1.0 + 1e-12):
+        raise ValueError(f"modes to {limit:g} Hz asked, known to {modes.band_limit:g} Hz; raise casing.band_Hz")
+    whole = kept(whole, int((whole.fixed_frequencies <= limit).sum()))
+    if frequency_error is None:
+        return whole
+    return kept(whole, fewest_modes(whole, springs, band=limit / 1.5, frequency_error=frequency_error))
+
+
+def reduced_body(
+    modes: CasingModes,
+    *,
+    sensors: Sequence[Sensor] = (),
+    damping: DampingRatio = 0.01,
+    mounts: Mounts | None = None,
+    limit: float | None = None,
+    frequency_error: float | None = None,
+    stiffness_factor: float = 1.0,
+) -> ReducedBody:
+    """The casing as the multibody model sees it; three rows per sensor asked, moved to the nearest surface point.
+
+    Parameters
+    ----------
+    damping : modal damping ratio, or rows (Hz, ratio)
+    mounts : stiffness of every foot (N/m), if and only if the modes are those of a casing on springs
+    limit, frequency_error : see `kept_modes`
+    stiffness_factor : of all but the mounts, see `fem.casing.reduced.extrapolation`
+
+    Raises
+    ------
+    CouplingError : a sensor far from the surface
+    ValueError : damping ratio out of range, mounts that do not fit, more modes than are known
+    """
+    springs = modes.springs(mounts)
+    chosen = kept_modes(modes, springs, limit=limit, frequency_error=frequency_error)
+    b, extra = chosen.n_interface, len(chosen.mass) - chosen.n_interface - chosen.n_fixed
+    stiffness = stiffness_factor * chosen.stiffness
+    stiffness[np.arange(b), np.arange(b)] += springs
+    rows, row_names = [*np.eye(b, len(stiffness))], list(modes.interface_names)
+    places = dict(zip(modes.point_names, modes.point_positions, strict=True))
+    for sensor in sensors:
+        corners, weights, place = nearest_surface_point(modes.nodes, modes.facets, np.array(sensor.position))
+        shape = np.einsum("a,adk->dk", weights, modes.basis[corners].astype(float)) @ chosen.basis
+        rows += list(np.array(sensor.axes, float) @ shape)
+        row_names += [f"{sensor.name}:{axis}" for axis in ("ux", "uy", "uz")]
+        places[sensor.name] = place
+    mode_names = [f"mode_{i + 1}" for i in range(chosen.n_fixed)] + [f"inertia_{i + 1}" for i in range(extra)]
+    return ReducedBody(
+        model=modes.model,
+        mass=chosen.mass,
+        stiffness=stiffness,
+        damping=modal_damping(chosen.mass, stiffness, damping),
+        coordinate_names=(*modes.interface_names, *mode_names),
+        row_names=tuple(row_names),
+        rows=np.array(rows).reshape(len(rows), len(stiffness)),
+        point_names=tuple(places),
+        point_positions=np.array(list(places.values())),
+        stiffness_factor=stiffness_factor,
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NaturalModes(Record):
+    """Natural modes of a casing in its ground."""
+
+    frequencies: np.ndarray = array("mode", units="Hz")
+    effective_mass: np.ndarray = array("mode", "motion", units="SI")  # kg; about the centre of gravity kg m2
+    total: np.ndarray = array("motion", units="SI")  # mass and inertia of the body
+    vectors: np.ndarray = array("coordinate", "mode", units="SI")  # of the stored coordinates, mass-normalised
+
+
+def natural_modes(
+    modes: CasingModes, mounts: Mounts | None = None, *, limit: float | None = None, stiffness_factor: float = 1.0
+) -> NaturalModes:
+    """Frequencies, effective masses (phi^T M R)^2 and shapes; the arguments are those of `reduced_body`."""
+    springs = modes.springs(mounts)
+    chosen = kept_modes(modes, springs, limit=limit)
+    stiffness = stiffness_factor * chosen.stiffness
+    stiffness[np.arange(chosen.n_interface), np.arange(chosen.n_interface)] += springs
+    square, phi = la.eigh(stiffness, chosen.mass)
+    vectors = chosen.basis @ phi
+    return NaturalModes(
+        frequencies=np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi),
+        effective_mass=(vectors.T @ modes.participation) ** 2,
+        total=np.concatenate([np.full(3, modes.total_mass), np.diag(modes.inertia)]),
+        vectors=vectors,
+    )
+
+
+def grounded_body(bearings: Mapping[str, Sequence[float]]) -> ReducedBody:
+    """The rung `none`: bearings held by the ground; no coordinates, rows without entries."""
+    row_names = [f"{name}:{axis}" for name in bearings for axis in BEARING_AXES]
+    nothing = np.zeros((0, 0))
+    return ReducedBody(
+        model="none",
+        mass=nothing,
+        stiffness=nothing,
+        damping=nothing,
+        coordinate_names=(),
+        row_names=tuple(row_names),
+        rows=np.zeros((len(row_names), 0)),
+        point_names=tuple(bearings),
+        point_positions=np.array([list(place) for place in bearings.values()], float).reshape(-1, 3),
+    )

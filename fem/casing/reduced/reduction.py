@@ -1,0 +1,238 @@
+"""Static condensation (Guyan) and Craig-Bampton reduction on linear interfaces u_b = B u.
+
+B holds rows of any kind: unit rows (plain degrees of freedom) or the mean motion of patches, which are no degrees of
+freedom and cannot be partitioned out. With A = K + B^T D B (D = 0 if K is already definite), S = B A^-1 B^T:
+
+    Psi = A^-1 B^T S^-1                      constraint modes, B Psi = 1
+    P = A^-1 - Psi B A^-1                    inverse of K on B u = 0
+    P M phi = phi / omega^2                  fixed-interface modes, B phi = 0
+    E = P M Psi                              inertia correction: what the constraint modes lack at first order
+    u = Psi u_b + Phi eta,   K_r = diag(S^-1 - D, omega^2),   M_r = [[Psi^T M Psi, Psi^T M Phi], [., 1]]
+
+E is orthonormalised against Phi and brings more columns of Phi.
+
+References: Guyan (1965), AIAA J. 3(2), 380; Craig & Bampton (1968), AIAA J. 6(7), 1313-1319; Rixen (2004),
+J. Comput. Appl. Math. 168, 383-391; O'Callahan (1989), Proc. 7th IMAC, 17-21 (inertia correction).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+
+from fem.casing.reduced.lanczos import EigenError, block_lanczos, m_orthonormal
+from fem.numerics.linear_solver import Factor, Solver, factorize
+from fem.numerics.threads import side_by_side
+
+_DENSE = 400  # up to this many unknowns the modes come from a dense eigensolution on the null space of B
+
+
+class ReductionError(ValueError):
+    """The interface rows are not independent, or the number of modes does not exist."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reduction:
+    """A basis u = T @ [u_b, eta] with its reduced matrices."""
+
+    constraint: np.ndarray  # Psi (n, b)
+    modes: np.ndarray  # Phi and E (n, m), orthonormal in M
+    frequencies: np.ndarray  # Hz (m,), fixed interface; those of E last
+    n_fixed: int  # columns of Phi; the rest are E
+    stiffness: np.ndarray  # (b + m, b + m)
+    mass: np.ndarray
+
+    @property
+    def basis(self) -> np.ndarray:
+        """T (n, b + m)."""
+        return np.hstack([self.constraint, self.modes])
+
+
+@dataclass(frozen=True, eq=False)
+class Interface:
+    """A factorised body with its interface rows and constraint modes."""
+
+    factor: Factor
+    rows: sp.csr_matrix  # B (b, n)
+    constraint: np.ndarray  # Psi (n, b)
+    stiffness: np.ndarray  # S^-1 - D (b, b)
+
+    def inverse(self, X: np.ndarray) -> np.ndarray:
+        """P X: displacements under the loads X (n, k) with the interface held."""
+        Y = self.factor.solve(X)
+        Y -= self.constraint @ (self.rows @ Y)
+        return Y
+
+
+def held_interface(
+    K: sp.spmatrix, rows: sp.spmatrix, *, penalty: np.ndarray | None = None, solver: Solver = "auto"
+) -> Interface:
+    """Factorise A = K + B^T D B and find the constraint modes.
+
+    Parameters
+    ----------
+    K : sparse (n, n), N/m; positive definite together with the penalty
+    rows : sparse B (b, n)
+    penalty : diagonal of D (b,), N/m; needed only when K alone is singular
+
+    Raises
+    ------
+    ReductionError : two interface rows depend on each other
+    SingularMatrixError : A is not positive definite
+    """
+    rows = sp.csr_matrix(rows)
+    A = K if penalty is None else K + rows.T @ sp.diags_array(penalty) @ rows
+    factor = factorize(A, solver=solver)
+    flexible = factor.solve(rows.T.toarray())  # A^-1 B^T
+    S = rows @ flexible
+    S = 0.5 * (S + S.T)
+    scale = np.sqrt(np.diag(S))
+    if S.size and not (np.isfinite(scale).all() and np.linalg.cond(S / np.outer(scale, scale)) < 1e12):
+        raise ReductionError(f"the {len(S)} interface rows are not independent; remove a row or separate the patches")
+    inverse = la.inv(S) if S.size else S
+    stiffness = 0.5 * (inverse + inverse.T) - (np.diag(penalty) if penalty is not None else 0.0)
+    return Interface(factor, rows, flexible @ inverse, stiffness)
+
+
+def reduce_body(
+    interface: Interface,
+    K: sp.spmatrix,
+    M: sp.spmatrix,
+    *,
+    highest: float | None = None,
+    count: int | None = None,
+    enrich: bool = True,
+) -> Reduction:
+    """Reduce a body to its interface and fixed-interface modes.
+
+    Parameters
+    ----------
+    highest : Hz, keep every mode up to it; or
+    count : number of modes kept, 0 gives static condensation
+    enrich : add the inertia correction (as many columns as there are interface coordinates, if independent)
+
+    Raises
+    ------
+    ReductionError : more modes asked than exist
+    EigenError : the eigensolution did not converge
+    """
+    M = sp.csr_matrix(M)
+    theta, modes = _fixed_modes(interface, K, M, highest, count)
+    frequencies = 1.0 / (2.0 * math.pi * np.sqrt(theta))
+    n_fixed = len(theta)
+    Psi = interface.constraint
+    M_Psi = M @ Psi
+    if enrich and Psi.shape[1]:
+        extra = interface.inverse(M_Psi)
+        for _ in range(2):
+            extra = extra - modes @ (modes.T @ (M @ extra))
+            extra = extra @ m_orthonormal(extra, M @ extra)[0]
+        value, vector = la.eigh(_symmetric(extra.T @ (K @ extra)))
+        modes = np.hstack([modes, extra @ vector])
+        frequencies = np.concatenate([frequencies, np.sqrt(value) / (2.0 * math.pi)])
+    coupling = M_Psi.T @ modes
+    mass = np.block([[_symmetric(M_Psi.T @ Psi), coupling], [coupling.T, np.eye(modes.shape[1])]])
+    stiffness = la.block_diag(interface.stiffness, np.diag((2.0 * math.pi * frequencies) ** 2))
+    return Reduction(Psi, modes, frequencies, n_fixed, stiffness, mass)
+
+
+def count_fixed_modes(interface: Interface, K: sp.spmatrix, M: sp.spmatrix, highest: float) -> int:
+    """Number of fixed-interface modes below `highest` (Hz), without computing any: negative eigenvalues of K - s M.
+
+    One factorisation more, by which an eigensolution shows that it has missed nothing (Sylvester's law of inertia; used
+    so by Grimes, Lewis & Simon 1994). On an eigenvalue itself the limit is lowered by a millionth.
+
+    Raises
+    ------
+    EigenError : the limit lies on an eigenvalue that cannot be avoided
+    """
+    from fem.numerics.elimination import plan_elimination
+    from fem.numerics.multifrontal import NearlySingularError, count_negative
+
+    plan = interface.factor.plan or plan_elimination(K, 3)
+    reason = ""
+    for step in range(3):
+        shift = (2.0 * math.pi * highest * (1.0 - 1e-6 * step)) ** 2
+        try:
+            return count_negative(plan, sp.csr_matrix(K - shift * M), interface.rows)
+        except NearlySingularError as error:
+            reason = str(error)
+    raise EigenError(f"the modes below {highest:g} Hz cannot be counted ({reason}); choose another band")
+
+
+def reduced_and_counted(
+    interface: Interface, K: sp.spmatrix, M: sp.spmatrix, *, highest: float, enrich: bool = True
+) -> tuple[Reduction, int]:
+    """`reduce_body` and, side by side with it, `count_fixed_modes`.
+
+    Raises
+    ------
+    EigenError : not as many modes found as the law of inertia counts; or see the two
+    """
+    reduction, counted = side_by_side(
+        lambda: reduce_body(interface, K, M, highest=highest, enrich=enrich),
+        lambda: count_fixed_modes(interface, K, M, highest),
+    )
+    if reduction.n_fixed != counted:
+        raise EigenError(
+            f"casing: {reduction.n_fixed} fixed-interface modes found below {highest:g} Hz, {counted} exist; "
+            "choose a slightly different band"
+        )
+    return reduction, counted
+
+
+def _symmetric(matrix: np.ndarray) -> np.ndarray:
+    return 0.5 * (matrix + matrix.T)
+
+
+def _fixed_modes(
+    interface: Interface, K: sp.spmatrix, M: sp.csr_matrix, highest: float | None, count: int | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Theta = 1/omega^2 (m,), descending, and modes (n, m) of P M."""
+    n, held = M.shape[0], interface.rows.shape[0]
+    if (highest is None) == (count is None):
+        raise ValueError("give either `highest` or `count`")
+    smallest = None if highest is None else (2.0 * math.pi * highest) ** -2.0
+    if count == 0:
+        return np.zeros(0), np.zeros((n, 0))
+    if count is not None and count > n - held:
+        raise ReductionError(f"{count} modes asked; a body of {n} unknowns with {held} held has at most {n - held}")
+    if n > _DENSE:
+        return block_lanczos(interface.inverse, M, smallest=smallest, count=count)
+    free = la.null_space(interface.rows.toarray()) if held else np.eye(n)
+    theta, modes = la.eigh(free.T @ (M @ free), free.T @ (K @ free))
+    theta, modes = theta[::-1], (free @ modes)[:, ::-1]
+    exists = theta > 1e-14 * theta[0]  # massless unknowns have theta = 0
+    number = int((exists & (theta >= smallest)).sum()) if smallest is not None else int(count or 0)
+    if number > exists.sum():
+        raise ReductionError(f"{number} modes asked; only {int(exists.sum())} have mass")
+    theta, modes = theta[:number], modes[:, :number]
+    return theta, modes / np.sqrt(theta)
+
+
+def craig_bampton(
+    K: sp.spmatrix, M: sp.spmatrix, interface: np.ndarray, n_modes: int, *, enrich: bool = False
+) -> Reduction:
+    """Keep the plain degrees of freedom `interface` and the lowest fixed-interface modes.
+
+    Parameters
+    ----------
+    K, M : sparse (n, n), symmetric, N/m and kg; K may be singular as long as holding the interface makes it definite
+    interface : int (b,), unknowns kept as physical coordinates
+    n_modes : number of fixed-interface modes, 0 gives Guyan condensation
+    enrich : add the inertia correction
+
+    Returns
+    -------
+    Reduction, with u = T @ [u_b, eta]
+    """
+    K, interface = sp.csr_matrix(K), np.asarray(interface)
+    b = len(interface)
+    rows = sp.csr_matrix((np.ones(b), (np.arange(b), interface)), shape=(b, K.shape[0]))
+    penalty = np.full(b, abs(K.diagonal()).max())
+    held = held_interface(K, rows, penalty=penalty)
+    return reduce_body(held, K, M, count=n_modes, enrich=enrich)

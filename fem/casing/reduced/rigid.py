@@ -1,0 +1,152 @@
+"""The rung `rigid`: a rigid housing on six mount springs, its mass from the volumes of its parts; no mesh.
+
+q = [translation of the centre of gravity, rotation], M = diag(m, m, m, I), K = sum R_i^T k_i R_i with
+u(x) = R q = t + r x (x - x_cg).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fem.casing.geometry.dimensions import Sensor
+from fem.casing.geometry.housing import Housing
+from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.coupling import AXES, nearest_surface_point
+from fem.casing.reduced.damping import DampingRatio, modal_damping
+from fem.casing.reduced.grounded import BEARING_AXES
+from fem.elements.tetrahedra import mass_properties, rigid_body_modes
+
+
+def housing_mass(housing: Housing, density: float) -> tuple[float, np.ndarray, np.ndarray]:
+    """Mass (kg), centre of gravity (3,) (m) and inertia about it (3, 3) (kg m2), exact for the parametric housing.
+
+    Box minus cavity plus boss cylinders inside the box minus bores plus feet.
+    """
+    wall = housing.wall("side")
+    parts = [_block(*housing.box, 1.0), _block(*housing.cavity, -1.0)]
+    parts += [_block(*corners, 1.0) for corners in housing.foot_boxes().values()]
+    for bore in housing.bores:
+        start, end = housing.bore_span(bore)
+        inner = (start + wall, end) if bore.side < 0 else (start, end - wall)
+        parts.append(_cylinder(bore.x, bore.z, *inner, bore.boss_diameter, 1.0))
+        parts.append(_cylinder(bore.x, bore.z, start, end, bore.diameter, -1.0))
+    volume = sum(part[0] for part in parts)
+    centre = np.sum([part[0] * part[1] for part in parts], axis=0) / volume
+    second = np.sum([part[2] + part[0] * np.outer(part[1] - centre, part[1] - centre) for part in parts], axis=0)
+    return density * volume, centre, density * (np.trace(second) * np.eye(3) - second)
+
+
+_Part = tuple[float, np.ndarray, np.ndarray]  # signed volume, centre, second moments about the centre
+
+
+def _block(low: np.ndarray, high: np.ndarray, sign: float) -> _Part:
+    size = high - low
+    volume = sign * float(np.prod(size))
+    return volume, 0.5 * (low + high), volume * np.diag(size**2) / 12.0
+
+
+def _cylinder(x: float, z: float, start: float, end: float, diameter: float, sign: float) -> _Part:
+    radius, length = diameter / 2.0, end - start
+    volume = sign * math.pi * radius**2 * length
+    second = np.diag([radius**2 / 4.0, length**2 / 12.0, radius**2 / 4.0])
+    return volume, np.array([x, 0.5 * (start + end), z]), volume * second
+
+
+def rigid_body(
+    housing: Housing,
+    *,
+    density: float,
+    mount_stiffness: float,
+    damping_ratio: DampingRatio = 0.01,
+    sensors: Sequence[Sensor] = (),
+) -> ReducedBody:
+    """A plain parametric housing on springs, without a mesh.
+
+    Parameters
+    ----------
+    density : kg/m3
+    mount_stiffness : N/m of each foot, in x, y and z
+    damping_ratio : of all six modes
+
+    Raises
+    ------
+    ValueError : mount stiffness or density not positive, damping ratio out of range, or a housing with ribs, a flange,
+        bolt pads or fillets, whose mass needs its mesh
+    """
+    if not housing.plain:
+        raise ValueError("rigid casing: ribs, flange, bolt pads and fillets need the mesh; use `rigid_from_mesh`")
+    bearings = {bore.name: housing.bore_centre(bore) for bore in housing.bores}
+    mass = housing_mass(housing, _positive("density", density))
+    return _on_springs(mass, housing.ground_points(), bearings, mount_stiffness, damping_ratio, sensors)
+
+
+def rigid_from_mesh(
+    mesh: CasingMesh,
+    *,
+    density: float,
+    mount_stiffness: float,
+    damping_ratio: DampingRatio = 0.01,
+    sensors: Sequence[Sensor] = (),
+) -> ReducedBody:
+    """The same for any housing: mass, key points and the places of the sensors come from its mesh.
+
+    Raises
+    ------
+    ValueError : mount stiffness or density not positive, damping ratio out of range
+    CouplingError : a sensor far from the surface
+    """
+    mass = mass_properties(mesh.nodes, mesh.elements, _positive("density", density))
+    grounds, bearings = ({n: mesh.point(n) for n in mesh.patches(kind)} for kind in ("ground_", "bearing_"))
+    moved = [
+        replace(s, position=tuple(nearest_surface_point(mesh.nodes, mesh.facets, np.array(s.position))[2].tolist()))
+        for s in sensors
+    ]
+    return _on_springs(mass, grounds, bearings, mount_stiffness, damping_ratio, moved)
+
+
+def _on_springs(
+    inertial: tuple[float, np.ndarray, np.ndarray],
+    grounds: Mapping[str, np.ndarray],
+    bearings: Mapping[str, np.ndarray],
+    mount_stiffness: float,
+    damping_ratio: DampingRatio,
+    sensors: Sequence[Sensor],
+) -> ReducedBody:
+    """Mass, centre of gravity and inertia on one spring per ground point, and the rows of bearings and sensors."""
+    mass, centre, inertia = inertial
+    mounts = rigid_body_modes(np.array(list(grounds.values())), centre)
+    stiffness = _positive("mount stiffness", mount_stiffness) * (mounts.T @ mounts)
+    M = np.zeros((6, 6))
+    M[:3, :3], M[3:, 3:] = mass * np.eye(3), inertia
+    places = {**grounds, **bearings}
+    rows, row_names = [], []
+    for name, place in bearings.items():
+        motion = np.vstack([rigid_body_modes(place[None], centre), np.eye(6)[3:]])
+        rows.append(motion[[AXES.index(axis) for axis in BEARING_AXES]])
+        row_names += [f"{name}:{axis}" for axis in BEARING_AXES]
+    for sensor in sensors:
+        places[sensor.name] = np.array(sensor.position)
+        rows.append(np.array(sensor.axes) @ rigid_body_modes(places[sensor.name][None], centre))
+        row_names += [f"{sensor.name}:{axis}" for axis in AXES[:3]]
+    return ReducedBody(
+        model="rigid",
+        mass=M,
+        stiffness=stiffness,
+        damping=modal_damping(M, stiffness, damping_ratio),
+        coordinate_names=tuple(f"body:{axis}" for axis in AXES),
+        row_names=tuple(row_names),
+        rows=np.vstack(rows),
+        point_names=tuple(places),
+        point_positions=np.array(list(places.values())),
+    )
+
+
+def _positive(name: str, value: float) -> float:
+    if not (math.isfinite(value) and value > 0.0):
+        raise ValueError(f"rigid casing: {name} is {value!r}; give a positive, finite value (SI)")
+    return value

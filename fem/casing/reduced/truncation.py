@@ -1,0 +1,97 @@
+"""Fewer modes of a finished reduction, without finite elements.
+
+A reduction with modes Phi, inertia corrections E (mass-orthonormal, K-orthogonal) and coupling c = Psi^T M [Phi, E]
+knows the whole correction P M Psi = [Phi, E] diag(1/omega^2) c^T. Leaving modes out therefore means: keep the wanted
+columns of Phi, and replace the others with E by what the correction has in their span. The result is the reduction that
+a computation to the lower limit would have found.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+
+from fem.casing.reduced.lanczos import m_orthonormal
+
+
+class TruncationError(ValueError):
+    """More is asked than the stored modes can give."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModeSet:
+    """Reduced matrices of interface and modal coordinates; modal blocks are identity and diag(omega^2)."""
+
+    stiffness: np.ndarray  # (b + m, b + m)
+    mass: np.ndarray
+    n_interface: int  # b
+    n_fixed: int  # fixed-interface modes; the other m - n_fixed are inertia corrections
+    basis: np.ndarray  # (larger, b + m): columns in the coordinates that it was cut from
+
+    @property
+    def fixed_frequencies(self) -> np.ndarray:
+        """Hz, of the fixed-interface modes."""
+        square = np.diag(self.stiffness)[self.n_interface : self.n_interface + self.n_fixed]
+        return np.sqrt(square) / (2.0 * math.pi)
+
+
+def kept(whole: ModeSet, n_fixed: int) -> ModeSet:
+    """The same reduction with the `n_fixed` lowest fixed-interface modes."""
+    if n_fixed > whole.n_fixed:
+        raise TruncationError(f"{n_fixed} modes asked, {whole.n_fixed} were computed; raise casing.band_Hz")
+    if n_fixed == whole.n_fixed:
+        return whole
+    b, size = whole.n_interface, len(whole.mass)
+    dropped = np.arange(b + n_fixed, size)
+    square = np.diag(whole.stiffness)
+    columns = np.eye(size)[:, : b + n_fixed]
+    if size > b + whole.n_fixed:  # with inertia correction
+        extra = whole.mass[dropped, :b] / square[dropped, None]
+        for _ in range(2):
+            extra = extra @ m_orthonormal(extra, extra)[0]
+        value, vector = la.eigh(extra.T @ (square[dropped, None] * extra))
+        corrections = np.zeros((size, len(value)))
+        corrections[dropped] = extra @ vector
+        columns = np.hstack([columns, corrections])
+    stiffness = columns.T @ whole.stiffness @ columns
+    stiffness[b:, b:] = np.diag(np.diag(stiffness)[b:])
+    mass = columns.T @ whole.mass @ columns
+    return ModeSet(
+        stiffness=0.5 * (stiffness + stiffness.T),
+        mass=0.5 * (mass + mass.T),
+        n_interface=b,
+        n_fixed=n_fixed,
+        basis=whole.basis @ columns,
+    )
+
+
+def natural_frequencies(modes: ModeSet, springs: np.ndarray) -> np.ndarray:
+    """Hz (b + m,), ascending, with springs (b,) at the interface coordinates."""
+    stiffness = modes.stiffness.copy()
+    place = np.arange(modes.n_interface)
+    stiffness[place, place] += springs
+    square = la.eigh(stiffness, modes.mass, eigvals_only=True)
+    return np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi)
+
+
+def fewest_modes(whole: ModeSet, springs: np.ndarray, *, band: float, frequency_error: float) -> int:
+    """Fewest fixed-interface modes with which every frequency up to `band` (Hz) is within `frequency_error`.
+
+    The error is that against the whole set, found by bisection (it falls with more modes: Rayleigh-Ritz).
+    """
+    exact = natural_frequencies(whole, springs)
+    exact = exact[(exact <= band) & (exact > 1e-3 * band / len(exact))]
+    skipped = int((natural_frequencies(whole, springs) < exact[0]).sum()) if len(exact) else 0
+
+    def good(number: int) -> bool:
+        found = natural_frequencies(kept(whole, number), springs)[skipped : skipped + len(exact)]
+        return len(found) == len(exact) and float((found / exact - 1.0).max(initial=0.0)) <= frequency_error
+
+    low, high = -1, whole.n_fixed  # low fails, high passes
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if good(middle) else (middle, high)
+    return high

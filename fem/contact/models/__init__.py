@@ -1,0 +1,1 @@
+"""The models of the mesh stiffness, cheap to expensive: one file each."""

@@ -1,0 +1,218 @@
+"""Rung `energy`: the potential-energy method of the literature, slice by slice on the true tooth profile.
+
+A tooth is a cantilever of varying section, clamped where its fillet meets the root circle. A force f per unit face
+width along the line of action at the height u_c and the half thickness y_c, inclined by alpha to the normal of the
+tooth axis, stores bending, shear and axial energy,
+
+    C_b = int (cos(alpha) (u_c - u) - y_c sin(alpha))^2 / (E I) du,    I = 2 y^3 / 3,
+    C_s = int 1.2 cos(alpha)^2 / (G A) du,   C_a = int sin(alpha)^2 / (E A) du,   A = 2 y,
+
+and turns the body under the tooth (fillet foundation, fitted on an elastic ring of bore r_f / h by Sainsot et al.),
+
+    C_f = cos(alpha)^2 / E (L (u_f/s_f)^2 + M u_f/s_f + P (1 + Q tan(alpha)^2)),
+
+u_f from the root circle to where the line of action crosses the tooth axis, s_f = 2 r_f theta_f the arc of the
+root. The contact is linear, C_h = 2/pi sum (1 - nu^2)/E (Yang & Lin). A pair is the sum over both gears, per unit
+face width; helical gears are cut into slices whose transverse sections act as spur gears, with C_h / cos(beta_b) as
+in rung `plane`.
+
+Known bias, measured in tests: neighbouring teeth do not feel each other, each brings its own foundation, so that a
+double contact counts the body twice apart; the root circle is taken as clamping line although the fillet yields
+with it; the contact does not stiffen with load; teeth bend in plane stress; slices are independent and have no
+axial bending.
+
+Weber & Banaschek (1953); Yang & Lin (1987), J. Mech. Trans. Autom. Des. 109(2), 189-196; Tian (2004), thesis,
+University of Alberta; Sainsot, Velex & Duverger (2004), J. Mech. Des. 126(4), 748-752.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from fem.contact.frame import FLANKS, RungError, flank_frame, window_fraction
+from fem.contact.law import MeshLaw
+from fem.elements.materials import Material
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
+from fem.gears.path import contact_window, path_points
+from fem.gears.profile import flank_at_roll, half_tooth_profile
+
+logger = logging.getLogger(__name__)
+
+# A / theta^2 + B h^2 + C h / theta + D / theta + E h + F, rows L, M, P, Q: Sainsot et al. (2004), table 1
+FOUNDATION = np.array(
+    [
+        (-5.574e-5, -1.9986e-3, -2.3015e-4, 4.7702e-3, 0.0271, 6.8045),
+        (60.111e-5, 28.100e-3, -83.431e-4, -9.9256e-3, 0.1624, 0.9086),
+        (-50.952e-5, 185.50e-3, 0.0538e-4, 53.300e-3, 0.2895, 0.9236),
+        (-6.2042e-5, 9.0889e-3, -4.0964e-4, 7.8297e-3, -0.1472, 0.6904),
+    ]
+)
+BORE_RANGE = (1.4, 7.0)  # r_f / r_bore of the fit
+ROOT_RANGE = (0.01, 0.12)  # theta_f of the fit, rad
+SHEAR_FACTOR = 1.2
+_POINTS = 400  # on the fillet and on the involute
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ToothParts:
+    """Compliances (position,) of one tooth along the line of action per unit face width, m2/N."""
+
+    bending: np.ndarray
+    shear: np.ndarray
+    axial: np.ndarray
+    foundation: np.ndarray
+
+    @property
+    def total(self) -> np.ndarray:
+        """Their sum."""
+        return self.bending + self.shear + self.axial + self.foundation
+
+
+def cantilever(
+    height: np.ndarray, half_thickness: np.ndarray, load_height: float, load_offset: float, alpha: float,
+    elastic_modulus: float, shear_modulus: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Bending, shear and axial compliance of a symmetric cantilever of unit width (m2/N).
+
+    Parameters
+    ----------
+    height (n,), half_thickness (n,) : contour from the clamped end to the load, m
+    load_height, load_offset : where the force acts: along the axis, and from it (m)
+    alpha : inclination of the force to the normal of the axis, pressing towards the clamped end (rad)
+    elastic_modulus, shear_modulus : Pa
+    """
+    from scipy.integrate import trapezoid
+
+    arm = math.cos(alpha) * (load_height - height) - load_offset * math.sin(alpha)
+    bending = trapezoid(arm**2 / (elastic_modulus * 2.0 / 3.0 * half_thickness**3), height)
+    along = trapezoid(1.0 / (2.0 * half_thickness), height)
+    return (
+        float(bending),
+        float(SHEAR_FACTOR * math.cos(alpha) ** 2 / shear_modulus * along),
+        float(math.sin(alpha) ** 2 / elastic_modulus * along),
+    )
+
+
+def foundation_factors(bore_ratio: float, root_angle: float) -> np.ndarray:
+    """L, M, P, Q (4,) for h = r_f / r_bore and theta_f, half the angle of the tooth at its root (rad)."""
+    h, theta = bore_ratio, root_angle
+    factors: np.ndarray = FOUNDATION @ np.array([theta**-2, h**2, h / theta, 1.0 / theta, h, 1.0])
+    return factors
+
+
+def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
+    """Compliances of one tooth loaded at the roll lengths `roll` (position,) in m.
+
+    Raises
+    ------
+    RungError : a gear with a web, or the fit of the body gives no positive compliance
+    """
+    if gear.rim_thickness is not None:
+        raise RungError(
+            f"rung energy, gear z={gear.teeth}: the fitted body is a solid disc; use rung 'plane' for a web"
+        )
+    half = half_tooth_profile(gear, _POINTS, _POINTS, 1)
+    width, height = half.points[: half.tip_index + 1].T
+    angle = np.arctan2(width, height)
+    first = int(np.flatnonzero(np.hypot(width, height) > gear.root_radius * (1.0 + 1e-9))[0]) - 1
+    root_angle, ratio = float(angle[first]), gear.root_radius / gear.bore_radius
+    inside = BORE_RANGE[0] <= ratio <= BORE_RANGE[1] and ROOT_RANGE[0] <= root_angle <= ROOT_RANGE[1]
+    if not inside:
+        logger.warning(
+            "rung energy, gear z=%d: the body is outside the range of its fit: r_f/r_bore %.3f (range %g to %g), "
+            "theta_f %.4f rad (range %g to %g); rung plane has no such limit",
+            gear.teeth, ratio, *BORE_RANGE, root_angle, *ROOT_RANGE,
+        )  # fmt: skip
+    factors = foundation_factors(ratio, root_angle)
+    root_arc = 2.0 * gear.root_radius * root_angle
+    place, _, normal = flank_at_roll(gear, roll)
+    young, shear = material.elastic_modulus, material.shear_modulus
+    order = np.argsort(height[first:], kind="stable")
+    contour = height[first:][order], width[first:][order]
+    rows = []
+    for (y_load, u_load), (across, up) in zip(place, normal, strict=True):
+        alpha = math.atan2(up, across)
+        below = contour[0] < u_load
+        u = np.append(contour[0][below], u_load)
+        y = np.append(contour[1][below], y_load)
+        lever = (u_load - y_load * math.tan(alpha) - gear.root_radius) / root_arc
+        body = factors[0] * lever**2 + factors[1] * lever + factors[2] * (1.0 + factors[3] * math.tan(alpha) ** 2)
+        rows.append(
+            (*cantilever(u, y, u_load, y_load, alpha, young, shear), float(math.cos(alpha) ** 2 / young * body))
+        )
+    bending, shearing, axial, foundation = np.array(rows).T
+    if foundation.min() <= 0.0:
+        raise RungError(
+            f"rung energy, gear z={gear.teeth}: the fitted body has no positive compliance at r_f/r_bore {ratio:.3f} "
+            f"and theta_f {root_angle:.4f} rad; use rung 'plane' for this gear"
+        )
+    return ToothParts(bending=bending, shear=shearing, axial=axial, foundation=foundation)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Energy:
+    """Potential-energy method as a mesh law, for comparison with the literature.
+
+    n_slices over the face; positions: grid points per base pitch; largest_gap: no-load gap up to which tip-edge contact
+    is followed, in m_n.
+    """
+
+    model: Literal["energy"] = "energy"
+    n_slices: int = 15
+    positions: int = 64
+    largest_gap: float = 0.05
+
+    def __post_init__(self) -> None:
+        for name, low, high in (("n_slices", 1, 1000), ("positions", 16, 1024), ("largest_gap", 0.001, 0.08)):
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise RungError(f"rung energy: {name} is {value!r}; give a value in [{low}, {high}]")
+
+    def pair_compliance(self, pair: GearPair, pinion_radius: np.ndarray, wheel_radius: np.ndarray) -> np.ndarray:
+        """Compliance (position,) of a single pair per unit face width (m2/N) at the contact radii (m)."""
+        pinion, wheel = (
+            tooth_parts(gear, material, np.sqrt(np.maximum(radius**2 - gear.base_radius**2, 0.0))).total
+            for gear, material, radius in (
+                (pair.pinion, pair.pinion_material, pinion_radius),
+                (pair.wheel, pair.wheel_material, wheel_radius),
+            )
+        )
+        moduli = (pair.pinion_material.plane_strain_modulus, pair.wheel_material.plane_strain_modulus)
+        hertz = 2.0 / math.pi * sum(1.0 / modulus for modulus in moduli)
+        return np.asarray(pinion + wheel + hertz / math.cos(pair.base_helix_angle))
+
+    def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
+        """The laws of drive and coast flank, which share their tables."""
+        largest = self.largest_gap * pair.pinion.normal_module
+        first, last = contact_window(pair, largest)
+        grid = np.arange(math.floor(first * self.positions), math.ceil(last * self.positions) + 1) / self.positions
+        path = path_points(pair, grid, largest)
+        compliance = self.pair_compliance(pair, path.pinion_radius, path.wheel_radius)
+        drive, coast = (
+            MeshLaw(
+                model=self.model,
+                **flank_frame(pair, flank, self.n_slices),
+                position_start=float(grid[0]),
+                position_step=1.0 / self.positions,
+                compliance=compliance,
+                contact_slope=0.0,
+                contact_offset=np.zeros(grid.size),
+                coupling=np.zeros((0, grid.size)),
+                gap=path.gap,
+                fraction=window_fraction(path.gap),
+            )
+            for flank in FLANKS
+        )
+        return drive, coast
+
+    def law(self, pair: GearPair, flank: str = "drive") -> MeshLaw:
+        """The law of one flank."""
+        if flank not in FLANKS:
+            raise RungError(f"{pair.label}: flank is {flank!r}; choose one of {', '.join(FLANKS)}")
+        return self.laws(pair)[FLANKS.index(flank)]

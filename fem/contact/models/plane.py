@@ -1,0 +1,61 @@
+"""Rung `plane`: finite elements of the whole toothed rings in the transverse section, cut into slices along the face.
+
+The slices take the compliances of one section (`fem.contact.wheels.plane_section`) and are independent of one another.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from fem.contact.frame import FLANKS, flank_frame, window_fraction
+from fem.contact.law import MeshLaw
+from fem.contact.wheels.plane_section import PlaneError, PlaneSection
+from fem.gears.geometry import GearPair
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plane(PlaneSection):
+    """2-D FE of both toothed rings, sliced along the face; its cost hardly depends on the number of slices.
+
+    n_slices : slices of equal width over the face; the other options are those of the section
+    """
+
+    model: Literal["plane"] = "plane"
+    n_slices: int = 15
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 1 <= self.n_slices <= 1000:
+            raise PlaneError(f"rung plane: n_slices is {self.n_slices!r}; give a value in [1, 1000]")
+
+    def law(self, pair: GearPair, flank: str) -> MeshLaw:
+        """The law of one flank, "drive" or "coast"; the coast flank is the mirror image of the drive flank."""
+        return self.laws(pair)[_flank_index(flank)]
+
+    def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
+        """The laws of drive and coast flank, which share their tables."""
+        path = self.path(pair)
+        tables = self.tables(pair, path)
+        drive, coast = (
+            MeshLaw(
+                model=self.model,
+                **flank_frame(pair, flank, self.n_slices),
+                position_start=float(path.xi[0]),
+                position_step=1.0 / self.positions,
+                compliance=tables.compliance,
+                contact_slope=tables.contact_slope,
+                contact_offset=tables.contact_offset,
+                coupling=tables.coupling,
+                gap=path.gap,
+                fraction=window_fraction(path.gap),
+            )
+            for flank in FLANKS
+        )
+        return drive, coast
+
+
+def _flank_index(flank: str) -> int:
+    if flank not in FLANKS:
+        raise PlaneError(f"rung plane: flank is {flank!r}; choose 'drive' or 'coast'")
+    return FLANKS.index(flank)

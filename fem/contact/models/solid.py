@@ -1,0 +1,90 @@
+"""Rung `solid`: finite elements in space of both toothed wheels, whole rings with free end faces, and contact on them.
+
+Twenty-seven-node hexahedra over the face; one sector of each wheel is condensed and closed to the ring exactly
+(`fem.contact.wheels.solid_ring`). The compliances between all contact places are kept
+(`fem.contact.wheels.compliance`): what a load does to its neighbours along the face, to the tooth pairs before and
+after it, and at the ends of the face. Loads, tilts, reliefs, missing teeth and both flanks are solutions on this one
+tensor (`fem.contact.wheels.contact`).
+
+Range: bodies of constant section with the end faces free; a web enters as an equivalent ring whose modulus is reduced
+by its part of the face, as in `plane`. Narrow slices: the Hertz contact should stay narrower than a slice.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from fem.contact.frame import RungError
+from fem.contact.law import MeshLaw
+from fem.contact.models.solid_condensation import condense
+from fem.contact.wheels.compliance import ContactCompliance, contact_compliance
+from fem.contact.wheels.plane_section import PlaneSection
+from fem.gears.geometry import GearPair
+
+SECTION = 0.25  # section refinement against that of `sector_mesh`: 0.2 m_n along the flank
+PATCH = 0.2  # half-width of the patches, in m_n
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solid:
+    """3-D FE of both toothed wheels and contact along the whole face.
+
+    Parameters
+    ----------
+    n_slices : slices of equal width over the face
+    refinement : divides all element sizes of section and face and the patches (1: 0.2 m_n along the flank, 8 elements
+        along the face)
+    positions : mesh positions per cycle
+    largest_gap : no-load gap up to which tip-edge contact is followed, in m_n, see `PlaneSection`
+    """
+
+    model: Literal["solid"] = "solid"
+    n_slices: int = 31
+    refinement: float = 1.0
+    positions: int = 32
+    largest_gap: float = 0.05
+
+    def __post_init__(self) -> None:
+        limits = {"n_slices": (3, 101), "refinement": (0.6, 3.0), "positions": (8, 512), "largest_gap": (0.001, 0.08)}
+        for name, (low, high) in limits.items():
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise RungError(f"rung solid: {name} is {value!r}; give a value in [{low}, {high}]")
+
+    def axial_elements(self, pair: GearPair) -> int:
+        """Elements along the face: 8, and more where one would be longer than 1.25 m_n; times the refinement."""
+        longest = 1.25 * pair.pinion.normal_module
+        return math.ceil(self.refinement * max(8.0, pair.face_width / longest) - 1e-9)
+
+    @property
+    def plane(self) -> PlaneSection:
+        """The section that gives what a load that is even along the face finds, and the path of contact."""
+        return PlaneSection(
+            refinement=max(1.0, self.refinement), positions=2 * self.positions, largest_gap=self.largest_gap
+        )
+
+    def law(self, pair: GearPair, flank: str) -> MeshLaw:
+        """The law of one flank, "drive" or "coast"."""
+        return condense(self.compliance(pair), pair, flank, self.plane, self.model)
+
+    def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
+        """The laws of drive and coast flank, condensed from one compliance (`solid_condensation`)."""
+        record = self.compliance(pair)
+        return (
+            condense(record, pair, "drive", self.plane, self.model),
+            condense(record, pair, "coast", self.plane, self.model),
+        )
+
+    def compliance(self, pair: GearPair) -> ContactCompliance:
+        """Compliances between all contact places of the pair, for both flanks."""
+        return contact_compliance(
+            pair,
+            n_slices=self.n_slices,
+            positions=self.positions,
+            section_refinement=SECTION * self.refinement,
+            axial_elements=self.axial_elements(pair),
+            plane=self.plane,
+            patch=PATCH / self.refinement,
+        )

@@ -1,0 +1,191 @@
+"""Displacement and von Mises stress of the loaded teeth at one solved contact state, on the hexahedra of the rung.
+
+The line loads of a `ContactState` act on the flank rows as the patches of the compliance do (half-width 0.2 m_n at the
+default refinement: below that depth the subsurface stress of the Hertz contact is not resolved, its pressure stands in
+the state). The ring gives the motion of the cuts, the condensation is undone sector by sector.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.contact.models.solid import PATCH, SECTION, Solid
+from fem.contact.wheels.compliance import ContactCompliance, axial_ends
+from fem.contact.wheels.contact import ContactState
+from fem.contact.wheels.ring import FlankCompliance, SectorReduction
+from fem.contact.wheels.solid_ring import CutFunctions, load_size, node_frames, reduce_prism, sector_prism
+from fem.elements.materials import Material
+from fem.elements.prisms import slice_means, strain_matrices
+from fem.elements.sections import elasticity, gauss_grid, geometry, lagrange, shape_functions
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
+from fem.gears.path import path_points
+from fem.gears.sector import SectorMesh, sector_mesh, with_middles
+
+_GAUSS = 1 / np.sqrt(3.0)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StressField:
+    """A few teeth of one gear, in its own frame: axis z, the tooth of pair 0 on +x, loaded flank at y > 0.
+
+    The pinion's z runs with zeta, the wheel's against it. cells (cell, 8) are linear hexahedra in the order of VTK.
+    """
+
+    pair: np.ndarray  # (tooth,) numbers of the tooth pairs whose teeth these are
+    points: np.ndarray  # (tooth, node, 3), m
+    cells: np.ndarray  # (cell, 8) nodes of one tooth
+    displacement: np.ndarray  # (tooth, node, 3), m
+    von_mises: np.ndarray  # (tooth, node), Pa, mean over the elements at a node
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoadedTeeth:
+    """Stress fields of both gears and the contact they belong to, at the mesh cycle `cycle`."""
+
+    cycle: float
+    hand: int  # the picture's z is hand * zeta
+    pinion: StressField
+    wheel: StressField
+    pair: np.ndarray  # (pair,) numbers
+    xi: np.ndarray  # (pair, slice), base pitches from the pitch point
+    face: np.ndarray  # (slice,) zeta, m
+    line_load: np.ndarray  # (pair, slice), N/m
+    missing: np.ndarray  # bool (gear, pair): pinion, wheel
+
+
+def stress_field(
+    pair: GearPair, rung: Solid, record: ContactCompliance, state: ContactState, index: int = 0
+) -> tuple[StressField, StressField]:
+    """Pinion and wheel at one row of a solved state: the teeth of all candidate pairs, each with its share of the body.
+
+    Solves both gears anew with all factors kept: seconds. `record` and `state` must come from `rung` and `pair`.
+    """
+    touching = np.isfinite(record.gap[round(state.cycle[index] * len(record.position)) % len(record.position)])
+    xi = state.cycle[index] - state.pair[index][:, None] + record.cycle_shift
+    loads = np.where(touching, state.line_load[index] * record.slice_width, 0.0)
+    points = path_points(pair, xi.ravel(), 0.4 * pair.pinion.normal_module)
+    bounds = np.linspace(-pair.face_width / 2, pair.face_width / 2, rung.n_slices + 1)
+    ends = axial_ends(pair.face_width, rung.axial_elements(pair))
+    out = []
+    for gear, material, radius, turn in (
+        (pair.pinion, pair.pinion_material, points.pinion_radius, 1),
+        (pair.wheel, pair.wheel_material, points.wheel_radius, -1),
+    ):
+        mesh = sector_mesh(gear, SECTION * rung.refinement)
+        arc = (radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius)
+        flank = FlankCompliance(arc=mesh.flank_arc, tip_arc=mesh.tip_arc, matrix={})
+        weight, _ = flank.patches(arc, PATCH / rung.refinement * gear.normal_module)
+        weight = weight.reshape(*loads.shape, -1)
+        nodal = np.einsum("ps,psr,sa->pra", loads, weight, slice_means(ends, bounds)[:, ::turn], optimize=True)
+        # pair p + n, which follows, has tooth -n of the pinion and n of the wheel, counted towards the loaded flank
+        out.append(_gear_field(gear, material, mesh, ends, nodal, -turn * state.pair[index], state.pair[index]))
+    return out[0], out[1]
+
+
+def _gear_field(
+    gear: Gear,
+    material: Material,
+    mesh: SectorMesh,
+    ends: np.ndarray,
+    nodal: np.ndarray,
+    teeth: np.ndarray,
+    numbers: np.ndarray,
+) -> StressField:
+    """Field of the teeth (tooth,) under nodal forces (tooth, flank row, axial node)."""
+    rows = np.flatnonzero(nodal.any(axis=(0, 2)))
+    prism = sector_prism(mesh, material.elastic_modulus, material.poisson_ratio, ends, rows, CutFunctions())
+    prism.fronts = []
+    sector, unknowns = reduce_prism(mesh, prism, rows)
+    forces = nodal[:, rows].reshape(len(teeth), -1)
+    cuts = cut_motion(sector, forces, teeth)
+    seen = (sector.direct @ forces.T + sector.transfer.T @ cuts) / load_size(mesh, rows, nodal.shape[2])[:, None]
+    motion = prism.recover(unknowns, np.vstack([seen, cuts]))
+    for nodes in (mesh.cut_low, mesh.cut_high):  # tied nodes follow their functions
+        place, node = np.meshgrid(np.arange(nodal.shape[2]), nodes, indexing="ij")
+        for component in range(3):
+            tied, columns = prism.ties.rows(node.ravel(), place.ravel(), np.full(node.size, component))
+            at = (place.ravel() * len(mesh.points) + node.ravel()) * 3 + component
+            motion[at] = tied @ motion[prism.size + columns]
+    local = motion[: prism.size].reshape(nodal.shape[2], len(mesh.points), 3, len(teeth))
+    local = np.einsum("nij,znjt->tzni", node_frames(mesh), local, optimize=True)  # x, y, z of the turned section
+    z = with_middles(ends)
+    angle = 2 * np.pi * teeth[:, None] / mesh.teeth + mesh.twist * z
+    turn = np.zeros((*angle.shape, 3, 3))
+    turn[..., 0, 0] = turn[..., 1, 1] = np.cos(angle)
+    turn[..., 1, 0], turn[..., 0, 1], turn[..., 2, 2] = np.sin(angle), -np.sin(angle), 1.0
+    flat = np.concatenate(
+        [
+            np.broadcast_to(mesh.points, (len(z), *mesh.points.shape)),
+            np.broadcast_to(z[:, None, None], (len(z), len(mesh.points), 1)),
+        ],
+        axis=-1,
+    )
+    return StressField(
+        pair=numbers,
+        points=np.einsum("tzij,znj->tzni", turn, flat).reshape(len(teeth), -1, 3),
+        cells=_cells(mesh, len(z)),
+        displacement=np.einsum("tzij,tznj->tzni", turn, local).reshape(len(teeth), -1, 3),
+        von_mises=_von_mises(mesh, material, ends, local).reshape(len(teeth), -1),
+    )
+
+
+def cut_motion(sector: SectorReduction, forces: np.ndarray, teeth: np.ndarray) -> np.ndarray:
+    """Unknowns (both cuts, tooth) of the sectors `teeth` when `forces` (tooth, load) act on these teeth together."""
+    z, half = sector.teeth, sector.stiffness.shape[0] // 2
+    low, high = slice(0, half), slice(half, None)
+    s, h = sector.stiffness, sector.transfer
+    out = np.zeros((2, half, len(teeth)))
+    for k in range(z):
+        phase = np.exp(2j * np.pi * k / z)
+        matrix = s[low, low] + s[high, high] + s[low, high] * phase + s[high, low] / phase
+        load = forces.T @ phase ** (-teeth.astype(float))
+        answer = np.linalg.solve(matrix, (h[low] + h[high] / phase) @ load)
+        for side in range(2):
+            out[side] += (answer[:, None] * phase ** (teeth + side).astype(float)).real / z
+    return out.reshape(2 * half, -1)
+
+
+def _cells(mesh: SectorMesh, layers: int) -> np.ndarray:
+    """Linear hexahedra (cell, 8): every section element gives four quadrilaterals, every layer of nodes a row."""
+    grid = mesh.elements.reshape(-1, 3, 3)
+    quads = np.concatenate(
+        [
+            np.stack([grid[:, i, j], grid[:, i + 1, j], grid[:, i + 1, j + 1], grid[:, i, j + 1]], 1)
+            for i in (0, 1)
+            for j in (0, 1)
+        ]
+    )
+    base = np.arange(layers - 1)[:, None, None] * len(mesh.points)
+    return np.concatenate([quads + base, quads + base + len(mesh.points)], axis=2).reshape(-1, 8)
+
+
+def _von_mises(mesh: SectorMesh, material: Material, ends: np.ndarray, local: np.ndarray) -> np.ndarray:
+    """Von Mises stress (tooth, axial node, section node) of displacements (tooth, axial node, section node, 3).
+
+    Stresses are taken at the two Gauss points of each direction, where they are most accurate (Barlow, 1976, Int. J.
+    Num. Meth. Eng. 10, 243-251), carried to the nodes linearly and averaged there.
+    """
+    places, gradients, _ = geometry(mesh.points, mesh.elements, 2)
+    values, _ = shape_functions(gauss_grid(2)[0])
+    across, along = strain_matrices(places, gradients, values, mesh.twist)
+    hooke = elasticity(material.elastic_modulus, material.poisson_ratio, 6)
+    functions, slopes = lagrange(np.array([-_GAUSS, _GAUSS]))
+    end = np.array([[1 - s / _GAUSS, 1 + s / _GAUSS] for s in (-1.0, 0.0, 1.0)]) / 2  # Gauss points -> nodes
+    to_nodes = np.einsum("ag,bh->abgh", end, end).reshape(9, 4)
+    stress = np.zeros((*local.shape[:3], 6))
+    hits = np.zeros(local.shape[1:3])
+    for k, length in enumerate(np.diff(ends)):
+        layers = slice(2 * k, 2 * k + 3)
+        values_here = local[:, layers][:, :, mesh.elements].reshape(len(local), 3, len(mesh.elements), 27)
+        at_gauss = np.einsum("gz,eqsd,tzed->tgeqs", functions, across, values_here, optimize=True)
+        at_gauss += np.einsum("gz,eqsd,tzed->tgeqs", slopes * 2 / length, along, values_here, optimize=True)
+        nodal = np.einsum("zg,aq,rs,tgeqs->tzear", end, to_nodes, hooke, at_gauss, optimize=True)
+        for layer in range(3):
+            for tooth in range(len(local)):
+                np.add.at(stress[tooth, 2 * k + layer], mesh.elements, nodal[tooth, layer])
+            np.add.at(hits[2 * k + layer], mesh.elements, 1.0)
+    xx, yy, zz, yz, xz, xy = np.moveaxis(stress / hits[..., None], -1, 0)
+    return np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * (yz**2 + xz**2 + xy**2))

@@ -1,0 +1,212 @@
+"""Compliance of a gear pair between all tooth pairs and all places along the face, at every mesh position.
+
+The face is cut into slices. Slice s of tooth pair p carries the line load f over its width w; its free approach is
+
+    x_i = sum_j C_ij F_j + A f_i (B_i - ln f_i),     F_j = w_j f_j,     i, j = (pair, slice),
+
+with A, B the Hertz line contact of `fem.contact.models.plane`, counted to the depth d. C comes from the rings in space:
+G_ij is the displacement of one patch (an ellipse of half-width w_p across, a slice along the face) by a unit force on
+another. The section of that mesh is coarse; what this costs is made good slice by slice by what it costs in plane
+deformation, where a fine mesh is cheap,
+
+    C_ij = G_ij + delta_ij (C_fine(xi_i) - G_coarse(xi_i)) / w_i,
+
+C_fine from the rung `plane` with its matched Hertz split, G_coarse from plane deformation of the same coarse section
+under the same patches. Both agree for a load that hardly changes along the face, and the difference shrinks as the
+section is refined, so the sum is exact for such loads and converges for all others. The end faces of the teeth are
+free. d is at most a fifth of a module: a larger one would make the approach of short slices negative without the Hertz
+term. It is lowered, and C raised with it, until C alone is positive definite.
+
+A gear of constant section comes to itself by half a turn about the radial axis through a tooth at mid face. It swaps
+the flanks and the ends of the face. One tensor therefore serves both flanks, with the face coordinate
+zeta = sign * hand * y (sign +1 drive, -1 coast; hand +1 right-hand pinion, -1 left-hand), along which xi rises. It runs
+with the twist of the pinion and against that of the wheel.
+"""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from threadpoolctl import threadpool_limits
+
+from fem.contact.wheels.plane_section import PlaneSection
+from fem.contact.wheels.ring import flank_compliance
+from fem.contact.wheels.solid_ring import SolidFlank, solid_flank
+from fem.elements.materials import Material
+from fem.elements.prisms import slice_means
+from fem.gears.geometry import Gear, GearPair
+from fem.gears.path import PathPoints, path_points
+from fem.gears.sector import sector_mesh
+from fem.storage.ledger import count
+from fem.storage.records import Record, array, integer, scalar
+
+_DEPTH = 0.2  # largest depth d, in m_n
+_MARGIN = 0.2  # smallest eigenvalue of C, in A / width
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ContactCompliance(Record):
+    """Compliances of a pair over one mesh cycle; the equations stand in the module."""
+
+    hand: int = integer()  # +1 right-hand pinion, -1 left-hand
+    position: np.ndarray = array("cycle", units="1")  # c' on a uniform grid over [0, 1)
+    pair: np.ndarray = array("pair", units="1", dtype=int)  # candidate pairs p; xi = c' - p + cycle_shift
+    face: np.ndarray = array("slice", units="m")  # zeta, rising
+    slice_width: np.ndarray = array("slice", units="m")
+    cycle_shift: np.ndarray = array("slice", units="1")  # zeta tan(beta_b) / p_bt
+    compliance: np.ndarray = array("cycle", "pair", "slice", "pair_too", "slice_too", units="m/N")  # C, 0 if gap = inf
+    contact_slope: float = scalar(units="m2/N")  # A
+    contact_offset: np.ndarray = array("cycle", "pair", "slice", units="1")  # B
+    gap: np.ndarray = array("cycle", "pair", "slice", units="m", infinite=True)  # inf: cannot touch
+    depth: float = scalar(units="m")  # d
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Contacts:
+    """All (cycle, pair, slice) that can touch, as flat lists, and what the path of contact says there."""
+
+    cycle: np.ndarray
+    pair: np.ndarray
+    slice: np.ndarray
+    path: PathPoints
+
+
+def axial_ends(face_width: float, elements: int) -> np.ndarray:
+    """Element ends (elements + 1,) along the face, m, smaller towards the free end faces by a half."""
+    place = np.linspace(-1.0, 1.0, elements + 1)
+    return face_width / 2 * (place + 0.16 * np.sin(np.pi * place))
+
+
+def _contacts(
+    pair: GearPair, position: np.ndarray, shift: np.ndarray, plane: PlaneSection
+) -> tuple[_Contacts, np.ndarray]:
+    """The contacts within the reach of the rung `plane`, and the candidate pair numbers."""
+    known = plane.path(pair)
+    finite = np.isfinite(known.gap)
+    first, last = known.xi[finite][[0, -1]]
+    numbers = np.arange(math.ceil(shift.min() - last), math.floor(position[-1] + shift.max() - first) + 1)
+    xi = position[:, None, None] - numbers[:, None] + shift
+    cycle, which, place = np.nonzero((xi >= first) & (xi <= last))
+    path = path_points(pair, xi[cycle, which, place], 1.001 * float(known.gap[finite].max()))
+    return _Contacts(cycle=cycle, pair=which, slice=place, path=path), numbers
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Body:
+    """One ring: its compliance in space, patch weights of the contacts on the kept rows, and plane self-compliance."""
+
+    flank: SolidFlank
+    weight: np.ndarray  # (contact, row)
+    plane: np.ndarray  # (contact,) m2/N
+
+
+def _body(
+    gear: Gear, material: Material, radius: np.ndarray, patch: float, refinement: float, ends: np.ndarray, reach: int
+) -> _Body:
+    mesh = sector_mesh(gear, refinement)
+    count("gear_meshes")
+    young, poisson = material.elastic_modulus, material.poisson_ratio
+    flat = flank_compliance(mesh, young, poisson, 1)
+    arc = (radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius)
+    weight, _ = flat.patches(arc, patch)
+    rows = np.flatnonzero(weight.any(axis=0))
+    return _Body(
+        flank=solid_flank(mesh, young, poisson, ends, rows, reach),
+        weight=weight[:, rows],
+        plane=np.einsum("pi,ij,pj->p", weight, flat.matrix[0], weight, optimize=True),
+    )
+
+
+def _add_ring(out: np.ndarray, at: _Contacts, body: _Body, means: np.ndarray, turn: int) -> None:
+    """Add the compliances of one ring to C; turn = 1 for the pinion, -1 for the wheel.
+
+    Tooth pair p + n, which follows pair p, is tooth -n of the pinion and tooth n of the wheel, counted towards the
+    loaded flank.
+    """
+    load = np.einsum("ci,cj->cij", body.weight, means[at.slice]).reshape(len(at.cycle), -1)
+    seen = sparse.csr_matrix(load)
+    starts = np.flatnonzero(np.diff(at.cycle * out.shape[1] + at.pair, prepend=-1))
+    groups = [slice(a, b) for a, b in zip(starts, [*starts[1:], len(at.cycle)], strict=True)]
+    for apart in range(out.shape[1]):  # pair p by loads on pair q = p - apart; the others by symmetry
+        moved = seen @ body.flank.matrix[-turn * apart].T  # row j: displacement of all nodes by contact j
+        for p in groups:
+            for q in groups:
+                c = at.cycle[p.start]
+                if at.cycle[q.start] != c or at.pair[p.start] - at.pair[q.start] != apart:
+                    continue
+                block = seen[p] @ moved[q].T
+                here, there = (at.pair[p.start], at.slice[p]), (at.pair[q.start], at.slice[q])
+                out[c, here[0], here[1][:, None], there[0], there[1]] += block
+                if apart:
+                    out[c, there[0], there[1][:, None], here[0], here[1]] += block.T
+
+
+def contact_compliance(
+    pair: GearPair,
+    *,
+    n_slices: int,
+    positions: int,
+    section_refinement: float,
+    axial_elements: int,
+    plane: PlaneSection,
+    patch: float,
+) -> ContactCompliance:
+    """The record of a gear pair.
+
+    Parameters
+    ----------
+    n_slices : slices of equal width over the face;  positions : grid points per mesh cycle
+    section_refinement, axial_elements : mesh of the rings in space, see `sector_mesh`
+    plane : the rung that gives C_fine, A, B and the reach of tip-edge contact
+    patch : half-width of the patches on the coarse section, in m_n
+    """
+    width, module = pair.face_width / n_slices, pair.pinion.normal_module
+    zeta = (np.arange(n_slices) + 0.5) * width - pair.face_width / 2
+    shift = zeta * math.tan(pair.base_helix_angle) / pair.base_pitch
+    position = np.arange(positions) / positions
+    at, numbers = _contacts(pair, position, shift, plane)
+    ends = axial_ends(pair.face_width, axial_elements)
+    means = slice_means(ends, np.linspace(-pair.face_width / 2, pair.face_width / 2, n_slices + 1))
+    common = (patch * module, section_refinement, ends, len(numbers) - 1)
+    with threadpool_limits(1), ThreadPoolExecutor(2) as pool:  # the rings are independent of one another
+        bodies = [
+            pool.submit(_body, pair.pinion, pair.pinion_material, at.path.pinion_radius, *common),
+            pool.submit(_body, pair.wheel, pair.wheel_material, at.path.wheel_radius, *common),
+        ]
+        pinion, wheel = (body.result() for body in bodies)
+    out = np.zeros((positions, len(numbers), n_slices, len(numbers), n_slices))
+    _add_ring(out, at, pinion, means, 1)
+    _add_ring(out, at, wheel, means[:, ::-1], -1)
+    slope, offset = plane.contact_terms(pair, at.path)
+    _, fine = plane.own_compliance(pair, at.path, plane.rings(pair, 1))
+    out[at.cycle, at.pair, at.slice, at.pair, at.slice] += (fine - pinion.plane - wheel.plane) / width
+    gap, offsets = np.full(out.shape[:3], np.inf), np.zeros(out.shape[:3])
+    gap[at.cycle, at.pair, at.slice] = at.path.gap
+    depth = min(_DEPTH, math.exp((_lowest(out, gap) * width / slope - _MARGIN) / 2))
+    out[at.cycle, at.pair, at.slice, at.pair, at.slice] -= 2 * slope * math.log(depth) / width
+    offsets[at.cycle, at.pair, at.slice] = offset + 2 * math.log(depth)
+    return ContactCompliance(
+        hand=pair.pinion.hand_sign,
+        position=position,
+        pair=numbers,
+        face=zeta,
+        slice_width=np.full(n_slices, width),
+        cycle_shift=shift,
+        compliance=out,
+        contact_slope=slope,
+        contact_offset=offsets,
+        gap=gap,
+        depth=depth * module,
+    )
+
+
+def _lowest(compliance: np.ndarray, gap: np.ndarray) -> float:
+    """Smallest eigenvalue (m/N) over all positions, of the contacts that can be."""
+    size = gap[0].size
+    loaded = np.isfinite(gap).reshape(len(gap), size)
+    matrix = compliance.reshape(len(gap), size, size)
+    return min(float(np.linalg.eigvalsh(c[np.ix_(m, m)])[0]) for c, m in zip(matrix, loaded, strict=True))

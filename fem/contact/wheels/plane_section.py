@@ -1,0 +1,172 @@
+"""Compliance of one slice of a tooth pair in the transverse section, by finite elements of the whole toothed rings.
+
+Per slice and unit face width, transverse quantities. A ring model gives the displacement G_ij along the flank normal
+at position i by a load at position j, both spread over an elliptical patch of half-width w and averaged with the same
+weight (so G is symmetric and finite). It contains the local deformation of a patch w. A Hertz contact has the
+half-width a instead and its approach is counted at the centre, not as the mean. On a half plane in plane strain an
+elliptical pressure of resultant f gives
+
+    u(x) = u(0) - K f x^2 / a^2,   K = 2 (1 - nu^2) / (pi E),   mean u = u(0) - K f / 4,   du(0) / d ln a = -K f,
+
+so that each body approaches by f (G_ii + K (1/4 + ln(w/a))). With a^2 = 4 f R / (pi E*), 1/E* = sum (1 - nu^2)/E and
+A = 1/(pi E*) the sum over both bodies is
+
+    x = C f + A f (B - ln f),   C = G_ii + G_ii' + 2 A ln(w/d),   B = 1/2 + ln(d^2 pi E* / (4 R)).
+
+The depth d divides the same approach between the two terms; d = m_n keeps a < d at any bearable load.
+
+Helical teeth: the rings are helical bodies (`fem.elements.sections`), so that a tooth bends and twists in its own
+direction. The force normal to the flank is f / cos(beta_b) per unit face width, f per unit length of contact line, and
+the normal approach is x cos(beta_b); the normal radius is R / cos(beta_b). Hence R / cos(beta_b) stands for R above and
+A = 1/(pi E* cos(beta_b)).
+
+Hertz (1881); Johnson (1985), Contact Mechanics, sections 2.5 and 4.2; Weber & Banaschek (1953) for the division of the
+approach.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.contact.frame import RungError
+from fem.contact.wheels.ring import FlankCompliance, flank_compliance
+from fem.gears.geometry import GearPair
+from fem.gears.path import PathPoints, contact_window, path_points
+from fem.gears.sector import sector_mesh
+from fem.storage.ledger import count
+
+BRIDGE = 2.05  # pitches: with a tooth missing, the pairs before and after it then take over from each other
+
+
+class PlaneError(RungError):
+    """An option of the rung `plane` is outside its valid range."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PairCompliance:
+    """Tables of one slice over the local position, see `MeshLaw` (per unit face width)."""
+
+    compliance: np.ndarray  # (position,), m2/N
+    coupling: np.ndarray  # (neighbour, position), m2/N
+    contact_slope: float  # m2/N
+    contact_offset: np.ndarray  # (position,)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlaneSection:
+    """Finite elements of both toothed rings in the transverse section.
+
+    Parameters
+    ----------
+    refinement : divides all element sizes (1: 0.05 m_n along the flank)
+    patch : half-width of the pressure patches in m_n; the result does not depend on it (below 0.2 %)
+    positions : grid points per base pitch
+    tip_rounding : radius of the tip edges in m_n, used only where an edge touches beyond the path of contact
+    largest_gap : no-load gap up to which tip-edge contact is followed, in m_n; stay above the largest delta
+    """
+
+    refinement: float = 1.0
+    patch: float = 0.08
+    positions: int = 64
+    tip_rounding: float = 0.05
+    largest_gap: float = 0.05
+
+    def __post_init__(self) -> None:
+        limits = {
+            "refinement": (0.5, 8.0),
+            "patch": (0.02, 0.2),
+            "positions": (16, 1024),
+            "tip_rounding": (0.001, 0.5),
+            "largest_gap": (0.001, 0.08),
+        }
+        for name, (low, high) in limits.items():
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise PlaneError(f"rung plane: {name} is {value!r}; give a value in [{low}, {high}]")
+        if self.patch * self.refinement < 0.04:
+            raise PlaneError(
+                f"rung plane: patch {self.patch} m_n is not resolved by flank elements of "
+                f"{0.05 / self.refinement:.3g} m_n; give refinement >= {0.04 / self.patch:.2g} or a larger patch"
+            )
+
+    def path(self, pair: GearPair) -> PathPoints:
+        """The path of contact on the uniform grid that holds every position whose gap is below `largest_gap`.
+
+        Where this spans less than two pitches the limit is raised, to 0.4 m_n at most, so that the neighbours of a
+        missing tooth still meet tip edge to flank.
+        """
+        largest = self.largest_gap * pair.pinion.normal_module
+        first, last = contact_window(pair, largest)
+        while last - first < BRIDGE and largest < 0.4 * pair.pinion.normal_module:
+            largest *= 1.25
+            first, last = contact_window(pair, largest)
+        grid = np.arange(math.floor(first * self.positions), math.ceil(last * self.positions) + 1) / self.positions
+        return path_points(pair, grid, largest)
+
+    def tables(self, pair: GearPair, path: PathPoints) -> PairCompliance:
+        """Compliances of one slice at the positions of `path`."""
+        reach = max(1, math.ceil((len(path.xi) - 1) / self.positions) - 1)
+        rings = self.rings(pair, reach)
+        weights, own = self.own_compliance(pair, path, rings)
+        coupling = np.zeros((reach, len(path.xi)))
+        here = np.arange(len(path.xi))
+        for n in range(1, reach + 1):
+            behind = np.clip(here - n * self.positions, 0, None)
+            # the loaded flank leads on the pinion and trails on the wheel, so tooth p + n, which follows, is tooth -n
+            # of the pinion and tooth +n of the wheel counted towards the loaded flank
+            for weight, ring, tooth in zip(weights, rings, (-n, n), strict=True):
+                coupling[n - 1] += np.einsum("pi,ij,pj->p", weight[behind], ring.matrix[tooth], weight)
+        slope, offset = self.contact_terms(pair, path)
+        return PairCompliance(compliance=own, coupling=coupling, contact_slope=slope, contact_offset=offset)
+
+    def contact_terms(self, pair: GearPair, path: PathPoints) -> tuple[float, np.ndarray]:
+        """A (m2/N) and B (position,) of the Hertz term."""
+        depth, cosine = pair.pinion.normal_module, math.cos(pair.base_helix_angle)
+        materials = (pair.pinion_material, pair.wheel_material)
+        reduced = 1.0 / sum(1.0 / material.plane_strain_modulus for material in materials)
+        radius = self.contact_radius(pair, path) / cosine
+        return 1.0 / (math.pi * reduced * cosine), 0.5 + np.log(depth**2 * math.pi * reduced / (4 * radius))
+
+    def own_compliance(
+        self, pair: GearPair, path: PathPoints, rings: tuple[FlankCompliance, FlankCompliance]
+    ) -> tuple[list[np.ndarray], np.ndarray]:
+        """Patch weights (position, node) of pinion and wheel, and C (position,) in m2/N; any positions will do."""
+        depth = pair.pinion.normal_module
+        cosine = math.cos(pair.base_helix_angle)
+        gears, materials = (pair.pinion, pair.wheel), (pair.pinion_material, pair.wheel_material)
+        radii = (path.pinion_radius, path.wheel_radius)
+        weights, own = [], np.zeros(len(path.xi))
+        for ring, gear, material, radius in zip(rings, gears, materials, radii, strict=True):
+            arc = (radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius)
+            weight, used = ring.patches(arc, self.patch * depth)
+            own += np.einsum("pi,ij,pj->p", weight, ring.matrix[0], weight, optimize=True)
+            own += 2 / (math.pi * material.plane_strain_modulus * cosine) * np.log(used / depth)
+            weights.append(weight)
+        return weights, own
+
+    def rings(self, pair: GearPair, reach: int) -> tuple[FlankCompliance, FlankCompliance]:
+        """Flank compliances of pinion and wheel."""
+        from threadpoolctl import threadpool_limits
+
+        out = []
+        with threadpool_limits(1):  # the matrices are small: more threads only wait for one another
+            for gear, material in ((pair.pinion, pair.pinion_material), (pair.wheel, pair.wheel_material)):
+                mesh = sector_mesh(gear, self.refinement)
+                count("gear_meshes")
+                out.append(flank_compliance(mesh, material.elastic_modulus, material.poisson_ratio, reach))
+        return out[0], out[1]
+
+    def contact_radius(self, pair: GearPair, path: PathPoints) -> np.ndarray:
+        """Transverse radius of relative curvature (position,), m.
+
+        Beyond the path a tip edge touches: there the radius goes over, evenly in its logarithm within the tenth of a
+        pitch that edge contact needs to develop, to that of the rounded edge (the gear's own, or `tip_rounding`).
+        """
+        beyond = np.maximum(pair.xi_start - path.xi, path.xi - pair.xi_end).clip(0.0)
+        usual = self.tip_rounding * pair.pinion.normal_module
+        edge = np.where(path.xi < 0.0, pair.wheel.tip_rounding or usual, pair.pinion.tip_rounding or usual)
+        share = np.minimum(beyond / 0.1, 1.0)
+        return path.relative_radius ** (1.0 - share) * np.minimum(edge, path.relative_radius) ** share

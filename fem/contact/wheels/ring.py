@@ -1,0 +1,206 @@
+"""Compliance of a whole toothed ring from one of its sectors.
+
+All teeth are alike. One sector is condensed onto its two cut lines (bore held rigid), and the ring of z such super
+elements is block-circulant: the discrete Fourier transform over the teeth splits it into z small systems,
+
+    A_k = S_hh + S_ll + S_lh exp(i 2 pi k / z) + S_hl exp(-i 2 pi k / z),      k = 0 .. z-1,
+
+with l, h the cut at -pi/z, +pi/z of a sector in its own frame. The result is that of the fully meshed ring, to
+round-off, for the cost of one sector (Thomas, 1979, Int. J. Num. Meth. Eng. 14, 81-102).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from fem.elements.sections import lagrange, stiffness
+from fem.gears.sector import SectorMesh
+from fem.storage.ledger import count
+
+
+class RingError(RuntimeError):
+    """The stiffness matrix of a sector cannot be factorised."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SectorReduction:
+    """A sector with the bore fixed, as seen from its cut lines and from given load vectors p.
+
+    stiffness S (2 c, 2 c): cut at -pi/z first, polar components; transfer H (2 c, p): cut forces of unit loads with the
+    cuts held, sign reversed; direct (p, p): displacement along load i by load j with the cuts held.
+    """
+
+    teeth: int
+    stiffness: np.ndarray
+    transfer: np.ndarray
+    direct: np.ndarray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FlankCompliance:
+    """Displacement normal to the flank by normal nodal forces per unit face width, in m2/N, transverse quantities.
+
+    matrix[n][i, j]: at flank node i of tooth n by a force at flank node j of tooth 0; tooth numbers rise with the
+    angle towards the loaded flank. matrix[n][i, j] = matrix[-n][j, i].
+    """
+
+    arc: np.ndarray  # (node,) arc length of the flank nodes, m
+    tip_arc: float
+    matrix: dict[int, np.ndarray]
+
+    def patches(self, centre: np.ndarray, half_width: float) -> tuple[np.ndarray, np.ndarray]:
+        """Elliptical pressure patches as nodal forces of unit sum.
+
+        A patch that would reach over the tip corner shrinks, to half of `half_width` at the least, and is then moved
+        to end at the corner; likewise it is moved up to stay on the meshed flank.
+
+        Parameters
+        ----------
+        centre : (position,) arc lengths, m; half_width : m
+
+        Returns
+        -------
+        weight (position, node), half_width (position,) as used
+        """
+        centre = np.asarray(centre, dtype=float)
+        used = np.clip(self.tip_arc - centre, half_width / 2, half_width)
+        centre = np.clip(centre, self.arc[0] + used, self.tip_arc - used)
+        n = 48  # Gauss-Chebyshev points of the second kind: the ellipse is their weight function
+        angle = np.pi * np.arange(1, n + 1) / (n + 1)
+        weight = 2.0 / (n + 1) * np.sin(angle) ** 2
+        place = centre[:, None] + used[:, None] * np.cos(angle)
+        element = np.clip(np.searchsorted(self.arc[2::2], place), 0, len(self.arc) // 2 - 1)
+        start, end = self.arc[2 * element], self.arc[2 * element + 2]
+        values, _ = lagrange(2 * (place - start) / (end - start) - 1)
+        out = np.zeros((len(centre), len(self.arc)))
+        row = np.arange(len(centre))[:, None, None]
+        np.add.at(out, (row, 2 * element[..., None] + np.arange(3)), weight[:, None] * values)
+        return out, used
+
+
+def flank_loads(mesh: SectorMesh) -> sparse.csc_matrix:
+    """Unit forces into the tooth along the flank normal, one column per flank node; (dofs, flank).
+
+    Helical: the transverse component is 1, the axial one tan(beta) at the radius of the node times n_theta, so that the
+    force is normal to the flank in space and its moment about the axis is r_b on the involute.
+    """
+    normal, place = mesh.flank_normal, mesh.points[mesh.flank]
+    parts = [-normal[:, 0], -normal[:, 1]]
+    if mesh.twist:
+        parts.append(mesh.twist * (place[:, 0] * normal[:, 1] - place[:, 1] * normal[:, 0]))
+    components, count = len(parts), len(mesh.flank)
+    rows = components * mesh.flank[:, None] + np.arange(components)
+    cols = np.repeat(np.arange(count), components)
+    return sparse.csc_matrix(
+        (np.column_stack(parts).ravel(), (rows.ravel(), cols)), shape=(components * len(mesh.points), count)
+    )
+
+
+def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.spmatrix) -> SectorReduction:
+    """Condense one sector onto its cut lines; `loads` (dofs, p) act away from cuts and bore.
+
+    Raises
+    ------
+    RingError : the factorisation fails
+    """
+    full = stiffness(mesh.points, mesh.elements, young, poisson, mesh.twist, mesh.filling)
+    components = full.shape[0] // len(mesh.points)
+    turn = cut_rotation(mesh, components)
+    full = (turn.T @ full @ turn).tocsc()
+    cut = _dofs(np.concatenate([mesh.cut_low, mesh.cut_high]), components)
+    inner = np.ones(full.shape[0], dtype=bool)
+    inner[cut] = False
+    inner[_dofs(np.concatenate([mesh.bore, mesh.cut_bore]), components)] = False
+    k_ii, k_ic, k_cc = full[inner][:, inner].tocsc(), full[inner][:, cut], full[cut][:, cut]
+    try:
+        factor = splu(k_ii, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError as error:
+        raise RingError(
+            f"gear z={mesh.teeth}: the stiffness matrix of the tooth sector ({k_ii.shape[0]} unknowns) is singular "
+            f"({error}). Check bore radius and material."
+        ) from error
+    count("gear_factorisations")
+    p = loads.tocsr()[inner]
+    answer = factor.solve(sparse.hstack([k_ic, p]).toarray())
+    by_cut, by_load = answer[:, : len(cut)], answer[:, len(cut) :]
+    schur = k_cc.toarray() - k_ic.T @ by_cut
+    direct = p.T @ by_load
+    return SectorReduction(
+        teeth=mesh.teeth,
+        stiffness=(schur + schur.T) / 2,
+        transfer=-(k_ic.T @ by_load),
+        direct=(direct + direct.T) / 2,
+    )
+
+
+def ring_response(sector: SectorReduction, reach: int = 2) -> dict[int, np.ndarray]:
+    """Displacement along load i of tooth n by unit load j on tooth 0, m2/N; (p, p) for each n = -reach .. reach."""
+    z, cut = sector.teeth, sector.stiffness.shape[0] // 2
+    s, h = sector.stiffness, sector.transfer
+    low, high = slice(0, cut), slice(cut, 2 * cut)
+    same, ahead = s[low, low] + s[high, high], s[low, high]
+    offsets = np.arange(-reach, reach + 2)
+    motion = np.zeros((len(offsets), cut, h.shape[1]))  # of the low cut of tooth n
+    for k in range(z // 2 + 1):
+        phase = np.exp(2j * np.pi * k / z)
+        answer = np.linalg.solve(same + ahead * phase + ahead.T / phase, h[low] + h[high] / phase)
+        twice = 1.0 if 2 * k in (0, z) else 2.0  # harmonic z - k is the conjugate
+        for row, n in enumerate(offsets):
+            motion[row] += twice / z * (answer * phase**n).real
+    out = {}
+    for row, n in enumerate(offsets[:-1]):
+        out[int(n)] = h[low].T @ motion[row] + h[high].T @ motion[row + 1]
+    out[0] = out[0] + sector.direct
+    return out
+
+
+def flank_compliance(mesh: SectorMesh, young: float, poisson: float, reach: int = 2) -> FlankCompliance:
+    """Compliance between all flank nodes of a tooth and of its neighbours up to `reach` teeth away.
+
+    young in Pa. Small gears: a tooth `reach` away must be another tooth, z > 2 reach.
+    """
+    sector = reduce_sector(mesh, young, poisson, flank_loads(mesh))
+    return FlankCompliance(arc=mesh.flank_arc, tip_arc=mesh.tip_arc, matrix=ring_response(sector, reach))
+
+
+def changed_tooth(sound: SectorReduction, changed: SectorReduction) -> np.ndarray:
+    """Compliance (p, p), m2/N, of the flank of one changed tooth in a ring whose other teeth are sound.
+
+    With the flexibility G of the sound ring at the two cuts of the tooth and D = S_changed - S_sound the motion of the
+    cuts under the loads h of the changed tooth is (1 + G D)^-1 G h: exact, at the cost of the sound ring.
+    """
+    z, cut = sound.teeth, sound.stiffness.shape[0] // 2
+    s, h = sound.stiffness, changed.transfer
+    low, high = slice(0, cut), slice(cut, 2 * cut)
+    same, ahead = s[low, low] + s[high, high], s[low, high]
+    block = {n: np.zeros((cut, cut)) for n in (-1, 0, 1)}
+    for k in range(z // 2 + 1):
+        phase = np.exp(2j * np.pi * k / z)
+        inverse = np.linalg.inv(same + ahead * phase + ahead.T / phase)
+        twice = 1.0 if 2 * k in (0, z) else 2.0
+        for n in block:
+            block[n] += twice / z * (inverse * phase**n).real
+    ring = np.block([[block[0], block[-1]], [block[1], block[0]]])
+    motion = np.linalg.solve(np.eye(2 * cut) + ring @ (changed.stiffness - s), ring @ h)
+    answer = h.T @ motion + changed.direct
+    return (answer + answer.T) / 2
+
+
+def cut_rotation(mesh: SectorMesh, components: int) -> sparse.csc_matrix:
+    """Orthogonal matrix T (dofs, dofs): u = T u', u' in polar components (radial, tangential, axial) on the cuts."""
+    nodes = np.concatenate([mesh.cut_low, mesh.cut_high])
+    x, y = (mesh.points[nodes] / np.linalg.norm(mesh.points[nodes], axis=1)[:, None]).T
+    size = components * len(mesh.points)
+    diagonal = np.ones(size)
+    diagonal[components * nodes] = diagonal[components * nodes + 1] = x
+    rows = np.concatenate([np.arange(size), components * nodes, components * nodes + 1])
+    cols = np.concatenate([np.arange(size), components * nodes + 1, components * nodes])
+    return sparse.csc_matrix((np.concatenate([diagonal, -y, y]), (rows, cols)), shape=(size, size))
+
+
+def _dofs(nodes: np.ndarray, components: int) -> np.ndarray:
+    return (components * nodes[:, None] + np.arange(components)).ravel()

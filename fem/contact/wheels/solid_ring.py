@@ -1,0 +1,159 @@
+"""Compliance of a whole toothed ring in space from one of its sectors, ends of the face free.
+
+The sector of one tooth, a prism that follows the helix, is condensed onto what is loaded (the normal displacement of
+the nodes of one flank) and onto its two cut faces in the middle of the tooth spaces. There the displacement is smooth:
+its polar components are products of polynomials in the radius, zero at the rigid bore, and Legendre polynomials along
+the face. Both cuts carry the same functions, so sectors join conformingly, and the ring of z super elements is solved
+by the discrete Fourier transform over the teeth (`fem.contact.wheels.ring`). The number of functions is an option of
+the space alone; tests compare with all nodes of the cut.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from fem.contact.wheels.ring import SectorReduction, ring_response
+from fem.elements.nested_condensation import FIXED, INNER, KEPT, TIED, Prism, Ties
+from fem.elements.prisms import section_blocks
+from fem.gears.sector import SectorMesh, with_middles
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CutFunctions:
+    """Number of polynomials on a cut face, by radius and along the face; None takes every node of that direction."""
+
+    radial: int | None = 5
+    axial: int | None = 7
+
+
+CUT = CutFunctions()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SolidFlank:
+    """Displacement normal to the flank by nodal forces normal to it, m/N, transverse quantities.
+
+    matrix[n][i, j]: at flank node i of tooth n by a force at flank node j of tooth 0, nodes numbered row * axial nodes
+    + axial node; tooth numbers rise with the angle towards the loaded flank, the axial coordinate with the twist.
+    """
+
+    rows: np.ndarray  # the flank rows (section nodes) that can be loaded, as indices of `SectorMesh.flank`
+    ends: np.ndarray  # axial element ends, m, 0 at mid face
+    matrix: dict[int, np.ndarray]
+
+
+def load_directions(mesh: SectorMesh) -> np.ndarray:
+    """Forces (flank, 3) on the flank nodes with the transverse part 1, normal to the flank in space, into the tooth.
+
+    The axial part is twist * (x n_y - y n_x), so that the moment about the axis is r_b on the involute.
+    """
+    normal, place = mesh.flank_normal, mesh.points[mesh.flank]
+    axial = mesh.twist * (place[:, 0] * normal[:, 1] - place[:, 1] * normal[:, 0])
+    return np.column_stack([-normal, axial])
+
+
+def node_frames(mesh: SectorMesh) -> np.ndarray:
+    """Unit vectors (nodes, 3, 3) as columns: polar on the cuts, the load direction first on the flank, else x, y, z."""
+    frames = np.tile(np.eye(3), (len(mesh.points), 1, 1))
+    cut = np.concatenate([mesh.cut_low, mesh.cut_high])
+    radial = mesh.points[cut] / np.linalg.norm(mesh.points[cut], axis=1)[:, None]
+    frames[cut, :2, 0] = radial
+    frames[cut, 0, 1], frames[cut, 1, 1] = -radial[:, 1], radial[:, 0]
+    first = load_directions(mesh)
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    second = np.column_stack([-first[:, 1], first[:, 0], np.zeros(len(first))])
+    second /= np.linalg.norm(second, axis=1)[:, None]
+    frames[mesh.flank] = np.stack([first, second, np.cross(first, second)], axis=-1)
+    return frames
+
+
+def sector_prism(
+    mesh: SectorMesh, young: float, poisson: float, ends: np.ndarray, rows: np.ndarray, cut: CutFunctions
+) -> Prism:
+    """The sector of one tooth, ready to be condensed; `rows` of the flank are kept."""
+    frames = node_frames(mesh)
+    roles = np.full((len(mesh.points), 3), INNER)
+    roles[mesh.flank[rows], 0] = KEPT
+    roles[np.concatenate([mesh.bore, mesh.cut_bore])] = FIXED
+    roles[np.concatenate([mesh.cut_low, mesh.cut_high])] = TIED
+    radius = np.linalg.norm(mesh.points[mesh.cut_low], axis=1)
+    bore = np.linalg.norm(mesh.points[mesh.cut_bore[0]])
+    height = (radius - bore) / (radius[0] - bore)
+    place = 2 * (with_middles(ends) - ends[0]) / (ends[-1] - ends[0]) - 1
+    legendre = np.polynomial.legendre.legvander
+    functions = np.eye(len(radius))
+    if cut.radial is not None and cut.radial < len(radius):
+        functions = height[:, None] * legendre(2 * height - 1, cut.radial - 1)
+    along = np.eye(len(place))
+    if cut.axial is not None and cut.axial < len(place):
+        along = legendre(place, cut.axial - 1)
+    blocks = section_blocks(mesh.points, mesh.elements, young, poisson, mesh.twist, mesh.filling)
+    side, across = np.full(len(mesh.points), -1), np.zeros((len(mesh.points), functions.shape[1]))
+    for number, nodes in enumerate((mesh.cut_low, mesh.cut_high)):
+        side[nodes], across[nodes] = number, functions
+    return Prism(
+        elements=mesh.elements,
+        centres=mesh.points[mesh.elements[:, 4]],
+        blocks=blocks.turned(frames[mesh.elements]),
+        ends=ends,
+        roles=roles,
+        ties=Ties(side=side, across=across, along=along),
+    )
+
+
+def reduce_prism(mesh: SectorMesh, prism: Prism, rows: np.ndarray) -> tuple[SectorReduction, np.ndarray]:
+    """The condensed sector, and the numbers of its unknowns: loads, then cuts.
+
+    Loads are unit transverse forces on the nodes of the kept rows, row by row; `load_size` times its unknown is the
+    displacement that a load sees.
+    """
+    numbers, matrix = prism.condense()
+    loads = np.flatnonzero(numbers < prism.size)
+    order = np.full(len(mesh.points), -1)
+    order[mesh.flank[rows]] = np.arange(len(rows))
+    node, place = numbers[loads] // 3 % len(mesh.points), numbers[loads] // (3 * len(mesh.points))
+    loads = loads[np.lexsort((place, order[node]))]
+    size = load_size(mesh, rows, len(loads) // len(rows))
+    cut = np.arange(len(loads), len(numbers))
+    factor = cho_factor(matrix[np.ix_(loads, loads)], lower=True)
+    right = matrix[np.ix_(loads, cut)]
+    by_load = cho_solve(factor, np.diag(size))
+    schur = matrix[np.ix_(cut, cut)] - right.T @ cho_solve(factor, right)
+    direct = size[:, None] * by_load
+    sector = SectorReduction(
+        teeth=mesh.teeth,
+        stiffness=(schur + schur.T) / 2,
+        transfer=-(right.T @ by_load),
+        direct=(direct + direct.T) / 2,
+    )
+    return sector, numbers[np.concatenate([loads, cut])]
+
+
+def load_size(mesh: SectorMesh, rows: np.ndarray, axial_nodes: int) -> np.ndarray:
+    """Length (load,) of the load directions, 1 for straight teeth."""
+    return np.repeat(np.linalg.norm(load_directions(mesh)[rows], axis=1), axial_nodes)
+
+
+def solid_flank(
+    mesh: SectorMesh,
+    young: float,
+    poisson: float,
+    ends: np.ndarray,
+    rows: np.ndarray,
+    reach: int,
+    cut: CutFunctions = CUT,
+) -> SolidFlank:
+    """Compliance between the nodes of the flank rows `rows` of a tooth and of its neighbours up to `reach` away.
+
+    Parameters
+    ----------
+    mesh : section of one sector
+    young, poisson : Pa, 1
+    ends : axial element ends, m
+    rows : int (rows,), indices into `mesh.flank`
+    """
+    sector, _ = reduce_prism(mesh, sector_prism(mesh, young, poisson, ends, rows, cut), rows)
+    return SolidFlank(rows=rows, ends=ends, matrix=ring_response(sector, reach))

@@ -1,0 +1,1 @@
+"""Linear elasticity: materials and the element matrices of tetrahedra, sections and prisms."""

@@ -1,0 +1,139 @@
+"""Linear elasticity of a twisted prism: quadratic hexahedra that are the product of a section and an axial mesh.
+
+A body of constant section that turns by ``twist`` per unit length (twist = 2 pi / lead = tan(beta) / r; 0 for straight
+teeth) is described in the frame that turns with the section, u(x, z) = R(twist z) v(R(-twist z) x, z). With biquadratic
+functions N_a of the section and quadratic functions L_i along the axis, v = sum v_ai N_a L_i is the 27-node hexahedron
+with exact helicoids as sides. The derivative along the axis is
+
+    D_z (u, v) = d/dz (u, v) + twist (J (u, v) - d/dtheta (u, v)),      D_z w = d/dz w - twist d/dtheta w
+
+(J and d/dtheta as in `fem.elements.sections`), so that the strains of N_a L_i are B_a L_i + N_a L_i' with two matrices
+of the section, and the stiffness matrix is a sum of Kronecker products of small integrals,
+
+    K = M x A_00 + D x A_01 + D^T x A_01^T + S x A_11,
+    A_mn = int B_m^T C B_n dA,   M = int L L^T,   D = int L L'^T,   S = int L' L'^T dz.
+
+No loop over hexahedra, no quadrature in space: the section is integrated once with three points in each direction.
+Degrees of freedom are numbered ``(axial node * section nodes + section node) * 3 + component``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from fem.elements.sections import elasticity, gauss_grid, geometry, lagrange, shape_functions
+
+
+@dataclass(frozen=True, eq=False)
+class SectionBlocks:
+    """A_00 (N/m2), A_01 (N/m), A_11 (N) of every element of a section, (elements, 27, 27); see the module."""
+
+    plane: np.ndarray
+    mixed: np.ndarray
+    axial: np.ndarray
+
+    def turned(self, frames: np.ndarray) -> SectionBlocks:
+        """The same in other components: frames (elements, 9, 3, 3) hold the new unit vectors as columns."""
+        count = len(frames)
+        turn = np.zeros((count, 9, 3, 9, 3))
+        for a in range(9):
+            turn[:, a, :, a, :] = frames[:, a]
+        whole = turn.reshape(count, 27, 27)
+        return SectionBlocks(
+            *(whole.transpose(0, 2, 1) @ block @ whole for block in (self.plane, self.mixed, self.axial))
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class AxialMatrices:
+    """M (m), D (1), S (1/m), dense and banded, (nodes, nodes)."""
+
+    mass: np.ndarray
+    mixed: np.ndarray
+    stiffness: np.ndarray
+
+
+def strain_matrices(
+    places: np.ndarray, gradients: np.ndarray, values: np.ndarray, twist: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Strains (xx, yy, zz, yz, xz, xy) by the section functions and by their axial derivative, (e, q, 6, 27) each.
+
+    places (e, q, 2), gradients (e, q, 9, 2) and values (q, 9) as from `fem.elements.sections.geometry`.
+    """
+    e, q = places.shape[:2]
+    dx, dy = gradients[..., 0], gradients[..., 1]
+    around = twist * (places[..., :1] * dy - places[..., 1:] * dx)
+    b = np.zeros((e, q, 6, 9, 3))
+    b[:, :, 0, :, 0], b[:, :, 1, :, 1] = dx, dy
+    b[:, :, 2, :, 2] = -around
+    b[:, :, 3, :, 2], b[:, :, 3, :, 1], b[:, :, 3, :, 0] = dy, -around, twist * values
+    b[:, :, 4, :, 2], b[:, :, 4, :, 0], b[:, :, 4, :, 1] = dx, -around, -twist * values
+    b[:, :, 5, :, 0], b[:, :, 5, :, 1] = dy, dx
+    along = np.zeros_like(b)
+    along[:, :, 2, :, 2] = along[:, :, 3, :, 1] = along[:, :, 4, :, 0] = values
+    return b.reshape(e, q, 6, 27), along.reshape(e, q, 6, 27)
+
+
+def section_blocks(
+    points: np.ndarray, elements: np.ndarray, young: float, poisson: float, twist: float, filling: np.ndarray
+) -> SectionBlocks:
+    """Integrals over the elements of a section.
+
+    Parameters
+    ----------
+    points : float (nodes, 2), m;  elements : int (elements, 9), tensor order
+    young, poisson : Pa, 1;  twist : rad/m
+    filling : (elements,) part of the length that is filled with material
+    """
+    places, gradients, weight = geometry(points, elements)
+    weight = weight * filling[:, None]
+    values, _ = shape_functions(gauss_grid()[0])
+    count = len(elements)
+    strains = strain_matrices(places, gradients, values, twist)
+    hooke = elasticity(young, poisson, 6)
+    stress = [(hooke @ part * weight[..., None, None]).reshape(count, -1, 27) for part in strains]
+    rows = [part.reshape(count, -1, 27).transpose(0, 2, 1) for part in strains]
+    return SectionBlocks(rows[0] @ stress[0], rows[0] @ stress[1], rows[1] @ stress[1])
+
+
+def axial_matrices(ends: np.ndarray) -> AxialMatrices:
+    """Integrals of quadratic functions along the axis; `ends` (elements + 1,) are the element ends in m, rising."""
+    nodes = 2 * len(ends) - 1
+    x, w = np.polynomial.legendre.leggauss(3)
+    values, slopes = lagrange(x)
+    parts = [np.zeros((nodes, nodes)) for _ in range(3)]
+    for k, length in enumerate(np.diff(ends)):
+        here = slice(2 * k, 2 * k + 3)
+        parts[0][here, here] += values.T @ (w[:, None] * values) * length / 2
+        parts[1][here, here] += values.T @ (w[:, None] * slopes)
+        parts[2][here, here] += slopes.T @ (w[:, None] * slopes) * 2 / length
+    return AxialMatrices(*parts)
+
+
+def product_stiffness(section: SectionBlocks, dofs: np.ndarray, size: int, axial: AxialMatrices) -> np.ndarray:
+    """Dense stiffness matrix (N/m) of the hexahedra over some section elements and a piece of the axis.
+
+    dofs (elements, 27) are the positions of their unknowns among the `size` unknowns of one section.
+    """
+    rows, cols = np.repeat(dofs, 27, axis=1).ravel(), np.tile(dofs, (1, 27)).ravel()
+    plane, mixed, along = (
+        sparse.coo_matrix((block.ravel(), (rows, cols)), shape=(size, size)).toarray()
+        for block in (section.plane, section.mixed, section.axial)
+    )
+    across = np.kron(axial.mixed, mixed)
+    return np.kron(axial.mass, plane) + across + across.T + np.kron(axial.stiffness, along)
+
+
+def slice_means(ends: np.ndarray, bounds: np.ndarray) -> np.ndarray:
+    """Mean of every axial function over the intervals between `bounds`; (intervals, nodes), rows sum to 1."""
+    out = np.zeros((len(bounds) - 1, 2 * len(ends) - 1))
+    x, w = np.polynomial.legendre.leggauss(2)  # exact: the functions are quadratic inside a piece
+    for k, (start, end) in enumerate(zip(ends[:-1], ends[1:], strict=True)):
+        low, high = np.clip(bounds[:-1], start, end), np.clip(bounds[1:], start, end)
+        place = (low + high)[:, None] / 2 + (high - low)[:, None] / 2 * x
+        values, _ = lagrange(2 * (place - start) / (end - start) - 1)
+        out[:, 2 * k : 2 * k + 3] += np.einsum("sq,sqi->si", w * (high - low)[:, None] / 2, values)
+    return out / np.diff(bounds)[:, None]

@@ -1,0 +1,1 @@
+"""Dense blocks, sparse factorisation and compiled functions: nothing here knows of gears or casings."""

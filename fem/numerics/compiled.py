@@ -1,0 +1,286 @@
+"""Compiled functions: kept on disk under a digest of their sources, and called through their address.
+
+The compiler links whatever a function calls into it and optimises the whole again, at every level of the calls and in
+every entry point that is stored on disk: a large function called from ten places is compiled ten times. What `apart`
+returns is called in compiled code like the function itself, but the caller holds no more than a call through a cell of
+memory, which it knows by name. The cell is empty at first; the first call has the function compiled, or read from disk,
+and the cell filled. So a function is optimised once, and only if it is called at all. A call costs about 10 ns.
+
+A `Signature` does the same for functions that are chosen while the program runs: the caller is given the address of the
+cell as a number, so that it need not know which functions there are.
+"""
+
+from __future__ import annotations
+
+import _thread
+import contextlib
+import ctypes
+import functools
+import hashlib
+import inspect
+import pickle
+import re
+import signal
+import sys
+import threading
+import zlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import llvmlite.binding as llvm
+import numba
+from llvmlite import ir
+from numba import njit, types
+from numba.core import cgutils
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+from numba.extending import intrinsic, typeof_impl
+
+from fem.numerics import compiled_files
+
+FLOAT, INTEGER = types.float64, types.int64
+VECTOR, MATRIX, CUBE = (types.Array(FLOAT, n, "C") for n in (1, 2, 3))
+INTEGERS, INTEGER_MATRIX = types.Array(INTEGER, 1, "C"), types.Array(INTEGER, 2, "C")
+
+PLAIN: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+_NO_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_kept: list[Any] = []  # compiled code refers to the cells as long as the process lives
+_ADDRESS = ir.IntType(8).as_pointer()
+_CELL = ir.LiteralStructType((_ADDRESS, ir.FunctionType(ir.VoidType(), ()).as_pointer()))
+
+
+class _Cell(ctypes.Structure):
+    _fields_ = (("address", ctypes.c_void_p), ("fill", ctypes.c_void_p))
+
+
+_IMPORT = re.compile(r"^(?:import +([\w.]+)|from +([\w.]+) +import +(\([^)]*\)|[^\n]*))", re.MULTILINE)
+_COMPILED = re.compile(r"^from (?:numba|fem\.(?:\w+\.)?compiled) import", re.MULTILINE)
+
+
+@functools.cache
+def reached(file: str) -> tuple[Path, ...]:
+    """The source files that the compiled functions of ``file`` are made of.
+
+    Compiled code takes functions and constants from what its file imports at its top level. Of the files of our own
+    packages so found, those that hold compiled functions themselves are followed further.
+    """
+    root = Path(file)
+    while (root.parent / "__init__.py").is_file():
+        root = root.parent
+    root, found, waiting = root.parent, {Path(__file__)}, [Path(file)]
+    while waiting:
+        path = waiting.pop()
+        if path in found:
+            continue
+        found.add(path)
+        text = path.read_text(encoding="utf-8")
+        if path == Path(file) or _COMPILED.search(text):
+            for plain, module, names in _IMPORT.findall(text):
+                members = [f"{module}.{word}" for word in re.findall(r"\w+", names)]
+                places = [root.joinpath(*name.split(".")).with_suffix(".py") for name in (plain or module, *members)]
+                waiting += [place for place in places if place.is_file()]
+    return tuple(sorted(found))
+
+
+def stored(file: str, entry: bool = True, **options: Any) -> Callable:
+    """`njit` in ``file`` (``__file__``) with a copy on disk that is used as long as all it is made of stays as it is.
+
+    The checksum of the files that are `reached` is made part of the function's name, under which the code is stored.
+    Without ``entry`` Python must not call it.
+    """
+    options = {**PLAIN, **({} if entry else _NO_ENTRY), **options}
+    total = 0
+    for path in reached(file):
+        total = zlib.crc32(path.read_bytes(), total)
+
+    def decorate(function: Callable) -> Any:
+        function.__qualname__ = f"{function.__qualname__}_{total:08x}"
+        dispatcher = njit(**options)(function)
+        dispatcher._cache = _Stored(function)
+        return dispatcher
+
+    return decorate
+
+
+class _Stored:
+    """What a compiled function asks of its cache, answered from our files.
+
+    The compiler's own cache looks for a folder when the function is defined and stops the program if none can be
+    written; it believes whoever can write there, and what is damaged.
+    """
+
+    def __init__(self, function: Callable) -> None:
+        self._function = f"{function.__module__}.{function.__qualname__}"
+
+    @property
+    def cache_path(self) -> str:
+        """The folder, for statistics."""
+        return str(compiled_files.compiled_folder())
+
+    def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
+        """The code for a signature; None if it must be compiled."""
+        target.refresh()
+        content = compiled_files.read(*self._name_and_key(signature, target.codegen()))
+        return None if content is None else CompileResult._rebuild(target, *pickle.loads(content))
+
+    def save_overload(self, signature: Any, result: Any) -> None:
+        """Keep the code for a signature."""
+        if result.library.has_dynamic_globals:
+            raise TypeError(f"{self._function} holds addresses of this process and cannot be stored")
+        compiled_files.write(*self._name_and_key(signature, result.codegen), dumps(result._reduce()))
+
+    def flush(self) -> None:
+        """Nothing: code that is compiled again replaces what was stored."""
+
+    def _name_and_key(self, signature: Any, codegen: Any) -> tuple[str, str]:
+        made_by = (sys.version, numba.__version__, llvmlite.__version__, codegen.magic_tuple())
+        key = repr((self._function, str(signature), made_by))
+        function = self._function.replace("<locals>", "locals")
+        return f"{function}-{hashlib.sha256(key.encode()).hexdigest()[:16]}.code", key
+
+
+class Inner:
+    """A compiled function for compiled callers; called from Python, it runs as Python."""
+
+    def __init__(self, function: Callable, **options: Any) -> None:
+        self.compiled: Any = njit(**{**PLAIN, **_NO_ENTRY, **options})(function)
+        functools.update_wrapper(self, function)
+
+    def __call__(self, *values: Any) -> Any:
+        return self.compiled.py_func(*values)
+
+
+@typeof_impl.register(Inner)
+def _type_of_inner(value: Inner, _: Any) -> types.Type:
+    return types.Dispatcher(value.compiled)
+
+
+def inner(**options: Any) -> Callable:
+    """`njit` without the entry from Python, which is half of a small function's code or of one that takes tables."""
+    return functools.partial(Inner, **options)
+
+
+def _lent(typingctx: Any, array: types.Array) -> tuple[Any, Callable]:
+    """The array without a share in its memory, for callees: no references are counted for it and slices of it.
+
+    It holds as long as the caller keeps the array itself. Counting takes 5 ns per slice and more.
+    """
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        view = context.make_array(array)(context, builder, values[0])
+        view.meminfo = ir.Constant(view.meminfo.type, None)
+        view.parent = ir.Constant(view.parent.type, None)
+        return view._getvalue()
+
+    return array(array), generate
+
+
+lent: Any = intrinsic(_lent)
+
+
+def apart(result: types.Type, *arguments: types.Type) -> Callable:
+    """Decorator of a compiled function (what `njit` returns), for compiled callers: a call through its address.
+
+    The function takes `arguments` and returns `result`. Callers get a RuntimeError where it cannot be compiled; what
+    the compiler says is printed then.
+    """
+
+    def decorate(function: Any) -> Callable:
+        symbol = f"gearcase.{function.py_func.__module__}.{function.py_func.__name__}"
+        llvm.add_symbol(symbol, _cell_of(function, arguments))
+
+        def call(typingctx: Any, *_: types.Type) -> tuple[Any, Callable]:
+            return result(*arguments), lambda *parts: _generate(symbol, *parts)
+
+        own = inspect.signature(function.py_func).parameters.values()
+        first = inspect.Parameter("typingctx", inspect.Parameter.POSITIONAL_OR_KEYWORD)
+        call.__signature__ = inspect.Signature([first, *own])  # type: ignore[attr-defined]
+        call.__name__, call.__doc__ = function.py_func.__name__, function.py_func.__doc__
+        return intrinsic(call)
+
+    return decorate
+
+
+class Signature:
+    """Functions that take ``arguments`` and return ``result``, one of which is chosen when it is called.
+
+    `cell` takes a compiled function and returns a number that stands for it in this process; compiled code calls it by
+    ``call(number, *arguments)``. Errors are those of `apart`.
+    """
+
+    def __init__(self, result: types.Type, *arguments: types.Type) -> None:
+        self._arguments = arguments
+
+        def call(typingctx: Any, *_: types.Type) -> tuple[Any, Callable]:
+            return result(INTEGER, *arguments), _generate_chosen
+
+        kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
+        names = ("typingctx", "cell", *(f"argument_{k}" for k in range(len(arguments))))
+        call.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in names])  # type: ignore[attr-defined]
+        self.call = intrinsic(call)
+
+    def cell(self, function: Any) -> int:
+        """The number that stands for a compiled function (what `njit` returns) with this signature."""
+        return _cell_of(function, self._arguments)
+
+
+def _cell_of(function: Any, arguments: tuple[types.Type, ...]) -> int:
+    """Address of a new cell that has `function` compiled when it is called first."""
+    cell = _Cell()
+
+    @ctypes.CFUNCTYPE(None)
+    def fill() -> None:
+        with _interrupts_held():
+            function.compile(arguments)
+            code = function.overloads[arguments]
+            cell.address = code.library.get_pointer_to_function(code.fndesc.llvm_func_name)
+
+    cell.fill = ctypes.cast(fill, ctypes.c_void_p)
+    _kept.append((cell, fill))
+    return ctypes.addressof(cell)
+
+
+@contextlib.contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Ctrl-C raised in what compiled code calls would be lost; it is passed on when the caller has gone on."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    held: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: held.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
+        if held:
+            threading.Timer(0.01, _thread.interrupt_main).start()
+
+
+def _generate(symbol: str, context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    """The call through the cell that the linker knows as `symbol`."""
+    if symbol not in builder.module.globals:
+        ir.GlobalVariable(builder.module, _CELL, symbol)
+    return _call_through(builder.module.globals[symbol], symbol, context, builder, signature, values)
+
+
+def _generate_chosen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    """The call through the cell whose address is the first argument."""
+    cell = builder.inttoptr(values[0], _CELL.as_pointer())
+    own = signature.return_type(*signature.args[1:])
+    return _call_through(cell, "a function chosen by its cell", context, builder, own, values[1:])
+
+
+def _call_through(cell: Any, name: str, context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    place = cgutils.gep_inbounds(builder, cell, 0, 0)
+    with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(place))):
+        builder.call(builder.load(cgutils.gep_inbounds(builder, cell, 0, 1)), ())
+        with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(place))):
+            context.call_conv.return_user_exc(builder, RuntimeError, (f"{name} could not be compiled",))
+    kind = context.call_conv.get_function_type(signature.return_type, signature.args)
+    target = builder.bitcast(builder.load(place), kind.as_pointer())
+    status, answer = context.call_conv.call_function(builder, target, signature.return_type, signature.args, values)
+    with cgutils.if_unlikely(builder, status.is_error):
+        context.call_conv.return_status_propagate(builder, status)
+    return answer

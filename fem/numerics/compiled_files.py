@@ -1,0 +1,103 @@
+"""Files of compiled code: read only if this user or root wrote them and every byte is as it was written.
+
+They lie in the cache folder, or in a folder of their own under NUMBA_CACHE_DIR where that is set. Reading one runs
+what it holds, so the open file itself is asked for its owner, whatever the folders above it are. Where none can be
+written or read, that is said once and the code is compiled in memory.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from fem.storage.cache_folder import (
+    COMPILED,
+    UnusableFolder,
+    cache_root,
+    check_private,
+    claim,
+    distrust,
+    make_private,
+    warn_once,
+    warn_without,
+)
+
+_FIRST_LINE = b"gearcase compiled code\n"
+_DIGEST_BYTES = 32
+
+
+def compiled_folder() -> Path:
+    """Where compiled code is kept. It need not exist."""
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    return Path(chosen).absolute() / "gearcase" if chosen else cache_root() / COMPILED
+
+
+def read(name: str, key: str) -> bytes | None:
+    """What was written under a name and a key; None if it is absent, damaged or not to be believed."""
+    folder = compiled_folder()
+    try:
+        _prepare(folder, make=False)
+        with open(folder / name, "rb") as file:
+            reason = distrust(os.fstat(file.fileno()))
+            if reason:
+                raise UnusableFolder(f"{folder / name} {reason}")
+            head, content = file.read(len(_FIRST_LINE) + _DIGEST_BYTES), file.read()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        warn_without(_root(folder), error)
+        return None
+    if head != _head(key, content):
+        warn_once(f"compiled code {folder / name} is damaged. It is compiled again.")
+        return None
+    with contextlib.suppress(OSError):  # it may be another's to read only
+        os.utime(folder / name)  # last use, for `gearcase cache clear --older-than`
+    return content
+
+
+def write(name: str, key: str, content: bytes) -> None:
+    """Keep `content` under a name and a key, if that is possible."""
+    folder = compiled_folder()
+    try:
+        _prepare(folder, make=True)
+        number, partial = tempfile.mkstemp(prefix="part-", dir=folder)
+        try:
+            with open(number, "wb") as file:
+                file.write(_head(key, content) + content)
+            os.replace(partial, folder / name)
+        except BaseException:
+            os.unlink(partial)
+            raise
+    except OSError as error:
+        warn_without(_root(folder), error)
+
+
+def files(folder: Path) -> Iterator[Path]:
+    """The files of a folder that hold compiled code of ours, finished or not."""
+    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
+        if path.is_file() and not path.is_symlink():
+            with open(path, "rb") as file:
+                if file.read(len(_FIRST_LINE)) == _FIRST_LINE:
+                    yield path
+
+
+def _prepare(folder: Path, *, make: bool) -> None:
+    if _root(folder) != folder:
+        claim(_root(folder), make=make)
+    if make:
+        make_private(folder)
+    else:
+        check_private(folder)
+
+
+def _root(folder: Path) -> Path:
+    """The cache that the folder is part of, or itself."""
+    return folder.parent if folder.parent == cache_root() else folder
+
+
+def _head(key: str, content: bytes) -> bytes:
+    return _FIRST_LINE + hashlib.sha256(key.encode() + b"\n" + content).digest()

@@ -1,0 +1,24 @@
+"""Two pieces of work side by side.
+
+Heavy steps are cut into two fixed halves, whatever the number of cores: their results do not depend on it, nor on which
+half ends first. A half gains from a second core while it runs code that releases the interpreter lock: NumPy's matrix
+products, compiled loops with `nogil`, and the calls of `fem.numerics.blas`; SciPy's wrappers of BLAS and LAPACK and its
+sparse products keep the lock.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+One = TypeVar("One")
+Other = TypeVar("Other")
+
+
+def side_by_side(one: Callable[[], One], other: Callable[[], Other]) -> tuple[One, Other]:
+    """The results of both; `other` runs in a thread of its own. What they raise is raised here, that of `one` first."""
+    with ThreadPoolExecutor(max_workers=1) as pool:
+        later = pool.submit(other)
+        result = one()
+    return result, later.result()

@@ -1,0 +1,59 @@
+"""Modal coordinates of the linear reference system.
+
+q = Phi p with the undamped modes below a band plus the static responses to every force that can act, orthonormal in
+the mass and diagonal in the stiffness: M -> 1, K -> diag(omega^2). Static equilibrium is exact whatever the band.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import linalg
+
+from mbd.parts.checks import MachineError
+
+SMALLEST_FREQUENCY = 1e-2  # Hz: below it a coordinate counts as free
+INDEPENDENT = 1e-6  # static responses closer to the others than this are dropped
+
+
+def modal_basis(
+    mass: np.ndarray, stiffness: np.ndarray, forces: np.ndarray, band: float, names: tuple[str, ...]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Phi (coordinate, mode) and omega (mode,), rad/s, ascending.
+
+    Parameters
+    ----------
+    mass, stiffness : (coordinate, coordinate), symmetric
+    forces : (coordinate, force), patterns whose static response is kept exactly
+    band : Hz, modes above it are left out; inf keeps all
+
+    Raises
+    ------
+    MachineError : the mass is not positive definite, or a motion has no stiffness
+    """
+    try:
+        squares, modes = linalg.eigh(stiffness, mass)
+    except linalg.LinAlgError as error:
+        i = int(np.argmin(np.diag(mass)))
+        raise MachineError(
+            f"mass matrix: not positive definite (smallest diagonal {mass[i, i]:.3g} at {names[i]}). "
+            "Check densities and the casing's mass."
+        ) from error
+    lowest = squares[0]
+    if lowest < (2 * np.pi * SMALLEST_FREQUENCY) ** 2:
+        i = int(np.argmax(abs(modes[:, 0]) * np.sqrt(np.diag(mass))))
+        raise MachineError(
+            f"stiffness matrix: a motion dominated by {names[i]} has no stiffness (omega^2 = {lowest:.3g}). "
+            "Hold it, e.g. by a bearing with axial stiffness or by a second bearing on the shaft."
+        )
+    keep = squares <= (2 * np.pi * band) ** 2 if np.isfinite(band) else np.ones(len(squares), dtype=bool)
+    if keep.all():
+        return modes, np.sqrt(squares)
+    kept, rest = modes[:, keep], modes[:, ~keep]
+    # static responses within the span of the modes left out: K^-1 f = sum phi (phi^T f)/omega^2
+    answer = (rest.T @ forces) / squares[~keep][:, None]
+    answer = answer / np.maximum(np.linalg.norm(answer, axis=0), np.finfo(float).tiny)
+    left, size, _ = np.linalg.svd(answer, full_matrices=False)
+    left = left[:, size > INDEPENDENT * size[0]]
+    extra_squares, turn = linalg.eigh(left.T @ (squares[~keep][:, None] * left))
+    basis = np.hstack([kept, rest @ left @ turn])
+    return basis, np.sqrt(np.concatenate([squares[keep], extra_squares]))

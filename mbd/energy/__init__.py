@@ -1,0 +1,1 @@
+"""The energy balance, by part and kind."""

@@ -1,0 +1,114 @@
+"""Works of the nonlinear elements, logged at every step.
+
+An element stores U, receives the integral of F . d(motion of its rows), loses that of the part of F that follows from
+no potential, and takes up the parametric work (see `mbd.forces.element`). The rows of elements that roll move with the
+train besides. Integrals over the rows are those of cubics through four instants: per step
+mean(F) D u + (D F mean(D2 u) - mean(D2 F) D u)/12 with the first and second differences D, D2; next to a step of
+another length only the first term.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbd.forces.element import ENERGY, LOG_COLUMNS, PARAMETRIC
+from mbd.integrators.base import ANGLE, LENGTH, Block
+from mbd.system.system import System
+
+LOST = 1e-9  # of the stored energy: a part that loses less is held against what it stores
+
+
+class ElementWork:
+    """Accumulates the blocks of a run; ``throughput`` is the integral of |parametric power|."""
+
+    def __init__(self, system: System) -> None:
+        self._elements, self._rolls = system.elements, system.rolls
+        n, m = len(system.elements), len(system.rows)
+        counts = np.diff(system.table.row)
+        self._owner = np.repeat(np.arange(n), counts)
+        self._opening = np.flatnonzero(system.table.opens)
+        self._contact_rows = system.table.row[self._opening]
+        # rows, elastic forces, lost forces, pushes of the last three instants
+        self._known = [np.zeros((0, m)) for _ in range(4)]
+        self._log, self._clock = np.zeros((0, n, len(LOG_COLUMNS))), np.zeros((0, 4))
+        self._start, self._peak, self._parametric = np.zeros(n), np.zeros(n), np.zeros(n)
+        self._received, self._loss, self._shifted = np.zeros(m), np.zeros(m), np.zeros(m)
+        self._let_go = np.zeros(len(self._opening), dtype=int)
+        self._touched = np.zeros(len(self._opening), dtype=int)
+        self.throughput = 0.0
+
+    def take(self, block: Block) -> None:
+        """Add the instants of a block; the three before it are kept."""
+        known = len(self._log)
+        if known == 0:
+            self._start = block.log[0, :, ENERGY].copy()
+        fresh = block.rows[:, : len(self._received)], block.elastic, block.lost, block.push
+        rows, elastic, lost, push = (np.vstack(pair) for pair in zip(self._known, fresh, strict=True))
+        log, clock = np.concatenate([self._log, block.log]), np.vstack([self._clock, block.clock])
+        new, even = slice(max(known - 1, 0), None), even_steps(clock[:, LENGTH])
+        loaded = elastic[new][:, self._contact_rows] > 0.0
+        self._let_go += (loaded[:-1] & ~loaded[1:]).sum(axis=0)
+        self._touched += (~loaded[:-1] & loaded[1:]).sum(axis=0)
+        turned = np.diff(clock[new, ANGLE])
+        for force, sums in ((elastic + lost, self._received), (lost, self._loss)):
+            sums += path_work(force, rows, known, even)
+            sums += self._rolls * (0.5 * turned @ (force[new][1:] + force[new][:-1]))
+        parametric = log[known:, :, PARAMETRIC]
+        self._parametric += parametric.sum(axis=0)
+        self._shifted += _push_work(push, rows, even)
+        self.throughput += float(abs(parametric).sum())
+        self._peak = np.maximum(self._peak, log[new, :, ENERGY].max(axis=0))
+        self._known = [values[-3:].copy() for values in (rows, elastic, lost, push)]
+        self._log, self._clock = log[-3:].copy(), clock[-3:].copy()
+
+    def books(self) -> dict[str, list[float]]:
+        """Stored, dissipated, received, parametric, residual, scale of every part, J."""
+        n = len(self._elements)
+        received, loss, shifted = (
+            np.bincount(self._owner, values, minlength=n) for values in (self._received, self._loss, self._shifted)
+        )
+        change, parametric = self._log[-1, :, ENERGY] - self._start, self._parametric + shifted
+        rows = {}
+        for part in dict.fromkeys(element.part for element in self._elements if element.part):
+            own = np.array([element.part == part for element in self._elements])
+            sums = [float(values[own].sum()) for values in (change, loss, received, parametric)]
+            stored, dissipated, taken, by_parameter = sums
+            peak = float(self._peak[own].max())
+            scale = dissipated if dissipated > LOST * peak else peak
+            rows[part] = [*sums, taken + by_parameter - stored - dissipated, scale]
+        return rows
+
+    def events(self) -> dict[str, int]:
+        """Contacts lost and made, by the counters that the elements name."""
+        found: dict[str, int] = {}
+        for k, i in enumerate(self._opening):
+            element = self._elements[i]
+            for name, count in ((element.lets_go, self._let_go[k]), (element.touches, self._touched[k])):
+                if name:
+                    found[name] = found.get(name, 0) + int(count)
+        return found
+
+
+def even_steps(lengths: np.ndarray) -> np.ndarray:
+    """1/12 (step, 1) for every step with two neighbours of its length, else 0, from the lengths of the steps (s)."""
+    return ((lengths[1:-2] == lengths[2:-1]) & (lengths[2:-1] == lengths[3:]))[:, None] / 12
+
+
+def path_work(force: np.ndarray, motion: np.ndarray, known: int, even: np.ndarray) -> np.ndarray:
+    """Integral of force d(motion) after the first ``known`` instants; its cubic part lags by one step and is taken
+    with the factor ``even``, see `even_steps`."""
+    new = slice(max(known - 1, 0), None)
+    total = (0.5 * (force[new][1:] + force[new][:-1]) * np.diff(motion[new], axis=0)).sum(axis=0)
+    slope = [x[2:-1] - x[1:-2] for x in (force, motion)]
+    return total + (even * (slope[0] * _bend(motion) - _bend(force) * slope[1])).sum(axis=0)
+
+
+def _bend(values: np.ndarray) -> np.ndarray:
+    """Mean of the second differences at both ends of every step that has neighbours."""
+    return 0.5 * (values[3:] - values[2:-1] - values[1:-2] + values[:-3])
+
+
+def _push_work(push: np.ndarray, motion: np.ndarray, even: np.ndarray) -> np.ndarray:
+    """The part of the parametric work that needs the neighbouring steps; ``push`` is that of the step before."""
+    slope, change = motion[2:-1] - motion[1:-2], 0.5 * (push[3:] - push[1:-2])
+    return (even * (change * slope - push[2:-1] * _bend(motion))).sum(axis=0)

@@ -1,0 +1,103 @@
+"""Works of the linear parts: shafts, bearings, casing, couplings, container.
+
+Parts with mass touch only through ports: rows B with the forces f = k B q + c B q' - lambda of bearings, couplings, the
+nonlinear elements (lambda for the last). The integrals of f v^T and v v^T give the work of every port on every part and
+the dissipation v^T C v of every part. They are exact for an integrator with a `Flow` (`mbd.energy.exact_integrals`),
+sums over the instants for the others (`mbd.energy.sampled_integrals`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbd.energy.exact_integrals import FlowWork
+from mbd.energy.sampled_integrals import SampledWork
+from mbd.integrators.base import LENGTH, SPEED, Block, Integrator
+from mbd.system.system import Part, System
+
+
+class LinearWork:
+    """Accumulates blocks of a run of at least ``n_steps`` steps; it must be fed exactly ``steps`` of them.
+
+    ``torque`` (state,) is the row of the motors' torque, for their work on the rolling train.
+    """
+
+    def __init__(self, system: System, integrator: Integrator, step: float, n_steps: int, torque: np.ndarray) -> None:
+        self._system, self._torque, self._step = system, torque, step
+        self.to_q, self.to_v = integrator.displacement, integrator.velocity
+        self._turn = -integrator.inverse_mass @ (system.mass @ system.rolling)
+        self._ports, stiffness, damping = _ports(system)
+        self._to_force = stiffness[:, None] * (self._ports @ self.to_q) + damping[:, None] * (self._ports @ self.to_v)
+        self._flow = None if integrator.flow is None else FlowWork(integrator.flow)
+        self._sampled = None
+        self.steps = n_steps
+        if self._flow is None:
+            self._sampled = SampledWork(step, n_steps, self._to_force, len(system.rows))
+            self.steps = self._sampled.steps
+        self.origin, self.latest = np.zeros(self.to_q.shape[1]), np.zeros(self.to_q.shape[1])
+        self._motor_work, self._power = 0.0, 0.0
+        self._peak = {part.name: 0.0 for part in system.parts if not part.damping.any()}
+
+    def take(self, block: Block, first: int) -> None:
+        """Add a block; ``first`` is its first instant, counted in steps since the start."""
+        if self._flow is not None:
+            self._flow.take(block)
+        if self._sampled is not None:
+            self._sampled.take(block, first)
+            power = (block.states @ self._torque) * block.clock[:, SPEED]
+            power_before = np.concatenate([[self._power], power[:-1]])
+            self._motor_work += 0.5 * float(block.clock[:, LENGTH] @ (power + power_before))
+            self._power = float(power[-1])
+        if first == 0:
+            self.origin = block.states[0].copy()
+        self.latest = block.states[-1].copy()
+        for part in self._system.parts:
+            if part.name in self._peak:
+                self._peak[part.name] = max(self._peak[part.name], self._energy(part, self.latest))
+
+    def books(self, ramp_work: dict[str, float]) -> tuple[dict[str, list[float]], float]:
+        """Stored, dissipated, received, parametric (0), residual, scale of every part, and the motors' work, J."""
+        system, moved = self._system, self.to_q @ (self.latest - self.origin)
+        port_work, velocity, motor_work = self._integrals()
+        work = self._ports * port_work  # (port, coordinate) that the motion of each coordinate does against each port
+        rows: dict[str, list[float]] = {}
+        port = len(system.rows)
+        for part in system.parts:
+            i = part.index
+            if part.mass.any():
+                received = ramp_work[part.name] + float(moved[i] @ system.constant_force[i] - work[:, i].sum())
+            else:
+                received = float(work[port : port + len(part.rows)].sum())
+                port += len(part.rows)
+            dissipated = float(np.sum(part.damping * velocity[np.ix_(i, i)]))
+            change = self._energy(part, self.latest) - self._energy(part, self.origin)
+            scale = self._peak.get(part.name, dissipated)
+            rows[part.name] = [change, dissipated, received, 0.0, received - change - dissipated, scale]
+        return rows, motor_work
+
+    def _integrals(self) -> tuple[np.ndarray, np.ndarray, float]:
+        """int f v^T dt (port, coordinate), int v v^T dt and the motors' work."""
+        if self._flow is None:
+            assert self._sampled is not None
+            return *self._sampled.integrals(self.latest, self.to_q, self.to_v, self._turn), self._motor_work
+        pushed, second = self._flow.integrals()
+        m = len(self._system.rows)
+        moved = second @ self.to_v.T
+        work = self._to_force @ moved
+        work[:m] -= pushed[:m] @ self.to_v.T
+        return work, self.to_v @ moved, float(pushed[-1] @ self._torque)
+
+    def _energy(self, part: Part, state: np.ndarray) -> float:
+        """Kinetic and strain energy of a linear part."""
+        q, v = self.to_q[part.index] @ state, self.to_v[part.index] @ state
+        return float(0.5 * v @ part.mass @ v + 0.5 * q @ part.stiffness @ q)
+
+
+def _ports(system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows, stiffness and damping of all ports: the elements (their linear reference), then the massless parts."""
+    table, massless = system.table, [part for part in system.parts if not part.mass.any()]
+    return (
+        np.vstack([system.rows, *(part.rows for part in massless)]),
+        np.concatenate([table.stiffness, *(part.row_stiffness for part in massless)]),
+        np.concatenate([table.damping, *(part.row_damping for part in massless)]),
+    )

@@ -1,0 +1,124 @@
+"""Recorder: turns blocks of states into channels, low-pass filters them and keeps one sample per output interval.
+
+Samples go to ``values[:, first:last]`` as they are ready: an array, or a `StoredArray` of any length.
+
+The filter is a linear-phase FIR (Kaiser window): flat to ``PASS_SHARE`` of the output rate, at least
+``ATTENUATION`` dB down at and above 1 - ``PASS_SHARE`` of it, so that nothing folds into the pass band. Its delay is
+taken out: a sample at time t uses the steps around t. Before t = 0 the machine rests, so the first value is repeated.
+
+References
+----------
+Oppenheim & Schafer (2010), Discrete-Time Signal Processing, section 7.6 (Kaiser window).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem.storage.stored_array import StoredArray
+from mbd.coordinates.channels import CONTAINER, ChannelRows
+from mbd.integrators.base import ACCELERATION, Block, Integrator
+from mbd.parts.checks import StepError
+from mbd.system.system import System
+
+PASS_SHARE = 0.4
+ATTENUATION = 80.0  # dB
+CHUNK = 32  # samples filtered at once, as a matrix product
+
+
+def low_pass(steps_per_sample: int) -> np.ndarray:
+    """Filter taps (odd number, sum 1); the single tap 1 when every step is a sample."""
+    if steps_per_sample == 1:
+        return np.ones(1)
+    from scipy import signal  # dear to import, and not needed where every step is a sample
+
+    width = 2 * (1 - 2 * PASS_SHARE) / steps_per_sample  # of the Nyquist frequency of the steps
+    taps, beta = signal.kaiserord(ATTENUATION, width)
+    pairs = int(np.ceil((taps - 1) / (2 * steps_per_sample)))  # a delay of whole samples
+    taps = 1 + 2 * steps_per_sample * pairs
+    result = signal.firwin(taps, 1.0 / steps_per_sample, window=("kaiser", beta))
+    return result / result.sum()
+
+
+def _filter_matrix(taps: np.ndarray, every: int) -> np.ndarray:
+    """(step, sample) of CHUNK samples: the taps, ``every`` steps further down for every sample."""
+    matrix = np.zeros(((CHUNK - 1) * every + len(taps), CHUNK))
+    for k in range(CHUNK):
+        matrix[k * every : k * every + len(taps), k] = taps
+    return matrix
+
+
+def _signals(rows: ChannelRows) -> np.ndarray:
+    """Channels (int) by which a run is judged: vibration of casing or journals, or else the forces."""
+    names = np.array(rows.names, dtype=object)
+    units = np.array(rows.units, dtype=object)
+    vibration = np.flatnonzero((units == "m/s2") & (names != CONTAINER[1]))
+    return vibration if vibration.size else np.flatnonzero(units == "N")
+
+
+class Recorder:
+    """Fills `values` (channel, sample) with the system's channels, ``steps_per_sample`` steps apart at `rate` (Hz)."""
+
+    def __init__(
+        self,
+        system: System,
+        integrator: Integrator,
+        steps_per_sample: int,
+        rate: float,
+        values: np.ndarray | StoredArray,
+    ) -> None:
+        rows, h = system.channels, integrator.inverse_mass
+        self._states = (
+            rows.displacement @ integrator.displacement
+            + rows.velocity @ integrator.velocity
+            - rows.acceleration
+            @ h
+            @ (system.damping @ integrator.velocity + system.stiffness @ integrator.displacement)
+        )
+        self._forces = rows.forces + rows.acceleration @ h @ system.rows.T
+        self._constant = rows.acceleration @ h @ system.constant_force
+        self._ramp = rows.rigid[:, 2] - rows.acceleration @ h @ (system.mass @ system.rolling)
+        self._taps, self._every = low_pass(steps_per_sample), steps_per_sample
+        self._filter = _filter_matrix(self._taps, steps_per_sample)
+        self._pending = np.zeros((len(rows.names), 0))  # instants not yet used up
+        self._next = 0  # next sample
+        self.signals = _signals(rows)
+        self._rigid, self._profile, self._rate = rows.rigid, system.machine.profile, rate
+        self.values = values
+        self.steps_needed = (values.shape[1] - 1) * steps_per_sample + len(self._taps) // 2
+
+    def unfiltered(self, block: Block) -> np.ndarray:
+        """Channels (channel, whole step) at the whole steps of a block."""
+        cut = len(block.whole) < len(block.states)
+        states, forces, clock = (x[block.whole] if cut else x for x in (block.states, block.forces, block.clock))
+        values = self._states @ states.T + self._forces @ forces.T
+        return values + self._constant[:, None] + np.outer(self._ramp, clock[:, ACCELERATION])
+
+    def take(self, block: Block) -> None:
+        """Add the whole steps of a block."""
+        fresh = self.unfiltered(block)
+        if self._pending.shape[1] == 0 and self._next == 0:
+            fresh = np.hstack([np.repeat(fresh[:, :1], len(self._taps) // 2, axis=1), fresh])
+        pending = np.hstack([self._pending, fresh])
+        left = self.values.shape[1] - self._next
+        ready = min(left, max(0, (pending.shape[1] - len(self._taps)) // self._every + 1))
+        if ready:
+            samples = np.empty((len(pending), ready))
+            for first in range(0, ready, CHUNK):
+                n = min(CHUNK, ready - first)
+                span = slice(first * self._every, (first + n - 1) * self._every + len(self._taps))
+                samples[:, first : first + n] = pending[:, span] @ self._filter[: span.stop - span.start, :n]
+            self._keep(samples)
+        self._pending = pending[:, ready * self._every :]
+
+    def _keep(self, samples: np.ndarray) -> None:
+        """Add the rigid motion, which needs no filter, to the next samples and store them."""
+        last = self._next + samples.shape[1]
+        time = np.arange(self._next, last) / self._rate
+        samples += np.outer(self._rigid[:, 0], self._profile.angle(time))
+        samples += np.outer(self._rigid[:, 1], self._profile.speed(time))
+        if not np.isfinite(samples).all():
+            at = time[int(np.argmin(np.isfinite(samples).all(axis=0)))]
+            raise StepError(f"t = {at:.6g} s: a channel is not finite. Use a smaller step.")
+        self.values[:, self._next : last] = samples
+        self._next = last

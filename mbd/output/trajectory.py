@@ -1,0 +1,96 @@
+"""Trajectory: what a run returns, sampled at the output rate, with its books and counters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.storage.records import Record, array, names, scalar, text
+from fem.storage.stored_array import StoredArray
+
+TOTAL_LIMIT = 1e-6  # of all work of the sources
+PART_LIMIT = 1e-3  # of the largest energy that flows through a part of the machine, see `mbd.energy.balance`
+ROUND_OFF = 1e-10  # of all work of the sources, and of the joule or so of strain that machines at rest hold
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Trajectory(Record):
+    """Channels over time; ``values[i]`` is the channel ``channel_names[i]`` in ``channel_units[i]``.
+
+    `values` is an array, or a `StoredArray` that reads what it is asked for. `motors` to `sensors` name what the
+    channels belong to, see `mbd.coordinates.channels`.
+    """
+
+    integrator: str = text()
+    time: np.ndarray = array("time", units="s")
+    channel_names: tuple[str, ...] = names("channel")
+    channel_units: tuple[str, ...] = names("channel")
+    values: np.ndarray | StoredArray = array("channel", "time", units="per channel")
+    motors: tuple[str, ...] = names("motor")
+    shafts: tuple[str, ...] = names("shaft")
+    meshes: tuple[str, ...] = names("mesh")
+    bearings: tuple[str, ...] = names("bearing")
+    sensors: tuple[str, ...] = names("sensor")
+    step: float = scalar(units="s")
+    step_error: float = scalar(units="1")  # error of the accelerations by the step, sample by sample; 0: not measured
+    parted_at: float = scalar(units="s")  # when a neighbouring motion was as far away as the signal is large, 0: never
+    parting_rate: float = scalar(units="1/s")  # of the distance until then
+    output_rate: float = scalar(units="Hz")
+    pass_band: float = scalar(units="Hz")  # flat up to here; above output_rate - pass_band removed
+    counter_names: tuple[str, ...] = names("counter")
+    counters: np.ndarray = array("counter", units="1")
+    book_parts: tuple[str, ...] = names("part")
+    book_columns: tuple[str, ...] = names("entry")
+    books: np.ndarray = array("part", "entry", units="J")
+
+    def channel(self, name: str) -> np.ndarray:
+        """Values (time,) of one channel; KeyError with the known names if absent."""
+        if name not in self.channel_names:
+            raise KeyError(f"{name!r} is not a channel of this run; known: {', '.join(self.channel_names)}")
+        return self.values[self.channel_names.index(name)]
+
+    def counter(self, name: str) -> int:
+        """One counter, e.g. ``"steps"``."""
+        return int(self.counters[self.counter_names.index(name)])
+
+    def book(self, part: str, entry: str) -> float:
+        """One entry (J) of the energy book, e.g. ``("total", "residual")``."""
+        return float(self.books[self.book_parts.index(part), self.book_columns.index(entry)])
+
+    def open_parts(self) -> tuple[str, ...]:
+        """Parts, and the total, whose energy balance leaves a residual that counts; none for a sound run.
+
+        Parts are held against the flow of energy through the machine, not against their own: what a shaft that
+        dissipates a millijoule leaves over says nothing about the motion.
+        """
+        floor = ROUND_OFF * max(1.0, self.book("total", "scale"))
+        _, flow = self._largest_flow()
+        limits = dict.fromkeys(self.book_parts, PART_LIMIT * flow)
+        limits["total"] = TOTAL_LIMIT * self.book("total", "scale")
+        return tuple(part for part in self.book_parts if abs(self.book(part, "residual")) > max(limits[part], floor))
+
+    def open_books(self) -> tuple[str, ...]:
+        """One sentence on the worst of `open_parts`; none if there is none."""
+        parts = self.open_parts()
+        if not parts:
+            return ()
+        worst = max(parts, key=lambda part: abs(self.book(part, "residual")))
+        left = f"energy balance: {abs(self.book(worst, 'residual')):.2g} J of {worst} are unaccounted for"
+        if worst == "total":
+            limit = f"{TOTAL_LIMIT:g} of the {self.book('total', 'scale'):.2g} J that the sources turn over"
+        else:
+            name, flow = self._largest_flow()
+            limit = f"{PART_LIMIT:g} of the {flow:.2g} J that flow through {name}"
+        more = f"; {len(parts) - 1} more are beyond it" if len(parts) > 1 else ""
+        return (f"{left}; the limit is {limit}{more}.",)
+
+    def _largest_flow(self) -> tuple[str, float]:
+        """The part with the largest energy stored, dissipated, received or taken up by changing stiffness, and J."""
+        flows = {
+            part: max(abs(self.book(part, entry)) for entry in ("stored", "dissipated", "received", "parametric"))
+            for part in self.book_parts
+            if part != "total"
+        }
+        name = max(flows, key=lambda part: flows[part])
+        return name, flows[name]

@@ -1,0 +1,1 @@
+"""The parts of a machine in SI, before any matrix is formed."""

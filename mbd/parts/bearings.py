@@ -1,0 +1,153 @@
+"""Bearings between a shaft and the casing, or the ground: rungs `rigid`, `linear`, and nonlinear ones such as `hertz`.
+
+With u = (ux, uy, uz, rx, rz) of the shaft less that of its support, the force on the shaft is -K u - C u'; rotation
+about the shaft axis is free. K and C are symmetric and positive semidefinite, with any cross terms: the circulatory
+part of an oil film (k_xz != k_zx) follows no potential and is refused. A nonlinear bearing has something ``inside``
+that makes its force, e.g. `mbd.forces.rolling_bearing`; it uses K and C as the linear reference of that force only.
+
+`rigid` holds the three displacements by springs of ``RIGID_STIFFNESS`` and leaves the tilts free. It moves a natural
+frequency by the share of strain energy in the bearing, k/``RIGID_STIFFNESS``, i.e. below 1e-3 where everything else is
+softer than 1e9 N/m.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, Protocol
+
+import numpy as np
+
+from mbd.parts.checks import MachineError, finite, not_negative
+
+if TYPE_CHECKING:
+    from mbd.forces.assembly import Assembly
+    from mbd.forces.element import Element
+
+BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")
+RIGID_STIFFNESS = 1e12  # N/m
+LINEAR_MODELS = ("rigid", "linear")
+
+
+class Inside(Protocol):
+    """What makes the force of a nonlinear bearing."""
+
+    def element(self, assembly: Assembly, bearing: BearingSpec) -> Element:
+        """Its force on the rows of BEARING_AXES."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BearingSpec:
+    """A bearing at ``y`` of ``shaft``; with the support "casing" its name is that of the casing's key point.
+
+    Stiffness in N/m (ux, uz radial, uy axial) and N m/rad (rx, rz tilt); an axis with stiffness 0 is free.
+    ``cross`` adds symmetric cross terms, e.g. ``("ux", "uz", 2e6)``. ``damping_time`` tau (s) gives C = tau K, unless
+    ``damping`` (5, 5) is given.
+    """
+
+    name: str
+    shaft: str
+    y: float
+    stiffness_x: float
+    stiffness_z: float
+    stiffness_axial: float = 0.0
+    stiffness_tilt_x: float = 0.0
+    stiffness_tilt_z: float = 0.0
+    cross: tuple[tuple[str, str, float], ...] = ()
+    damping_time: float = 1e-5
+    damping: tuple[tuple[float, ...], ...] | None = None
+    support: Literal["casing", "ground"] = "casing"
+    model: str = "linear"
+    inside: Inside | None = None
+
+    def __post_init__(self) -> None:
+        where = f"bearing {self.name}"
+        finite(f"{where} y", self.y)
+        for name in ("x", "z", "axial", "tilt_x", "tilt_z"):
+            not_negative(f"{where} stiffness_{name}", getattr(self, f"stiffness_{name}"))
+        not_negative(f"{where} damping_time", self.damping_time)
+        if self.support not in ("casing", "ground"):
+            raise MachineError(f"{where}: support {self.support!r} is unknown; known: casing, ground.")
+        if (self.model in LINEAR_MODELS) != (self.inside is None):
+            raise MachineError(
+                f"{where}: the model {self.model!r} {'needs' if self.inside is None else 'takes no'} ``inside``; "
+                f"linear models ({', '.join(LINEAR_MODELS)}) have none, all others have one."
+            )
+        for first, second, value in self.cross:
+            finite(f"{where} cross {first} {second}", value)
+            if first not in BEARING_AXES or second not in BEARING_AXES or first == second:
+                raise MachineError(f"{where}: cross {first!r}, {second!r} must be two of {', '.join(BEARING_AXES)}.")
+        if not any(self.stiffness):
+            raise MachineError(f"{where}: holds no direction; give it a stiffness.")
+        semidefinite(f"{where} stiffness", self.stiffness_matrix)
+        semidefinite(f"{where} damping", self.damping_matrix)
+
+    @property
+    def stiffness(self) -> tuple[float, ...]:
+        """Diagonal, in the order of BEARING_AXES."""
+        return (
+            self.stiffness_x,
+            self.stiffness_axial,
+            self.stiffness_z,
+            self.stiffness_tilt_x,
+            self.stiffness_tilt_z,
+        )
+
+    @property
+    def stiffness_matrix(self) -> np.ndarray:
+        """K (5, 5)."""
+        matrix = np.diag(np.array(self.stiffness, dtype=float))
+        for first, second, value in self.cross:
+            i, j = BEARING_AXES.index(first), BEARING_AXES.index(second)
+            matrix[i, j] += value
+            matrix[j, i] += value
+        return matrix
+
+    @property
+    def damping_matrix(self) -> np.ndarray:
+        """C (5, 5)."""
+        return (
+            self.damping_time * self.stiffness_matrix if self.damping is None else np.array(self.damping, dtype=float)
+        )
+
+
+def rigid_bearing(name: str, shaft: str, y: float, support: Literal["casing", "ground"] = "casing") -> BearingSpec:
+    """A bearing that does not give way: all displacements held, tilts free."""
+    k = RIGID_STIFFNESS
+    return BearingSpec(
+        name=name, shaft=shaft, y=y, stiffness_x=k, stiffness_z=k, stiffness_axial=k, damping_time=0.0,
+        support=support, model="rigid",
+    )  # fmt: skip
+
+
+def semidefinite(where: str, matrix: np.ndarray) -> None:
+    """Raise MachineError unless ``matrix`` (5, 5) is finite, symmetric and positive semidefinite."""
+    if matrix.shape != (5, 5) or not np.isfinite(matrix).all():
+        raise MachineError(f"{where}: needs 5 x 5 finite numbers.")
+    size = float(abs(matrix).max())
+    skew = float(abs(matrix - matrix.T).max())
+    if skew > 1e-9 * size:
+        raise MachineError(
+            f"{where}: is not symmetric (cross terms differ by {skew:.3g}); circulatory terms, of an oil film, follow "
+            "no potential and are not modelled. Give the symmetric part."
+        )
+    scale = np.sqrt(np.maximum(np.diag(matrix), np.finfo(float).tiny))
+    lowest = float(np.linalg.eigvalsh(matrix / np.outer(scale, scale)).min()) if size else 0.0
+    if lowest < -1e-9:
+        raise MachineError(
+            f"{where}: is indefinite (lowest eigenvalue {lowest:.3g} of the matrix scaled to unit diagonal). Lower the "
+            "cross terms below the root of the product of their diagonal terms."
+        )
+
+
+def springs(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Independent springs (spring, 5) and their stiffnesses (spring,) whose sum is ``matrix`` (5, 5).
+
+    Scaled so that displacements and tilts count alike; axes of a diagonal matrix stay what they are.
+    """
+    held = np.diag(matrix) > 0.0
+    scale = np.sqrt(np.where(held, np.diag(matrix), 1.0))
+    if not (matrix - np.diag(np.diag(matrix))).any():
+        return np.eye(5)[held], np.diag(matrix)[held]
+    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
+    keep = values > 1e-12
+    return (vectors * scale[:, None]).T[keep], values[keep]

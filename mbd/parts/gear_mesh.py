@@ -1,0 +1,176 @@
+"""Gear mesh: the rows that turn the motion of two gears into (delta, psi) of each flank, and the force law on them.
+
+With the unit centre line e from the driving to the driven axis, t = y x e and the lifting sense s of the driving
+shaft, the unit vector along the transverse line of action of the drive flank (the force on the driven gear) is
+n = s cos(alpha) t + sin(alpha) e; the coast flank has n = -s cos(alpha) t + sin(alpha) e. The force has the axial part
+a = -h tan(beta_b) along s y, where h is the hand of the driving gear (+1 right) and is reversed on the coast flank:
+it is perpendicular to the contact lines, whose shift along n is h tan(beta_b) per face coordinate. With
+N = n + a s y and the pitch point as the point of contact,
+
+    delta = N . (u_1 - u_2) +- (r_b1 phi_1 - r_b2 phi_2) - a s t . (r_1 theta_1 + r_2 theta_2) (tilts, r_i pitch radii)
+    psi   = s (y x n) . (theta_1 - theta_2)
+
+The face coordinate of a law therefore points along the rotation vector of the driving gear in lifting (right-hand
+rule). The generalised forces -F, -M act through the same rows. With damping the force is F_t = max(0, F + tau k_t d)
+with d = delta' + (M/F) psi', the approach rate at the force centroid, and M_t = M F_t/F: the contact never pulls, and
+its dissipation (F_t - F) d is never negative.
+
+References
+----------
+ISO 21771-1:2024 (base helix, transverse line of action); the same rows follow for spur gears with beta_b = 0.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem.contact.law import MeshLaw
+from fem.contact.teeth import LawError, checked_terms
+from mbd.parts.checks import MachineError, finite, not_negative, positive
+from mbd.parts.shafts import ShaftSpec
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshSpec:
+    """A gear pair; the driving gear is the pinion of the laws, ``cycle_at_start`` its mesh cycle at t = 0.
+
+    Radii in m, angles in rad, ``backlash`` (m) along the transverse line of action, ``damping_time`` tau (s).
+    Clearances (tooth,), m, +inf for a missing tooth, or tooth terms (tooth, 6) of `fem.contact.teeth`; empty arrays
+    mean no deviation. They are kept as tooth terms.
+    """
+
+    name: str
+    driving: str
+    driven: str
+    y: float
+    base_radius_driving: float
+    base_radius_driven: float
+    pressure_angle: float  # transverse, working
+    base_helix_angle: float  # >= 0; the hand is in the law
+    backlash: float
+    damping_time: float
+    drive: MeshLaw
+    coast: MeshLaw
+    drive_clearance_pinion: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    drive_clearance_wheel: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    coast_clearance_pinion: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    coast_clearance_wheel: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    cycle_at_start: float = 0.0
+
+    def __post_init__(self) -> None:
+        where = f"mesh {self.name}"
+        finite(f"{where} y", self.y)
+        finite(f"{where} cycle_at_start", self.cycle_at_start)
+        for name in ("base_radius_driving", "base_radius_driven", "pressure_angle"):
+            positive(f"{where} {name}", getattr(self, name))
+        for name in ("base_helix_angle", "backlash", "damping_time"):
+            not_negative(f"{where} {name}", getattr(self, name))
+        if self.driving == self.driven:
+            raise MachineError(f"{where}: both gears are on {self.driving}; they must be on two shafts.")
+        z1, z2 = self.drive.pinion_teeth, self.drive.wheel_teeth
+        if (z1, z2) != (self.coast.pinion_teeth, self.coast.wheel_teeth):
+            raise MachineError(f"{where}: the coast law belongs to another tooth pair than the drive law {z1}/{z2}.")
+        if abs(self.base_radius_driven * z1 - self.base_radius_driving * z2) > 1e-9 * self.base_radius_driven * z1:
+            raise MachineError(
+                f"{where}: base radii {self.base_radius_driving}/{self.base_radius_driven} m do not have the ratio of "
+                f"the teeth {z1}/{z2}."
+            )
+        for flank in ("drive", "coast"):
+            for gear, teeth in (("pinion", z1), ("wheel", z2)):
+                self._set_clearance(f"{flank}_clearance_{gear}", teeth)
+        self._check_helix()
+
+    def _set_clearance(self, name: str, teeth: int) -> None:
+        given = getattr(self, name)
+        try:
+            terms = checked_terms(name.rpartition("_")[2], teeth, given if len(given) else None)
+        except LawError as error:
+            raise MachineError(f"mesh {self.name} {name}: {error}.") from error
+        terms.flags.writeable = False
+        object.__setattr__(self, name, terms)
+
+    @property
+    def terms(self) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
+        """Tooth terms of pinion and wheel on the drive flank, then on the coast flank."""
+        return (
+            (self.drive_clearance_pinion, self.drive_clearance_wheel),
+            (self.coast_clearance_pinion, self.coast_clearance_wheel),
+        )
+
+    def _check_helix(self) -> None:
+        for law in (self.drive, self.coast):
+            slope = _shift_slope(law)
+            if slope is not None and abs(abs(slope) - math.tan(self.base_helix_angle)) > 1e-3:
+                raise MachineError(
+                    f"mesh {self.name}: the slices of the {law.flank} law shift by {abs(slope):.5f} per face width, "
+                    f"but tan(base_helix_angle) is {math.tan(self.base_helix_angle):.5f}."
+                )
+
+    @property
+    def cycles_per_radian(self) -> float:
+        """Mesh cycles per radian of the driving shaft, z1/(2 pi)."""
+        return self.drive.pinion_teeth / (2 * math.pi)
+
+    @property
+    def ratio(self) -> float:
+        """Speed of the driven over the driving shaft."""
+        return self.base_radius_driving / self.base_radius_driven
+
+
+def _shift_slope(law: MeshLaw) -> float | None:
+    """Displacement of the contact along the path per face coordinate; None for a single slice."""
+    y, shift = law.face_coordinate, law.cycle_shift
+    if len(y) < 2:
+        return None
+    return float((shift[-1] - shift[0]) * law.base_pitch / (y[-1] - y[0]))
+
+
+def mesh_rows(mesh: MeshSpec, driving: ShaftSpec, driven: ShaftSpec) -> np.ndarray:
+    """Rows (4, 12): delta, psi of drive, then coast, on (ux uy uz rx ry rz) of the driving, then the driven gear.
+
+    Raises
+    ------
+    MachineError : the shafts turn the same way, or their distance contradicts base radii and pressure angle
+    """
+    if driving.sense != -driven.sense:
+        raise MachineError(
+            f"mesh {mesh.name}: {driving.name} and {driven.name} have the same lifting sense; meshing external gears "
+            "turn opposite ways. Give one of them sense = -sense."
+        )
+    line = (driven.x - driving.x, driven.z - driving.z)
+    distance = math.hypot(*line)
+    radii = mesh.base_radius_driving, mesh.base_radius_driven
+    if distance == 0 or abs(sum(radii) / distance - math.cos(mesh.pressure_angle)) > 1e-3:
+        raise MachineError(
+            f"mesh {mesh.name}: centre distance {distance:.6f} m and base radii of sum {sum(radii):.6f} m do not give "
+            f"the working pressure angle {math.degrees(mesh.pressure_angle):.3f} deg."
+        )
+    slope = _shift_slope(mesh.drive)
+    hand = 0.0 if slope is None else math.copysign(1.0, slope)
+    return contact_rows(line, radii, mesh.pressure_angle, hand * math.tan(mesh.base_helix_angle), driving.sense)
+
+
+def contact_rows(
+    line: tuple[float, float], radii: tuple[float, float], pressure_angle: float, lead: float, sense: int
+) -> np.ndarray:
+    """The rows of `mesh_rows` for axes ``line`` (x, z) apart, base radii of both gears (m), the tangent ``lead`` of the
+    base helix angle (positive for a right-hand pinion), and the lifting sense of the driving gear."""
+    e = np.array([line[0], 0.0, line[1]]) / math.hypot(*line)
+    up, s = np.array([0.0, 1.0, 0.0]), sense
+    t = np.cross(up, e)
+    rows = np.zeros((4, 12))
+    for k, flank in enumerate((1, -1)):
+        n = flank * s * math.cos(pressure_angle) * t + math.sin(pressure_angle) * e
+        axial = -flank * lead
+        force = n + axial * s * up
+        for gear, (sign, radius) in enumerate(zip((1, -1), radii, strict=True)):
+            at = 6 * gear
+            pitch = radius / math.cos(pressure_angle)
+            rows[2 * k, at : at + 3] = sign * force
+            # moment of N about the gear centre: r_b about y, and the axial part at the pitch point tilts about t
+            rows[2 * k, at + 3 : at + 6] = flank * s * radius * up - axial * s * pitch * t
+            rows[2 * k + 1, at + 3 : at + 6] = sign * s * np.cross(up, n)
+    return rows

@@ -1,0 +1,146 @@
+"""What acts on the machine from outside: the load on its drums, and further forces.
+
+Every kind is a class with the methods below, in a file of its own in `mbd.forces`; `StaticTorque` is no element, it
+only adds to the constant force. The rest of `mbd` knows no particular load.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from mbd.parts.checks import MachineError, finite, positive
+from mbd.parts.drive import SpeedProfile
+
+if TYPE_CHECKING:
+    from mbd.coordinates.channels import Reading
+    from mbd.coordinates.layout import Layout
+    from mbd.forces.assembly import Assembly
+    from mbd.forces.element import Element
+
+
+@dataclass(frozen=True, kw_only=True)
+class Load(ABC):
+    """What hangs on the drums at the positions ``drums`` (m) of ``shaft``."""
+
+    shaft: str
+    drums: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if not self.drums:
+            raise MachineError("load: no drum; give at least one y position on the output shaft.")
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of its own coordinates, which come last in the layout."""
+        return ()
+
+    @property
+    def mass(self) -> float:
+        """Mass (kg) on each of its coordinates."""
+        return 0.0
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Its channels: those of its elements and its `readings`."""
+        return ()
+
+    @property
+    @abstractmethod
+    def idle(self) -> bool:
+        """Whether the train carries nothing at t = 0."""
+
+    @abstractmethod
+    def torque_on_shaft(self, gravity: float) -> float:
+        """Torque (N m, lowering positive) on its shaft at rest."""
+
+    def rolling(self, ratio: float) -> np.ndarray:
+        """Motion (coordinate,) of its coordinates per motor angle; ``ratio`` is that of its shaft."""
+        return np.zeros(len(self.coordinates))
+
+    def constant_force(self, lay: Layout) -> np.ndarray:
+        """Constant force (n,) on all coordinates."""
+        return np.zeros(lay.size)
+
+    def holding_force(self, lay: Layout) -> np.ndarray:
+        """Force (n,) that holds it until t = 0, when it is let go."""
+        return np.zeros(lay.size)
+
+    def elements(self, assembly: Assembly) -> Iterable[Element]:
+        """Its nonlinear forces."""
+        return ()
+
+    def readings(self, lay: Layout) -> dict[str, Reading]:
+        """Channels of its coordinates by name."""
+        return {}
+
+    def turned(self, angle: float, ratio: float) -> Load:
+        """The load after the motors have rolled by ``angle`` (rad); MachineError if it cannot."""
+        return self
+
+    def check_run(self, profile: SpeedProfile, ratio: float, end: float) -> None:
+        """Raise MachineError if it does not allow the motion up to ``end`` (s)."""
+        return
+
+
+@dataclass(frozen=True, kw_only=True)
+class StaticTorque(Load):
+    """A constant torque (N m, lowering positive) on each drum.
+
+    With a ``direction`` (rad, from +x to +z) the torque is that of a rope, which pulls along it with
+    torque/``drum_radius``.
+    """
+
+    torque: float
+    direction: float | None = None
+    drum_radius: float = 0.0
+    model: Literal["static-torque"] = "static-torque"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        finite("load torque", self.torque)
+        if self.direction is not None:
+            finite("load direction", self.direction)
+            positive("load drum_radius", self.drum_radius, "A rope that pulls the drum leaves it at some radius.")
+
+    @property
+    def idle(self) -> bool:
+        """Whether there is no torque."""
+        return self.torque == 0.0
+
+    def torque_on_shaft(self, gravity: float) -> float:
+        """Torque of all drums."""
+        return self.torque * len(self.drums)
+
+    def constant_force(self, lay: Layout) -> np.ndarray:
+        """The torque on the rotation of every drum, and the pull across the shaft."""
+        force = np.zeros(lay.size)
+        for y in self.drums:
+            force -= self.torque * lay.angle_row(self.shaft, y)
+            if self.direction is not None:
+                pull = np.array([*pull_axis(self.direction), 0.0, 0.0, 0.0]) * self.torque / self.drum_radius
+                force += lay.node_row(self.shaft, y, pull)
+        return force
+
+
+def pull_axis(direction: float | None) -> tuple[float, float, float]:
+    """Unit vector (x, y, z) of the ropes' pull at the drum; zero if it is balanced there."""
+    return (0.0, 0.0, 0.0) if direction is None else (math.cos(direction), 0.0, math.sin(direction))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OutsideForce(ABC):
+    """A force at ``y`` (m) of ``shaft`` besides the load, with a name of its own."""
+
+    name: str
+    shaft: str
+    y: float
+
+    @abstractmethod
+    def elements(self, assembly: Assembly) -> Iterable[Element]:
+        """Its elements."""

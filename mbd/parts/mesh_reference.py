@@ -1,0 +1,125 @@
+"""Quasi-static readings of a mesh law: approach at a load, no-load error, mean stiffness."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+
+from fem.contact.evaluation.evaluator import checked_teeth, evaluate, law_tables, shares
+from fem.contact.law import MeshLaw
+from mbd.parts.checks import EquilibriumError
+from mbd.parts.gear_mesh import MeshSpec
+from mbd.parts.machine import Machine
+from mbd.parts.train import power_flow
+
+MIN_LINE_LOAD = 1e3  # N/m: reference stiffness is taken at this load at least
+POSITIONS = 16  # cycle positions averaged
+LARGEST_APPROACH = 1e-2  # m
+SHARE_POSITIONS = 64  # places of the sliding shares over a mesh cycle
+
+
+def approach_at(
+    law: MeshLaw, cycle: float, force: float, pinion: np.ndarray, wheel: np.ndarray, psi: float = 0.0
+) -> float:
+    """delta (m) at which the law carries ``force`` (N, > 0) at ``cycle`` and ``psi``; by bisection, F rises with delta.
+
+    Raises
+    ------
+    EquilibriumError : no approach up to 10 mm carries the force (no tooth pair near mesh)
+    """
+    tables, pinion, wheel = law_tables(law), np.array(pinion), np.array(wheel)  # writable: one compiled form
+    low, high = -1e-6, 1e-6
+    while evaluate(tables, cycle, low, psi, pinion, wheel)[0] > force:
+        low *= 4
+        if low < -LARGEST_APPROACH:
+            raise EquilibriumError(f"{law.model} law: carries more than {force:.3g} N at every approach above {low} m.")
+    while evaluate(tables, cycle, high, psi, pinion, wheel)[0] < force:
+        high *= 4
+        if high > LARGEST_APPROACH:
+            raise EquilibriumError(
+                f"{law.model} law, {law.flank} flank, cycle {cycle:.3f}: no approach up to {LARGEST_APPROACH * 1e3:g} "
+                f"mm carries {force:.4g} N. Too many teeth are missing (choose another mesh phase at the start), or "
+                "the load is beyond the law."
+            )
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        if evaluate(tables, cycle, middle, psi, pinion, wheel)[0] < force:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def touching_approach(law: MeshLaw, cycle: float, pinion: np.ndarray, wheel: np.ndarray, psi: float) -> float:
+    """delta_0 (m): the largest approach without force, the no-load error at tilt ``psi``."""
+    return approach_at(law, cycle, 1e-9, pinion, wheel, psi)
+
+
+def mean_stiffness(law: MeshLaw, force: float) -> tuple[float, float]:
+    """Mean over one cycle of dF/d delta (N/m) and dM/d psi (N m/rad) at ``force`` without deviations or tilt."""
+    pinion, wheel = checked_teeth(law, None, None)
+    tables = law_tables(law)
+    total = np.zeros(2)
+    for cycle in (np.arange(POSITIONS) + 0.5) / POSITIONS:
+        delta = approach_at(law, cycle, force, pinion, wheel)
+        _, _, _, f_d, _, m_p, _ = evaluate(tables, cycle, delta, 0.0, pinion, wheel)
+        total += f_d, m_p
+    return float(total[0] / POSITIONS), float(total[1] / POSITIONS)
+
+
+def nominal_forces(machine: Machine) -> dict[str, float]:
+    """Mesh force F = T1/r_b1 (N) by mesh name under the hanging load, without losses; 0 outside the path of the load.
+
+    Side by side paths share the power as `mbd.parts.train.power_flow` says.
+    """
+    ratios, load = machine.ratios(), machine.load
+    at = {shaft.name: i for i, shaft in enumerate(machine.shafts)}
+    flows = [(at[m.driving], at[m.driven]) for m in machine.meshes]
+    flows += [(at[one], at[other]) for one, other in (j.shafts for j in machine.shaft_couplings)]
+    share = power_flow(len(at), flows, [at[c.shaft] for c in machine.couplings], at[load.shaft])
+    drawn = ratios[load.shaft] * load.torque_on_shaft(machine.gravity)  # power per motor speed
+    return {
+        m.name: float(drawn * part / ratios[m.driving] / m.base_radius_driving)
+        for m, part in zip(machine.meshes, share, strict=False)
+    }
+
+
+def reference_load(mesh: MeshSpec, nominal: float) -> float:
+    """Load (N) at which the linear reference of a mesh is taken."""
+    return max(abs(nominal), MIN_LINE_LOAD * float(mesh.drive.slice_width.sum()))
+
+
+def sliding_shares(law: MeshLaw, force: float) -> np.ndarray:
+    """(2, SHARE_POSITIONS): sums of share x sign(xi) and of share x |xi| (m) over all pairs and slices, xi the distance
+    from the pitch point along the path, over one mesh cycle at ``force`` (N), without deviations or tilt.
+
+    Each slice is read for itself at the approach of the whole face, which neglects coupling along the face.
+    """
+    pinion, wheel = checked_teeth(law, None, None)
+    lone = [_one_slice(law, s) for s in range(len(law.slice_width))]
+    tables = np.zeros((2, SHARE_POSITIONS))
+    for i in range(SHARE_POSITIONS):
+        cycle = i / SHARE_POSITIONS
+        delta, total = approach_at(law, cycle, force, pinion, wheel), 0.0
+        for part, shift in zip(lone, law.cycle_shift, strict=True):
+            number, load = shares(part, cycle, delta)
+            xi = law.cycle_sign * cycle + law.cycle_offset + shift - number
+            tables[0, i] += float(load @ np.sign(xi))
+            tables[1, i] += float(load @ abs(xi)) * law.base_pitch
+            total += float(load.sum())
+        tables[:, i] /= total
+    return tables
+
+
+def _one_slice(law: MeshLaw, s: int) -> MeshLaw:
+    """The law of slice ``s`` alone."""
+    changes: dict[str, Any] = {
+        field.name: np.take(getattr(law, field.name), [s], axis=field.metadata["dims"].index("slice"))
+        for field in fields(law)
+        if "slice" in field.metadata.get("dims", ())
+    }
+    return replace(law, **changes)

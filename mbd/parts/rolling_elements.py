@@ -1,0 +1,148 @@
+"""The inside of a rolling bearing: geometry, stiffness of one element, pass frequencies.
+
+K of a ball joins its contacts with both rings, 1/K = (K_i^(-2/3) + K_o^(-2/3))^(3/2), by Hertz' theory of elliptical
+contacts; K of a roller is c_L l^(8/9), c_L = 35 948 N/mm^(10/9) mm^(-8/9) for steel (both contacts).
+
+References
+----------
+Harris & Kotzalas (2007), Rolling Bearing Analysis, 5th ed., ch. 6 (Hertz contacts); ISO/TS 16281:2008, 4.3 (c_L);
+Brewe & Hamrock (1977), J. Lubr. Technol. 99, 485-487.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy import optimize, special
+
+from mbd.parts.checks import MachineError, finite, not_negative, positive
+
+LINE_CONSTANT = 35948.0 * 1000.0 ** (10 / 9 + 8 / 9)  # c_L in N, m
+STEEL = (206e9, 0.3)
+REFERENCE_SHARE = 0.02
+
+
+@dataclass(frozen=True, kw_only=True)
+class RollingElements:
+    """The inside of a rolling bearing, SI. ``contact_angle`` > 0 carries the shaft towards +y, < 0 towards -y."""
+
+    kind: Literal["ball", "roller"]
+    count: int
+    diameter: float
+    pitch_diameter: float
+    contact_angle: float = 0.0
+    length: float = 0.0  # of a roller
+    inner_conformity: float = 0.52
+    outer_conformity: float = 0.52
+    clearance: float = 0.0  # diametral, radial direction
+    preload: float = 0.0  # axial shift of the inner against the outer ring at assembly
+    cage_start: float = 0.0  # rad
+
+    def __post_init__(self) -> None:
+        if self.kind not in ("ball", "roller"):
+            raise MachineError(f"rolling elements: kind {self.kind!r} is unknown; known: ball, roller.")
+        if self.count < 3:
+            raise MachineError(f"rolling elements: {self.count} are too few; at least 3 hold a ring.")
+        for name in ("diameter", "pitch_diameter"):
+            positive(f"rolling elements {name}", getattr(self, name))
+        for name in ("clearance", "preload", "cage_start"):
+            finite(f"rolling elements {name}", getattr(self, name))
+        room = self.pitch_diameter * math.sin(math.pi / self.count)
+        if self.diameter > room:
+            raise MachineError(
+                f"rolling elements: {self.count} of diameter {self.diameter * 1e3:.3f} mm overlap on pitch diameter "
+                f"{self.pitch_diameter * 1e3:.3f} mm; at most {room * 1e3:.3f} mm fit."
+            )
+        if abs(self.contact_angle) >= math.radians(75):
+            raise MachineError(
+                f"rolling elements: contact angle {math.degrees(self.contact_angle):.3g} deg must be below 75; thrust "
+                "bearings are not modelled."
+            )
+        if self.kind == "roller":
+            positive("rolling elements length", self.length, "A roller needs its effective contact length.")
+        else:
+            not_negative("rolling elements inner_conformity above 0.5", self.inner_conformity - 0.5 - 1e-6)
+            not_negative("rolling elements outer_conformity above 0.5", self.outer_conformity - 0.5 - 1e-6)
+
+    @property
+    def gamma(self) -> float:
+        """D cos a over the pitch diameter."""
+        return self.diameter * math.cos(self.contact_angle) / self.pitch_diameter
+
+    @property
+    def stiffness(self) -> float:
+        """K of one element, N/m^1.5 for a ball, N/m^(10/9) for a roller: both contacts in series."""
+        if self.kind == "roller":
+            return LINE_CONSTANT * self.length ** (8 / 9)
+        d, g = self.diameter, self.gamma
+        inner = ball_contact(2 / d, 2 / d, 2 * g / (d * (1 - g)), -1 / (self.inner_conformity * d))
+        outer = ball_contact(2 / d, 2 / d, -2 * g / (d * (1 + g)), -1 / (self.outer_conformity * d))
+        return float((inner ** (-2 / 3) + outer ** (-2 / 3)) ** -1.5)
+
+
+def ball_contact(*curvatures: float) -> float:
+    """K (N/m^1.5) in Q = K delta^1.5 of a steel contact; curvatures (1/m) of both bodies, in the rolling plane first:
+    1 in rolling direction and across, 2 in rolling direction and across (hollow negative).
+
+    The ratio kappa of the axes solves F(rho) = ((k^2 + 1) E - 2 F)/((k^2 - 1) E), F and E the complete elliptic
+    integrals of 1 - 1/k^2; delta = delta* (3 Q/(2 sum E'))^(2/3) sum/2, delta* = (2 F/pi) (pi/(2 k^2 E))^(1/3).
+    """
+    one, across_one, two, across_two = curvatures
+    total = sum(curvatures)
+    star = dimensionless_deflection(abs((one - across_one) + (two - across_two)) / total)
+    modulus, nu = STEEL
+    soft = 3 / (2 * total) * 2 * (1 - nu**2) / modulus
+    return float((star * soft ** (2 / 3) * total / 2) ** -1.5)
+
+
+def dimensionless_deflection(difference: float) -> float:
+    """delta* of the curvature difference F(rho) in [0, 1)."""
+    if difference < 1e-9:
+        return 1.0
+
+    def miss(log_kappa: float) -> float:
+        k2 = math.exp(2 * log_kappa)
+        first, second = special.ellipk(1 - 1 / k2), special.ellipe(1 - 1 / k2)
+        return ((k2 + 1) * second - 2 * first) / ((k2 - 1) * second) - difference
+
+    k2 = math.exp(2 * optimize.brentq(miss, 1e-6, 12.0, xtol=1e-13))
+    first, second = special.ellipk(1 - 1 / k2), special.ellipe(1 - 1 / k2)
+    return float(2 * first / math.pi * (math.pi / (2 * k2 * second)) ** (1 / 3))
+
+
+@dataclass(frozen=True)
+class PassFrequencies:
+    """Per revolution of the shaft with the outer ring at rest."""
+
+    outer: float  # BPFO, elements passing a point of the outer ring
+    inner: float  # BPFI
+    spin: float  # BSF, turns of an element; a defect on it strikes twice as often
+    cage: float  # FTF
+
+
+def pass_frequencies(elements: RollingElements) -> PassFrequencies:
+    """Kinematics without slip."""
+    z, g = elements.count, elements.gamma
+    spin = elements.pitch_diameter / (2 * elements.diameter) * (1 - g * g)
+    return PassFrequencies(z / 2 * (1 - g), z / 2 * (1 + g), spin, (1 - g) / 2)
+
+
+def element_values(elements: RollingElements, rate: float, damping_time: float) -> np.ndarray:
+    """Constants for `ball_forces` or `roller_forces`; ``rate`` is the cage angle (about +y) per motor angle."""
+    e, a = elements, elements.contact_angle
+    half = e.clearance / 2
+    common = [e.count, e.stiffness, e.pitch_diameter / 2, rate, e.cage_start, damping_time]
+    if e.kind == "ball":
+        centre = (e.inner_conformity + e.outer_conformity - 1) * e.diameter
+        return np.array([*common, centre, centre * math.cos(a) - half, centre * math.sin(a) + e.preload])
+    return np.array([*common, e.length, math.cos(a), math.sin(a), half * math.cos(a) - e.preload * math.sin(a)])
+
+
+def reference_load(elements: RollingElements) -> float:
+    """Radial load (N), a small share of the static capacity: 12 MPa Z D^2 of balls, 44 MPa Z D l of rollers."""
+    across = elements.diameter if elements.kind == "ball" else elements.length
+    capacity = (12e6 if elements.kind == "ball" else 44e6) * elements.count * elements.diameter * across
+    return REFERENCE_SHARE * capacity * math.cos(elements.contact_angle)

@@ -1,0 +1,81 @@
+"""Kinematics of a parallel-shaft train: lifting speed of every shaft per motor speed, through branches and loops.
+
+A link couples the rotations of two shafts: a gear mesh with the ratio z1/z2, or a shaft coupling with the ratio 1.
+Angles are positive in the lifting sense, so that every ratio is positive. A loop of links is closed only if the ratios
+around it agree; otherwise it locks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from mbd.parts.checks import MachineError
+
+RATIO_TOLERANCE = 1e-9  # relative: teeth are whole numbers, so that ratios agree to round-off or not at all
+
+
+class Link(NamedTuple):
+    """What turns ``second`` at ``ratio`` times the speed of ``first``."""
+
+    name: str
+    first: str
+    second: str
+    ratio: float
+
+
+def shaft_ratios(shafts: Sequence[str], links: Sequence[Link], start: str) -> dict[str, float]:
+    """Lifting angle of every shaft per lifting angle of the shaft ``start``, found along the links in both directions.
+
+    Raises
+    ------
+    MachineError : a shaft that nothing turns, or a loop that locks
+    """
+    result = {start: 1.0}
+    waiting = list(links)
+    while waiting:
+        ready = next((link for link in waiting if link.first in result or link.second in result), None)
+        if ready is None:
+            break
+        waiting.remove(ready)
+        if ready.first not in result:
+            result[ready.first] = result[ready.second] / ready.ratio
+        elif ready.second not in result:
+            result[ready.second] = result[ready.first] * ready.ratio
+        else:
+            _closed(ready, result)
+    idle = [name for name in shafts if name not in result]
+    if idle:
+        raise MachineError(
+            f"shafts {', '.join(idle)}: no mesh, coupling or motor turns them; remove them or connect them to {start}."
+        )
+    return result
+
+
+def _closed(link: Link, ratios: dict[str, float]) -> None:
+    around, own = ratios[link.second] / ratios[link.first], link.ratio
+    if abs(around - own) > RATIO_TOLERANCE * own:
+        raise MachineError(
+            f"{link.name}: closes a loop from {link.first} to {link.second} with the ratio {own:.9g}, but the rest of "
+            f"the loop has {around:.9g}: the train would lock. Choose teeth so that both paths agree, or open the loop."
+        )
+
+
+def power_flow(shafts: int, flows: Sequence[tuple[int, int]], motors: Sequence[int], loaded: int) -> np.ndarray:
+    """Share (flow + motor,) of the power drawn at the shaft ``loaded`` that each flow (giver, taker) and motor carries.
+
+    The balance of every shaft; where paths run side by side it leaves the split open, and the split with the least sum
+    of squares is taken.
+    """
+    balance = np.zeros((shafts, len(flows) + len(motors)))
+    for k, (giver, taker) in enumerate(flows):
+        balance[giver, k], balance[taker, k] = -1.0, 1.0
+    for k, shaft in enumerate(motors, len(flows)):
+        balance[shaft, k] = 1.0
+    drawn = np.zeros(shafts)
+    drawn[loaded] = 1.0
+    share = np.linalg.lstsq(balance, drawn, rcond=None)[0]
+    whole = np.round(share)
+    return np.where(abs(share - whole) < 1e-12, whole, share)

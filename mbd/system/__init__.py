@@ -1,0 +1,1 @@
+"""The assembled machine: matrices and rows, equilibrium, natural modes."""

@@ -1,0 +1,1 @@
+"""Where a user's texts, files and arguments come in and messages go out."""

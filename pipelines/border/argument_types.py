@@ -1,0 +1,82 @@
+"""Values of command line arguments; ArgumentTypeError says what is wrong with one."""
+
+from __future__ import annotations
+
+import argparse
+import math
+
+MOST = 1000  # of anything that is counted
+
+
+def path(text: str) -> str:
+    """A name that a file can have."""
+    from pipelines.border.errors import InputError
+    from pipelines.border.user_files import checked_path
+
+    try:
+        checked_path(text)
+    except InputError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+    return text
+
+
+def count(text: str) -> int:
+    """A whole number from 1."""
+    if not text.isdecimal() or len(text) > len(str(MOST)) or not 1 <= int(text) <= MOST:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 to {MOST}")
+    return int(text)
+
+
+def several(text: str) -> int:
+    """A whole number from 2."""
+    if count(text) < 2:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 2")
+    return int(text)
+
+
+def number(text: str) -> float:
+    """A finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def positive(text: str) -> float:
+    """A number above 0."""
+    if number(text) <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not above 0")
+    return number(text)
+
+
+def picture(text: str) -> str:
+    """The file of a picture; without an ending it gets .png."""
+    path(text)
+    suffix = text.rpartition(".")[2].lower() if "." in text.rpartition("/")[2] else ""
+    if suffix not in ("", "png", "svg", "pdf"):
+        raise argparse.ArgumentTypeError(f"{text!r} is no picture that can be written; end it in .png, .svg or .pdf")
+    return text if suffix else f"{text}.png"
+
+
+def share(text: str) -> float:
+    """A share, as a number or in per cent."""
+    return positive(text.removesuffix("%")) / 100 if text.endswith("%") else positive(text)
+
+
+def seconds(text: str) -> float:
+    """Seconds, with or without the letter s."""
+    return positive(text.removesuffix("s"))
+
+
+def days(text: str) -> float:
+    """Days from 0."""
+    try:
+        found = float(text)
+    except ValueError:
+        found = -1.0
+    if not 0 <= found < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of days from 0")
+    return found

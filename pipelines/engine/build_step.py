@@ -1,0 +1,156 @@
+"""One stage built in this process: its time, its memory, what it counted, and its result in the cache."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from fem.storage.cache_folder import warn_without
+from fem.storage.ledger import counting
+from pipelines.border.errors import WorkError
+from pipelines.engine.cache import Cache, Entry
+from pipelines.engine.step import Built, Stage, StageRecord
+from pipelines.engine.storage import PayloadError, digest, load_payload, save_payload
+
+_THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+
+
+@dataclass(frozen=True)
+class Result:
+    """A stage's record with the way to its value: an entry of the cache, or the value itself if none was stored."""
+
+    record: StageRecord
+    entry: Entry | None
+    value: Any = None
+
+    def load(self) -> Any:
+        """The value, read from the cache if it is there."""
+        if self.entry is None or self.value is not None:
+            return self.value
+        try:
+            return load_payload(self.entry.folder)
+        except OSError as error:
+            raise WorkError(
+                f"stage {self.record.name}: its stored result {self.entry.name} was removed while it was needed "
+                f"({error}). Run again; do not clear the cache during a run."
+            ) from error
+        except (ValueError, TypeError, KeyError) as error:
+            raise WorkError(
+                f"stage {self.record.name}: its stored result is not one ({error}). Remove {self.entry.folder} and run "
+                "again."
+            ) from error
+
+    def stored(self) -> Result:
+        """The same without the value, where the cache holds it."""
+        return self if self.entry is None else Result(self.record, self.entry)
+
+
+def build_here(stage: Stage, key: str, upstream: Mapping[str, Result], cache: Cache) -> Result:
+    """Build one stage in this process and store it."""
+    inputs = [upstream[name].load() for name in stage.takes]
+    if not stage.streams:
+        return _built(stage, key, upstream, cache, inputs)
+    with cache.workplace() as folder:
+        try:
+            result = _built(stage, key, upstream, cache, inputs, folder=folder)
+        except OSError as error:
+            if folder is None:
+                raise
+            warn_without(cache.folder, error)
+            return _built(stage, key, upstream, cache, inputs, folder=None)
+        # what the folder holds ends with it: the entry has it, too, or else memory must
+        return result.stored() if result.entry else replace(result, value=result.value.in_memory())
+
+
+def _built(
+    stage: Stage, key: str, upstream: Mapping[str, Result], cache: Cache, inputs: list[Any], **place: Path | None
+) -> Result:
+    start = time.perf_counter()
+    with peak_memory() as peak, counting() as book:
+        try:
+            made = stage.build(stage.spec, *inputs, **place)
+        except Exception as error:
+            error.add_note(f"in stage {stage.name}")
+            raise
+    built = made if isinstance(made, Built) else Built(made)
+    facts = {
+        **stage.facts({name: upstream[name].record.content for name in stage.takes}),
+        "content": digest(built.value),
+        "seconds": round(time.perf_counter() - start, 6),
+        "peak_bytes": peak.bytes,
+        "ledger": {**book, **built.ledger},
+        "stage": stage.name,
+    }
+    try:
+        entry = cache.store(stage.kind, key, lambda folder: save_payload(folder, built.value), facts)
+    except PayloadError as error:
+        raise WorkError(f"stage {stage.name}: its result cannot be stored: {error}") from error
+    return Result(stage_record(stage, key, facts, reused=False), entry, built.value)
+
+
+def stage_record(stage: Stage, key: str, facts: Mapping[str, Any], *, reused: bool) -> StageRecord:
+    """The record of a stage with the facts that are stored of it."""
+    return StageRecord(
+        name=stage.name,
+        kind=stage.kind,
+        key=key,
+        content=facts["content"],
+        reused=reused,
+        seconds=facts["seconds"],
+        peak_bytes=facts["peak_bytes"],
+        ledger=facts["ledger"],
+    )
+
+
+@contextlib.contextmanager
+def one_thread() -> Iterator[None]:
+    """BLAS and OpenMP limited to one thread, in libraries loaded before and after."""
+    from threadpoolctl import threadpool_limits
+
+    before = {name: os.environ.get(name) for name in _THREAD_VARIABLES}
+    os.environ.update(dict.fromkeys(_THREAD_VARIABLES, "1"))
+    try:
+        with threadpool_limits(1):
+            yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+class Peak:
+    """Largest resident memory seen, in bytes."""
+
+    bytes = 0
+
+
+@contextlib.contextmanager
+def peak_memory(interval: float = 0.05) -> Iterator[Peak]:
+    """Sample the resident memory of this process while the block runs."""
+    import psutil
+
+    process, peak, done = psutil.Process(), Peak(), threading.Event()
+
+    def look() -> None:
+        peak.bytes = max(peak.bytes, process.memory_info().rss)
+
+    def watch() -> None:
+        while not done.wait(interval):
+            look()
+
+    thread = threading.Thread(target=watch, name="peak memory", daemon=True)
+    thread.start()
+    try:
+        yield peak
+    finally:
+        done.set()
+        thread.join()
+        look()

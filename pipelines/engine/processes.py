@@ -1,0 +1,146 @@
+"""Build stages in processes of their own: started as commands, so that a user's script needs no main guard.
+
+The parent writes a job file and its name on the child's standard input; the child (`pipelines.engine.worker`) stores
+its result in the cache, answers with a file and waits for the next job, because starting Python and its libraries is
+dear. A child whose parent is gone reads the end of its input and stops. The files lie in a folder that only this user
+can read and write: reading one runs what it holds.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import tempfile
+import time
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Self, cast
+
+from fem.storage.cache_folder import CacheWarning, warn_once
+from pipelines.border.errors import WorkError
+from pipelines.engine.build_step import Result
+from pipelines.engine.child import command, environment
+from pipelines.engine.step import Stage
+
+_POLL_SECONDS = 0.02
+
+
+@dataclass(frozen=True)
+class _Job:
+    stage: Stage
+    key: str
+    path: Path
+
+    @property
+    def answer(self) -> Path:
+        return self.path.with_suffix(".answer")
+
+
+class Pool:
+    """Children at work or waiting for it. Leaving the block ends them all."""
+
+    def __init__(self) -> None:
+        self._working: list[tuple[subprocess.Popen, _Job]] = []
+        self._idle: list[subprocess.Popen] = []
+        self._folder: tempfile.TemporaryDirectory | None = None
+        self._jobs = 0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        children = [*self._idle, *(child for child, _ in self._working)]
+        for child in children:
+            child.kill()
+        for child in children:
+            child.wait()
+            _input(child).close()
+        self._idle.clear()
+        self._working.clear()
+        if self._folder is not None:
+            self._folder.cleanup()
+
+    def __len__(self) -> int:
+        return len(self._working)
+
+    def names(self) -> set[str]:
+        """Names of the stages at work."""
+        return {job.stage.name for _, job in self._working}
+
+    def builds(self, key: str) -> bool:
+        """True if a stage with this key is at work."""
+        return any(key == job.key for _, job in self._working)
+
+    def start(self, stage: Stage, key: str, upstream: Mapping[str, Result], cache_folder: Path) -> None:
+        """Begin to build a stage."""
+        if self._folder is None:
+            self._folder = tempfile.TemporaryDirectory(prefix="gearcase-", ignore_cleanup_errors=True)
+        job = _Job(stage, key, Path(self._folder.name) / f"{self._jobs}.job")
+        self._jobs += 1
+        job.path.write_bytes(pickle.dumps((stage, key, {n: r.stored() for n, r in upstream.items()}, cache_folder)))
+        child = self._waiting_child() or _new_child(Path(self._folder.name))
+        self._working.append((child, job))
+        try:
+            _input(child).write(f"{job.path.name}\n".encode())
+        except BrokenPipeError as error:
+            raise _lost(stage, child) from error
+
+    def _waiting_child(self) -> subprocess.Popen | None:
+        """One that is alive; those that died while they waited have nothing to lose."""
+        while self._idle:
+            child = self._idle.pop()
+            if child.poll() is None:
+                return child
+            _input(child).close()
+        return None
+
+    def wait(self) -> list[tuple[Stage, Result]]:
+        """Sleep until at least one job is done; raises what a stage raised."""
+        while True:
+            done = [one for one in self._working if one[1].answer.exists() or one[0].poll() is not None]
+            if done:
+                return [self._result(child, job) for child, job in done]
+            time.sleep(_POLL_SECONDS)
+
+    def _result(self, child: subprocess.Popen, job: _Job) -> tuple[Stage, Result]:
+        if not job.answer.exists():
+            raise _lost(job.stage, child)
+        self._working.remove((child, job))
+        self._idle.append(child)
+        kind, content, notes = pickle.loads(job.answer.read_bytes())
+        for category, text in notes:
+            if category is CacheWarning:
+                warn_once(text)  # each process finds out for itself that there is no cache
+            else:
+                warnings.warn(category(text), stacklevel=2)
+        if kind == "error":
+            raise content
+        return job.stage, content
+
+
+def _new_child(folder: Path) -> subprocess.Popen:
+    alone = os.name == "posix"  # an interrupt from the keyboard reaches the parent only, which ends its children
+    return subprocess.Popen(
+        command("pipelines.engine.worker", str(folder)),
+        bufsize=0,
+        stdin=subprocess.PIPE,
+        env=environment(),
+        start_new_session=alone,
+    )
+
+
+def _input(child: subprocess.Popen) -> IO[bytes]:
+    return cast("IO[bytes]", child.stdin)
+
+
+def _lost(stage: Stage, process: subprocess.Popen) -> WorkError:
+    code = process.wait()
+    if code < 0:
+        how = f"was ended by {signal.Signals(-code).name}, perhaps for lack of memory"
+    else:
+        how = f"ended with code {code} and no answer; what it said stands above"
+    return WorkError(f"stage {stage.name}: its process {how}. Run again with --processes 1, or with a coarser model.")

@@ -1,0 +1,261 @@
+"""Stages: what a run consists of, and the keys under which their results are kept.
+
+A stage is a function, the part of the scene it reads (handed to it as `spec`, so it cannot read more), and the stages
+whose results it takes. Its key is the hash of the spec, of the CONTENT of what it takes, of its code and of the
+libraries it names. An upstream stage that was built again with the same content changes nothing downstream.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from pipelines.border.toml_text import format_value
+from pipelines.engine.cache import Cache, Entry
+from pipelines.engine.code_version import code_version, library_versions
+from pipelines.engine.storage import digest, flat
+
+FIRST = "first run"
+_FACTS: dict[str, type | tuple[type, ...]] = {
+    "content": str,
+    "seconds": (int, float),
+    "peak_bytes": int,
+    "ledger": dict,
+    "fields": dict,
+    "takes": list,
+    "code": str,
+    "libraries": dict,
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stage:
+    """One step of a run: ``build(spec, *results of takes)``.
+
+    `kind` names the cache entries; stages of one kind with equal inputs share one entry. `build` is a function of a
+    module (not a lambda), it may return `Built` to report counts. `seconds` is what it is expected to take: long
+    stages that do not wait for each other run side by side.
+    """
+
+    name: str
+    kind: str
+    build: Callable[..., Any]
+    spec: Any = None
+    takes: tuple[str, ...] = ()
+    modules: tuple[str, ...] = ()  # further modules whose code counts, beyond what `build` imports
+    libraries: tuple[str, ...] = ("numpy",)
+    seconds: float = 0.0
+    streams: bool = False  # `build` takes a `folder` for arrays too large for memory; None where none can be written
+    enough: str = ""  # a number in `spec`: a stored result with a larger one holds all that is asked, and serves
+
+    @property
+    def code(self) -> str:
+        """Version of the code."""
+        return code_version(self.build.__module__, *self.modules)
+
+    def load(self) -> str:
+        """Import the modules that it names and read its code, ahead of the build; the version of the code."""
+        for module in self.modules:
+            importlib.import_module(module)
+        return self.code
+
+    def facts(self, contents: Mapping[str, str]) -> dict[str, Any]:
+        """Everything the result depends on, in a form that can be compared; `contents` are digests by stage name."""
+        return {
+            "kind": self.kind,
+            "fields": flat(self.spec),
+            "spec": digest(self.spec),
+            "takes": [contents[name] for name in self.takes],
+            "code": self.code,
+            "libraries": library_versions(*self.libraries),
+        }
+
+    def key(self, contents: Mapping[str, str]) -> str:
+        """SHA-256 of what the result depends on."""
+        facts = {name: value for name, value in self.facts(contents).items() if name != "fields"}
+        return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class Built:
+    """What a stage may return instead of the bare value: the value with counts for the build ledger."""
+
+    value: Any
+    ledger: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StageRecord:
+    """What happened to a stage in a run. Seconds, memory and ledger are those of the time it was built."""
+
+    name: str
+    kind: str
+    key: str
+    content: str
+    reused: bool
+    seconds: float
+    peak_bytes: int
+    ledger: Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class StageStatus:
+    """What would happen to a stage: "reuse", "build", or "follow" (decided by the content of what it waits for)."""
+
+    name: str
+    action: str
+    reason: str
+    first: bool = False  # nothing is stored that it could be compared with
+
+
+class Graph:
+    """Stages in an order in which each one stands after those it takes.
+
+    Raises ValueError for a repeated name or a stage that takes what does not stand before it.
+    """
+
+    def __init__(self, stages: Iterable[Stage]) -> None:
+        self.stages: dict[str, Stage] = {}
+        for stage in stages:
+            missing = [name for name in stage.takes if name not in self.stages]
+            if missing or stage.name in self.stages:
+                wrong = f"takes {missing[0]!r}, which does not stand before it" if missing else "is given twice"
+                raise ValueError(f"stage {stage.name!r} {wrong}")
+            self.stages[stage.name] = stage
+
+    def __iter__(self) -> Iterator[Stage]:
+        return iter(self.stages.values())
+
+    def needed(self, wanted: Iterable[str]) -> Graph:
+        """The graph cut down to the wanted stages and what they take, directly or not."""
+        keep, waiting = set(), list(wanted)
+        while waiting:
+            name = waiting.pop()
+            if name not in keep:
+                keep.add(name)
+                waiting.extend(self.stages[name].takes)
+        return Graph(stage for stage in self if stage.name in keep)
+
+    def seconds_to_the_end(self) -> dict[str, float]:
+        """Expected seconds of every stage with the longest chain of stages that follow it."""
+        behind = dict.fromkeys(self.stages, 0.0)
+        whole = {}
+        for stage in reversed(self.stages.values()):
+            whole[stage.name] = stage.seconds + behind[stage.name]
+            for name in stage.takes:
+                behind[name] = max(behind[name], whole[stage.name])
+        return whole
+
+
+def stored(stage: Stage, cache: Cache, contents: Mapping[str, str], *, thorough: bool) -> Entry | None:
+    """The entry that serves a stage: its own, or that with the next larger number where more is `enough`."""
+    found = cache.find(stage.kind, stage.key(contents), thorough=thorough)
+    if found is not None and not _whole(found):
+        cache.discard(found.folder, "its facts are not those of a stage")
+        found = None
+    if found is not None or not stage.enough:
+        return found
+    facts = stage.facts(contents)
+    wanted = facts["fields"][stage.enough]
+    serving = []
+    for entry in filter(_whole, cache.entries(stage.kind)):
+        given = entry.facts["fields"].get(stage.enough)
+        same = all(entry.facts[name] == facts[name] for name in ("takes", "code", "libraries"))
+        others = {**entry.facts["fields"], stage.enough: wanted}
+        if same and others == facts["fields"] and isinstance(given, int | float) and given > wanted:
+            serving.append((given, entry.facts["key"]))
+    return cache.find(stage.kind, min(serving)[1], thorough=thorough) if serving else None
+
+
+def explain(graph: Graph, cache: Cache) -> list[StageStatus]:
+    """What a run of the graph would reuse and build, and why; builds nothing."""
+    contents: dict[str, str] = {}
+    out = []
+    planned: dict[str, str] = {}
+    for stage in graph:
+        waiting = [name for name in stage.takes if name not in contents]
+        if waiting:
+            own = _own_changes(stage, cache, contents)
+            reason = "; ".join([f"after {', '.join(waiting)}", *([FIRST] if own is None else own)])
+            out.append(StageStatus(stage.name, "follow" if own == [] else "build", reason, first=own is None))
+            continue
+        key = stage.key(contents)
+        entry = stored(stage, cache, contents, thorough=False)
+        if entry is not None:
+            contents[stage.name] = entry.facts["content"]
+            more = "" if entry.facts["key"] == key else f"computed for a larger {stage.enough}"
+            out.append(StageStatus(stage.name, "reuse", more))
+        elif key in planned:
+            out.append(StageStatus(stage.name, "reuse", f"the same as {planned[key]}"))
+        else:
+            planned[key] = stage.name
+            differences = _nearest(stage, cache, stage.facts(contents))
+            reason = FIRST if differences is None else "; ".join(differences) or "its stored result is gone"
+            out.append(StageStatus(stage.name, "build", reason, first=differences is None))
+    return out
+
+
+def _own_changes(stage: Stage, cache: Cache, contents: Mapping[str, str]) -> list[str] | None:
+    """Differences to the nearest entry in all but the results that are not known yet; None without one."""
+    known = {name: contents.get(name, "") for name in stage.takes}
+    differences = _nearest(stage, cache, stage.facts(known))
+    return None if differences is None else [d for d in differences if not d.startswith("another")]
+
+
+def _nearest(stage: Stage, cache: Cache, facts: Mapping[str, Any]) -> list[str] | None:
+    """Differences to the entry with the fewest; None without entries of inputs like these.
+
+    Of equals, one that was built for a stage of the same name comes first, then the newest.
+    """
+    ranked = [
+        (len(found), entry.facts.get("stage") != stage.name, found)
+        for entry in filter(_whole, cache.entries(stage.kind))
+        if (found := _differences(stage, entry, facts)) is not None
+    ]
+    return min(ranked, key=lambda item: item[:2])[2] if ranked else None
+
+
+def _differences(stage: Stage, entry: Entry, facts: Mapping[str, Any]) -> list[str] | None:
+    """What sets a stage apart from a stored one; None if that took other stages or belongs to another scene."""
+    old = entry.facts
+    before, after = old["fields"], facts["fields"]
+    changed = [
+        path
+        for path in sorted(before.keys() | after.keys())
+        if before.get(path) != after.get(path) or (path in before) != (path in after)
+    ]
+    if len(old["takes"]) != len(facts["takes"]) or len(changed) > _comparable(len(after)):
+        return None
+    out = [
+        f"{path.removeprefix('scene.') or 'input'} {_shown(before, path)} -> {_shown(after, path)}" for path in changed
+    ]
+    pairs = zip(stage.takes, old["takes"], facts["takes"], strict=True)
+    out += [f"another result of {name}" for name, was, now in pairs if was != now]
+    if old["code"] != facts["code"]:
+        out.append("its code changed")
+    versions = facts["libraries"].items()
+    out += [f"{lib} {old['libraries'].get(lib)} -> {now}" for lib, now in versions if old["libraries"].get(lib) != now]
+    return out
+
+
+def _comparable(values: int) -> int:
+    """How many of so many values may differ in a variant of one scene; with more it is another scene."""
+    return max(3, min(10, values // 4))
+
+
+def _whole(entry: Entry) -> bool:
+    """True if an entry has the facts of a stage; others were not stored by one."""
+    facts = entry.facts
+    typed = all(isinstance(facts.get(name), kind) for name, kind in _FACTS.items())
+    return typed and all(isinstance(count, int) for count in facts["ledger"].values())
+
+
+def _shown(fields: Mapping[str, Any], path: str) -> str:
+    if path not in fields:
+        return "(none)"
+    text = "none" if fields[path] is None else format_value(fields[path])
+    return text if len(text) <= 40 else f"{text[:37]}..."

@@ -1,0 +1,144 @@
+"""Rendered pictures with labels: a gear pair beside its stiffness curve, a casing with its key points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from pipelines.figures.colours import POINTS
+from pipelines.figures.plots import FAULTY, StiffnessPlot, draw_stiffness, new_figure, plain
+from pipelines.figures.render import KINDS, Picture
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+AXES = ("x", "y", "z")
+LABEL_HEIGHT = 34.0  # picture rows a label takes
+
+
+def gear_figure(picture: Picture, curve: StiffnessPlot | None, names: Mapping[str, str], title: str = "") -> Figure:
+    """The gear pair in three dimensions, its stiffness curve beside it.
+
+    `names` gives the words for the places of the picture: "pinion", "wheel" and "marked" (the damaged tooth).
+    """
+    figure = new_figure(5.0, 12.5 if curve is not None else 6.5)
+    if curve is None:
+        left = figure.subplots()
+    else:
+        left, right = figure.subplots(1, 2, width_ratios=[1.05, 1])
+        draw_stiffness(right, curve)
+    box = show(left, picture)
+    for place, name in names.items():
+        if place not in picture.places:
+            continue
+        column, row = picture.places[place]
+        marked = place == "marked"
+        left.annotate(
+            name,
+            (column, row),
+            xytext=(box[0] + 0.04 * (box[1] - box[0]), box[3] - 0.03 * (box[3] - box[2])) if marked else (column, row),
+            ha="left" if marked else "center",
+            va="center",
+            fontsize=10,
+            color=FAULTY if marked else "black",
+            fontweight="bold" if marked else "normal",
+            arrowprops={"arrowstyle": "-|>", "color": FAULTY, "shrinkB": 4} if marked else None,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
+        )
+    if title:
+        figure.suptitle(plain(title))
+    return figure
+
+
+def casing_figure(picture: Picture, title: str = "Casing and key points") -> Figure:
+    """The casing, every key point named at the side of the picture: yellow ground, red bearing, green sensor."""
+    figure = new_figure(7.0, 11.5)
+    axes = figure.subplots()
+    left, right, top, bottom = show(axes, picture)
+    points = {name: place for name, place in picture.places.items() if name.startswith(KINDS)}
+    middle = float(np.median([column for column, _ in points.values()])) if points else 0.0
+    margin = 0.03 * (right - left)
+    sides = (
+        ([n for n, (column, _) in points.items() if column <= middle], left - margin, "right"),
+        ([n for n, (column, _) in points.items() if column > middle], right + margin, "left"),
+    )
+    for chosen, place, alignment in sides:
+        chosen.sort(key=lambda name: points[name][1])
+        rows = spread([points[name][1] for name in chosen], LABEL_HEIGHT)
+        for name, row in zip(chosen, rows, strict=True):
+            colour = POINTS[name.split("_")[0]]
+            axes.annotate(
+                name,
+                points[name],
+                xytext=(place, row),
+                ha=alignment,
+                va="center",
+                fontsize=9,
+                annotation_clip=False,
+                arrowprops={"arrowstyle": "-", "color": colour, "lw": 0.9, "shrinkB": 3},
+            )
+    draw_axes(axes, picture, (right - 0.06 * (right - left), bottom))
+    width = 0.16 * (right - left)
+    axes.set_xlim(left - width, right + width)
+    axes.set_ylim(bottom + LABEL_HEIGHT, top - LABEL_HEIGHT)
+    counts = {kind: sum(name.startswith(kind) for name in points) for kind in KINDS}
+    handles = [
+        Line2D([], [], marker="o", ls="", color=POINTS[kind], label=f"{kind} points ({counts[kind]})") for kind in KINDS
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
+    figure.suptitle(plain(title))
+    return figure
+
+
+def spread(wanted: Sequence[float], distance: float) -> list[float]:
+    """Rising positions nearest to the wanted rising ones, at least `distance` apart (least squares, pooled blocks)."""
+    blocks: list[tuple[float, int]] = []  # mean of (wanted - i distance) and size, rising means
+    for i, place in enumerate(wanted):
+        blocks.append((place - i * distance, 1))
+        while len(blocks) > 1 and blocks[-2][0] >= blocks[-1][0]:
+            (mean_a, size_a), (mean_b, size_b) = blocks[-2:]
+            size = size_a + size_b
+            blocks[-2:] = [((mean_a * size_a + mean_b * size_b) / size, size)]
+    means = [mean for mean, size in blocks for _ in range(size)]
+    return [mean + i * distance for i, mean in enumerate(means)]
+
+
+def show(axes: Axes, picture: Picture, *, whole: bool = False) -> tuple[float, float, float, float]:
+    """Draw the picture, `whole` or without its white border; left, right, top, bottom of what is shown, in pixels."""
+    axes.imshow(picture.image, interpolation="bilinear")
+    axes.set_axis_off()
+    if whole:
+        return 0.0, float(picture.image.shape[1]), 0.0, float(picture.image.shape[0])
+    ink = np.any(picture.image < 250, axis=2)
+    rows, columns = np.flatnonzero(ink.any(axis=1)), np.flatnonzero(ink.any(axis=0))
+    if rows.size == 0:
+        rows, columns = np.array([0, ink.shape[0] - 1]), np.array([0, ink.shape[1] - 1])
+    border = 0.02 * float(columns[-1] - columns[0])
+    box = (columns[0] - border, columns[-1] + border, rows[0] - border, rows[-1] + border)
+    axes.set_xlim(box[0], box[1])
+    axes.set_ylim(box[3], box[2])
+    return box
+
+
+def corner_axes(axes: Axes, picture: Picture) -> None:
+    """The directions of a picture with the place "mesh", drawn in its lower left corner."""
+    rows, columns = picture.image.shape[:2]
+    places = dict(picture.places) | {"origin": picture.places["mesh"]}
+    draw_axes(axes, Picture(image=picture.image, places=places), (0.09 * columns, 0.88 * rows))
+
+
+def draw_axes(axes: Axes, picture: Picture, corner: tuple[float, float]) -> None:
+    """The global directions as arrows from a corner of the picture (column, row)."""
+    shift = np.array(corner) - np.array(picture.places["origin"])
+    for axis in AXES:
+        arrow = np.array(picture.places[axis]) - np.array(picture.places["origin"])
+        start = np.array(picture.places["origin"]) + shift
+        tip, label = start + arrow, start + 1.2 * arrow
+        style = {"arrowstyle": "-|>", "lw": 1.6, "color": "black", "shrinkA": 0}
+        axes.annotate("", (tip[0], tip[1]), xytext=(start[0], start[1]), arrowprops=style)
+        axes.annotate(axis, (label[0], label[1]), ha="center", va="center", fontsize=11, fontweight="bold",
+                      bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8})  # fmt: skip

@@ -1,0 +1,78 @@
+"""What happens in the mesh of a stage while the damaged tooth passes: contact lines, loads and shares, frame by frame.
+
+The picture's frame: pinion axis at the origin along z, wheel axis at x = a, the pinion turns counter-clockwise and
+drives. Contact lies on the line of action through the pitch point (r_w1, 0) along n = (sin alpha_wt, cos alpha_wt);
+z runs with the rotation vector of the pinion, as the face coordinate of the law does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.contact.evaluation.curves import StiffnessCurve, stiffness_curve
+from fem.contact.evaluation.line_loads import contact_pressure, line_loads
+from fem.contact.law import MeshLaw
+from fem.gears.geometry import GearPair
+
+PASSAGE = 2.5  # pitches before and after
+CURVE_POINTS = 161
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshFrames:
+    """One state of the teeth over the frames: lines (frame, pair, slice); nan where nothing touches."""
+
+    name: str  # "healthy", "missing tooth"
+    points: np.ndarray  # (frame, pair, slice, 3), m
+    load: np.ndarray  # (frame, pair, slice), N/m
+    pressure: np.ndarray  # (frame, pair, slice), Pa
+    curve: StiffnessCurve  # over the whole passage
+
+
+def passage(middle: float, frames: int) -> np.ndarray:
+    """Mesh cycles of the frames around the passage of a tooth; one frame stands in the middle."""
+    if frames == 1:
+        return np.array([middle])
+    return middle + np.linspace(-PASSAGE, PASSAGE, frames)
+
+
+def mesh_frames(
+    name: str, pair: GearPair, law: MeshLaw, load: float, cycles: np.ndarray, pinion: np.ndarray, wheel: np.ndarray
+) -> MeshFrames:
+    """Solve every frame at the force `load` (N) without tilt; pinion and wheel are the terms of their teeth.
+
+    Raises
+    ------
+    LawError : the force is not reached
+    """
+    centre = float(np.median(cycles))
+    whole = centre + np.linspace(-PASSAGE, PASSAGE, CURVE_POINTS)
+    curve, states = (
+        stiffness_curve(law, load, places, clearance_pinion=pinion, clearance_wheel=wheel) for places in (whole, cycles)
+    )
+    solved = [
+        line_loads(law, float(c), float(d), 0.0, pinion, wheel)
+        for c, d in zip(cycles, states.transmission_error, strict=True)
+    ]
+    most = max(pairs.size for pairs, _ in solved)
+    shape = (cycles.size, most, law.face_coordinate.size)
+    points, loads, pressure = np.full((*shape, 3), np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
+    for frame, (pairs, load_of) in enumerate(solved):
+        own = law.cycle_sign * cycles[frame] + law.cycle_offset
+        xi = own - pairs[:, None] + law.cycle_shift
+        touching = load_of > 0.0
+        n = pairs.size
+        points[frame, :n] = contact_places(pair, xi, law.face_coordinate)
+        loads[frame, :n] = np.where(touching, load_of, np.nan)
+        pressed = contact_pressure(pair, law, float(cycles[frame]), pairs, load_of)
+        pressure[frame, :n] = np.where(touching, pressed, np.nan)
+    return MeshFrames(name=name, points=points, load=loads, pressure=pressure, curve=curve)
+
+
+def contact_places(pair: GearPair, xi: np.ndarray, face: np.ndarray) -> np.ndarray:
+    """Points (pair, slice, 3), m, on the plane of action at xi (pair, slice) base pitches from the pitch point."""
+    alpha, along = pair.working_pressure_angle, xi * pair.base_pitch
+    x, y = pair.working_radii[0] + along * np.sin(alpha), along * np.cos(alpha)
+    return np.stack([x, y, np.broadcast_to(face, xi.shape)], axis=-1)

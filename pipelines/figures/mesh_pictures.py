@@ -1,0 +1,159 @@
+"""Pictures of the mesh of a stage: contact lines in three dimensions, stiffness and load share, healthy over faulty."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipelines.figures.film import film_page, png, write_gif
+from pipelines.figures.mesh_frames import MeshFrames
+from pipelines.figures.render import GearPairView, LeftOut, Picture, render_mesh, show_window
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MILLISECONDS = 160  # per frame of a film
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshView:
+    """What is shown: the gears, the cycles of the frames, and one or two states of the teeth, the healthy one first.
+
+    `marked` names the damaged tooth of the second state, "" without one.
+    """
+
+    title: str
+    gears: GearPairView
+    damaged: GearPairView | None
+    marked: str
+    model: str
+    force: float  # N
+    cycles: np.ndarray
+    states: tuple[MeshFrames, ...]
+
+
+def write_mesh(view: MeshView, stem: Path) -> list[Path] | LeftOut:
+    """<stem>.png and, with more than one frame, .gif and .html; the reason if they cannot be rendered."""
+    most = max(float(np.nanmax(state.load)) for state in view.states)
+    rendered: list[list[Picture]] = []
+    for number, state in enumerate(view.states):
+        gears = view.gears if number == 0 or view.damaged is None else view.damaged
+        pictures = render_mesh(gears, view.cycles, state, most)
+        if isinstance(pictures, LeftOut):
+            return pictures
+        rendered.append(pictures)
+    middle, count = len(view.cycles) // 2, len(view.cycles)
+    still = stem.with_suffix(".png")
+    mesh_figure(view, [pictures[middle] for pictures in rendered], middle, most).savefig(still, dpi=115)
+    if count == 1:
+        return [still]
+    frames = [png(mesh_figure(view, [pictures[n] for pictures in rendered], n, most)) for n in range(count)]
+    film, page = stem.with_suffix(".gif"), stem.with_suffix(".html")
+    write_gif(frames, film, MILLISECONDS)
+    labels = [f"mesh cycle {cycle:.3f}" for cycle in view.cycles]
+    page.write_text(film_page(view.title, frames, "position", labels, MILLISECONDS), encoding="utf-8")
+    return [still, film, page]
+
+
+def show_mesh(view: MeshView, image: Path | None = None) -> None:
+    """The same in a window with a slider for the position, until it is closed; with `image` only until it is written.
+
+    Raises
+    ------
+    InputError : no display, or the window cannot be opened
+    """
+    gears = [view.gears if n == 0 or view.damaged is None else view.damaged for n in range(len(view.states))]
+    marked = ["" if n == 0 or not view.marked else f", {view.marked} red" for n in range(len(view.states))]
+    load = f"load {view.force:.4g} N, law {view.model}"
+    show_window(view.title, load, view.cycles, gears, view.states, marked, image)
+
+
+def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: float) -> Figure:
+    """One frame: a row per state of the teeth, and both curves with the position marked."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    from pipelines.figures.colours import LOAD_COLOURS
+    from pipelines.figures.plots import new_figure, plain
+
+    rows = len(pictures)
+    figure = new_figure(2.4 + 3.4 * rows, 13.0)
+    cycle = float(view.cycles[frame])
+    figure.suptitle(f"{plain(view.title)}\nmesh cycle {cycle:.3f}, load {view.force:.4g} N, law {view.model}")
+    halves: Any = figure.subfigures(1, 2, width_ratios=[1.15, 1.0])
+    left, right = halves
+    boxes = np.atleast_1d(left.subplots(rows, 1))
+    for axes, picture, state in zip(boxes, pictures, view.states, strict=True):
+        _draw_picture(axes, picture, view, state, frame)
+    scale = ScalarMappable(Normalize(0.0, most / 1000), cmap=LOAD_COLOURS)
+    left.colorbar(scale, ax=boxes.tolist(), location="bottom", shrink=0.7, aspect=40).set_label("line load, N/mm")
+    stiffness, *shares = np.atleast_1d(right.subplots(1 + rows, 1, sharex=True))
+    _draw_stiffness(stiffness, view, cycle)
+    for axes, state in zip(shares, view.states, strict=True):
+        _draw_shares(axes, state, cycle)
+    shares[-1].set_xlabel("mesh cycle")
+    return figure
+
+
+def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrames, frame: int) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    from pipelines.figures.callouts import corner_axes, show
+    from pipelines.figures.colours import GONE, PINION, WHEEL
+
+    show(axes, picture, whole=True)
+    corner_axes(axes, picture)
+    most = np.nanmax(state.pressure[frame]) / 1e6 if np.isfinite(state.pressure[frame]).any() else 0.0
+    axes.set_title(f"{state.name}: greatest Hertz pressure {most:.0f} MPa", fontsize=10, loc="left")
+    handles: list[Patch | Line2D] = [
+        Patch(color=PINION, alpha=0.6, label="pinion"),
+        Patch(color=WHEEL, alpha=0.6, label="wheel"),
+        Line2D([], [], color="#1bcfd4", lw=4, label="contact lines (colour: load)"),
+    ]
+    if state is not view.states[0] and view.marked:
+        handles.append(
+            Patch(color=GONE, alpha=0.5 if view.damaged and view.damaged.missing else 1.0, label=view.marked)
+        )
+    axes.legend(handles=handles, loc="lower right", fontsize=8, framealpha=0.9)
+    axes.text(0.0, -0.01, f"face width {1000 * view.gears.face_width:.4g} mm along z; x, y, z 1:1", fontsize=8,
+              transform=axes.transAxes, va="top")  # fmt: skip
+
+
+def _draw_stiffness(axes: Axes, view: MeshView, cycle: float) -> None:
+    from pipelines.figures.plots import FAULTY, HEALTHY, dress, legend
+
+    for state, colour in zip(view.states, (HEALTHY, FAULTY), strict=False):
+        curve = state.curve
+        axes.plot(curve.cycle, curve.secant / 1e6, color=colour, label=state.name)
+        here = float(np.interp(cycle, curve.cycle, curve.secant)) / 1e6
+        axes.plot([cycle], [here], "o", color=colour, ms=7)
+    axes.axvline(cycle, color="black", lw=0.9, ls=":")
+    axes.set_ylim(0, None)
+    axes.margins(x=0)
+    dress(axes, "Mesh stiffness (secant)", "", "stiffness, N/µm")
+    legend(axes)
+
+
+def _draw_shares(axes: Axes, state: MeshFrames, cycle: float) -> None:
+    from pipelines.figures.colours import PAIR_COLOURS
+    from pipelines.figures.plots import dress
+
+    curve = state.curve
+    for number, share in zip(curve.pair, curve.share.T, strict=True):
+        loaded = np.where(share > 0.0, share, np.nan)
+        colour = PAIR_COLOURS[int(number) % len(PAIR_COLOURS)]
+        axes.plot(curve.cycle, 100 * loaded, color=colour, lw=1.3, label=f"pair {number}")
+        here = float(np.interp(cycle, curve.cycle, share))
+        if here > 0.0:
+            axes.plot([cycle], [100 * here], "o", color=colour, ms=6)
+    axes.axvline(cycle, color="black", lw=0.9, ls=":")
+    axes.set_ylim(0, 105)
+    axes.margins(x=0)
+    dress(axes, f"Load share of the tooth pairs, {state.name}", "", "share, %")
+    axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)

@@ -1,0 +1,160 @@
+"""Figures of stiffness, speeds and signals. Every function returns the figure; showing and saving belong to the caller.
+
+Figures are made with matplotlib's object interface: no display, no global state, no style that leaks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from pipelines.signals.analysis import channel
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+
+FAULTY, HEALTHY = "#c23b22", "#2a6f97"
+FIRST, SECOND = "#2a6f97", "#e08e0b"
+MARK = "#6b6b6b"
+WIDTH = 10.0  # inches
+RPM = 30 / np.pi
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StiffnessPlot:
+    """Stiffness over one wheel's passage: cycle (mesh cycles), k in N/m; `faulty` with the fault `label`, or None."""
+
+    title: str
+    cycle: np.ndarray
+    healthy: np.ndarray
+    faulty: np.ndarray | None = None
+    label: str = ""
+
+
+def new_figure(height: float, width: float = WIDTH) -> Figure:
+    """An empty figure (inches) whose parts arrange themselves."""
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def stiffness_figure(curves: Sequence[StiffnessPlot]) -> Figure:
+    """Stiffness curves, one panel per gear stage, healthy and with the faults."""
+    figure = new_figure(2.0 + 1.9 * len(curves))
+    for curve, axes in zip(curves, np.atleast_1d(figure.subplots(len(curves), 1)), strict=True):
+        draw_stiffness(axes, curve)
+    figure.suptitle("Mesh stiffness along the transverse line of action")
+    return figure
+
+
+def draw_stiffness(axes: Axes, curve: StiffnessPlot) -> None:
+    """One stiffness curve into the axes, in N/µm over the mesh cycle."""
+    axes.plot(curve.cycle, curve.healthy / 1e6, color=HEALTHY, label="healthy")
+    if curve.faulty is not None:
+        axes.plot(curve.cycle, curve.faulty / 1e6, color=FAULTY, label=curve.label)
+    axes.set_ylim(0, None)
+    axes.margins(x=0)
+    dress(axes, curve.title, "mesh cycle", "stiffness, N/µm")
+    legend(axes)
+
+
+def drive_figure(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]) -> Figure:
+    """Speeds of the motors and the input shaft, and the rope force where there is a rope; windows shaded."""
+    motors: tuple[tuple[str, dict[str, Any]], ...] = (
+        ("motor 1", {"lw": 3.2, "alpha": 0.45, "color": FIRST}),
+        ("motor 2", {"ls": "--", "color": SECOND}),
+    )
+    has_rope = "rope_force" in run
+    panels = np.atleast_1d(new_figure(5.6 if has_rope else 3.2).subplots(1 + has_rope, 1, sharex=True))
+    figure = panels[0].figure
+    time = run.time.values
+    speeds = run.motor_speed.transpose("motor", "time").values if "motor_speed" in run else ()
+    for (name, style), speed in zip(motors, speeds, strict=False):
+        panels[0].plot(time, speed * RPM, label=name, **style)
+    if "shaft_speed" in run:
+        panels[0].plot(time, run.shaft_speed.isel(shaft=0).values * RPM, label="input shaft", color="black", lw=0.8)
+    dress(panels[0], "Speed of motors and input shaft", "" if has_rope else "time, s", "speed, rpm")
+    if has_rope:
+        panels[1].plot(time, run.rope_force.values / 1e3, color=FIRST, lw=0.9)
+        dress(panels[1], "Rope force", "time, s", "force, kN")
+    for panel in panels:
+        panel.margins(x=0, y=0.16)
+        _shade(panel, windows)
+    legend(panels[0])
+    return figure
+
+
+def waveform_figure(
+    runs: Mapping[str, xarray.Dataset], sensor: str, axis: str, windows: Mapping[str, tuple[float, float]]
+) -> Figure:
+    """Acceleration over the whole run and, beside it, a tenth of a second from the middle of the first window."""
+    figure = new_figure(1.0 + 1.9 * len(runs))
+    grid = figure.subplots(len(runs), 2, sharex="col", sharey="col", squeeze=False, width_ratios=[3, 2])
+    middle = float(np.mean(next(iter(windows.values())))) if windows else None
+    for (name, run), (whole, detail) in zip(runs.items(), grid, strict=True):
+        time, signal = run.time.values, channel(run, sensor).sel(axis=axis).values
+        colour = HEALTHY if name.startswith("healthy") else FAULTY
+        start = time[-1] / 2 if middle is None else middle
+        near = (time >= start) & (time <= start + 0.1)
+        whole.plot(time, signal, color=colour, lw=0.4)
+        detail.plot(time[near], signal[near], color=colour, lw=0.9)
+        last = name == list(runs)[-1]
+        dress(whole, f"{sensor} {axis}, {name}", "time, s" if last else "", "acceleration, m/s²")
+        dress(detail, f"0.1 s from {start:g} s, {name}", "time, s" if last else "", "")
+        whole.margins(x=0, y=0.16)
+        _shade(whole, windows)
+        detail.margins(x=0)
+    return figure
+
+
+def bars_figure(title: str, names: Sequence[str], values: Sequence[float], unit: str) -> Figure:
+    """Horizontal bars with their numbers, the first at the top: seconds per stage, energy per part."""
+    figure = new_figure(1.2 + 0.32 * len(names))
+    axes = figure.subplots()
+    bars = axes.barh(list(names), list(values), color=FIRST)
+    axes.bar_label(bars, labels=[f"{value:.3g}" for value in values], padding=4)
+    axes.invert_yaxis()
+    axes.margins(x=0.12)
+    dress(axes, title, unit, "")
+    axes.grid(visible=False, axis="y")
+    return figure
+
+
+def legend(axes: Axes) -> None:
+    """Legend on the level of the title, to the right: it never hides a curve."""
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.99), ncols=5, frameon=False, fontsize=9, borderaxespad=0.1)
+
+
+def _shade(axes: Axes, windows: Mapping[str, tuple[float, float]]) -> None:
+    for name, (start, end) in windows.items():
+        axes.axvspan(start, end, color="black", alpha=0.05, lw=0)
+        axes.annotate(
+            plain(name),
+            ((start + end) / 2, 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(0, -3),
+            textcoords="offset points",
+            ha="center",
+            va="top",
+            fontsize=8,
+            color=MARK,
+        )
+
+
+def plain(text: str) -> str:
+    """A user's text for a figure, in which matplotlib would take what stands between two $ for a formula."""
+    return text.replace("$", r"\$")
+
+
+def dress(axes: Axes, title: str, x: str, y: str) -> None:
+    """Title, labels, grid."""
+    axes.set_title(title, fontsize=10, loc="left")
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    axes.grid(visible=True, color="#dddddd", lw=0.6)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)

@@ -1,0 +1,329 @@
+"""Pictures of a gear pair and of a casing: rendered by a child process, labelled here.
+
+Where rendering is not possible a picture is left out with the reason and the remedy, and the caller goes on.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipelines.border.errors import InputError
+from pipelines.engine.child import command, environment
+from pipelines.figures.mesh_frames import MeshFrames
+from pipelines.figures.render_failures import Failure, ended, no_picture, too_slow
+from pipelines.figures.solids import gear_surface, prism_surface, without_tooth
+
+if TYPE_CHECKING:
+    from pipelines.figures.stress_pictures import Teeth
+
+log = logging.getLogger(__name__)
+
+KINDS = ("ground", "bearing", "sensor")
+TIMEOUT = 900.0  # s, against a renderer that hangs; a software renderer on a busy machine takes minutes
+MESH_DIRECTION = (-0.55, -0.35, 1.0)
+RENDERER = "pipelines.figures.view"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class GearPairView:
+    """Two gears in the transverse section at mid face, each about its own centre, turned as they mesh.
+
+    The wheel's centre lies at (centre_distance, 0) from the pinion's. Outlines float (n, 2), counter-clockwise, m,
+    with all teeth; twists rad per m of face width. `marked_gear` "pinion" | "wheel" | "" and `marked_angle` (rad,
+    polar angle of the middle of the tooth about its own centre) draw one tooth red, see-through if it is
+    `missing`.
+    """
+
+    pinion_outline: np.ndarray
+    wheel_outline: np.ndarray
+    pinion_teeth: int
+    wheel_teeth: int
+    pinion_bore: float
+    wheel_bore: float
+    pinion_twist: float
+    wheel_twist: float
+    face_width: float
+    centre_distance: float
+    marked_gear: str = ""
+    marked_angle: float = 0.0
+    missing: bool = True
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CasingView:
+    """Surface of a casing, nodes float (n, 3) m, triangles int (m, 3), and its key points name -> (3,) m."""
+
+    nodes: np.ndarray
+    triangles: np.ndarray
+    points: Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Picture:
+    """A rendered picture: image (rows, columns, 3) in 0..255, and the pixel (column, row) of every named place."""
+
+    image: np.ndarray
+    places: Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeftOut:
+    """A picture that could not be made: what is missing and what to install."""
+
+    reason: str
+
+
+def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Picture | LeftOut:
+    """The gear pair in three dimensions, the damaged tooth in red; places "pinion", "wheel", "marked"."""
+    arrays, places = _gear_arrays(view)
+    return _single(_render("gears", "gear pair", arrays, places, size, (0.25, -0.4, 1.0), (0.0, 1.0, 0.0), 1.3))
+
+
+def _gear_arrays(view: GearPairView) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Surfaces of the gears and of the damaged tooth, and where their names stand."""
+    shifts = {"pinion": np.zeros(3), "wheel": np.array([view.centre_distance, 0.0, 0.0])}
+    teeth = {"pinion": view.pinion_teeth, "wheel": view.wheel_teeth}
+    outlines = {"pinion": view.pinion_outline, "wheel": view.wheel_outline}
+    twists = {"pinion": view.pinion_twist, "wheel": view.wheel_twist}
+    bores = {"pinion": view.pinion_bore, "wheel": view.wheel_bore}
+    front = np.array([0.0, 0.0, view.face_width / 2])
+    arrays: dict[str, Any] = {"marked_gear": np.array(view.marked_gear), "marked_missing": np.array(view.missing)}
+    places = {}
+    for gear, outline in outlines.items():
+        if gear == view.marked_gear:
+            outline, tooth = without_tooth(outline, teeth[gear], view.marked_angle)
+            points, quads = prism_surface(tooth, twists[gear], view.face_width)
+            arrays["marked_points"], arrays["marked_quads"] = points + shifts[gear], quads
+            angle = view.marked_angle + twists[gear] * view.face_width / 2
+            middle = np.hypot(*tooth.T).mean() * np.array([np.cos(angle), np.sin(angle), 0.0])
+            places["marked"] = middle + front + shifts[gear]
+        points, quads = gear_surface(outline, bores[gear], twists[gear], view.face_width)
+        arrays[f"{gear}_points"], arrays[f"{gear}_quads"] = points + shifts[gear], quads
+        places[gear] = front + shifts[gear]
+    return arrays, places
+
+
+def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Picture | LeftOut:
+    """The casing with its key points; places are the points' names and "origin", "x", "y", "z" for the axes."""
+    arrays: dict[str, Any] = {
+        "nodes": np.asarray(view.nodes, dtype=float),
+        "triangles": np.asarray(view.triangles, dtype=int),
+    }
+    for kind in KINDS:
+        chosen = [np.asarray(place, dtype=float) for name, place in view.points.items() if name.startswith(kind)]
+        arrays[f"{kind}_points"] = np.array(chosen).reshape(-1, 3)
+    low = arrays["nodes"].min(axis=0)
+    length = 0.12 * float(np.linalg.norm(np.ptp(arrays["nodes"], axis=0)))
+    places = {name: np.asarray(place, dtype=float) for name, place in view.points.items()}
+    places |= {"origin": low} | {axis: low + length * np.eye(3)[i] for i, axis in enumerate("xyz")}
+    return _single(_render("casing", "casing", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.1))
+
+
+def render_mode(
+    nodes: np.ndarray, triangles: np.ndarray, shape: np.ndarray, frames: int, size: tuple[int, int] = (1100, 750)
+) -> list[Picture] | LeftOut:
+    """A period of a mode in `frames` pictures; the largest displacement is drawn as 8 % of the body's diagonal."""
+    diagonal, low = float(np.linalg.norm(np.ptp(nodes, axis=0))), nodes.min(axis=0)
+    arrays = {"nodes": nodes, "triangles": triangles, "shape": shape, "reach": np.array(0.08 * diagonal)}
+    arrays["frames"] = np.array(frames)
+    places = {"origin": low} | {axis: low + 0.1 * diagonal * np.eye(3)[i] for i, axis in enumerate("xyz")}
+    return _render(
+        "mode", "casing mode", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.35, frames=frames
+    )
+
+
+def render_mesh(
+    view: GearPairView, cycles: np.ndarray, frames: MeshFrames, most_load: float, size: tuple[int, int] = (900, 620)
+) -> list[Picture] | LeftOut:
+    """The teeth in mesh at every cycle, seen through, with their contact lines; places "mesh", "x", "y", "z"."""
+    arrays, places, focus = _mesh_arrays(view, cycles, frames, most_load)
+    return _render(
+        "mesh", "contact lines", arrays, places, size, MESH_DIRECTION, (0.0, 1.0, 0.0), 1.0,
+        frames=len(cycles), focus=focus,
+    )  # fmt: skip
+
+
+def _mesh_arrays(
+    view: GearPairView, cycles: np.ndarray, frames: MeshFrames, most_load: float
+) -> tuple[dict[str, Any], dict[str, np.ndarray], tuple[float, float, float, float]]:
+    """What `draw_mesh` draws, the named places, and the point to look at with half the height seen."""
+    pitch = view.centre_distance * view.pinion_teeth / (view.pinion_teeth + view.wheel_teeth)
+    half = 0.75 * max(view.face_width, 9 * pitch / view.pinion_teeth)
+    arrays, _ = _gear_arrays(view)
+    arrays |= {
+        "line_points": frames.points,
+        "line_load": frames.load,
+        "most_load": np.array(most_load),
+        "line_radius": np.array(0.02 * half),
+        "toward": 6 * half * np.array(MESH_DIRECTION),  # in parallel projection nothing hides the lines then
+        "centre_distance": np.array(view.centre_distance),
+        "pinion_turn": 2 * np.pi * cycles / view.pinion_teeth,
+        "wheel_turn": -2 * np.pi * cycles / view.wheel_teeth,
+    }
+    places = {"mesh": np.array([pitch, 0.0, 0.0])}
+    places |= {axis: places["mesh"] + 0.2 * half * np.eye(3)[i] for i, axis in enumerate("xyz")}
+    return arrays, places, (pitch, 0.0, 0.0, half)
+
+
+def show_window(
+    title: str,
+    load: str,
+    cycles: np.ndarray,
+    gears: Sequence[GearPairView],
+    states: Sequence[MeshFrames],
+    marked: Sequence[str],
+    image: Path | None,
+) -> None:
+    """States of the teeth in a window with a slider, stiffness and load share beside them, until it is closed.
+
+    Raises
+    ------
+    InputError : no display, or the window cannot be opened
+    """
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise InputError(
+            "--screen: there is no display (DISPLAY is not set). Run it on a desktop or over ssh -X, or leave --screen "
+            "out: the page mesh_<stage>.html has the same slider."
+        )
+    most = max(float(np.nanmax(state.load)) for state in states)
+    arrays: dict[str, Any] = {"cycles": cycles}
+    for number, (view, state) in enumerate(zip(gears, states, strict=True)):
+        own, _, focus = _mesh_arrays(view, cycles, state, most)
+        own |= {
+            "toward": np.zeros(3),
+            "curve_cycle": state.curve.cycle,
+            "secant": state.curve.secant,
+            "share": state.curve.share,
+        }
+        arrays |= {f"{number}_{key}": value for key, value in (own | {"curve_pair": state.curve.pair}).items()}
+    with tempfile.TemporaryDirectory(prefix="gearcase-") as folder:
+        job: dict[str, Any] = {
+            "kind": "screen",
+            "arrays": str(Path(folder) / "arrays.npz"),
+            "images": [] if image is None else [str(image)],
+            "size": [1500, 950],
+            "title": title,
+            "load": load,
+            "names": [state.name for state in states],
+            "marked": list(marked),
+            "direction": MESH_DIRECTION,
+            "up": (0.0, 1.0, 0.0),
+            "focus": focus,
+        }
+        np.savez(job["arrays"], **arrays)
+        path = Path(folder) / "job.json"
+        path.write_text(json.dumps(job), encoding="utf-8")
+        failure = _run_child(path, timeout=None)
+    if failure is not None:
+        raise InputError(f"--screen: the window is not opened: {failure.what}. {failure.remedy}")
+
+
+def render_stress(
+    view: GearPairView, cycle: float, teeth: Teeth, most: float, size: tuple[int, int] = (1000, 620)
+) -> Picture | LeftOut:
+    """Loaded teeth coloured by von Mises stress up to `most` (Pa); places "mesh", "pinion", "wheel", "x", "y", "z"."""
+    pitch = view.centre_distance * view.pinion_teeth / (view.pinion_teeth + view.wheel_teeth)
+    module = view.centre_distance * 2 / (view.pinion_teeth + view.wheel_teeth)
+    half = 0.56 * max(view.face_width, 9 * module)
+    arrays, _ = _gear_arrays(view)
+    arrays |= {
+        "points": teeth.points,
+        "cells": teeth.cells,
+        "von_mises": teeth.von_mises,
+        "most": np.array(most),
+        "line_points": teeth.line_points,
+        "line_load": teeth.line_load,
+        "line_radius": np.array(0.011 * half),
+        "toward": 6 * half * np.array(MESH_DIRECTION),
+        "centre_distance": np.array(view.centre_distance),
+        "pinion_turn": np.array([2 * np.pi * cycle / view.pinion_teeth]),
+        "wheel_turn": np.array([-2 * np.pi * cycle / view.wheel_teeth]),
+    }
+    front = np.array([0.0, 0.0, view.face_width / 2])
+    places = {"mesh": np.array([pitch, 0.0, 0.0])}
+    places |= {axis: places["mesh"] + 0.2 * half * np.eye(3)[i] for i, axis in enumerate("xyz")}
+    places |= {"pinion": [pitch - 3.2 * module, 0.0, 0.0] + front, "wheel": [pitch + 3.2 * module, 0.0, 0.0] + front}
+    return _single(
+        _render(
+            "stress", "stress", arrays, places, size, MESH_DIRECTION, (0.0, 1.0, 0.0), 1.0,
+            focus=(pitch, 0.0, 0.0, half),
+        )
+    )  # fmt: skip
+
+
+def _render(
+    kind: str,
+    name: str,
+    arrays: dict[str, Any],
+    places: Mapping[str, np.ndarray],
+    size: tuple[int, int],
+    direction: tuple[float, float, float],
+    up: tuple[float, float, float],
+    zoom: float,
+    frames: int = 1,
+    focus: tuple[float, float, float, float] | None = None,
+) -> list[Picture] | LeftOut:
+    with tempfile.TemporaryDirectory(prefix="gearcase-") as folder:
+        job: dict[str, Any] = {
+            "kind": kind,
+            "arrays": str(Path(folder) / "arrays.npz"),
+            "images": [str(Path(folder) / f"picture_{number}.png") for number in range(frames)],
+            "pixels": str(Path(folder) / "pixels.json"),
+            "size": list(size),
+            "direction": list(direction),
+            "up": list(up),
+            "zoom": zoom,
+            "focus": focus,
+            "places": {key: [float(v) for v in place] for key, place in places.items()},
+        }
+        np.savez(job["arrays"], **arrays)
+        job_path = Path(folder) / "job.json"
+        job_path.write_text(json.dumps(job), encoding="utf-8")
+        failure = _run_child(job_path, TIMEOUT)
+        if failure is None and not all(Path(file).exists() for file in (*job["images"], job["pixels"])):
+            failure = no_picture()
+        if failure is not None:
+            reason = f"The picture of the {name} is left out: {failure.what}. {failure.remedy}"
+            log.warning("%s", reason)
+            return LeftOut(reason=reason)
+        pixels = json.loads(Path(job["pixels"]).read_text("utf-8"))
+        return [Picture(image=_read_image(file), places=pixels) for file in job["images"]]
+
+
+def _single(pictures: list[Picture] | LeftOut) -> Picture | LeftOut:
+    return pictures if isinstance(pictures, LeftOut) else pictures[0]
+
+
+def _run_child(job: Path, timeout: float | None) -> Failure | None:
+    """Start the renderer; None if it ended well, else what happened."""
+    try:
+        done = subprocess.run(
+            [*command(RENDERER), str(job)],
+            env=environment(),
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+            errors="replace",
+            timeout=timeout,
+            check=False,
+        )
+    except subprocess.TimeoutExpired as error:
+        return too_slow(error.timeout)
+    return None if done.returncode == 0 else ended(done.returncode, done.stderr)
+
+
+def _read_image(path: str) -> np.ndarray:
+    from matplotlib.image import imread
+
+    return np.rint(imread(path)[..., :3] * 255).astype(np.uint8)

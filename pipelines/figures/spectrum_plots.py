@@ -1,0 +1,177 @@
+"""Figures of spectra with the lines of the fault marked. Every function returns the figure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
+
+from pipelines.figures.plots import FAULTY, FIRST, HEALTHY, MARK, SECOND, dress, legend, new_figure, plain
+from pipelines.signals.lines import LOADS
+from pipelines.signals.spectrum import Spectrum
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from pipelines.signals.diagnosis import Diagnosis, DiagnosisSettings
+
+ROPE = "#7a5195"
+DECADES = 5.0  # a spectrum is shown down to this far below its top
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Trace:
+    """One case in a comparison of spectra: a name, its spectrum and its envelope spectrum."""
+
+    name: str
+    spectrum: Spectrum
+    envelope: Spectrum
+
+
+def spectrum_figure(diagnosis: Diagnosis, window: str) -> Figure:
+    """Faulty over healthy spectrum up to four mesh orders, with f_r, the mesh orders and their sidebands marked."""
+    settings = diagnosis.settings
+    figure = new_figure(5.4)
+    panels = figure.subplots(2, 1, sharex=True, sharey=True)
+    end = 4.4 * settings.mesh_frequency
+    for axes, state, colour in zip(panels, ("faulty", "healthy"), (FAULTY, HEALTHY), strict=True):
+        spectrum = diagnosis.spectra[state, window]
+        _draw_spectrum(axes, spectrum, (0.0, end), colour, state)
+        _mark_orders(axes, settings)
+        lines = diagnosis.lines.where(window=window, kind="sideband")
+        axes.plot(
+            lines.frequency,
+            getattr(lines, state),
+            "o",
+            ms=3.5,
+            mfc="none",
+            mec="black",
+            mew=0.7,
+            label="sidebands k $f_r$",
+        )
+        dress(axes, f"{state.capitalize()}", "frequency, Hz" if state == "healthy" else "", "amplitude, m/s²")
+        legend(axes)
+    _common_decades(panels)
+    figure.suptitle(
+        f"Spectrum at {settings.sensor} ({settings.axis}), {plain(window)}, {LOADS.get(diagnosis.load, diagnosis.load)}"
+    )
+    return figure
+
+
+def single_spectrum_figure(spectrum: Spectrum, settings: DiagnosisSettings, title: str) -> Figure:
+    """Spectrum of one run up to four mesh orders with f_r and the mesh orders marked, where there is no control."""
+    figure = new_figure(3.2)
+    axes = figure.subplots()
+    _draw_spectrum(axes, spectrum, (0.0, 4.4 * settings.mesh_frequency), HEALTHY, "amplitude")
+    _mark_orders(axes, settings)
+    _limit_decades(axes)
+    dress(axes, plain(title), "frequency, Hz", "amplitude, m/s²")
+    return figure
+
+
+def healthy_faulty_figure(diagnosis: Diagnosis, window: str) -> Figure:
+    """Faulty over healthy in one axes each: the envelope's orders and the sidebands around f_m and 2 f_m."""
+    traces = [
+        Trace(name=state, spectrum=diagnosis.spectra[state, window], envelope=diagnosis.envelopes[state, window])
+        for state in ("healthy", "faulty")
+    ]
+    title = f"Healthy and faulty, {window}, {LOADS.get(diagnosis.load, diagnosis.load)}"
+    figure = comparison_figure(traces, diagnosis.settings, title, (HEALTHY, FAULTY), window)
+    for axes, kind, n in zip(figure.axes, ("envelope", "sideband", "sideband"), (0, 1, 2), strict=False):
+        lines = diagnosis.lines.where(window=window, kind=kind, mesh_harmonic=n, stands=1)
+        if len(lines):
+            axes.plot(lines.frequency, lines.faulty, "v", ms=5, color=FAULTY, label="line stands", zorder=4)
+    legend(figure.axes[0])
+    return figure
+
+
+def comparison_figure(
+    traces: Sequence[Trace],
+    settings: DiagnosisSettings,
+    title: str,
+    colours: Sequence[str] = (FIRST, SECOND),
+    window: str | None = None,
+) -> Figure:
+    """Envelope spectrum to 8 f_r, and the spectrum within 6 f_r of f_m and of 2 f_m, cases over one another.
+
+    The rope mode of `window` is marked in the envelope where it is given.
+    """
+    f_r, f_m = settings.revolution_frequency, settings.mesh_frequency
+    figure = new_figure(8.2)
+    panels = figure.subplot_mosaic([["envelope", "envelope"], ["first", "second"]])
+    top, left, right = (panels[name] for name in ("envelope", "first", "second"))
+    rope = settings.rope_mode.get(window, 0.0) if window else 0.0
+    low, high = traces[0].envelope.band_low, traces[0].envelope.band_high
+    spans = ((0.3 * f_r, 8.4 * f_r), (f_m - 6.4 * f_r, f_m + 6.4 * f_r), (2 * f_m - 6.4 * f_r, 2 * f_m + 6.4 * f_r))
+    for trace, colour, thickness in zip(traces, colours, (2.0, 1.0), strict=False):  # thin over thick: equal lines show
+        for axes, span in zip((top, left, right), spans, strict=True):
+            spectrum = trace.envelope if axes is top else trace.spectrum
+            _draw_spectrum(axes, spectrum, span, colour, trace.name, thickness)
+    for axes in (top, left, right):
+        _limit_decades(axes)
+    for k in range(1, 9):
+        _mark(top, k * f_r, "$f_r$" if k == 1 else f"{k} $f_r$")
+    if rope:
+        top.axvline(rope, color=ROPE, ls=":", lw=1.6, label=f"rope mode {rope:.2f} Hz")
+    for axes, centre, name in ((left, f_m, "$f_m$"), (right, 2 * f_m, "2 $f_m$")):
+        _mark(axes, centre, name)
+        for k in (-4, -3, -2, -1, 1, 2, 3, 4):
+            _mark(axes, centre + k * f_r, f"{k:+d}")
+    dress(top, f"Envelope spectrum, band {low:.4g} to {high:.4g} Hz", "frequency, Hz", "amplitude, m/s²")
+    dress(left, "Spectrum around $f_m$, sidebands k $f_r$", "frequency, Hz", "amplitude, m/s²")
+    dress(right, "Spectrum around 2 $f_m$, sidebands k $f_r$", "frequency, Hz", "")
+    legend(top)
+    figure.suptitle(f"{plain(title)} · {settings.sensor} ({settings.axis})")
+    return figure
+
+
+def _draw_spectrum(
+    axes: Axes, spectrum: Spectrum, span: tuple[float, float], colour: str, name: str, thickness: float = 1.0
+) -> None:
+    inside = (spectrum.frequency >= span[0]) & (spectrum.frequency <= span[1])
+    axes.semilogy(spectrum.frequency[inside], spectrum.amplitude[inside], color=colour, lw=thickness, label=plain(name))
+    axes.yaxis.set_minor_locator(NullLocator())  # minor ticks of a log axis take half the time of a figure
+    axes.set_xlim(span)
+
+
+def _limit_decades(axes: Axes) -> None:
+    """Show at most `DECADES` below the largest value, with room above for the labels of the markers."""
+    drawn = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in axes.lines])
+    drawn = drawn[drawn > 0]
+    if drawn.size:
+        top = drawn.max() * 4
+        axes.set_ylim(max(drawn.min() / 2, top / 10**DECADES), top)
+
+
+def _common_decades(panels: Sequence[Axes]) -> None:
+    for axes in panels:
+        _limit_decades(axes)
+    low, high = min(a.get_ylim()[0] for a in panels), max(a.get_ylim()[1] for a in panels)
+    for axes in panels:
+        axes.set_ylim(max(low, high / 10**DECADES), high)
+
+
+def _mark_orders(axes: Axes, settings: DiagnosisSettings) -> None:
+    for order in range(1, 5):
+        _mark(axes, order * settings.mesh_frequency, "$f_m$" if order == 1 else f"{order} $f_m$")
+    _mark(axes, settings.revolution_frequency, "$f_r$", shift=3)
+
+
+def _mark(axes: Axes, frequency: float, name: str, shift: float = 0.0) -> None:
+    axes.axvline(frequency, color=MARK, lw=0.6, ls=(0, (4, 3)), zorder=0)
+    axes.annotate(
+        name,
+        (frequency, 1.0),
+        xycoords=("data", "axes fraction"),
+        xytext=(shift, -3),
+        textcoords="offset points",
+        ha="left" if shift else "center",
+        va="top",
+        fontsize=8,
+        color=MARK,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.8},
+    )

@@ -1,0 +1,1 @@
+"""The scene in SI: gears, shafts, bearings, load, housing, and what is wrong with them."""

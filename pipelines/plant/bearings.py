@@ -1,0 +1,100 @@
+"""The bearings of a scene, in SI."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any, Literal
+
+from mbd.forces.rolling_bearing import hertz_bearing
+from mbd.parts.bearings import BearingSpec, rigid_bearing
+from mbd.parts.checks import MachineError
+from mbd.parts.rolling_catalogue import by_designation
+from mbd.parts.rolling_elements import RollingElements, pass_frequencies
+from pipelines.plant.facts import bearing_names
+from pipelines.plant.layout import Layout
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.bearings import HertzBearings, LinearBearings, RigidBearings
+
+
+def bearing_specs(scene: Scene) -> tuple[BearingSpec, ...]:
+    """All bearings in shaft order, from -y."""
+    specs = []
+    for name, number, place in bearing_names(scene):
+        shaft = scene.shafts[number]
+        table = shaft.bearings[place] if shaft.bearings else scene.bearings
+        at = f"shaft_{number + 1}", shaft.bearing_positions_mm[place] / 1000
+        support: Literal["casing", "ground"] = "ground" if name.startswith("ground") else "casing"
+        specs.append(_bearing(table, name, *at, support))
+    return tuple(specs)
+
+
+def _bearing(
+    table: RigidBearings | LinearBearings | HertzBearings, name: str, shaft: str, y: float,
+    support: Literal["casing", "ground"],
+) -> BearingSpec:  # fmt: skip
+    if isinstance(table, RigidBearings):
+        return rigid_bearing(name, shaft, y, support)
+    if isinstance(table, HertzBearings):
+        return hertz_bearing(name, shaft, y, rolling_elements(table), table.damping_time_us / 1_000_000, support)
+    return linear_bearing(table, name, shaft, y, support)
+
+
+def linear_bearing(
+    table: LinearBearings, name: str, shaft: str, y: float, support: Literal["casing", "ground"]
+) -> BearingSpec:
+    """A bearing of springs and dampers. MachineError if its cross terms outweigh the others."""
+    radial, vertical = table.radial_stiffness_N_per_um, table.vertical_stiffness_N_per_um
+    cross = table.cross_stiffness_N_per_um * 1e6
+    return BearingSpec(
+        name=name,
+        shaft=shaft,
+        y=y,
+        stiffness_x=radial * 1e6,
+        stiffness_z=(radial if vertical is None else vertical) * 1e6,
+        stiffness_axial=table.axial_stiffness_N_per_um * 1e6,
+        stiffness_tilt_x=table.tilt_stiffness_N_m_per_rad,
+        stiffness_tilt_z=table.tilt_stiffness_N_m_per_rad,
+        cross=(("ux", "uz", cross),) if cross else (),
+        damping_time=table.damping_time_us / 1_000_000,
+        support=support,
+    )
+
+
+def rolling_elements(table: HertzBearings) -> RollingElements:
+    """The inside of a rolling bearing, from the catalogue or as given. MachineError if its elements do not fit."""
+    given = {
+        "contact_angle": None if table.contact_angle_deg is None else math.radians(table.contact_angle_deg),
+        "length": None if table.roller_length_mm is None else table.roller_length_mm / 1000,
+        "inner_conformity": table.inner_conformity,
+        "outer_conformity": table.outer_conformity,
+        "clearance": table.radial_clearance_um / 1_000_000,
+        "preload": table.axial_preload_um / 1_000_000,
+        "cage_start": math.radians(table.cage_start_deg),
+    }
+    changes: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
+    if table.designation is not None:
+        return replace(by_designation(table.designation), **changes)
+    if table.kind is None or table.elements is None or table.element_diameter_mm is None:
+        raise MachineError("bearings: give a designation, or kind, elements and diameters.")
+    return RollingElements(
+        kind=table.kind,
+        count=table.elements,
+        diameter=table.element_diameter_mm / 1000,
+        pitch_diameter=(table.pitch_diameter_mm or 0.0) / 1000,
+        **changes,
+    )
+
+
+def bearing_frequencies(scene: Scene, layout: Layout) -> dict[str, float]:
+    """Pass frequencies (Hz) of all rolling bearings at the highest motor speed: "bearing_3 BPFO", BPFI, BSF, FTF."""
+    speed = max(abs(value) for value in scene.drive.speeds_rpm) / 60
+    found: dict[str, float] = {}
+    for name, number, place in bearing_names(scene):
+        shaft = scene.shafts[number]
+        table = shaft.bearings[place] if shaft.bearings else scene.bearings
+        if isinstance(table, HertzBearings):
+            turn, per = speed * layout.shaft_ratios[number], pass_frequencies(rolling_elements(table))
+            lines = {"BPFO": per.outer, "BPFI": per.inner, "BSF": per.spin, "FTF": per.cage}
+            found |= {f"{name} {label}": turn * value for label, value in lines.items()}
+    return found

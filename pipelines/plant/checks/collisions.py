@@ -1,0 +1,165 @@
+"""Collisions: what of the gearbox would run into something else, found before anything is computed.
+
+Everything is a cylinder along y or a flat wall: tip circles against neighbouring shafts, gears, bosses and walls,
+shafts against walls.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from pipelines.border.errors import Problem
+from pipelines.plant.layout import Layout
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.casing import FlexibleBase
+from pipelines.scene.tables.housing import HousingTable
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A body of revolution about the axis of `shaft`, between two y (m)."""
+
+    name: str
+    path: str
+    shaft: int
+    radius: float
+    start: float
+    end: float
+
+    def overlaps(self, other: Cylinder) -> bool:
+        """Whether both occupy some of the same y."""
+        return self.start < other.end and other.start < self.end
+
+
+def gears(scene: Scene, layout: Layout) -> list[Cylinder]:
+    """Tip cylinders of all gears, pinion and wheel of stage 1 first."""
+    found = []
+    for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True)):
+        middle, half = stage.position_mm / 1000, stage.face_width_mm / 2000
+        places = layout.pair_shafts[number]
+        for shaft, gear, name in ((places[0], pair.pinion, "pinion"), (places[1], pair.wheel, "wheel")):
+            label = f"tip circle of the stage {number + 1} {name}"
+            found.append(Cylinder(label, f"stages.{number + 1}", shaft, gear.tip_radius, middle - half, middle + half))
+    return found
+
+
+def shafts(scene: Scene) -> list[Cylinder]:
+    """All shaft sections."""
+    return [
+        Cylinder(
+            f"shaft {number}",
+            f"shafts.{number}",
+            number - 1,
+            section.diameter_mm / 2000,
+            section.start_mm / 1000,
+            section.end_mm / 1000,
+        )
+        for number, shaft in enumerate(scene.shafts, 1)
+        for section in shaft.sections
+    ]
+
+
+def bosses(housing: HousingTable) -> list[Cylinder]:
+    """Bearing bosses inside both side walls."""
+    outer, length = housing.width_mm / 2000, housing.boss_length_mm / 1000
+    found = []
+    for index, diameter in enumerate(housing.boss_diameters_mm):
+        for number, start in ((2 * index + 1, -outer), (2 * index + 2, outer - length)):
+            name = f"boss of bearing {number}"
+            found.append(
+                Cylinder(name, "casing.housing.boss_diameters_mm", index, diameter / 2000, start, start + length)
+            )
+    return found
+
+
+def _clashes(first: list[Cylinder], second: list[Cylinder], layout: Layout) -> Iterator[Problem]:
+    for one in first:
+        for two in second:
+            if one.shaft == two.shaft or not one.overlaps(two):
+                continue
+            distance = math.dist(layout.axes[one.shaft], layout.axes[two.shaft])
+            if distance <= one.radius + two.radius:
+                needed = one.radius + two.radius
+                yield Problem(
+                    one.path,
+                    f"{one.name} (radius {one.radius * 1000:.2f} mm) hits {two.name} (radius "
+                    f"{two.radius * 1000:.2f} mm): their axes are {distance * 1000:.2f} mm apart, "
+                    f"{needed * 1000:.2f} mm are needed",
+                    "Move one along the shafts (position_mm), or change sizes or directions",
+                )
+
+
+def _mates(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """Gears that overlap in y and do not mesh, on other shafts or on the same one; a gear may be in several stages."""
+    bodies = gears(scene, layout)
+    meshing = {frozenset((_body(one), _body(two))) for one, two in zip(bodies[::2], bodies[1::2], strict=True)}
+    for i, one in enumerate(bodies):
+        for two in bodies[i + 1 :]:
+            if _body(one) == _body(two) or frozenset((_body(one), _body(two))) in meshing:
+                continue
+            if one.shaft == two.shaft and one.overlaps(two):
+                yield Problem(
+                    two.path,
+                    f"{two.name} and {one.name} share shaft {one.shaft + 1} and overlap along it",
+                    "Change position_mm of one of the stages",
+                )
+            yield from _clashes([one], [two], layout)
+
+
+def _body(gear: Cylinder) -> tuple[int, float, float, float]:
+    """What makes a gear the same one in two stages: shaft, tip circle and place."""
+    return gear.shaft, round(gear.radius, 9), round(gear.start, 9), round(gear.end, 9)
+
+
+def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterator[Problem]:
+    common = housing.wall_thickness_mm
+    end = (housing.end_wall_thickness_mm or common) / 1000
+    left = housing.left_end_mm / 1000 + end
+    right = (housing.left_end_mm + housing.length_mm) / 1000 - end
+    floor = (-housing.shaft_height_mm + (housing.floor_thickness_mm or common)) / 1000
+    cover = (housing.height_mm - housing.shaft_height_mm - (housing.cover_thickness_mm or common)) / 1000
+    side = housing.width_mm / 2000 - (housing.side_wall_thickness_mm or common) / 1000
+    for body in gears(scene, layout):
+        x, z = layout.axes[body.shaft]
+        rooms = {
+            "left end wall": x - body.radius - left,
+            "right end wall": right - x - body.radius,
+            "floor": z - body.radius - floor,
+            "cover": cover - z - body.radius,
+            "-y side wall": body.start + side,
+            "+y side wall": side - body.end,
+        }
+        for name, room in rooms.items():
+            if room <= 0:
+                yield Problem(
+                    body.path,
+                    f"{body.name} hits the {name}: {-room * 1000:.2f} mm too far",
+                    "Make the housing larger or move the gear",
+                )
+    for number, shaft in enumerate(scene.shafts, 1):
+        carried = [
+            y
+            for place, y in enumerate(shaft.bearing_positions_mm)
+            if not (shaft.bearing_supports and shaft.bearing_supports[place] == "ground")
+        ]
+        for bearing, y in zip((2 * number - 1, 2 * number), carried, strict=True):
+            low, high = housing.width_mm / 2 - housing.boss_length_mm, housing.width_mm / 2
+            if not low <= abs(y) <= high or (y < 0) != (bearing % 2 == 1):
+                sign = "-" if bearing % 2 else "+"
+                yield Problem(
+                    f"shafts.{number}.bearing_positions_mm",
+                    f"bearing {bearing} at y = {y:g} mm is outside its boss ({sign}{low:g} to {sign}{high:g} mm)",
+                    "Move the bearing into the boss or change boss_length_mm",
+                )
+
+
+def find_collisions(scene: Scene, layout: Layout) -> list[Problem]:
+    """Everything that touches what it must not touch."""
+    problems = [*_mates(scene, layout), *_clashes(gears(scene, layout), shafts(scene), layout)]
+    if isinstance(scene.casing, FlexibleBase) and isinstance(scene.casing.housing, HousingTable):
+        housing = scene.casing.housing
+        problems += _clashes(gears(scene, layout), bosses(housing), layout)
+        problems += _wall_clashes(scene, layout, housing)
+    return problems

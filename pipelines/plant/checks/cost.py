@@ -1,0 +1,145 @@
+"""What a run costs before it is run: time steps, samples, seconds, memory and disk; and what is too much.
+
+The seconds follow from the loop benchmark (docs/benchmarks.md): 4 us and 0.06 us per mode and time step on one core of
+the machine it was measured on. Casings of finite elements add about as many modes as the shipped rig's.
+"""
+
+from __future__ import annotations
+
+import math
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from fem.storage.cache_folder import cache_root
+from pipelines.border.errors import Problem, SceneError
+from pipelines.scene.scene import Scene
+
+MOST_STEPS = 1e9  # of one simulation: half a day
+MOST_VALUES = 1e9  # samples times channels of one simulation: 8 GB
+_STEP_SECONDS, _MODE_SECONDS = 4e-6, 0.06e-6
+_CASING_MODES = {"none": 0, "rigid": 6, "static": 40, "craig-bampton": 280}
+_WRITTEN = 2  # responses in a result folder: the scene's own and that of its control
+_PACKED = 0.5  # size of a response file against the motion that the cache holds
+_MEMORY = 5e8  # bytes: program, libraries and one block; signals go to a file, so a long run takes no more
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cost:
+    """One simulation of a scene; bytes of its signals, seconds on one core."""
+
+    samples: float
+    steps: float
+    channels: int
+    seconds: float
+
+    @property
+    def bytes(self) -> float:
+        """Of all channels in double precision."""
+        return 8.0 * self.samples * self.channels
+
+
+def cost(scene: Scene) -> Cost:
+    """What one simulation takes."""
+    table = scene.simulation
+    samples = table.end_s * table.output_rate_Hz
+    steps = samples * max(1.0, math.ceil(1e6 / table.output_rate_Hz / max(table.step_us, 1e-12) - 1e-9))
+    seconds = steps * (_STEP_SECONDS + _MODE_SECONDS * _modes(scene))
+    return Cost(samples=samples, steps=steps, channels=_channels(scene), seconds=seconds)
+
+
+def too_long(scene: Scene) -> Iterator[Problem]:
+    """More time steps or signals than one simulation may have."""
+    one, table = cost(scene), scene.simulation
+    if one.steps > MOST_STEPS:
+        yield Problem(
+            "simulation.step_us",
+            f"{one.steps:.3g} time steps in {table.end_s:g} s, limit {MOST_STEPS:.0g} (about "
+            f"{MOST_STEPS * one.seconds / one.steps / 3600:.2g} hours here)",
+            f"Give {table.end_s / MOST_STEPS * 1e6:.2g} or more, or lower simulation.end_s",
+            f"{table.step_us:g}",
+        )
+    if one.samples * one.channels > MOST_VALUES:
+        yield Problem(
+            "simulation.output_rate_Hz",
+            f"{one.samples:.3g} samples of {one.channels} channels are {words(one.bytes)}, limit "
+            f"{words(8 * MOST_VALUES)} in one simulation",
+            f"Give {MOST_VALUES / one.channels / table.end_s:.4g} or less, or lower simulation.end_s",
+            f"{table.output_rate_Hz:g}",
+        )
+
+
+def check_room(scene: Scene, source: str, simulations: int) -> None:
+    """Compare the signals of a study with the room in the cache and the result folder.
+
+    Raises
+    ------
+    SceneError : they do not fit
+    """
+    one, problems = cost(scene), []
+    motions, packed = simulations * one.bytes, min(simulations, _WRITTEN) * _PACKED * one.bytes
+    for folder, needed in ((cache_root(), motions), (Path("runs"), packed)):
+        free = shutil.disk_usage(_existing(folder)).free
+        if needed > free:
+            problems.append(
+                Problem(
+                    "simulation",
+                    f"the signals of {simulations} simulations take about {words(needed)} in {folder}, {words(free)} "
+                    "are free there",
+                    "Lower simulation.output_rate_Hz or end_s, or make room",
+                )
+            )
+    if problems:
+        raise SceneError(source, problems)
+
+
+def estimate(scene: Scene, simulations: int) -> str:
+    """The cost of a study in words."""
+    one = cost(scene)
+    disk = (simulations + min(simulations, _WRITTEN) * _PACKED) * one.bytes
+    return (
+        f"{simulations} simulation{'s' if simulations > 1 else ''} of {one.steps:.3g} time steps and {one.samples:.3g} "
+        f"samples of {one.channels} channels: about {_duration(simulations * one.seconds)} on one core besides laws "
+        f"and casing, {words(_MEMORY)} of memory, {words(disk)} on disk"
+    )
+
+
+def words(size: float) -> str:
+    """A number of bytes for people."""
+    for unit in ("B", "kB", "MB", "GB"):
+        if size < 1000:
+            return f"{size:.3g} {unit}"
+        size /= 1000
+    return f"{size:.4g} TB"
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 120:
+        return f"{max(1.0, seconds):.0f} s"
+    return f"{seconds / 60:.0f} minutes" if seconds < 7200 else f"{seconds / 3600:.3g} hours"
+
+
+def _modes(scene: Scene) -> float:
+    """About how many modes of the machine are kept."""
+    length = scene.shaft_model.element_length_mm
+    nodes = 0.0
+    for shaft in scene.shafts:
+        stretch = shaft.sections[-1].end_mm - shaft.sections[0].start_mm
+        nodes += min(333.0, stretch / length) + len(shaft.sections) + len(shaft.bearing_positions_mm) + 2
+    per_node = 3.0 if scene.shaft_model.model == "timoshenko" else 1.0  # half of the bending modes lie above the band
+    return per_node * nodes + _CASING_MODES[scene.casing.model]
+
+
+def _channels(scene: Scene) -> int:
+    """Signals that are recorded, see `mbd.coordinates.channels.channel_names`."""
+    bearings = sum(len(shaft.bearing_positions_mm) for shaft in scene.shafts)
+    count = 3 * scene.drive.motors + 2 * len(scene.shafts) + 4 * len(scene.stages) + 3 * bearings
+    count += 3 * (bearings if scene.casing.model == "none" else len(scene.sensors))
+    return count + {"static-torque": 0, "rope": 3, "rope-pendulum": 5}[scene.load.model]
+
+
+def _existing(folder: Path) -> Path:
+    """The folder, or the nearest of its parents that is there."""
+    folder = folder.absolute()
+    return next((place for place in (folder, *folder.parents) if place.is_dir()), Path())

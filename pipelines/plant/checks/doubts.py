@@ -1,0 +1,87 @@
+"""Warnings: what a designer would frown at in a scene that can be run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from pipelines.plant.checks.flank_checks import flank_warnings
+from pipelines.plant.checks.strength import strength_warnings
+from pipelines.plant.checks.window_checks import bad_windows
+from pipelines.plant.facts import StageFacts, stage_facts
+from pipelines.plant.layout import Layout
+from pipelines.scene.scene import Scene
+
+# ISO 6336-1:2019: the stiffness formula is meant for at least this line load; below, it is reduced
+LOW_LINE_LOAD = 100e3  # N/m
+HARMONICS = 5  # of the fastest mesh that a good record holds
+
+
+def doubts(scene: Scene, layout: Layout) -> tuple[str, ...]:
+    """All warnings, in the order of the scene's tables."""
+    stages = stage_facts(scene, layout)
+    return (
+        *_gears(scene, layout, stages),
+        *flank_warnings(scene, layout, stages),
+        *strength_warnings(scene, layout, stages),
+        *_record(scene, stages),
+        *_diagnosis(scene, layout),
+    )
+
+
+def _gears(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[str]:
+    for number, (stage, pair, facts) in enumerate(zip(scene.stages, layout.pairs, stages, strict=True), 1):
+        place = f"stages.{number}"
+        if facts.transverse_contact_ratio < 1.2:
+            yield (
+                f"{place}: transverse contact ratio {facts.transverse_contact_ratio:.3f} is below 1.2; raise teeth or "
+                "rack_addendum"
+            )
+        nearest = round(facts.overlap_ratio)
+        if nearest >= 1 and abs(facts.overlap_ratio - nearest) < 0.05:
+            yield (
+                f"{place}: overlap ratio {facts.overlap_ratio:.3f} is almost whole, the mesh excitation nearly "
+                "vanishes; good for noise, bad for seeing faults"
+            )
+        if stage.face_width_mm > 1.2 * pair.pinion.reference_radius * 2000:
+            yield f"{place}: face width {stage.face_width_mm:g} mm is above 1.2 pinion diameters; load will not spread"
+        divisor = math.gcd(stage.pinion_teeth, stage.wheel_teeth)
+        if divisor > 5:
+            yield (
+                f"{place}: {stage.pinion_teeth} and {stage.wheel_teeth} teeth share the divisor {divisor}; the same "
+                "teeth meet often and wear in a pattern"
+            )
+        if 0 < facts.line_load < LOW_LINE_LOAD and stage.mesh.model == "iso":
+            yield (
+                f"{place}: line load {facts.line_load / 1000:.1f} N/mm is below 100 N/mm; the iso rung applies the "
+                "low-load reduction of ISO 6336-1"
+            )
+        if facts.backlash < 0.02e-3 and scene.load.container_kg > 0:
+            yield f"{place}: backlash {facts.backlash * 1e6:.1f} um is small; both flanks may touch under deviations"
+
+
+def _record(scene: Scene, stages: list[StageFacts]) -> Iterator[str]:
+    for number, facts in enumerate(stages, 1):
+        if scene.simulation.output_rate_Hz < 2 * HARMONICS * facts.mesh_frequency:
+            yield (
+                f"simulation.output_rate_Hz = {scene.simulation.output_rate_Hz:g} holds fewer than {HARMONICS} "
+                f"harmonics of the mesh frequency of stage {number}, {facts.mesh_frequency:.1f} Hz; raise it to "
+                f"{4 * HARMONICS * facts.mesh_frequency:.0f}"
+            )
+    if scene.load.container_kg == 0:
+        yield "load.container_kg = 0: nothing holds the drive flank; the gears will rattle in their backlash"
+
+
+def _diagnosis(scene: Scene, layout: Layout) -> Iterator[str]:
+    looked_at = (scene.diagnosis.stage, scene.diagnosis.gear)
+    if scene.faults and scene.diagnosis.windows_s and looked_at not in {(f.stage, f.gear) for f in scene.faults}:
+        yield (
+            f"diagnosis looks for the stage {looked_at[0]} {looked_at[1]}, no fault is there; set diagnosis.stage and "
+            "diagnosis.gear to the faulty gear"
+        )
+    if scene.faults and scene.control is None:
+        for problem in bad_windows(scene, layout):
+            yield f"{problem}"
+    if scene.faults and not (scene.control and scene.diagnosis.windows_s):
+        missing = "control" if not scene.control else "diagnosis.windows_s"
+        yield f"{missing} is not given: the run makes signals, but no diagnosis"

@@ -1,0 +1,108 @@
+"""Checks and warnings of gears, modifications, deviations and faults that need no computation of a mesh law."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from fem.gears.deviations import pitch_tolerance
+from fem.gears.flank_deviations import flank_tolerance
+from fem.gears.geometry import GearPair
+from fem.gears.rack import GeometryError
+from pipelines.border.errors import Problem
+from pipelines.plant.flanks import GEARS, damage, lifting_sense
+from pipelines.plant.layout import Layout
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.faults import ChippedToothTable, CrackedToothTable, FaultTable, WornToothTable
+
+if TYPE_CHECKING:
+    from pipelines.plant.facts import StageFacts
+
+THIN_TIP = 0.2  # modules; the usual least tip thickness of through-hardened teeth
+TYPICAL_STIFFNESS = 18e9  # N/m2: c_gamma of steel pairs, for orders of magnitude only
+
+
+def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """Faults that do not fit on their teeth, deviations outside ISO 1328-1."""
+    for number, fault in enumerate(scene.faults, 1):
+        one = damage(fault, lifting_sense(scene, fault.stage))
+        if one is not None:
+            try:
+                one.check(getattr(layout.pairs[fault.stage - 1], fault.gear))
+            except GeometryError as error:
+                yield Problem(f"faults.{number}", str(error))
+    if not scene.deviations.enabled:
+        return
+    for number, pair in enumerate(layout.pairs, 1):
+        for name in GEARS:
+            try:
+                pitch_tolerance(getattr(pair, name), scene.deviations.iso_grade)
+                if set(scene.deviations.include) & {"profile", "helix"}:
+                    flank_tolerance(getattr(pair, name), scene.deviations.iso_grade)
+            except GeometryError as error:
+                yield Problem(f"stages.{number}", f"{name}: {error}", "Set deviations.enabled = false or include less.")
+
+
+def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Iterator[str]:
+    """What a gear designer would frown at, and what hides a fault."""
+    for number, (stage, pair, modification) in enumerate(
+        zip(scene.stages, layout.pairs, layout.modifications, strict=True), 1
+    ):
+        place = f"stages.{number}"
+        for name, short in zip(GEARS, pair.shortened_by_undercut, strict=True):
+            gear = getattr(pair, name)
+            if short:
+                yield (
+                    f"{place}: the {name} (z {gear.teeth}, x {gear.profile_shift:g}) is undercut and loses part of its "
+                    f"involute; eps_alpha is {pair.transverse_contact_ratio:.3f}. Raise {name}_profile_shift"
+                )
+            if gear.tip_thickness < THIN_TIP * gear.normal_module:
+                yield (
+                    f"{place}: the {name} is nearly pointed, its tip is {gear.tip_thickness * 1000:.3f} mm thick "
+                    f"({gear.tip_thickness / gear.normal_module:.2f} m_n; usual at least {THIN_TIP} m_n)"
+                )
+            if gear.web_offset and stage.mesh.model in ("plane", "iso", "energy", "solid"):
+                yield (
+                    f"{place}.{name}.web_offset_mm: the rung {stage.mesh.model} sees the web in the section only; its "
+                    "offset changes nothing there"
+                )
+        relieved = (modification.pinion.tip_relief, modification.wheel.tip_relief)
+        if stage.mesh.model == "iso" and any(relieved):
+            yield f"{place}: tip relief under the rung iso acts on a stiffness that knows no load sharing; prefer plane"
+    for number, fault in enumerate(scene.faults, 1):
+        stage, pair = scene.stages[fault.stage - 1], layout.pairs[fault.stage - 1]
+        width = pair.face_width / stage.mesh.slices
+        extent = getattr(fault, "extent_mm", None)
+        if extent is not None and extent / 1000 < 2 * width:
+            yield (
+                f"faults.{number}: extent_mm = {extent:g} is resolved by slices of {width * 1000:.2f} mm; raise "
+                f"stages.{fault.stage}.mesh.slices to {max(2, round(4 * pair.face_width / (extent / 1000)))}"
+            )
+        yield from _hidden(scene, fault, number, pair, facts[fault.stage - 1])
+
+
+def _hidden(scene: Scene, fault: FaultTable, number: int, pair: GearPair, facts: StageFacts) -> Iterator[str]:
+    """Compares the change that a fault makes in the transmission error with the single pitch tolerance.
+
+    A missing tooth takes 1/max(eps_alpha, eps_beta) of the mean contact line (at least where lines are complete), wear
+    its depth, a chip its part of the line. Of cracks nothing is estimated.
+    """
+    if not scene.deviations.enabled or isinstance(fault, CrackedToothTable):
+        return
+    delta = facts.mesh_force / pair.face_width / TYPICAL_STIFFNESS
+    lost = min(0.95, 1 / max(pair.transverse_contact_ratio, pair.overlap_ratio))
+    if isinstance(fault, WornToothTable):
+        change = fault.depth_um / 1e6
+        if fault.tooth is not None:
+            change = min(change, delta * lost / (1 - lost))
+    else:
+        if isinstance(fault, ChippedToothTable):
+            lost *= fault.extent_mm / 1000 / pair.face_width
+        change = delta * lost / (1 - lost)
+    tolerance = pitch_tolerance(getattr(pair, fault.gear), scene.deviations.iso_grade).single
+    if change < tolerance:
+        yield (
+            f"faults.{number}: the {fault.kind} moves the mesh by about {change * 1e6:.1f} um, pitch deviations of "
+            f"grade {scene.deviations.iso_grade} by up to {tolerance * 1e6:.1f} um: they may hide it; raise the load "
+            "or take a better iso_grade"
+        )

@@ -1,0 +1,87 @@
+"""Shafts that nothing holds: how a rigid shaft could move freely between its bearings, meshes and motors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from mbd.parts.bearings import BEARING_AXES
+from mbd.parts.gear_mesh import contact_rows
+from pipelines.border.errors import Problem
+from pipelines.plant.bearings import rolling_elements
+from pipelines.plant.facts import bearing_names
+from pipelines.plant.layout import Layout
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.bearings import HertzBearings, LinearBearings, RigidBearings
+
+_AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
+_WORDS = {"uy": "along its axis", "ry": "in its rotation", "rx": "against tilting", "rz": "against tilting"}
+_ARM = 0.1  # m: by which rotations are counted beside displacements
+_TAKES_PART = 0.25  # share of a direction of a shaft in free motions from which it is named
+_FREE = 1e-9  # singular value over the largest, below which nothing holds a motion
+
+
+def unheld(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """The shafts that take part in motions that nothing holds, each with the direction in which it moves most."""
+    rows = np.array(list(_springs(scene, layout)))
+    scaled = rows * np.tile([1.0, 1.0, 1.0, 1 / _ARM, 1 / _ARM, 1 / _ARM], len(scene.shafts))
+    scaled /= np.linalg.norm(scaled, axis=1)[:, None]
+    _, sizes, motions = np.linalg.svd(scaled)
+    held = int((sizes > _FREE * sizes[0]).sum())
+    share = (motions[held:] ** 2).sum(axis=0).reshape(-1, 6)  # 1: moves by itself, 0: not at all
+    for number, shares in enumerate(share, 1):
+        if shares.max() < _TAKES_PART:
+            continue
+        axis = _AXES[int(np.argmax(shares))]
+        yield Problem(
+            f"shafts.{number}",
+            f"nothing holds shaft {number} {_WORDS.get(axis, 'across its axis')}: it moves freely",
+            "Give it a bearing that carries axial load (the NU types do not)"
+            if axis == "uy"
+            else "Give it a second bearing, or one that holds tilts",
+        )
+
+
+def _springs(scene: Scene, layout: Layout) -> Iterator[np.ndarray]:
+    """Rows (6 shafts) of everything that has stiffness, on the displacements and rotations of rigid shafts at y = 0."""
+
+    def row(shaft: int, y: float, coefficients: np.ndarray) -> np.ndarray:
+        found = np.zeros(6 * len(scene.shafts))
+        x, _, z = coefficients[:3]
+        found[6 * shaft : 6 * shaft + 6] = coefficients + [0.0, 0.0, 0.0, y * z, 0.0, -y * x]
+        return found
+
+    for _, shaft, place in bearing_names(scene):
+        table = scene.shafts[shaft].bearings[place] if scene.shafts[shaft].bearings else scene.bearings
+        y = scene.shafts[shaft].bearing_positions_mm[place] / 1000
+        for axis in _held(table):
+            yield row(shaft, y, np.eye(6)[_AXES.index(axis)])
+    yield row(layout.driven, 0.0, np.eye(6)[4])
+    for joint in scene.couplings:
+        (one, other), (first, second) = joint.shafts, joint.positions_mm
+        radial, tilt = joint.radial_stiffness_N_per_um, joint.tilt_stiffness_N_m_per_rad
+        strengths = radial, joint.axial_stiffness_N_per_um, radial, tilt, joint.torsional_stiffness_N_m_per_rad, tilt
+        for direction, strength in zip(np.eye(6), strengths, strict=True):
+            if strength:
+                yield row(one - 1, first / 1000, direction) - row(other - 1, second / 1000, direction)
+    for stage, pair, (driving, driven) in zip(scene.stages, layout.pairs, layout.pair_shafts, strict=True):
+        line = layout.axes[driven][0] - layout.axes[driving][0], layout.axes[driven][1] - layout.axes[driving][1]
+        radii = pair.pinion.base_radius, pair.wheel.base_radius
+        lead = pair.pinion.hand_sign * math.tan(pair.base_helix_angle)
+        y = stage.position_mm / 1000
+        flank = contact_rows(line, radii, pair.working_pressure_angle, lead, layout.senses[driving])
+        for contact in flank[: 2 if stage.mesh.slices > 1 else 1]:
+            yield row(driving, y, contact[:6]) + row(driven, y, contact[6:])
+
+
+def _held(table: RigidBearings | LinearBearings | HertzBearings) -> tuple[str, ...]:
+    """Axes that a bearing holds."""
+    if isinstance(table, RigidBearings):
+        return "ux", "uy", "uz"
+    if isinstance(table, LinearBearings):
+        return BEARING_AXES if table.tilt_stiffness_N_m_per_rad else BEARING_AXES[:3]
+    inside = rolling_elements(table)
+    carries = inside.kind == "ball" or inside.contact_angle != 0.0
+    return tuple(axis for axis in BEARING_AXES if axis != "uy" or carries)

@@ -1,0 +1,139 @@
+"""Parts of the machine that refuse the values of a scene: every cheap one is made here, and its reason told by key."""
+
+from __future__ import annotations
+
+import difflib
+import functools
+from collections.abc import Iterator
+
+from fem.contact.frame import RungError
+from fem.gears.geometry import GeometryError
+from mbd.parts.checks import MachineError
+from mbd.parts.rolling_catalogue import designations
+from mbd.parts.shafts import shaft_nodes
+from pipelines.border.errors import Problem
+from pipelines.plant.bearings import linear_bearing, rolling_elements
+from pipelines.plant.checks.held_shafts import unheld
+from pipelines.plant.hoist import drums, load_spec
+from pipelines.plant.law_specs import law_specs
+from pipelines.plant.layout import Layout
+from pipelines.plant.machine import losses_spec, shaft_specs, speed_profile
+from pipelines.plant.mesh_laws import LawSpec, contact_path, mesh_laws
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.bearings import HertzBearings, LinearBearings, RigidBearings
+
+
+def bad_machine(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """Everything that the parts of the machine refuse."""
+    bearings = [*_bad_bearings(scene)]
+    yield from bearings
+    stations = [*_off_shaft(scene, layout)]
+    yield from stations
+    if not stations:
+        yield from _bad_shafts(scene, layout)
+    yield from _bad_load(scene, layout)
+    try:
+        losses_spec(scene)
+    except MachineError as error:
+        yield Problem("losses", str(error))
+    if not bearings:
+        yield from unheld(scene, layout)
+
+
+def _bad_bearings(scene: Scene) -> Iterator[Problem]:
+    if any(not shaft.bearings for shaft in scene.shafts):
+        yield from _bad_bearing("bearings", scene.bearings)
+    for number, shaft in enumerate(scene.shafts, 1):
+        for place, table in enumerate(shaft.bearings, 1):
+            yield from _bad_bearing(f"shafts.{number}.bearings.{place}", table)
+
+
+def _bad_bearing(path: str, table: RigidBearings | LinearBearings | HertzBearings) -> Iterator[Problem]:
+    known = designations()
+    if isinstance(table, HertzBearings) and table.designation is not None and table.designation not in known:
+        wanted = table.designation.replace(" ", "").upper()
+        near = [name for name in known if wanted.startswith(name)]
+        near += [name for name in difflib.get_close_matches(wanted, known, n=4) if name not in near]
+        hint = f"Near: {', '.join(near)}. " if near else ""
+        yield Problem(
+            f"{path}.designation",
+            f"is not in the catalogue, which has {', '.join(known)}",
+            f"{hint}Give one of these, or the geometry instead (kind, elements, element_diameter_mm, "
+            "pitch_diameter_mm)",
+            f'"{table.designation}"',
+        )
+        return
+    try:
+        if isinstance(table, HertzBearings):
+            if not rolling_elements(table).stiffness > 0.0:
+                yield Problem(path, "its rolling elements have no stiffness", "Give larger ones")
+        elif isinstance(table, LinearBearings):
+            _ = linear_bearing(table, "bearing", "shaft", 0.0, "casing")
+    except MachineError as error:
+        yield Problem(path, str(error))
+
+
+def _off_shaft(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """What is put beside the end of its shaft."""
+    placed = [(f"disks.{n}.position_mm", d.shaft - 1, d.position_mm) for n, d in enumerate(scene.disks, 1)]
+    for number, (stage, pair) in enumerate(zip(scene.stages, layout.pair_shafts, strict=True), 1):
+        placed += [(f"stages.{number}.position_mm", shaft, stage.position_mm) for shaft in pair]
+    for number, coupling in enumerate(scene.couplings, 1):
+        for shaft, y in zip(coupling.shafts, coupling.positions_mm, strict=True):
+            placed.append((f"couplings.{number}.positions_mm", shaft - 1, y))
+    placed += [("load.drum_positions_mm", layout.loaded, 1000 * y) for y in drums(scene, layout)]
+    for path, number, y in placed:
+        sections = scene.shafts[number].sections
+        start, end = sections[0].start_mm, sections[-1].end_mm
+        if not start - 1e-6 <= y <= end + 1e-6:
+            yield Problem(
+                path,
+                f"y = {y:g} mm is off shaft {number + 1}, which reaches from {start:g} to {end:g} mm",
+                "Move it onto the shaft, or make the shaft longer",
+            )
+
+
+def _bad_shafts(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    try:
+        specs = shaft_specs(scene, layout)
+    except MachineError as error:
+        yield Problem("shafts", str(error))
+        return
+    for number, spec in enumerate(specs, 1):
+        try:
+            shaft_nodes(spec, _stations(scene, layout, number - 1))
+        except MachineError as error:
+            yield Problem(f"shafts.{number}", str(error))
+
+
+def _stations(scene: Scene, layout: Layout, shaft: int) -> tuple[float, ...]:
+    stages = [s.position_mm for s, pair in zip(scene.stages, layout.pair_shafts, strict=True) if shaft in pair]
+    return tuple(y / 1000 for y in (*scene.shafts[shaft].bearing_positions_mm, *stages))
+
+
+def _bad_load(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    try:
+        load = load_spec(scene, layout)
+        load.check_run(speed_profile(scene), layout.shaft_ratios[layout.loaded], scene.simulation.end_s)
+    except MachineError as error:
+        yield Problem("load", str(error))
+
+
+def bad_laws(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """Mesh rungs that refuse their pair; those of finite elements are asked for their settings and path of contact."""
+    for number, spec in enumerate(law_specs(scene, layout), 1):
+        if reason := _law_refusal(spec):
+            yield Problem(f"stages.{number}.mesh", reason)
+
+
+@functools.lru_cache(maxsize=64)
+def _law_refusal(spec: LawSpec) -> str:
+    """Why a law cannot be built, "" where nothing is known against it."""
+    try:
+        if spec.model in ("iso", "energy"):
+            mesh_laws(spec)
+        else:
+            contact_path(spec)
+    except (RungError, GeometryError) as error:
+        return str(error)
+    return ""

@@ -1,0 +1,168 @@
+"""What teeth and shafts bear under the hanging load: pressure of the flanks, give of the teeth, torsion of the shafts.
+
+Pressure of the flanks at the pitch point, without load factors:
+
+    sigma_H0 = Z_H Z_E Z_eps Z_beta sqrt(F_t / (d_1 b) (u + 1) / u)
+
+References
+----------
+ISO 6336-2:2019, 6 to 9 (sigma_H0 and its factors), table 2 (Z_NT of static load); ISO 6336-5:2016 (sigma_H lim of
+case-carburized steel, grade ME); ISO 683-2:2016 (30CrNiMo8); DIN 743-3:2012 (42CrMo4).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.elements.materials import STEEL
+from fem.gears.geometry import GearPair
+from pipelines.border.errors import Problem
+from pipelines.plant.checks.flank_checks import TYPICAL_STIFFNESS
+from pipelines.plant.facts import StageFacts, input_torque, output_torque, power_flows, stage_facts
+from pipelines.plant.hoist import drums, shaft_ends
+from pipelines.plant.layout import Layout
+from pipelines.scene.scene import Scene
+
+ENDURANCE = 1650e6  # Pa: sigma_H lim of the best case-carburized gear steel
+STATIC_STRENGTH = 1.6 * ENDURANCE  # Pa: the same with Z_NT of a load that comes a few times only
+LARGEST_GIVE = 0.25  # modules: teeth that give way by more are no longer a small change of shape
+TORSION_ENDURANCE = 330e6  # Pa: torsion fatigue strength of 42CrMo4
+TORSION_STRENGTH = 1050e6 / math.sqrt(3)  # Pa: shear yield of 30CrNiMo8, 1050 MPa in tension
+
+
+@dataclass(frozen=True, kw_only=True)
+class Torsion:
+    """The most stressed section of a shaft under the hanging load; numbers from 1, SI."""
+
+    shaft: int
+    section: int
+    torque: float
+    stress: float
+    diameter: float
+
+    @property
+    def path(self) -> str:
+        """Key of its diameter."""
+        return f"shafts.{self.shaft}.sections.{self.section}.diameter_mm"
+
+
+def contact_pressure(pair: GearPair, pinion_torque: float) -> float:
+    """Pressure sigma_H0 (Pa) at the pitch point under a pinion torque (N m)."""
+    moduli = [material.plane_strain_modulus for material in (pair.pinion_material, pair.wheel_material)]
+    alpha_t, alpha_w = pair.pinion.transverse_pressure_angle, pair.working_pressure_angle
+    zone = 2 * math.cos(pair.base_helix_angle) / (math.cos(alpha_t) ** 2 * math.tan(alpha_w))
+    elastic = 1 / (math.pi * sum(1 / modulus for modulus in moduli))
+    across, along = pair.transverse_contact_ratio, min(1.0, pair.overlap_ratio)
+    ratio = max(0.0, (4 - across) / 3 * (1 - along)) + along / across
+    slant = 1 / math.cos(pair.pinion.helix_angle)
+    diameter = 2 * pair.pinion.reference_radius
+    load = 2 * abs(pinion_torque) / diameter / (diameter * pair.face_width) * (pair.ratio + 1) / pair.ratio
+    return math.sqrt(zone * elastic * ratio * slant * load)
+
+
+def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]]]:
+    """By shaft: places y (m) and the torques (N m, lifting positive) that enter there, without losses."""
+    entering: list[list[tuple[float, float]]] = [[] for _ in scene.shafts]
+    torque, speeds = input_torque(scene, layout), layout.shaft_ratios
+
+    def flow(giver: tuple[int, float], taker: tuple[int, float], share: float) -> None:
+        for (shaft, y), sign in ((giver, -1), (taker, 1)):
+            entering[shaft].append((y, sign * share * torque / speeds[shaft]))
+
+    shares = power_flows(scene, layout)
+    for stage, (pinion, wheel), share in zip(scene.stages, layout.pair_shafts, shares, strict=False):
+        y = stage.position_mm / 1000
+        flow((pinion, y), (wheel, y), share)
+    for coupling, share in zip(scene.couplings, shares[len(scene.stages) :], strict=True):
+        one, other = zip(coupling.shafts, coupling.positions_mm, strict=True)
+        flow((one[0] - 1, one[1] / 1000), (other[0] - 1, other[1] / 1000), share)
+    motors = shaft_ends(scene, layout.driven)[: scene.drive.motors]
+    entering[layout.driven] += [(y, torque / len(motors)) for y in motors]
+    places = drums(scene, layout)
+    entering[layout.loaded] += [(y, -output_torque(scene) / len(places)) for y in places]
+    return entering
+
+
+def torsions(scene: Scene, layout: Layout) -> list[Torsion]:
+    """The most stressed section of every shaft that carries torque."""
+    found = []
+    for number, (shaft, entering) in enumerate(zip(scene.shafts, torques_along(scene, layout), strict=True), 1):
+        places, torques = np.array(sorted(entering)).reshape(-1, 2).T
+        inside = np.cumsum(torques)[:-1]
+        worst: Torsion | None = None
+        for place, section in enumerate(shaft.sections, 1):
+            start, end = section.start_mm / 1000, section.end_mm / 1000
+            crossed = (places[:-1] < end - 1e-9) & (places[1:] > start + 1e-9) & (np.diff(places) > 0)
+            torque = float(abs(inside[crossed]).max(initial=0.0))
+            outer, inner = section.diameter_mm / 1000, section.bore_mm / 1000
+            resistance = math.pi / 16 * outer**3 * (1 - (inner / outer) ** 4)
+            stress = torque / resistance if resistance else math.inf
+            if torque and (worst is None or stress > worst.stress):
+                worst = Torsion(shaft=number, section=place, torque=torque, stress=stress, diameter=outer)
+        if worst is not None:
+            found.append(worst)
+    return found
+
+
+def overloaded(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """Teeth and shafts that no steel could make strong enough for the hanging load."""
+    for number, (pair, facts) in enumerate(zip(layout.pairs, stage_facts(scene, layout), strict=True), 1):
+        yield from _overloaded_teeth(number, pair, facts)
+    for worst in torsions(scene, layout):
+        if not worst.stress <= TORSION_STRENGTH:
+            yield Problem(
+                worst.path,
+                f"shaft {worst.shaft} is too thin for its {worst.torque:.4g} N m: torsion {worst.stress / 1e6:.4g} "
+                f"MPa, the strongest shaft steel yields at {TORSION_STRENGTH / 1e6:.0f} MPa (30CrNiMo8, ISO 683-2)",
+                f"Give {_enough(worst, TORSION_ENDURANCE):.4g} mm or more, or lower load.container_kg.",
+                f"{1000 * worst.diameter:g}",
+            )
+
+
+def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterator[Problem]:
+    pressure = contact_pressure(pair, facts.pinion_torque)
+    load = f"line load {facts.line_load / 1000:.4g} N/mm"
+    remedy = "Lower load.container_kg, or raise face_width_mm or module_mm"
+    if not pressure <= STATIC_STRENGTH:
+        yield Problem(
+            f"stages.{number}",
+            f"{load} presses the flanks with {pressure / 1e6:.4g} MPa; the best gear steel bears "
+            f"{STATIC_STRENGTH / 1e6:.0f} MPa a few times (ISO 6336-2 and -5: 1650 MPa, Z_NT 1.6)",
+            remedy,
+        )
+    softness = STEEL.elastic_modulus / pair.pinion_material.elastic_modulus
+    give = facts.line_load / TYPICAL_STIFFNESS * softness
+    if not give <= LARGEST_GIVE * pair.pinion.normal_module:
+        yield Problem(
+            f"stages.{number}",
+            f"{load} presses the teeth together by about {1000 * give:.3g} mm, more than {LARGEST_GIVE:g} modules "
+            f"({1000 * LARGEST_GIVE * pair.pinion.normal_module:.3g} mm): no linear elastic tooth does that",
+            f"{remedy}, or gear_material.elastic_modulus_GPa",
+        )
+
+
+def strength_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Iterator[str]:
+    """Loads that steel bears, but not for long."""
+    for number, (pair, fact) in enumerate(zip(layout.pairs, facts, strict=True), 1):
+        pressure = contact_pressure(pair, fact.pinion_torque)
+        if pressure > ENDURANCE:
+            yield (
+                f"stages.{number}: the flanks are pressed with {pressure / 1e6:.4g} MPa, more than the best gear steel "
+                f"endures ({ENDURANCE / 1e6:.0f} MPa, ISO 6336-5, case-carburized, ME)"
+            )
+    for worst in torsions(scene, layout):
+        if worst.stress > TORSION_ENDURANCE:
+            yield (
+                f"{worst.path} = {1000 * worst.diameter:g}: torsion {worst.stress / 1e6:.4g} MPa under "
+                f"{worst.torque:.4g} N m, more than 42CrMo4 endures ({TORSION_ENDURANCE / 1e6:.0f} MPa, DIN 743-3); "
+                f"{_enough(worst, TORSION_ENDURANCE):.4g} mm would do"
+            )
+
+
+def _enough(worst: Torsion, allowed: float) -> float:
+    """Diameter (mm) at which the stress is the allowed one, the ratio of bore to diameter kept."""
+    return 1000 * worst.diameter * math.ceil(100 * (worst.stress / allowed) ** (1 / 3)) / 100

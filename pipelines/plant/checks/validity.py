@@ -1,0 +1,75 @@
+"""A scene that can be run: everything that can be known before computing, asked in one place by every command."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from pipelines.border.errors import Problem, SceneError
+from pipelines.plant.checks.collisions import find_collisions
+from pipelines.plant.checks.cost import too_long
+from pipelines.plant.checks.flank_checks import bad_flanks
+from pipelines.plant.checks.machine_checks import bad_laws, bad_machine
+from pipelines.plant.checks.strength import overloaded
+from pipelines.plant.checks.window_checks import bad_windows
+from pipelines.plant.layout import Layout, lay_out
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.casing import FlexibleBase
+from pipelines.scene.tables.housing import HousingTable, ImportedTable
+
+FARTHEST_SENSOR_MM = 50.0  # a sensor farther from the housing is a mistake in the scene
+
+
+def checked_layout(scene: Scene, source: str) -> Layout:
+    """The layout of a scene after every check that needs no computation.
+
+    Raises
+    ------
+    SceneError : everything that does not fit, at once
+    """
+    layout = lay_out(scene, source)
+    problems: list[Problem] = [
+        *find_collisions(scene, layout),
+        *bad_flanks(scene, layout),
+        *overloaded(scene, layout),
+        *bad_laws(scene, layout),
+        *bad_machine(scene, layout),
+        *too_long(scene),
+    ]
+    if isinstance(scene.casing, FlexibleBase):
+        problems += _bad_housing(scene, scene.casing.housing, layout, source)
+    if scene.control is not None:  # without one there is no diagnosis
+        problems += bad_windows(scene, layout)
+    if problems:
+        raise SceneError(source, problems)
+    return layout
+
+
+def _bad_housing(scene: Scene, table: HousingTable | ImportedTable, layout: Layout, source: str) -> Iterator[Problem]:
+    from pipelines.plant.checks.casing_checks import bad_casing
+    from pipelines.plant.housing import housing
+
+    if isinstance(table, HousingTable):
+        yield from _far_sensors(scene, table)
+    try:
+        made = housing(scene, table, layout, source)
+    except SceneError as error:
+        yield from error.problems
+    else:
+        yield from bad_casing(scene, layout, made, source)
+
+
+def _far_sensors(scene: Scene, box: HousingTable) -> Iterator[Problem]:
+    """Sensors outside the box around the housing and its feet by more than the limit."""
+    low = (box.left_end_mm, -box.width_mm / 2, -box.shaft_height_mm - box.foot_height_mm - box.pad_height_mm)
+    high = (box.left_end_mm + box.length_mm, box.width_mm / 2, box.height_mm - box.shaft_height_mm)
+    for number, sensor in enumerate(scene.sensors, 1):
+        outside = (max(a - x, x - b, 0.0) for a, x, b in zip(low, sensor.position_mm, high, strict=True))
+        distance = math.hypot(*outside)
+        if distance > FARTHEST_SENSOR_MM:
+            yield Problem(
+                f"sensors.{number}.position_mm",
+                f"{sensor.name} is {distance:.0f} mm outside the housing (limit {FARTHEST_SENSOR_MM:.0f} mm)",
+                f"The housing spans x {low[0]:g} to {high[0]:g}, y {low[1]:g} to {high[1]:g}, z {low[2]:g} to "
+                f"{high[2]:g} mm.",
+            )

@@ -1,0 +1,101 @@
+"""Windows in which no diagnosis is possible, known from the scene alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from mbd.parts.drive import SpeedProfile
+from pipelines.border.errors import Problem
+from pipelines.plant.layout import Layout
+from pipelines.plant.looked_for import diagnosis_settings
+from pipelines.scene.scene import Scene
+from pipelines.signals.analysis import SPEED_TOLERANCE, DiagnosisError, DiagnosisSettings, envelope_band
+from pipelines.signals.spectrum import FEWEST_REVOLUTIONS, SpectrumError, whole_revolutions
+
+
+def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """Why the diagnosis that a scene asks for could not be made; nothing where it asks for none."""
+    if not scene.diagnosis.windows_s or not scene.sensors:
+        return
+    if not any(scene.drive.speeds_rpm):
+        yield Problem(
+            "drive.speeds_rpm", "the motors stand: no shaft turns, there is nothing to diagnose", "Let them turn"
+        )
+        return
+    settings, rate = diagnosis_settings(scene, layout), scene.simulation.output_rate_Hz
+    if settings is None:
+        return
+    profile = SpeedProfile(times=np.array(scene.drive.times_s), speeds=np.array(scene.drive.speeds_rpm))
+    for name, window in settings.windows.items():
+        yield from _bad_window(scene, settings, profile, name, window)
+    highest = max(settings.mesh_harmonics) * settings.mesh_frequency
+    highest += settings.sideband_orders * settings.revolution_frequency
+    if highest >= rate / 2:
+        yield Problem(
+            "simulation.output_rate_Hz",
+            f"the diagnosis of stage {scene.diagnosis.stage} looks at lines up to {highest:.4g} Hz "
+            f"({max(settings.mesh_harmonics)} f_m and {settings.sideband_orders} sidebands), half of the rate is "
+            f"{rate / 2:.4g} Hz",
+            f"Give {math.ceil(4 * highest):g} Hz or more",
+            f"{rate:g}",
+        )
+    try:
+        low, high = envelope_band(settings, [], rate)
+    except DiagnosisError as error:
+        yield Problem("diagnosis.envelope_band_Hz", str(error), "", '"resonance"')
+    else:
+        if high > rate / 2 and highest < rate / 2:
+            yield Problem(
+                "diagnosis.envelope_band_Hz",
+                f"the band of the envelope is {low:.4g} to {high:.4g} Hz, half of the output rate {rate / 2:.4g} Hz",
+                "Raise simulation.output_rate_Hz, or give a lower band",
+            )
+
+
+def _bad_window(
+    scene: Scene, settings: DiagnosisSettings, profile: SpeedProfile, name: str, window: tuple[float, float]
+) -> Iterator[Problem]:
+    path, shown = f"diagnosis.windows_s.{name}", f"[{window[0]:g}, {window[1]:g}]"
+    shaft = f"the stage {scene.diagnosis.stage} {scene.diagnosis.gear}"
+    turn = settings.revolution_frequency
+    try:
+        segment = whole_revolutions(window, scene.simulation.output_rate_Hz, turn)
+        start, end, revolutions = segment.start, segment.start + segment.duration, segment.revolutions
+    except SpectrumError:
+        start, end, revolutions = *window, 0
+    if revolutions < FEWEST_REVOLUTIONS:
+        held = (window[1] - window[0]) * turn
+        cut = f", of which {revolutions} fill whole samples" if int(held) > revolutions else ""
+        yield Problem(
+            path,
+            f"holds {held:.1f} revolutions of {shaft}{cut}; the diagnosis needs {FEWEST_REVOLUTIONS}",
+            f"Give it {(FEWEST_REVOLUTIONS + bool(cut)) / turn:.2f} s or more, or leave windows_s empty for signals "
+            "alone",
+            shown,
+        )
+    mean = abs(float(np.diff(profile.angle(np.array([start, end])))[0])) / (end - start)
+    if abs(mean / profile.highest - 1) > SPEED_TOLERANCE:
+        yield Problem(
+            path,
+            f"the motors turn at {mean:.4g} rpm in the mean, and the lines of {shaft} are looked for at the highest "
+            f"speed, {profile.highest:.4g} rpm (within {SPEED_TOLERANCE:g})",
+            f"Choose a window at constant highest speed: {_steady(scene, profile) or 'this drive has none'}",
+            shown,
+        )
+
+
+def _steady(scene: Scene, profile: SpeedProfile) -> str:
+    """The stretches of the drive at its highest speed."""
+    ends = [*profile.times.tolist(), max(scene.simulation.end_s, float(profile.times[-1]))]
+    speeds = [*profile.speeds.tolist(), float(profile.speeds[-1])]
+    found = [
+        f"{ends[i]:g} to {min(ends[i + 1], scene.simulation.end_s):g} s"
+        for i in range(len(speeds) - 1)
+        if abs(speeds[i]) == profile.highest
+        and speeds[i] == speeds[i + 1]
+        and ends[i] < min(ends[i + 1], scene.simulation.end_s)
+    ]
+    return ", ".join(found)

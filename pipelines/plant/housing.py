@@ -1,0 +1,209 @@
+"""The housing of a scene, in SI: parametric, bores where the shafts are, or from a file, whose bores must be there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import overload
+
+import numpy as np
+
+from fem.casing.geometry.dimensions import Bore, HousingError, Sensor
+from fem.casing.geometry.features import Feet, Fillets, Flange, Ribs, Walls
+from fem.casing.geometry.housing import Housing
+from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
+from fem.casing.meshing.locate import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint, Locator, Point
+from fem.casing.meshing.source import Geometry
+from pipelines.border.errors import InputError, Problem, SceneError
+from pipelines.plant.facts import bearing_points
+from pipelines.plant.layout import Layout
+from pipelines.scene.scene import Scene
+from pipelines.scene.shipped_files import find_file
+from pipelines.scene.tables.casing import SensorTable
+from pipelines.scene.tables.housing import FlangeTable, GroundTable, HousingTable, ImportedTable, RibTable, SeatTable
+
+END_DISTANCE = 0.05  # from the end of the box to the outer feet, in lengths of the box
+_SKEW = 1e-3  # largest cosine between two axes of a sensor or a file, which are then made orthogonal
+
+
+def bores(table: HousingTable, layout: Layout) -> tuple[Bore, ...]:
+    """Two bores per shaft, odd numbers in the wall at -y."""
+    return tuple(
+        Bore(
+            name=f"bearing_{2 * number + (1 if side < 0 else 2)}",
+            x=x,
+            z=z,
+            side=side,
+            diameter=bore / 1000,
+            boss_diameter=boss / 1000,
+            boss_length=table.boss_length_mm / 1000,
+        )
+        for number, ((x, z), bore, boss) in enumerate(
+            zip(layout.axes, table.bore_diameters_mm, table.boss_diameters_mm, strict=True)
+        )
+        for side in (-1, 1)
+    )
+
+
+def feet(table: HousingTable) -> Feet:
+    """Feet evenly spread between the ends of the box: three a side, or as many as their largest distance asks for."""
+    length, left, side = table.length_mm / 1000, table.left_end_mm / 1000, table.foot_length_mm / 1000
+    first, last = left + END_DISTANCE * length + side / 2, left + (1 - END_DISTANCE) * length - side / 2
+    if table.foot_pitch_mm is None:
+        places = (first, (first + last) / 2, last)
+    else:
+        count = max(2, math.ceil((last - first) / (table.foot_pitch_mm / 1000) - 1e-9) + 1)
+        places = tuple(np.linspace(first, last, count).tolist())
+    return Feet(
+        x=places,
+        length=side,
+        height=table.foot_height_mm / 1000,
+        overhang=table.foot_overhang_mm / 1000,
+        pad_diameter=table.pad_diameter_mm / 1000,
+        pad_height=table.pad_height_mm / 1000,
+        bolt_diameter=table.bolt_diameter_mm / 1000,
+    )
+
+
+@overload
+def housing(scene: Scene, table: HousingTable, layout: Layout, source: str = "scene") -> Housing: ...
+
+
+@overload
+def housing(
+    scene: Scene, table: HousingTable | ImportedTable, layout: Layout, source: str = "scene"
+) -> Housing | ImportedHousing: ...
+
+
+def housing(scene: Scene, table: HousingTable | ImportedTable, layout: Layout, source: str = "scene") -> Geometry:
+    """The housing with the sensors of the scene. SceneError with every reason when its parts do not fit together."""
+    try:
+        placed = sensors(scene.sensors)
+        if isinstance(table, HousingTable):
+            return _parametric(table, layout, placed)
+        if problems := list(_seat_problems(scene, table, layout)):
+            raise SceneError(source, problems)
+        return _imported(scene, table, layout, placed)
+    except (HousingError, InputError) as error:
+        if isinstance(error, SceneError):
+            raise
+        raise SceneError(source, [Problem("casing.housing", str(error))]) from error
+
+
+def sensors(tables: tuple[SensorTable, ...]) -> tuple[Sensor, ...]:
+    """Sensors in SI; their axes get unit length."""
+    return tuple(
+        Sensor(name=table.name, position=_metres(table.position_mm), axes=_frame(table.name, table.axes))
+        for table in tables
+    )
+
+
+def _parametric(table: HousingTable, layout: Layout, placed: tuple[Sensor, ...]) -> Housing:
+    return Housing(
+        length=table.length_mm / 1000,
+        width=table.width_mm / 1000,
+        height=table.height_mm / 1000,
+        wall_thickness=table.wall_thickness_mm / 1000,
+        left=table.left_end_mm / 1000,
+        axis_height=table.shaft_height_mm / 1000,
+        bores=bores(table, layout),
+        feet=feet(table),
+        sensors=placed,
+        walls=Walls(
+            side=_optional(table.side_wall_thickness_mm),
+            end=_optional(table.end_wall_thickness_mm),
+            floor=_optional(table.floor_thickness_mm),
+            cover=_optional(table.cover_thickness_mm),
+        ),
+        flange=None if table.flange is None else _flange(table.flange),
+        ribs=None if table.ribs is None else _ribs(table.ribs),
+        fillets=Fillets(foot=table.foot_fillet_mm / 1000, inner=table.inner_fillet_mm / 1000),
+    )
+
+
+def _flange(table: FlangeTable) -> Flange:
+    return Flange(split=table.split_plane_mm / 1000, width=table.width_mm / 1000, height=table.height_mm / 1000)
+
+
+def _ribs(table: RibTable) -> Ribs:
+    return Ribs(
+        thickness=table.thickness_mm / 1000,
+        height=table.height_mm / 1000,
+        per_boss=table.per_boss,
+        end_wall=table.end_wall,
+        cover=table.cover,
+    )
+
+
+def _imported(scene: Scene, table: ImportedTable, layout: Layout, placed: tuple[Sensor, ...]) -> ImportedHousing:
+    path, points = find_file(table.file), bearing_points(scene, layout)
+    return ImportedHousing(
+        path=str(path),
+        sha256=content_hash(path),
+        unit=table.unit,
+        upgrade=getattr(table, "upgrade", False),
+        origin=_metres(table.origin_mm),
+        axes=_frame("casing.housing.axes", table.axes),
+        seats=tuple(
+            Seat(name=f"bearing_{number}", locator=_seat(seat), shaft_point=point)
+            for number, point in enumerate(points, 1)
+            for seat in table.bearings
+            if seat.name == f"bearing_{number}"
+        ),
+        grounds=tuple(_ground(ground) for ground in table.grounds),
+        sensors=placed,
+    )
+
+
+def _seat_problems(scene: Scene, table: ImportedTable, layout: Layout) -> Iterator[Problem]:
+    wanted = [f"bearing_{number}" for number in range(1, len(bearing_points(scene, layout)) + 1)]
+    given = [seat.name for seat in table.bearings]
+    if missing := [name for name in wanted if name not in given]:
+        yield Problem("casing.housing.bearings", f"{', '.join(missing)} not located", "Give the seat of every bearing")
+    if unknown := [name for name in given if name not in wanted]:
+        yield Problem(
+            "casing.housing.bearings",
+            f"{', '.join(unknown)} belong to no shaft (the shafts have {wanted[0]} to {wanted[-1]})",
+            "Leave them out",
+        )
+
+
+def _seat(table: SeatTable) -> Locator:
+    if table.through_mm is None or table.diameter_mm is None:
+        return ByGroup(group=table.group or "")
+    return ByCylinder(through=_metres(table.through_mm), diameter=table.diameter_mm / 1000, axis=table.axis)
+
+
+def _ground(table: GroundTable) -> Locator:
+    if table.point_mm is not None:
+        return ByPoint(point=_metres(table.point_mm))
+    if table.box_mm is not None:
+        return ByBox(low=_metres(table.box_mm[0]), high=_metres(table.box_mm[1]))
+    if table.through_mm is not None and table.normal is not None:
+        return ByPlane(through=_metres(table.through_mm), normal=table.normal)
+    return ByGroup(group=table.group or "")
+
+
+def _frame(name: str, axes: tuple[Point, Point, Point]) -> tuple[Point, Point, Point]:
+    """Three directions as orthonormal rows; HousingError if they are not near to orthogonal."""
+    rows = np.array(axes, float)
+    sizes = np.linalg.norm(rows, axis=1)
+    if not sizes.all():
+        raise HousingError(f"{name}: an axis of {axes} has no length; give three orthogonal directions")
+    rows = rows / sizes[:, None]
+    skew = np.abs(rows @ rows.T - np.eye(3)).max()
+    if skew > _SKEW:
+        raise HousingError(
+            f"{name}: the axes {axes} are not orthogonal (cosine {skew:.3g}, limit {_SKEW:g}); correct one of them"
+        )
+    u, _, v = np.linalg.svd(rows)
+    first, second, third = np.where(np.abs(rows - u @ v) < 1e-12, rows, u @ v).tolist()
+    return tuple(first), tuple(second), tuple(third)
+
+
+def _metres(point: tuple[float, float, float]) -> Point:
+    return point[0] / 1000, point[1] / 1000, point[2] / 1000
+
+
+def _optional(value: float | None) -> float | None:
+    return None if value is None else value / 1000

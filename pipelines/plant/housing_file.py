@@ -1,0 +1,36 @@
+"""Write the parametric housing of a scene as STEP.
+
+`python -m pipelines.plant.housing_file SCENE FILE.step [PATH=VALUE ...]`.
+
+So were the files in the package `meshes` made, see its README.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+
+def main(arguments: list[str]) -> int:
+    """Write the file; the hash of its content goes to standard output."""
+    from fem.casing.geometry.housing import Housing
+    from fem.casing.meshing.imported import content_hash
+    from fem.casing.meshing.mesher import write_step
+    from pipelines.border.errors import InputError
+    from pipelines.plant.housing import housing
+    from pipelines.plant.layout import lay_out
+    from pipelines.scene.file import load_scene
+    from pipelines.scene.tables.casing import FlexibleBase
+
+    name, target, *settings = arguments
+    scene = load_scene(name, settings).scene
+    made = housing(scene, scene.casing.housing, lay_out(scene)) if isinstance(scene.casing, FlexibleBase) else None
+    if not isinstance(made, Housing):
+        raise InputError(f"{name}: has no parametric housing. Give a scene whose casing.housing.model is parametric.")
+    write_step(made, Path(target))
+    sys.stdout.write(f"{target} {content_hash(Path(target))}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

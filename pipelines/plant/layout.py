@@ -1,0 +1,155 @@
+"""Layout: a scene turned into SI objects - gear pairs, axis positions, housing, machine.
+
+Units are converted here and nowhere else, by division by exact integers.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from fem.elements.materials import Material
+from fem.gears.geometry import Gear, GearPair, GeometryError, Rack
+from fem.gears.modifications import PairModifications, check_modifications
+from pipelines.border.errors import Problem, SceneError
+from pipelines.plant.flanks import lifting_sense, modifications
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.base import MaterialTable
+from pipelines.scene.tables.gear_details import GearTable
+from pipelines.scene.tables.gears import StageTable
+from pipelines.scene.train import place_shafts, stage_shafts
+
+USUAL_BACKLASH_UM = 80.0  # where a scene says nothing of centre distance, allowances or backlash
+
+
+def material(name: str, table: MaterialTable) -> Material:
+    """The material of a table, in SI."""
+    return Material(
+        name=name,
+        elastic_modulus=table.elastic_modulus_GPa * 1e9,
+        poisson_ratio=table.poisson_ratio,
+        density=table.density_kg_m3,
+    )
+
+
+def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
+    """The gear pair of a stage, in SI; `sense` is the lifting sense of its pinion, +1 about +y.
+
+    The face coordinate of a pair points along the rotation of its pinion in lifting, so that ends of the face change
+    places where the sense is -1. A backlash that is given is the whole of it.
+
+    Raises
+    ------
+    GeometryError : the gears do not work, with the reason; less backlash than centre distance and allowances leave
+    """
+    pinion_hand = stage.pinion_hand
+    pair = GearPair(
+        pinion=_gear(stage, "pinion", pinion_hand, sense),
+        wheel=_gear(stage, "wheel", "left" if pinion_hand == "right" else "right", sense),
+        centre_distance=None if stage.centre_distance_mm is None else stage.centre_distance_mm / 1000,
+        pinion_material=steel,
+        wheel_material=steel,
+    )
+    allowances = stage.pinion.thickness_allowance_um, stage.wheel.thickness_allowance_um
+    given = stage.centre_distance_mm is not None or any(allowances)
+    wanted = stage.backlash_um if stage.backlash_um is not None else None if given else USUAL_BACKLASH_UM
+    if wanted is None:
+        return pair
+    if not given:  # exactly, without the rounding of the centre distance
+        return replace(pair, centre_distance=None, backlash_allowance=wanted / 1_000_000)
+    if wanted / 1_000_000 < pair.backlash - 1e-9:
+        raise GeometryError(
+            f"{pair.label}: backlash_um = {wanted:g} is less than the {pair.backlash * 1e6:.1f} um that centre "
+            "distance and thickness allowances leave: raise it, leave it out, or reduce the centre distance"
+        )
+    return replace(pair, backlash_allowance=wanted / 1_000_000 - pair.backlash)
+
+
+def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
+    table: GearTable = getattr(stage, name)
+
+    def rack_value(key: str) -> float:
+        own: float | None = getattr(table, key)
+        return float(getattr(stage, key)) if own is None else own
+
+    rack = Rack(
+        addendum=rack_value("rack_addendum"),
+        dedendum=rack_value("rack_dedendum"),
+        tip_radius=rack_value("rack_tip_radius"),
+        pressure_angle=math.radians(stage.pressure_angle_deg),
+    )
+    return Gear(
+        teeth=getattr(stage, f"{name}_teeth"),
+        normal_module=stage.module_mm / 1000,
+        helix_angle=math.radians(stage.helix_angle_deg),
+        face_width=stage.face_width_mm / 1000,
+        profile_shift=getattr(stage, f"{name}_profile_shift"),
+        rack=rack,
+        bore_radius=getattr(stage, f"{name}_bore_mm") / 2000,
+        tip_alteration=table.tip_alteration_mm / 1000,
+        hand=hand,
+        thickness_allowance=table.thickness_allowance_um / 1_000_000,
+        tip_chamfer=table.tip_chamfer_mm / 1000,
+        tip_rounding=table.tip_rounding_mm / 1000,
+        rim_thickness=None if table.rim_thickness_mm is None else table.rim_thickness_mm / 1000,
+        web_thickness=None if table.web_thickness_mm is None else table.web_thickness_mm / 1000,
+        web_offset=sense * table.web_offset_mm / 1000 + 0.0,  # no -0: equal pairs share a law
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layout:
+    """Where the gears and shafts of a scene are: pairs and flank modifications by stage, the rest by shaft.
+
+    Axes are (x, z) in m. Shafts are numbered from 0. Ratios of speeds are over that of shaft ``driven``, which the
+    motors turn.
+    """
+
+    pairs: tuple[GearPair, ...]
+    modifications: tuple[PairModifications, ...]
+    axes: tuple[tuple[float, float], ...]
+    senses: tuple[int, ...]  # lifting rotation about +y or -y; that of the first shaft is +1
+    shaft_ratios: tuple[float, ...]  # speed of each shaft over that of the motors
+    pair_shafts: tuple[tuple[int, int], ...]  # shafts of pinion and wheel, by stage
+    driven: int
+    loaded: int  # the shaft that carries the drums
+
+    @property
+    def ratio(self) -> float:
+        """Total ratio: turns of the input for one turn of the output."""
+        return 1 / self.shaft_ratios[self.loaded]
+
+
+def lay_out(scene: Scene, source: str = "scene") -> Layout:
+    """Gear pairs and axes of a scene; `source` names it in errors.
+
+    Raises
+    ------
+    SceneError : gears that do not work, a train that does not hang together, all of it listed
+    """
+    steel = material("gear steel", scene.gear_material)
+    pairs, flanks, problems = [], [], []
+    for number, stage in enumerate(scene.stages, 1):
+        sense = lifting_sense(scene, number)
+        try:
+            pairs.append(gear_pair(stage, steel, sense))
+            flanks.append(modifications(stage, sense))
+            check_modifications(pairs[-1], flanks[-1])
+        except GeometryError as error:
+            problems.append(Problem(f"stages.{number}", str(error)))
+    if problems:
+        raise SceneError(source, problems)
+    places, problems = place_shafts(len(scene.shafts), scene.stages, pairs, scene.couplings)
+    if problems:
+        raise SceneError(source, problems)
+    driven = (scene.drive.shaft or 1) - 1
+    return Layout(
+        pairs=tuple(pairs),
+        modifications=tuple(flanks),
+        axes=tuple((place.x, place.z) for place in places),
+        senses=tuple(place.sense for place in places),
+        shaft_ratios=tuple(place.speed / places[driven].speed for place in places),
+        pair_shafts=tuple(stage_shafts(scene.stages)),
+        driven=driven,
+        loaded=(scene.load.shaft or len(scene.shafts)) - 1,
+    )

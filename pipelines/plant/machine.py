@@ -1,0 +1,209 @@
+"""The multibody description of a scene: shafts with gear bodies, bearings, meshes, drive and load, in SI."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.contact.law import MeshLaw
+from fem.gears.geometry import Gear
+from mbd.parts.couplings import ShaftCoupling
+from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.gear_mesh import MeshSpec
+from mbd.parts.losses import Brake, Coulomb, Efficiency, Losses, NoLosses
+from mbd.parts.machine import Machine
+from mbd.parts.shafts import Disk, Section, ShaftSpec
+from pipelines.plant.bearings import bearing_specs
+from pipelines.plant.hoist import drums, load_spec, shaft_ends
+from pipelines.plant.layout import Layout
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.losses import CoulombLosses, EfficiencyLosses
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeshInput:
+    """What one stage brings to the machine: its laws and the clearances (tooth,) of both gears on both flanks (m)."""
+
+    drive: MeshLaw
+    coast: MeshLaw
+    drive_clearance_pinion: np.ndarray
+    drive_clearance_wheel: np.ndarray
+    coast_clearance_pinion: np.ndarray
+    coast_clearance_wheel: np.ndarray
+
+
+def annulus(name: str, y: float, inner: float, outer: float, width: float, density: float) -> Disk:
+    """A ring of rectangular section as a rigid disk: m, J = m (R^2 + r^2)/2 and m (3 (R^2 + r^2) + b^2)/12."""
+    mass = density * math.pi * (outer**2 - inner**2) * width
+    square = outer**2 + inner**2
+    return Disk(
+        name=name,
+        y=y,
+        mass=mass,
+        polar_inertia=mass * square / 2,
+        diametral_inertia=mass * (3 * square + width**2) / 12,
+    )
+
+
+def gear_disk(name: str, y: float, gear: Gear, density: float) -> Disk:
+    """The gear body from its bore to its reference circle."""
+    return annulus(name, y, gear.bore_radius, gear.reference_radius, gear.face_width, density)
+
+
+def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
+    density = scene.gear_material.density_kg_m3
+    found: list[Disk] = []
+    for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True)):
+        y = stage.position_mm / 1000
+        for name, gear, place in zip(
+            ("pinion", "wheel"), (pair.pinion, pair.wheel), layout.pair_shafts[number], strict=True
+        ):
+            if place == shaft and y not in {disk.y for disk in found}:  # one gear may be in two stages
+                found.append(gear_disk(f"{name}_{number + 1}", y, gear, density))
+    for number, table in enumerate(scene.disks, 1):
+        if table.shaft == shaft + 1:
+            found.append(
+                Disk(
+                    name=f"disk_{number}",
+                    y=table.position_mm / 1000,
+                    mass=table.mass_kg,
+                    polar_inertia=table.polar_inertia_kg_m2,
+                    diametral_inertia=table.diametral_inertia_kg_m2,
+                )
+            )
+    if shaft == layout.loaded:
+        load = scene.load
+        radius = load.drum_radius_mm / 1000
+        for number, y in enumerate(drums(scene, layout), 1):
+            # a drum is a thin shell: diametral inertia half the polar one, its length neglected
+            found.append(
+                Disk(
+                    name=f"drum_{number}",
+                    y=y,
+                    mass=load.drum_mass_kg,
+                    polar_inertia=load.drum_inertia_kg_m2,
+                    diametral_inertia=min(load.drum_inertia_kg_m2, load.drum_mass_kg * radius**2) / 2,
+                )
+            )
+    return found
+
+
+def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
+    """All shafts; shaft 1 lifts about +y, those that mesh with it turn the other way."""
+    steel = scene.gear_material
+    specs = []
+    for number, (table, (x, z)) in enumerate(zip(scene.shafts, layout.axes, strict=True)):
+        specs.append(
+            ShaftSpec(
+                name=f"shaft_{number + 1}",
+                x=x,
+                z=z,
+                sense=layout.senses[number],
+                sections=tuple(
+                    Section(
+                        y_start=section.start_mm / 1000,
+                        y_end=section.end_mm / 1000,
+                        outer_diameter=section.diameter_mm / 1000,
+                        inner_diameter=section.bore_mm / 1000,
+                    )
+                    for section in table.sections
+                ),
+                disks=tuple(_disks(scene, layout, number)),
+                elastic_modulus=steel.elastic_modulus_GPa * 1e9,
+                poisson_ratio=steel.poisson_ratio,
+                density=steel.density_kg_m3,
+                damping_time=scene.shaft_model.damping_time_us / 1_000_000,
+                element_length=scene.shaft_model.element_length_mm / 1000,
+                model=scene.shaft_model.model,
+            )
+        )
+    return tuple(specs)
+
+
+def coupling_specs(scene: Scene) -> tuple[ShaftCoupling, ...]:
+    """Couplings between shafts."""
+    return tuple(
+        ShaftCoupling(
+            name=f"coupling_{number}",
+            shafts=(f"shaft_{table.shafts[0]}", f"shaft_{table.shafts[1]}"),
+            y=(table.positions_mm[0] / 1000, table.positions_mm[1] / 1000),
+            torsional_stiffness=table.torsional_stiffness_N_m_per_rad,
+            radial_stiffness=table.radial_stiffness_N_per_um * 1e6,
+            axial_stiffness=table.axial_stiffness_N_per_um * 1e6,
+            tilt_stiffness=table.tilt_stiffness_N_m_per_rad,
+            damping_time=table.damping_time_us / 1_000_000,
+        )
+        for number, table in enumerate(scene.couplings, 1)
+    )
+
+
+def mesh_specs(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> tuple[MeshSpec, ...]:
+    """All meshes."""
+    return tuple(
+        MeshSpec(
+            name=f"mesh_{number + 1}",
+            driving=f"shaft_{layout.pair_shafts[number][0] + 1}",
+            driven=f"shaft_{layout.pair_shafts[number][1] + 1}",
+            y=stage.position_mm / 1000,
+            base_radius_driving=pair.pinion.base_radius,
+            base_radius_driven=pair.wheel.base_radius,
+            pressure_angle=pair.working_pressure_angle,
+            base_helix_angle=pair.base_helix_angle,
+            backlash=pair.backlash,
+            damping_time=stage.mesh_damping_time_us / 1_000_000,
+            drive=given.drive,
+            coast=given.coast,
+            drive_clearance_pinion=given.drive_clearance_pinion,
+            drive_clearance_wheel=given.drive_clearance_wheel,
+            coast_clearance_pinion=given.coast_clearance_pinion,
+            coast_clearance_wheel=given.coast_clearance_wheel,
+            cycle_at_start=stage.cycle_at_start,
+        )
+        for number, (stage, pair, given) in enumerate(zip(scene.stages, layout.pairs, inputs, strict=True))
+    )
+
+
+def losses_spec(scene: Scene) -> Losses:
+    """Losses of meshes and bearings."""
+    table = scene.losses
+    if isinstance(table, EfficiencyLosses):
+        return Efficiency(mesh_efficiency=table.mesh_efficiency)
+    if isinstance(table, CoulombLosses):
+        return Coulomb(tooth_friction=table.tooth_friction, bearing_friction=table.bearing_friction)
+    return NoLosses()
+
+
+def speed_profile(scene: Scene) -> SpeedProfile:
+    """Speed of the motors."""
+    return SpeedProfile(times=np.array(scene.drive.times_s), speeds=np.array(scene.drive.speeds_rpm) / 60 * 2 * math.pi)
+
+
+def machine(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> Machine:
+    """Everything the multibody run needs but the casing. `MachineError` names what does not fit."""
+    drive, driven = scene.drive, f"shaft_{layout.driven + 1}"
+    ends = shaft_ends(scene, layout.driven)[: drive.motors]
+    return Machine(
+        shafts=shaft_specs(scene, layout),
+        bearings=bearing_specs(scene),
+        meshes=mesh_specs(scene, layout, inputs),
+        couplings=tuple(
+            CouplingSpec(
+                name=f"motor_{number}",
+                shaft=driven,
+                y=y,
+                stiffness=drive.coupling_stiffness_N_m_per_rad,
+                damping=drive.coupling_damping_N_m_s_per_rad,
+            )
+            for number, y in enumerate(ends, 1)
+        ),
+        profile=speed_profile(scene),
+        load=load_spec(scene, layout),
+        shaft_couplings=coupling_specs(scene),
+        forces=tuple(table.spec(number) for number, table in enumerate(scene.forces, 1)),
+        losses=losses_spec(scene),
+        brake=Brake(shaft=driven, y=ends[0], torque=drive.brake_torque_N_m) if drive.brake_torque_N_m else None,
+        gyroscopic=scene.shaft_model.gyroscopic,
+    )

@@ -1,0 +1,72 @@
+"""What a report is made of, and how its values are set."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from pipelines.border.grid import Grid
+from pipelines.figures.plots import StiffnessPlot
+from pipelines.figures.render import LeftOut, Picture
+from pipelines.signals.analysis import DiagnosisSettings
+from pipelines.signals.diagnosis import Diagnosis
+
+if TYPE_CHECKING:
+    import xarray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ReportContents:
+    """The parts of a report; each may be left out. `reasons` says why, by the title of the section.
+
+    Tables are rows of named cells (dicts with equal keys, the keys are the headers); numbers are set to four digits.
+    `runs` maps a name ("missing tooth", "healthy", ...) to a response, the run of the scene first. `diagnoses` are the
+    comparisons whose lines are shown in full (rope, constant torque), `seeds` those of further deviations, which enter
+    the summary. `settings` say what to look at in a run without control. `gear_names` are words for the places
+    "pinion", "wheel" and "marked" of the picture. `short` is for scenes without fault.
+    """
+
+    title: str
+    lead: str = ""
+    summary: Mapping[str, Any] = field(default_factory=dict)
+    diagnoses: Sequence[Diagnosis] = ()
+    seeds: Sequence[Diagnosis] = ()
+    gears: Sequence[Mapping[str, Any]] = ()
+    stiffness: Sequence[StiffnessPlot] = ()
+    gear_picture: Picture | LeftOut | None = None
+    gear_names: Mapping[str, str] = field(default_factory=dict)
+    casing_picture: Picture | LeftOut | None = None
+    casing_rows: Sequence[Mapping[str, Any]] = ()
+    runs: Mapping[str, xarray.Dataset] = field(default_factory=dict)
+    windows: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    sensor: str = "sensor_3"
+    axis: str = "z"
+    settings: DiagnosisSettings | None = None
+    stages: Sequence[Mapping[str, Any]] = ()
+    energy: Sequence[Mapping[str, Any]] = ()
+    ledger: Mapping[str, Any] = field(default_factory=dict)
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+    cautions: Sequence[str] = ()  # what the motions say about themselves: before all else
+    warnings: Sequence[str] = ()
+    reasons: Mapping[str, str] = field(default_factory=dict)
+    short: bool = False
+
+
+def grid(title: str, rows: Sequence[Mapping[str, Any]]) -> Grid:
+    """A table from rows of named cells; a cell that a row lacks stays empty."""
+    headers = tuple(dict.fromkeys(name for row in rows for name in row))
+    return Grid(title=title, headers=headers, rows=tuple(tuple(cell(row.get(h, "")) for h in headers) for row in rows))
+
+
+def cell(value: Any) -> str:
+    """A value as it is shown: floats with four significant digits, lists joined, nothing for None."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(cell(v) for v in value)
+    return str(value)

@@ -1,0 +1,193 @@
+"""The reduced casing in files that other programs read, chosen by the ending of the name.
+
+.h5    everything, as `fem.casing.reduced.body.ReducedBody` writes it (HDF5 with named dimensions)
+.mat   matrices, rows and names for MATLAB
+.uff   universal file of modal testing: key points (2411), their modes (55), accelerances bearing -> sensor (58)
+.vtu   the mesh with every natural mode as a field on its nodes (quadratic tetrahedra)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipelines.border.errors import InputError
+from pipelines.border.shown import shown
+from pipelines.border.user_files import writable_file
+
+if TYPE_CHECKING:
+    from fem.casing.meshing.mesh import CasingMesh
+    from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.modes import CasingModes, NaturalModes
+
+FORMATS = (".h5", ".mat", ".uff", ".vtu")
+_LINES = 1000  # frequencies of an accelerance
+
+
+def checked_target(name: str) -> Path:
+    """The path of an export; InputError for an ending that is not known."""
+    path = writable_file(name, "--export")
+    if path.suffix.lower() not in FORMATS:
+        raise InputError(f"--export {shown(name)}: the ending must be one of {', '.join(FORMATS)}")
+    return path
+
+
+def write_mat(body: ReducedBody, path: Path) -> None:
+    """Mass, stiffness, damping, rows, names of coordinates and rows, key points; SI."""
+    from scipy.io import savemat
+
+    content = {
+        "model": body.model,
+        "mass": body.mass,
+        "stiffness": body.stiffness,
+        "damping": body.damping,
+        "rows": body.rows,
+        "coordinate_names": np.array(body.coordinate_names, dtype=object),
+        "row_names": np.array(body.row_names, dtype=object),
+        "point_names": np.array(body.point_names, dtype=object),
+        "point_positions": body.point_positions,
+    }
+    savemat(path, content, do_compression=True, long_field_names=True)
+
+
+def write_uff(body: ReducedBody, path: Path, *, title: str, band: float) -> None:
+    """Key points as nodes 1, 2, ..., undamped modes up to the band and accelerances to it; SI, ASCII.
+
+    Directions of a sensor are its own axes. A point without a row in a direction does not move along it.
+    """
+    try:
+        import pyuff
+    except ImportError as error:
+        raise InputError("--export FILE.uff needs the package pyuff: pip install 'gearcase[uff]'") from error
+    nodes = np.arange(1, len(body.point_names) + 1)
+    motions = np.zeros((len(nodes), 3, len(body.mass)))
+    for number, name in enumerate(body.point_names):
+        for axis, word in enumerate(("ux", "uy", "uz")):
+            if f"{name}:{word}" in body.row_names:
+                motions[number, axis] = body.row(f"{name}:{word}")
+    x, y, z = body.point_positions.T
+    zero = np.zeros(len(nodes), int)
+    units = {"units_code": 1, "units_description": "SI", "temp_mode": 1}
+    scale = {"length": 1.0, "force": 1.0, "temp": 1.0, "temp_offset": 273.15}
+    sets = [
+        pyuff.prepare_164(**units, **scale),
+        pyuff.prepare_2411(node_nums=nodes, def_cs=zero, disp_cs=zero, color=zero, x=x, y=y, z=z),
+        *_modes(pyuff, body, motions, nodes, title, band),
+        *_accelerances(pyuff, body, motions, nodes, title, band),
+    ]
+    path.unlink(missing_ok=True)
+    pyuff.UFF(str(path)).write_sets(sets, mode="add")
+
+
+def _modes(
+    pyuff: Any, body: ReducedBody, motions: np.ndarray, nodes: np.ndarray, title: str, band: float
+) -> list[dict[str, Any]]:
+    import scipy.linalg as la
+
+    square, phi = la.eigh(body.stiffness, body.mass)
+    omega = np.sqrt(np.maximum(square, 0.0))
+    zeta = np.einsum("im,ij,jm->m", phi, body.damping, phi, optimize=True) / (2.0 * omega)
+    points = ", ".join(f"{n} {name}" for n, name in zip(nodes, body.point_names, strict=True))
+    sets = []
+    for mode in np.flatnonzero(omega <= 2.0 * math.pi * band):
+        shape = motions @ phi[:, mode]
+        sets.append(
+            pyuff.prepare_55(
+                id1=title[:80],
+                id2="natural modes, unit modal mass",
+                id3=points[:80],
+                id4="NONE",
+                id5="NONE",
+                model_type=1,
+                analysis_type=2,
+                data_ch=2,
+                spec_data_type=8,
+                data_type=2,
+                n_data_per_node=3,
+                r1=shape[:, 0],
+                r2=shape[:, 1],
+                r3=shape[:, 2],
+                load_case=1,
+                mode_n=int(mode) + 1,
+                freq=float(omega[mode] / (2.0 * math.pi)),
+                modal_m=1.0,
+                modal_damp_vis=float(zeta[mode]),
+                modal_damp_his=0.0,
+                node_nums=nodes,
+            )
+        )
+    return sets
+
+
+def _accelerances(
+    pyuff: Any, body: ReducedBody, motions: np.ndarray, nodes: np.ndarray, title: str, band: float
+) -> list[dict[str, Any]]:
+    """Acceleration of every sensor per force at every bearing, all directions that have rows."""
+    frequencies = np.linspace(0.0, band, _LINES + 1)[1:]
+    inputs, outputs = (
+        [(n, a) for n, name in enumerate(body.point_names) if name.startswith(kind) for a in range(3)]
+        for kind in ("bearing_", "sensor_")
+    )
+    inputs = [(n, a) for n, a in inputs if motions[n, a].any()]
+    if not (inputs and outputs):
+        return []
+    loads, readings = (np.array([motions[n, a] for n, a in some]) for some in (inputs, outputs))
+    response = np.empty((len(frequencies), len(readings), len(loads)), complex)
+    for line, omega in enumerate(2.0 * math.pi * frequencies):
+        dynamic = body.stiffness - omega**2 * body.mass + 1j * omega * body.damping
+        response[line] = -(omega**2) * readings @ np.linalg.solve(dynamic, loads.T)
+    step = float(frequencies[0])
+    return [
+        pyuff.prepare_58(
+            binary=0,
+            id1=f"{body.point_names[out]} {'xyz'[a]} per {body.point_names[into]} {'xyz'[b]}",
+            id2=title[:80],
+            func_type=4,  # frequency response
+            rsp_ent_name=body.point_names[out][:10],
+            rsp_node=int(nodes[out]),
+            rsp_dir=a + 1,
+            ref_ent_name=body.point_names[into][:10],
+            ref_node=int(nodes[into]),
+            ref_dir=b + 1,
+            ord_data_type=6,  # complex, double
+            num_pts=len(frequencies),
+            abscissa_spacing=1,
+            abscissa_min=step,
+            abscissa_inc=step,
+            abscissa_spec_data_type=18,  # frequency
+            ordinate_spec_data_type=12,  # acceleration
+            ordinate_axis_units_lab="m/s2",
+            orddenom_spec_data_type=13,  # excitation force
+            orddenom_axis_units_lab="N",
+            abscissa_axis_units_lab="Hz",
+            data=response[:, i, j],
+            x=frequencies,
+        )
+        for i, (out, a) in enumerate(outputs)
+        for j, (into, b) in enumerate(inputs)
+    ]
+
+
+def write_vtu(mesh: CasingMesh, modes: CasingModes, natural: NaturalModes, path: Path, *, band: float) -> None:
+    """The mesh with the modes up to the band, each scaled to a largest displacement of 1."""
+    from fem.casing.meshing.mesh_file import write_fields
+
+    wanted = np.flatnonzero(natural.frequencies <= band)
+    data = {
+        f"mode {mode + 1:03d}: {natural.frequencies[mode]:.2f} Hz": shape
+        for mode, shape in zip(wanted, mode_shapes(modes, natural, wanted.tolist()), strict=True)
+    }
+    write_fields(mesh, data, path)
+
+
+def mode_shapes(modes: CasingModes, natural: NaturalModes, wanted: Sequence[int]) -> list[np.ndarray]:
+    """Displacements (node, 3) of natural modes, the largest length 1."""
+    shapes = []
+    for mode in wanted:
+        shape = modes.basis @ natural.vectors[:, mode]
+        shapes.append(shape / np.linalg.norm(shape, axis=1).max())
+    return shapes

@@ -1,0 +1,226 @@
+"""The right to fill a result folder, taken at the start: runs that begin in the same second do not meet at the end.
+
+A claim is the file ``.unfinished-<name>``. Only one process can make it, and it keeps the file locked as long as it
+lives. The system drops the lock however the process ends, so what a killed run left is told from what a living one
+writes without process numbers, which are used again. What stands on another host is left alone: not every network file
+system passes locks on.
+
+The files grow in the folder ``.partial-<name>`` and move into place in one step, so a reader meets a whole result or
+none. A folder that exists already (an empty one given by --out, a mounted volume) holds the claim itself and takes the
+files one by one, the response last.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import logging
+import os
+import platform
+import shutil
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
+from typing import BinaryIO
+
+from pipelines.border.errors import InputError, WorkError
+from pipelines.border.shown import shown
+from pipelines.border.user_files import writable_folder
+from pipelines.runs.run_folder import RESPONSE
+
+_LOG = logging.getLogger(__name__)
+_MARKER = ".unfinished-"
+_PARTIAL = ".partial-"
+
+
+@dataclass
+class Claim:
+    """A result folder of this process alone. Write into `folder`; `final` is where the files are afterwards."""
+
+    final: Path
+    folder: Path
+    marker: Path
+    lock: BinaryIO
+
+
+@contextlib.contextmanager
+def claimed(name: str, out: str | Path | None = None, root: Path | None = None) -> Iterator[Claim]:
+    """A folder to fill: `out`, or a new one under ``<root>/<name>/`` with the time in its name, root "runs" by default.
+
+    It appears only if the block ends without an error, and is whole then.
+
+    Raises
+    ------
+    InputError : `out` holds something, another run fills it, or nothing can be written there
+    WorkError : the files are written but cannot be moved; names the folder that keeps them
+    """
+    try:
+        claim = _claim_given(writable_folder(out)) if out is not None else _claim_new((root or Path("runs")) / name)
+    except OSError as error:
+        if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+            raise
+        place = out if out is not None else (root or Path("runs")) / name
+        raise InputError(
+            f"{shown(place)}: results cannot be written ({error.strerror}). Choose another --out."
+        ) from error
+    try:
+        yield claim
+    except BaseException:
+        shutil.rmtree(claim.folder, ignore_errors=True)
+        raise
+    else:
+        _publish(claim)
+    finally:
+        _drop(claim.marker, claim.lock)
+
+
+def _claim_new(parent: Path) -> Claim:
+    parent.mkdir(parents=True, exist_ok=True)
+    _sweep(parent)
+    names = _names(parent / time.strftime("%Y-%m-%d_%H-%M-%S"))
+    return next(claim for final in names if (claim := _claim(final, parent)) is not None)
+
+
+def _claim_given(final: Path) -> Claim:
+    place = final if final.is_dir() else final.parent
+    place.mkdir(parents=True, exist_ok=True)
+    _sweep(place)
+    claim = _claim(final, place)
+    if claim is not None:
+        return claim
+    marker, folder = _beside(place, _MARKER, final), _beside(place, _PARTIAL, final)
+    if marker.exists():
+        raise InputError(
+            f"{shown(final)}: another run is writing there. Choose another --out; if none is, on this machine or "
+            f"another, remove the file {shown(marker)}."
+        )
+    if folder.exists():
+        raise InputError(
+            f"{shown(final)}: {shown(folder)} keeps results that could not be moved there. Move or remove them."
+        )
+    raise InputError(
+        f"{shown(final)}: exists and is not an empty folder. Choose another --out; nothing is overwritten."
+    )
+
+
+def _claim(final: Path, place: Path) -> Claim | None:
+    """The claim of a free name, with marker and files in `place`; None if the name is taken."""
+    marker, folder = _beside(place, _MARKER, final), _beside(place, _PARTIAL, final)
+    if _taken(final, place, marker):
+        return None
+    try:
+        lock = open(marker, "x+b", buffering=0)  # noqa: SIM115 - held until the run ends
+    except FileExistsError:
+        return None
+    try:
+        try:
+            _locked(lock, wait=True)  # who sweeps may be looking at it, and leaves it alone while it is empty
+        except OSError as error:
+            _LOG.debug("%s: no locks here (%s), so it is never swept", marker, error)
+        lock.write(_host())
+        if not _taken(final, place, marker):
+            folder.mkdir()
+            return Claim(final, folder, marker, lock)
+    except FileExistsError:
+        _LOG.debug("%s keeps results that could not be moved", folder)
+    except BaseException:
+        _drop(marker, lock)
+        raise
+    _drop(marker, lock)
+    return None
+
+
+def _taken(final: Path, place: Path, marker: Path) -> bool:
+    """True if something stands under that name; where `place` is the folder itself, if it holds more than a marker."""
+    if place != final:
+        return os.path.lexists(final)
+    return any(path != marker for path in final.iterdir())
+
+
+def _publish(claim: Claim) -> None:
+    """Move the files into place; under the next free name if someone else has taken this one meanwhile."""
+    try:
+        if claim.folder.parent == claim.final:
+            for path in sorted(claim.folder.iterdir(), key=lambda path: path.name == RESPONSE):
+                os.rename(path, claim.final / path.name)
+            claim.folder.rmdir()
+            return
+        found = next(final for final in _names(claim.final) if _moved(claim.folder, final))
+    except OSError as error:
+        raise WorkError(
+            f"{claim.final}: the results cannot be moved there ({error.strerror}). They are in {claim.folder}."
+        ) from error
+    if found != claim.final:
+        _LOG.warning("%s was made by someone else meanwhile; the results are in %s", claim.final, found)
+        claim.final = found
+
+
+def _moved(folder: Path, final: Path) -> bool:
+    """Move a folder to a name; False if the name is taken."""
+    if os.path.lexists(final):
+        return False
+    try:
+        os.rename(folder, final)
+    except OSError:
+        if not os.path.lexists(final):
+            raise
+        return False
+    return True
+
+
+def _names(first: Path) -> Iterator[Path]:
+    yield first
+    yield from (first.with_name(f"{first.name}_{number}") for number in count(2))
+
+
+def _beside(place: Path, prefix: str, final: Path) -> Path:
+    return place / f"{prefix}{os.path.basename(os.path.abspath(final))}"
+
+
+def _sweep(place: Path) -> None:
+    """Remove what killed runs of this host left here."""
+    for marker in place.glob(f"{_MARKER}*"):
+        try:
+            with open(marker, "r+b", buffering=0) as lock:
+                if _locked(lock) and lock.read() == _host() and _same_file(lock, marker):
+                    shutil.rmtree(place / marker.name.replace(_MARKER, _PARTIAL, 1), ignore_errors=True)
+                    _drop(marker, lock)
+        except OSError as error:  # of another user, just removed, or on a file system without locks
+            _LOG.debug("%s is left alone: %s", marker, error)
+
+
+def _locked(file: BinaryIO, *, wait: bool = False) -> bool:
+    """True if this process now holds the file, False if another does; OSError where the file system has no locks."""
+    try:
+        if sys.platform == "win32":
+            import msvcrt
+
+            msvcrt.locking(file.fileno(), msvcrt.LK_LOCK if wait else msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+    except (BlockingIOError, PermissionError):
+        return False
+    return True
+
+
+def _same_file(file: BinaryIO, path: Path) -> bool:
+    """False if the file was removed, and perhaps made anew, between opening and locking."""
+    return os.path.samestat(os.fstat(file.fileno()), path.stat())
+
+
+def _drop(marker: Path, lock: BinaryIO) -> None:
+    """Remove a marker and let go of it: while it is held, so that no marker made anew is removed, except on Windows."""
+    if os.name == "nt":
+        lock.close()  # an open file cannot be removed there
+    with contextlib.suppress(OSError):
+        marker.unlink()
+    lock.close()
+
+
+def _host() -> bytes:
+    return platform.node().encode()

@@ -1,0 +1,322 @@
+"""Run a scene: ``run("rig-missing-tooth", set={"load.container_kg": 800})`` returns its response as a dataset."""
+
+from __future__ import annotations
+
+import json
+import logging
+import platform
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from traceback import format_exception
+from typing import TYPE_CHECKING, Any
+
+from pipelines.border.errors import WorkError
+from pipelines.engine.cache import Cache
+from pipelines.engine.code_version import library_versions
+from pipelines.engine.progress import shown_progress
+from pipelines.engine.run_graph import Observer, Outcome, run_graph
+from pipelines.engine.step import Graph, Stage, StageRecord
+from pipelines.plant.looked_for import diagnosis_settings
+from pipelines.runs import run_folder
+from pipelines.runs.claims import claimed
+from pipelines.scene.file import LoadedScene, control_differences
+from pipelines.scene.presets import load_preset
+from pipelines.signals.motion_warnings import log_warnings
+from pipelines.steps.study import Study, plan_study
+
+if TYPE_CHECKING:
+    import xarray
+
+    from mbd.output.trajectory import Trajectory
+    from pipelines.scene.scene import Scene
+
+_LOG = logging.getLogger(__name__)
+LIBRARIES = ("gearcase", "numpy", "scipy", "numba", "h5py", "xarray", "scikit-fem", "gmsh", "scikit-sparse", "pymetis")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """How much is run, and how."""
+
+    out: str | Path | None = None
+    with_control: bool = True
+    with_report: bool = True  # diagnosis and report; without them only the signals
+    both_loads: bool = True
+    seeds: int = 0
+    processes: int | None = None
+    quiet: bool = True
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finished:
+    """A run that is written: its folder, the verdict, and what was done."""
+
+    folder: Path
+    words: str
+    records: tuple[StageRecord, ...]
+    ledger: Mapping[str, int]
+    left_out: tuple[str, ...]
+
+
+def run(
+    scene: str | Path,
+    set: Mapping[str, Any] | Iterable[str] = (),
+    *,
+    preset: str | None = None,
+    out: str | Path | None = None,
+    control: bool = True,
+    both_loads: bool = True,
+    seeds: int = 0,
+    processes: int | None = None,
+) -> xarray.Dataset:
+    """Run a scene with its control, diagnose it, write the result folder, and return the response.
+
+    Parameters
+    ----------
+    scene : name of a shipped scene, or a path ending in .toml
+    set : changed values, ``{"load.container_kg": 800}`` or ``["load.container_kg=800"]``
+    preset : "draft", "standard" or "reference": how finely it is computed; `set` counts more
+    out : result folder instead of ./runs/<scene>/<timestamp>
+    control : run the healthy control, too, and diagnose against it
+    both_loads : with a rope, run the equivalent constant torque as well
+    seeds : compare this many further seeds of the deviations, and error-free gears
+    processes : long stages built side by side, 2 by default
+
+    Returns
+    -------
+    the content of response.nc; `attrs["folder"]` names the result folder
+
+    Raises
+    ------
+    SceneError, InputError : the scene cannot be used
+    WorkError : a stage failed
+    """
+    import xarray
+
+    options = Options(out=out, with_control=control, both_loads=both_loads, seeds=seeds, processes=processes)
+    finished = run_scene(load_preset(str(scene), set, preset), options)
+    with xarray.open_dataset(finished.folder / run_folder.RESPONSE, engine="h5netcdf") as data:
+        return data.load().assign_attrs(folder=str(finished.folder))
+
+
+def run_scene(loaded: LoadedScene, options: Options) -> Finished:
+    """Run a loaded scene and write its result folder: the signals first, so that nothing after them can cost them.
+
+    Raises
+    ------
+    SceneError, InputError : the scene cannot be used, or `options.out`
+    WorkError : a stage failed; where that was the diagnosis or the report, the folder with the signals is named
+    """
+    study = plan_study(
+        loaded,
+        with_control=options.with_control,
+        both_loads=options.both_loads and options.with_report,
+        seeds=options.seeds,
+    )
+    diagnosing = _diagnose_stage(study) if options.with_report else None
+    first = study.cases[0]
+    wanted = study.motions if diagnosing else [name for name in (first.faulty, first.healthy) if name]
+    graph = Graph(study.graph).needed(wanted)
+    count = len(graph.stages) + (diagnosing is not None) + options.with_report
+    failure: Exception | None = None
+    told = _Told()
+    with (
+        claimed(loaded.name, options.out) as claim,
+        run_folder.logged_to(claim.folder / "log.jsonl"),
+        shown_progress(count, quiet=options.quiet) as observer,
+    ):
+        cache = Cache()
+        outcome = run_graph(graph, cache, wanted, observer=observer, processes=options.processes)
+        log_warnings(outcome.value(name) for name in study.motions if name in outcome.results)
+        _write_signals(claim.folder, loaded, study, outcome)
+        try:
+            if options.with_report:
+                outcome, told = _tell(claim.folder, loaded, study, diagnosing, outcome, cache, observer)
+                run_folder.write_json(claim.folder / run_folder.RUN, _facts(loaded, outcome))
+        except Exception as error:
+            failure = error
+            _LOG.info("after the signals: %r", error, extra={"facts": {"traceback": format_exception(error)}})
+    if options.out is None:
+        run_folder.note_latest(claim.final)
+    if failure is not None:
+        raise _kept(failure, claim.final) from failure
+    return Finished(
+        folder=claim.final,
+        words=told.words,
+        records=outcome.records,
+        ledger=outcome.ledger(),
+        left_out=told.left_out,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Told:
+    """What diagnosis and report say on the terminal."""
+
+    words: str = ""
+    left_out: tuple[str, ...] = ()
+
+
+def _tell(
+    folder: Path,
+    loaded: LoadedScene,
+    study: Study,
+    diagnosing: Stage | None,
+    signals: Outcome,
+    cache: Cache,
+    observer: Observer,
+) -> tuple[Outcome, _Told]:
+    """Diagnosis and report of finished signals, each written as soon as it is there."""
+    outcome, words, left_out = signals, "", []
+    if diagnosing is not None:
+        outcome = _with_stage(study.graph, diagnosing, outcome, cache, observer)
+        found = outcome.value(diagnosing.name)
+        for name, content in found["files"].items():
+            (folder / name).write_bytes(content)
+        words = found["words"]
+        if words:
+            (folder / "diagnosis.txt").write_text(words, encoding="utf-8")
+        if found["failure"]:
+            left_out.append(f"The diagnosis is left out: {found['failure']}")
+    stage = _report_stage(loaded, study, diagnosing, outcome)
+    known = [*study.graph, *([diagnosing] if diagnosing else [])]
+    outcome = _with_stage(known, stage, outcome, cache, observer)
+    report = outcome.value(stage.name)
+    (folder / "report.html").write_text(report["page"], encoding="utf-8")
+    return outcome, _Told(words=words, left_out=(*left_out, *report["left_out"]))
+
+
+def _with_stage(known: Iterable[Stage], stage: Stage, outcome: Outcome, cache: Cache, observer: Observer) -> Outcome:
+    """The outcome with one more stage, built here on what is at hand."""
+    graph = Graph([*known, stage])
+    more = run_graph(graph, cache, [stage.name], observer=observer, known=outcome.results, processes=1)
+    return Outcome({**outcome.results, **more.results})
+
+
+def _kept(failure: Exception, folder: Path) -> WorkError:
+    """What failed after the signals were written, and where these are."""
+    name = "" if isinstance(failure, WorkError) else f"{type(failure).__name__}: "
+    again = ""
+    if (folder / run_folder.CONTROL).is_file() and not (folder / "diagnosis.txt").is_file():
+        again = f" Once the cause is mended: gearcase diagnose {folder}"
+    error = WorkError(f"{name}{failure}\nThe signals are kept in {folder}.{again}")
+    for note in getattr(failure, "__notes__", ()):
+        error.add_note(note)
+    return error
+
+
+def _diagnose_stage(study: Study) -> Stage | None:
+    """All cases against their controls; None without a control, a fault to look for, windows or sensors."""
+    from pipelines.signals.labelled import labels
+    from pipelines.steps import diagnosing
+
+    cases, takes, labelled = [], [], []
+    for number, case in enumerate(study.cases):
+        settings = diagnosis_settings(case.scene)
+        if settings is None or case.healthy is None or case.control is None:
+            return None
+        cases.append(diagnosing.CaseSpec(settings=settings, full=number == 0 or case.label == "torque"))
+        takes += [case.faulty, case.healthy]
+        labelled += [labels(case.scene), labels(case.control)]
+    spec = diagnosing.DiagnosingSpec(cases=tuple(cases), labels=tuple(labelled))
+    return Stage(
+        name="diagnose",
+        kind="diagnose",
+        build=diagnosing.build,
+        spec=spec,
+        takes=tuple(takes),
+        libraries=("numpy", "scipy"),
+    )
+
+
+def _report_stage(loaded: LoadedScene, study: Study, diagnosing: Stage | None, outcome: Outcome) -> Stage:
+    from pipelines.steps import reporting
+
+    laws = tuple(stage.name for stage in study.graph if stage.name.startswith("law_"))
+    elastic = "casing mesh" in study.graph.stages
+    takes = [*laws, "casing", *(("casing mesh", "casing modes") if elastic else ())]
+    takes += diagnosing.takes if diagnosing else (study.cases[0].faulty,)
+    names = [loaded.scene.faults[0].kind.replace("-", " ") if loaded.scene.faults else "healthy", "healthy"]
+    warnings = () if study.control is None else tuple(control_differences(loaded, study.control))
+    spec = reporting.ReportSpec(
+        scene=loaded.scene,
+        name=loaded.name,
+        diagnosing=diagnosing.spec if diagnosing else None,
+        laws=len(laws),
+        elastic=elastic,
+        responses=tuple(names[: 2 if diagnosing else 1]),
+        stages=tuple(_cost_row(record) for record in outcome.records),
+        ledger=outcome.ledger(),
+        provenance=provenance(loaded, outcome),
+        failure=outcome.value(diagnosing.name)["failure"] if diagnosing else "",
+        warnings=tuple(f"the control differs in more than the fault: {line}" for line in warnings),
+    )
+    return Stage(
+        name="report",
+        kind="report",
+        build=reporting.build,
+        spec=spec,
+        takes=tuple(takes),
+        libraries=("numpy", "matplotlib", "pyvista"),
+    )
+
+
+def _cost_row(record: StageRecord) -> dict[str, Any]:
+    return {"stage": record.name, "seconds": round(record.seconds, 3), "peak MB": round(record.peak_bytes / 1e6)}
+
+
+def provenance(loaded: LoadedScene, outcome: Outcome) -> dict[str, Any]:
+    """Versions, rungs and keys: the same for the same result."""
+    scene = loaded.scene
+    return {
+        "scene": loaded.name,
+        "versions": {"python": platform.python_version(), **library_versions(*LIBRARIES)},
+        "rungs": {
+            "mesh": [stage.mesh.model for stage in scene.stages],
+            "casing": scene.casing.model,
+            "shafts": scene.shaft_model.model,
+            "bearings": scene.bearings.model,
+            "load": scene.load.model,
+            "integrator": scene.simulation.integrator,
+        },
+        "threads per process": 1,
+        "keys": {record.name: record.key[:32] for record in outcome.records},
+    }
+
+
+def _write_signals(folder: Path, loaded: LoadedScene, study: Study, outcome: Outcome) -> None:
+    """What a diagnosis can be repeated from: the scene, its response and that of its control."""
+    (folder / run_folder.ASKED).write_text(loaded.asked(), encoding="utf-8")
+    twin = study.control is not None and not control_differences(loaded, study.control)
+    (folder / run_folder.RESOLVED).write_text(loaded.resolved(own_control=twin), encoding="utf-8")
+    facts = _facts(loaded, outcome)
+    run_folder.write_json(folder / run_folder.RUN, facts)
+    case = study.cases[0]
+    _write_response(folder / run_folder.RESPONSE, outcome.value(case.faulty), case.scene, facts)
+    if case.healthy is not None and case.control is not None:
+        _write_response(folder / run_folder.CONTROL, outcome.value(case.healthy), case.control, facts)
+
+
+def _facts(loaded: LoadedScene, outcome: Outcome) -> dict[str, Any]:
+    """Provenance, ledger and cost of the stages so far."""
+    return {
+        **provenance(loaded, outcome),
+        "ledger": outcome.ledger(),
+        "stages": [
+            {**_cost_row(record), "reused": record.reused, "ledger": dict(record.ledger)} for record in outcome.records
+        ],
+    }
+
+
+def _write_response(path: Path, motion: Trajectory, scene: Scene, facts: Mapping[str, Any]) -> None:
+    """The labelled signals with the facts of this run as attributes."""
+    from pipelines.signals.labelled import labels
+    from pipelines.signals.response_file import write_response
+
+    told = {
+        "provenance": json.dumps({name: facts[name] for name in ("scene", "versions", "rungs", "keys")}),
+        "stages": json.dumps(facts["stages"]),
+        "build_ledger": json.dumps(facts["ledger"]),
+    }
+    write_response(motion, labels(scene) | told, path)

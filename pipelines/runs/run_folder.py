@@ -1,0 +1,149 @@
+"""Result folders, ./runs/<scene>/<timestamp>/: the names of their files, the newest one of a scene, the log."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import logging
+import os
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipelines.border.errors import InputError, WorkError
+from pipelines.border.shown import shown
+from pipelines.border.user_files import folder_name, is_regular_file, read_text, regular_file
+
+if TYPE_CHECKING:
+    import xarray
+
+_LOG = logging.getLogger(__name__)
+RESPONSE = "response.nc"
+CONTROL = "control.nc"
+RESOLVED = "scene.resolved.toml"
+ASKED = "scene.asked.toml"
+RUN = "run.json"
+LATEST = "latest.txt"
+_LONGEST_NAME = 1000  # bytes of latest.txt
+
+
+def note_latest(folder: Path) -> None:
+    """Name the newest result of its scene. WorkError if it cannot be noted."""
+    latest = folder.parent / LATEST
+    try:
+        _write_whole(latest, f"{folder.name}\n")
+    except OSError as error:
+        raise WorkError(
+            f"{latest}: cannot be written ({error.strerror}). The results are whole: name their folder, {folder}."
+        ) from error
+
+
+def find_run(name: str | Path, root: Path | None = None) -> Path:
+    """The folder of a run: the folder itself, or the newest one of a scene.
+
+    Raises
+    ------
+    InputError : there is none
+    """
+    folder = Path(name)
+    if is_regular_file(folder / RESPONSE):
+        return folder
+    text = str(name)
+    scene = (root or Path("runs")) / (folder_name(folder.stem) if text.endswith(".toml") else text)
+    for parent in (scene, folder):
+        latest = parent / LATEST
+        if is_regular_file(latest):
+            found = parent / read_text(latest, _LONGEST_NAME).strip()
+            if is_regular_file(found / RESPONSE):
+                return found
+            raise InputError(
+                f"{shown(found)}: no {RESPONSE} here, though {shown(latest)} names it. "
+                f"Again: gearcase run {shown(name)}"
+            )
+    raise InputError(
+        f"{shown(name)}: no result here, neither {shown(folder / RESPONSE)} nor {shown(scene / LATEST)}. "
+        f"First: gearcase run {shown(name)}"
+    )
+
+
+@contextlib.contextmanager
+def opened_run(path: Path) -> Iterator[xarray.Dataset]:
+    """The signals of a run, from its response or that of its control; each is read from the file when it is used.
+
+    Raises
+    ------
+    InputError : the file is damaged, or none of ours
+    """
+    import xarray
+
+    try:
+        with xarray.open_dataset(regular_file(path), engine="h5netcdf") as data:
+            if "time" not in data.dims:
+                raise InputError(f"{shown(path)}: holds no signals over time. Run the scene again.")
+            yield data
+    except OSError as error:
+        raise InputError(f"{shown(path)}: cannot be read as signals ({error}). Run the scene again.") from error
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write readable JSON, UTF-8: all of it, or the file stays as it was."""
+    _write_whole(path, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+
+
+def _write_whole(path: Path, text: str) -> None:
+    partial = path.with_name(f".{path.name}-{uuid.uuid4().hex}")
+    try:
+        partial.write_text(text, encoding="utf-8")
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+class JsonLines(logging.Handler):
+    """Log records as lines of JSON: time, level, logger, message. A full disk ends the log, not the work."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(logging.INFO)
+        self._file = open(path, "wb", buffering=0)  # noqa: SIM115 - closed with the handler
+        self.failure: OSError | None = None
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write one line."""
+        line = {
+            "time": round(record.created, 3),
+            "level": record.levelname,
+            "logger": record.name,
+            "message": record.getMessage(),
+        }
+        text = json.dumps(line | getattr(record, "facts", {}), ensure_ascii=False) + "\n"
+        try:
+            if self.failure is None:
+                self._file.write(text.encode("utf-8", errors="replace"))
+        except OSError as error:
+            self.failure = error
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+        super().close()
+
+
+@contextlib.contextmanager
+def logged_to(path: Path) -> Iterator[None]:
+    """Everything our packages log at INFO or above goes to the file while the block runs."""
+    handler = JsonLines(path)
+    loggers = [logging.getLogger(name) for name in ("fem", "mbd", "pipelines")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.addHandler(handler)
+        logger.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.removeHandler(handler)
+            logger.setLevel(level)
+        handler.close()
+        if handler.failure is not None:
+            _LOG.warning("%s is cut short: %s", path, handler.failure)

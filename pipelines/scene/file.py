@@ -1,0 +1,239 @@
+"""Read a scene: a commented TOML file, its ``extends``, and ``--set``, validated with every error at once."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipelines.border.errors import InputError, Problem, SceneError
+from pipelines.border.shown import nearest_name, shown
+from pipelines.border.toml_text import TomlError, format_document, read_toml
+from pipelines.border.user_files import checked_path, folder_name, names_beside, read_text
+from pipelines.scene.limits import LONGEST_CHAIN, MOST_BYTES, over_limits
+from pipelines.scene.merge import Merged, differences, merge, settings_tree, without
+from pipelines.scene.shipped_files import anchored
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+    from pipelines.scene.scene import Scene
+
+WITHOUT_FAULTS = "without-faults"  # the control that is the scene itself, healthy
+_OWN_KEYS = ("title", "control", "faults")  # in these a scene and its control may differ
+
+Settings = Iterable[str] | Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a scene's text is: a file of the user's, or a shipped scene."""
+
+    name: str  # stem of the file or the shipped name
+    text: str
+    folder: Path | None  # relative `extends` are looked up here; None for a shipped scene
+    shown: str  # for messages
+
+
+@dataclass(frozen=True)
+class LoadedScene:
+    """A valid scene with what was asked for. `tree` is merged and holds only what was written."""
+
+    name: str  # of the folder of its results
+    source: Source
+    settings: Mapping[str, Any]  # as a tree
+    tree: Mapping[str, Any]
+    scene: Scene
+
+    def resolved(self, *, own_control: bool = False) -> str:
+        """TOML text of the whole scene with every default written out; loads to an equal scene.
+
+        With `own_control` its control is the scene itself without faults: right when the named control is a twin,
+        whose settings would be lost otherwise.
+        """
+        values = self.scene.model_dump(mode="json", exclude_none=True)
+        return format_document(values | ({"control": WITHOUT_FAULTS} if own_control else {}))
+
+    def asked(self) -> str:
+        """TOML text of what was asked: the source (a shipped one by its name), then the settings."""
+        text = self.source.text if self.source.folder is not None else f'extends = "{self.source.name}"\n'
+        if not self.settings:
+            return text
+        if self.source.folder is None:
+            return text + "\n" + format_document(self.settings)
+        shown = "".join(f"# --set {line}\n" for line in _setting_lines(self.settings))
+        return f"{shown}{text}"
+
+
+def load_scene(source: str | Path, settings: Settings = ()) -> LoadedScene:
+    """Read, extend, set and validate a scene.
+
+    Parameters
+    ----------
+    source : a path ending in ``.toml``, or the name of a shipped scene
+    settings : ``["stages.1.face_width_mm=32", ...]`` or ``{"stages.1.face_width_mm": 32}``
+
+    Raises
+    ------
+    SceneError : with all problems of the file's content and of the settings
+    InputError : the file is missing, not UTF-8 or not TOML, its ``extends`` go in a circle, or its name is no name for
+        a folder of results
+    """
+    from pipelines.scene.scene import Scene
+
+    found = find_source(source)
+    name = folder_name(found.name)
+    change, problems = settings_tree(settings)
+    merged = merge(read_tree(found), change)
+    scene, tree = validate(merged, Scene, found.shown, problems)
+    return LoadedScene(name, found, change, tree, scene)
+
+
+def changed(loaded: LoadedScene, settings: Settings) -> LoadedScene:
+    """The same scene with further settings on top.
+
+    Raises
+    ------
+    SceneError : with all problems of the settings
+    """
+    from pipelines.scene.scene import Scene
+
+    change, problems = settings_tree(settings)
+    scene, tree = validate(merge(Merged(dict(loaded.tree)), change), Scene, loaded.source.shown, problems)
+    both = merge(Merged(dict(loaded.settings)), change).tree
+    return LoadedScene(loaded.name, loaded.source, both, tree, scene)
+
+
+def control_of(loaded: LoadedScene) -> LoadedScene | None:
+    """The healthy twin that the scene names, with the same settings, or None if it names none.
+
+    The control ``"without-faults"`` is the scene itself without its faults; any other is a scene of its own, which
+    takes over every setting but those of its title, control and faults.
+    """
+    from pipelines.scene.scene import Scene
+
+    control = loaded.scene.control
+    if control is None:
+        return None
+    if control == WITHOUT_FAULTS:
+        tree = {key: value for key, value in loaded.tree.items() if key not in ("faults", "control")}
+        tree["title"] = f"{loaded.scene.title} (without its faults)"
+        scene, tree = validate(Merged(tree), Scene, loaded.source.shown)
+        return LoadedScene(f"{loaded.name}-without-faults", loaded.source, loaded.settings, tree, scene)
+    source = find_source(control, loaded.source.folder)
+    settings = {key: value for key, value in loaded.settings.items() if key not in _OWN_KEYS}
+    scene, tree = validate(merge(read_tree(source), settings), Scene, f"{source.shown} (control of {loaded.name})")
+    return LoadedScene(source.name, source, settings, tree, scene)
+
+
+def control_differences(loaded: LoadedScene, control: LoadedScene) -> list[str]:
+    """What sets the control apart beyond the faults: one line per value, empty for a true twin."""
+    sides = [side.scene.model_dump(mode="json", exclude=set(_OWN_KEYS)) for side in (loaded, control)]
+    return differences(*sides)
+
+
+def validate(
+    merged: Merged, model: type[BaseModel], source: str, problems: Iterable[Problem] = ()
+) -> tuple[Any, dict[str, Any]]:
+    """The model's object and the tree it was made of, or SceneError with everything that is wrong."""
+    from pydantic import ValidationError
+
+    from pipelines.scene.problems import problems_of, user_path
+
+    found = [*problems, *merged.problems]
+    tree, unlisted = merged.tree, 0
+    try:
+        try:
+            made = model.model_validate(tree)
+        except ValidationError as error:
+            if not merged.offers:
+                raise
+            unknown = [e["loc"] for e in error.errors() if e["type"] == "extra_forbidden"]
+            paths = {user_path(location, model, tree) for location in unknown}
+            dropped = {p for p in paths if any(p[:length] in merged.offers for length in range(1, len(p) + 1))}
+            if not dropped:
+                raise
+            tree = without(tree, dropped)
+            made = model.model_validate(tree)
+    except ValidationError as error:
+        worded, unlisted = problems_of(error, model, tree)
+        found += worded
+    if found:
+        raise SceneError(source, found, unlisted)
+    return made, tree
+
+
+def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
+    """The source with its ``extends`` merged underneath."""
+    tree = anchored(parse(source), source.folder)
+    base = tree.pop("extends", None)
+    if base is None:
+        return Merged(tree)
+    if not isinstance(base, str):
+        raise SceneError(source.shown, [Problem("extends", "must be the name of one scene", 'Write extends = "..."')])
+    chain = (*seen, identity(source))
+    below = find_source(base, source.folder)
+    if identity(below) in chain:
+        circle = " -> ".join(Path(one).name for one in (*chain, identity(below)))
+        raise InputError(f"{source.shown}: extends goes in a circle ({shown(circle)}). Remove one of these extends.")
+    if len(chain) > LONGEST_CHAIN:
+        raise InputError(f"{source.shown}: extends goes on beyond {LONGEST_CHAIN} scenes. Join some of them.")
+    return merge(read_tree(below, chain), tree)
+
+
+def identity(source: Source) -> str:
+    """What tells two sources apart: the shipped name or the full path."""
+    return source.name if source.folder is None else str(source.folder / f"{source.name}.toml")
+
+
+def parse(source: Source) -> dict[str, Any]:
+    """The tree of one TOML text, ``extends`` included, within the limits of a scene."""
+    try:
+        tree = read_toml(source.text)
+    except TomlError as error:
+        raise InputError(f"{source.shown}: not valid TOML: {shown(str(error))}. Correct that line.") from error
+    if problems := over_limits(tree):
+        raise SceneError(source.shown, problems)
+    return tree
+
+
+def find_source(name: str | Path, folder: Path | None = None) -> Source:
+    """A file if the name ends in ``.toml`` (relative to `folder`), else a shipped scene."""
+    text = str(name)
+    if not text.endswith(".toml"):
+        return _shipped_source(text)
+    path = (folder or Path()) / checked_path(text)
+    try:
+        content = read_text(path, MOST_BYTES)
+    except FileNotFoundError:
+        near = nearest_name(path.name, names_beside(path, ".toml"))
+        hint = f"Did you mean {shown(near)}?" if near else "Check the path, or start one with: gearcase new FILE.toml"
+        raise InputError(f"{shown(text)}: no such file. {hint}") from None
+    path = Path(os.path.realpath(path))
+    return Source(path.stem, content, path.parent, shown(text))
+
+
+def shipped_names() -> list[str]:
+    """Names of the scenes that come with the package."""
+    folder = resources.files("pipelines.scene") / "shipped"
+    return sorted(p.name.removesuffix(".toml") for p in folder.iterdir() if p.name.endswith(".toml"))
+
+
+def _shipped_source(name: str) -> Source:
+    names = shipped_names()
+    if name in names:
+        text = (resources.files("pipelines.scene") / "shipped" / f"{name}.toml").read_text(encoding="utf-8")
+        return Source(name, text, None, f"scene {name}")
+    near = nearest_name(name, names)
+    hint = f"Did you mean {near}? " if near else ""
+    raise InputError(
+        f"{shown(name)}: not the name of a shipped scene. {hint}Shipped: {', '.join(names)}; "
+        "a scene of your own is a path that ends in .toml."
+    )
+
+
+def _setting_lines(settings: Mapping[str, Any]) -> list[str]:
+    return [line.replace(": (none) -> ", "=") for line in differences({}, settings)]

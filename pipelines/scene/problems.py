@@ -1,0 +1,280 @@
+"""Say in plain words what a validator found: path, value, limit, remedy, nearest key.
+
+Works on any pydantic model, so the words follow the model: limits come from its constraints, units from the
+suffix of the key, explanations from its field descriptions.
+"""
+
+from __future__ import annotations
+
+import functools
+import types
+import typing
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from pipelines.border.errors import Problem
+from pipelines.border.shown import MOST_CHARACTERS, nearest_name, shown_value
+
+_UNITS = {
+    "mm": "mm", "um": "um", "m": "m", "deg": "degrees", "rpm": "rpm", "GPa": "GPa", "MPa": "MPa", "kg": "kg",
+    "s": "s", "ms": "ms", "us": "us", "Hz": "Hz", "kHz": "kHz", "N": "N", "kN": "kN", "Nm": "N m", "percent": "percent",
+}  # fmt: skip
+
+
+_MOST_WORDED = 50  # findings of one validation; a file of another program has thousands
+_MOST_ITEMS = 30  # of one list, when keys are looked for elsewhere
+_Paths = Callable[[], list[tuple[str, ...]]]
+
+
+def problems_of(error: ValidationError, model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[list[Problem], int]:
+    """The problems of one validation, each in our words, without repeats; and how many more were found than worded."""
+    out: dict[Problem, None] = {}
+    items = [item for item in error.errors(include_url=False) if not _counts_others(item)]
+    paths = functools.cache(lambda: _all_paths(model, tree))
+    for item in items[:_MOST_WORDED]:
+        own = getattr(item.get("ctx", {}).get("error"), "problems", None)
+        out.update(dict.fromkeys(own or _own_words(item, model, tree, paths)))
+    return list(out), max(0, len(items) - _MOST_WORDED)
+
+
+def _counts_others(item: Any) -> bool:
+    """A list that is too short only because the validator counts valid items; what is wrong with them is listed."""
+    return item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]
+
+
+def _own_words(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: _Paths) -> list[Problem]:
+    """A model's own check speaks for itself, one problem per line; all other findings are put into words here."""
+    if item["type"] != "value_error":
+        return [_problem(item, model, tree, paths)]
+    where = ".".join(user_path(item["loc"], model, tree))
+    return [Problem(where, line) for line in str(item["ctx"]["error"]).splitlines()]
+
+
+def user_path(location: Iterable[int | str], model: Any, tree: Any, *, missing: bool = False) -> tuple[str, ...]:
+    """A validator's location as the path a user would write: items count from 1, rung tags are left out."""
+    path: tuple[str, ...] = ()
+    annotation, value, steps = model, tree, list(location)
+    for place, step in enumerate(steps):
+        members = _models(annotation)
+        is_tag = len(members) > 1 and step in {name for m in members for name in (*_tags(m), m.__name__)}
+        if is_tag and not (place == len(steps) - 1 and missing):
+            chosen = [m for m in members if step in (*_tags(m), m.__name__)]
+            annotation = chosen[0]
+            continue
+        if isinstance(step, int) and isinstance(value, list | tuple):
+            path += (str(step + 1),)
+            value = value[step] if step < len(value) else None
+            annotation = _item(annotation)
+        elif isinstance(value, Mapping) and (step in value or (missing and place == len(steps) - 1)):
+            path += (str(step),)
+            annotation = _field(members, str(step), annotation)
+            value = value.get(step)
+    return path
+
+
+def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: _Paths) -> Problem:
+    kind, context, location = item["type"], item.get("ctx", {}), item["loc"]
+    path = user_path(location, model, tree, missing=kind == "missing")
+    key, where = (path[-1] if path else ""), ".".join(path)
+    unit = _unit(key)
+    value = item["input"]
+    written = None if kind == "missing" else _shown(value)
+    if kind == "extra_forbidden":
+        return Problem(where, *_unknown_key(path, model, tree, paths), written)
+    if kind == "missing" and isinstance(location[-1], int):  # a list of fixed length that is too short
+        return Problem(
+            where.rpartition(".")[0],
+            "has too few items",
+            "Give every number, as docs/scene-keys.md says.",
+            _shown(value),
+        )
+    if kind == "missing":
+        return Problem(where, "is missing", f"Give {_example(path, model, tree)}.")
+    if kind in _LIMITS:
+        words, name = _LIMITS[kind]
+        limit = _number(context[name])
+        return Problem(where, f"must be {words} {limit}", f"Give a number {words} {limit}{unit}.", written)
+    if kind in ("literal_error", "union_tag_invalid", "enum"):
+        if kind == "union_tag_invalid":
+            where, value, written = f"{where}.model", context["tag"], _shown(context["tag"])
+            known = [w.strip(" '\"") for w in str(context["expected_tags"]).split(",")]
+        else:
+            known = [w.strip(" '\"") for w in str(context["expected"]).replace(" or ", ", ").split(",")]
+        near = nearest_name(value, known) if isinstance(value, str) else ""
+        remedy = f'Did you mean "{near}"?' if near else "Choose one of them."
+        return Problem(where, f"is not one of {', '.join(known)}", remedy, written)
+    if kind == "union_tag_not_found":
+        return Problem(f"{where}.model", "is missing", 'Say which model, as in model = "...".')
+    if kind.startswith(("float", "int", "decimal")) or kind == "finite_number":
+        noun = "a whole number" if kind.startswith("int") else "a finite number" if "finite" in kind else "a number"
+        return Problem(where, f"must be {noun}", f"Give {noun}{unit}, without quotes.", written)
+    if kind == "string_pattern_mismatch":
+        return Problem(where, f"does not have the form {context['pattern']}", "", written)
+    if kind in _KINDS:
+        message, remedy = _KINDS[kind]
+        return Problem(where, message, remedy, written)
+    if kind in ("too_short", "too_long"):
+        bound = "at least" if kind == "too_short" else "at most"
+        limit = context.get("min_length", context.get("max_length"))
+        return Problem(where, f"has {context['actual_length']} items, must have {bound} {limit}", "", None)
+    return Problem(where, str(item["msg"]), "", None if isinstance(value, Mapping | list | BaseModel) else written)
+
+
+_LIMITS = {
+    "greater_than": ("greater than", "gt"),
+    "greater_than_equal": ("at least", "ge"),
+    "less_than": ("less than", "lt"),
+    "less_than_equal": ("at most", "le"),
+    "multiple_of": ("a multiple of", "multiple_of"),
+}
+_TABLE = ("must be a table", "Write it as [section] with keys below.")
+_LIST = ("must be a list", "Write it as [first, second].")
+_KINDS = {
+    "string_type": ("must be text", 'Put it in quotes, as in "rigid".'),
+    "bool_type": ("must be true or false", "Write true or false, without quotes."),
+    "bool_parsing": ("must be true or false", "Write true or false, without quotes."),
+    "dict_type": _TABLE,
+    "model_type": _TABLE,
+    "model_attributes_type": _TABLE,
+    "list_type": _LIST,
+    "tuple_type": _LIST,
+    "string_too_long": ("is too long", "Shorten it."),
+    "string_too_short": ("must not be empty", "Give some text."),
+}
+
+
+def _unknown_key(
+    path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any], paths: _Paths
+) -> tuple[str, str]:
+    table = ".".join(path[:-1])
+    known = known_keys(path[:-1], model, tree)
+    message = f"is not a key of [{table}]" if table else "is not a key of the scene"
+    near = nearest(path[-1], known)
+    if near:
+        return message, f"Did you mean {near}?"
+    elsewhere = [p for p in paths() if p[-1] == path[-1]]
+    if elsewhere:
+        return message, f"Did you mean {'.'.join(elsewhere[0])}?"
+    return message, f"Known keys: {', '.join(known)}." if known else ""
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The known word closest to `word` (case and order of its parts forgiven), or ""."""
+    names = list(known)
+    folded = {name.lower(): name for name in names}
+    word = word[:MOST_CHARACTERS]
+    for cutoff, table in ((0.6, folded), (0.8, {"_".join(sorted(n.split("_"))): folded[n] for n in folded})):
+        asked = word.lower() if table is folded else "_".join(sorted(word.lower().split("_")))
+        if match := nearest_name(asked, table, cutoff):
+            return table[match]
+    return ""
+
+
+def known_keys(path: tuple[str, ...], model: Any, tree: Any) -> list[str]:
+    """The keys that the table at `path` may have (with the rung that the tree chooses there)."""
+    annotation, value = model, tree
+    for step in path:
+        members = _chosen(_models(annotation), value)
+        if isinstance(value, list | tuple) and step.isdecimal():
+            annotation = _item(annotation)
+            value = value[int(step) - 1] if 0 < int(step) <= len(value) else None
+        else:
+            annotation = _field(members, step, annotation)
+            value = value.get(step) if isinstance(value, Mapping) else None
+    return list(dict.fromkeys(name for m in _chosen(_models(annotation), value) for name in m.model_fields))
+
+
+def _all_paths(model: Any, tree: Any, path: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+    """Paths of all keys that a scene of this shape may have, from the top down."""
+    out: list[tuple[str, ...]] = []
+    for name in known_keys((), model, tree):
+        out.append((*path, name))
+        value = tree.get(name) if isinstance(tree, Mapping) else None
+        annotation = _field(_chosen(_models(model), tree), name, None)
+        if isinstance(value, list | tuple):
+            for number, item in enumerate(value[:_MOST_ITEMS], start=1):
+                out += _all_paths(_item(annotation), item, (*path, name, str(number)))
+        else:
+            out += _all_paths(annotation, value, (*path, name))
+    return sorted(out, key=len)
+
+
+def _example(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> str:
+    annotation: Any = model
+    value: Any = tree
+    field = None
+    for step in path:
+        members = _chosen(_models(annotation), value)
+        field = next((m.model_fields[step] for m in members if step in m.model_fields), None)
+        if isinstance(value, list | tuple) and step.isdecimal():
+            annotation, value = _item(annotation), value[int(step) - 1]
+        else:
+            annotation = _field(members, step, annotation)
+            value = value.get(step) if isinstance(value, Mapping) else None
+    described = f": {field.description.rstrip('.')}" if field is not None and field.description else ""
+    table = bool(_models(annotation))
+    return f"the table [{'.'.join(path)}]{described}" if table else f"{path[-1]} = ...{described or _unit(path[-1])}"
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """The models among the alternatives of an annotation (Annotated, Optional, unions, named types looked through)."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    if hasattr(annotation, "__value__"):
+        return _models(annotation.__value__)
+    origin = typing.get_origin(annotation)
+    if origin is typing.Annotated:
+        return _models(typing.get_args(annotation)[0])
+    if origin in (typing.Union, types.UnionType):
+        return [m for part in typing.get_args(annotation) for m in _models(part)]
+    return []
+
+
+def _chosen(members: list[type[BaseModel]], value: Any) -> list[type[BaseModel]]:
+    tag = value.get("model") if isinstance(value, Mapping) else None
+    return [m for m in members if tag in _tags(m)] or members
+
+
+def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
+    field = model.model_fields.get("model")
+    return typing.get_args(field.annotation) if field is not None else ()
+
+
+def _field(members: list[type[BaseModel]], name: str, annotation: Any) -> Any:
+    for member in members:
+        if name in member.model_fields:
+            return member.model_fields[name].annotation
+    if typing.get_origin(annotation) is dict:
+        return typing.get_args(annotation)[1]
+    return None
+
+
+def _item(annotation: Any) -> Any:
+    """The annotation of an item of a list or tuple, looking through Annotated and Optional."""
+    if hasattr(annotation, "__value__"):
+        return _item(annotation.__value__)
+    origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
+    if origin is typing.Annotated:
+        return _item(arguments[0])
+    if origin in (list, tuple):
+        return arguments[0] if arguments else None
+    if origin in (typing.Union, types.UnionType):
+        return next((found for part in arguments if (found := _item(part)) is not None), None)
+    return None
+
+
+def _unit(key: str) -> str:
+    unit = _UNITS.get(key.rpartition("_")[2], "") if "_" in key else ""
+    return f" in {unit}" if unit else ""
+
+
+def _number(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _shown(value: Any) -> str | None:
+    if value is None or isinstance(value, Mapping) or hasattr(value, "model_fields"):
+        return None
+    return shown_value(value, 60)

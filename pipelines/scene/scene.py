@@ -1,0 +1,144 @@
+"""Scene: the whole input of a run, as engineers write it (units are key suffixes), validated at the border.
+
+Every class is one TOML table; they stand in `pipelines.scene.tables` by subject. Field descriptions are the reference
+for users: docs/scene-keys.md is generated from them. Values are kept as written; `pipelines.plant.layout` converts them
+to SI.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from pipelines.border.shown import shown_value
+from pipelines.scene.tables.analysis import DiagnosisTable
+from pipelines.scene.tables.base import MaterialTable, Table
+from pipelines.scene.tables.bearings import BearingModel, LinearBearings
+from pipelines.scene.tables.casing import (
+    CasingModel,
+    FlexibleBase,
+    SensorTable,
+)
+from pipelines.scene.tables.faults import FaultTable
+from pipelines.scene.tables.forces import ForceModel
+from pipelines.scene.tables.gears import DeviationTable, StageTable
+from pipelines.scene.tables.housing import HousingTable
+from pipelines.scene.tables.losses import LossModel, NoLosses
+from pipelines.scene.tables.motion import DriveTable, LoadModel, SimulationTable
+from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ShaftModel, ShaftTable
+from pipelines.scene.train import stage_shafts
+
+
+class Scene(Table):
+    """A gearbox, its drive and load, its faults, and what to compute."""
+
+    title: Annotated[str, Field(max_length=200, description="one line that names the scene in every result")]
+    control: Annotated[
+        str | None, Field(description='healthy twin: a shipped scene, a path ending in .toml, or "without-faults"')
+    ] = None
+    gear_material: MaterialTable
+    stages: Annotated[tuple[StageTable, ...], Field(min_length=1, max_length=20)]
+    shafts: Annotated[tuple[ShaftTable, ...], Field(min_length=2, max_length=21)]
+    shaft_model: ShaftModel = ShaftModel()
+    bearings: BearingModel = LinearBearings()
+    couplings: Annotated[tuple[CouplingTable, ...], Field(max_length=100)] = ()
+    disks: Annotated[tuple[DiskTable, ...], Field(max_length=100)] = ()
+    forces: Annotated[tuple[ForceModel, ...], Field(max_length=100)] = ()
+    deviations: DeviationTable = DeviationTable()
+    faults: Annotated[tuple[FaultTable, ...], Field(max_length=1000)] = ()
+    casing: CasingModel
+    sensors: Annotated[tuple[SensorTable, ...], Field(max_length=1000)] = ()
+    drive: DriveTable
+    load: LoadModel
+    losses: LossModel = NoLosses()
+    simulation: SimulationTable
+    diagnosis: DiagnosisTable = DiagnosisTable()
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Scene:
+        problems = list(self._counts()) + list(self._references())
+        if problems:
+            raise ValueError("\n".join(problems))
+        return self
+
+    def _counts(self):
+        chain = not self.couplings and all(s.pinion_shaft is None and s.wheel_shaft is None for s in self.stages)
+        if chain and len(self.shafts) != len(self.stages) + 1:
+            yield f"shafts: {len(self.shafts)} given, {len(self.stages)} stages need {len(self.stages) + 1}"
+        else:
+            yield from self._shaft_numbers()
+        if isinstance(self.casing, FlexibleBase) and isinstance(self.casing.housing, HousingTable):
+            for key in ("bore_diameters_mm", "boss_diameters_mm"):
+                count = len(getattr(self.casing.housing, key))
+                if count != len(self.shafts):
+                    yield f"casing.housing.{key}: {count} values for {len(self.shafts)} shafts"
+        elif self.sensors and not isinstance(self.casing, FlexibleBase):
+            yield (
+                f"sensors: {len(self.sensors)} casing sensors with casing.model = 'none'. Give sensors = [] or another "
+                "casing model"
+            )
+        names = [sensor.name for sensor in self.sensors]
+        for name in sorted({n for n in names if names.count(n) > 1}):
+            yield f"sensors: {name} is given {names.count(name)} times"
+
+    def _shaft_numbers(self):
+        named: list[tuple[str, tuple[int, ...]]] = [
+            (f"stages.{n}", pair) for n, pair in enumerate(stage_shafts(self.stages), 1)
+        ]
+        named += [(f"couplings.{n}.shafts", tuple(s - 1 for s in c.shafts)) for n, c in enumerate(self.couplings, 1)]
+        named += [(f"disks.{n}.shaft", (disk.shaft - 1,)) for n, disk in enumerate(self.disks, 1)]
+        named += [(f"forces.{n}.shaft", (force.shaft - 1,)) for n, force in enumerate(self.forces, 1)]
+        named += [("drive.shaft", ((self.drive.shaft or 1) - 1,))]
+        named += [("load.shaft", ((self.load.shaft or len(self.shafts)) - 1,))]
+        for path, shafts in named:
+            for place in shafts:
+                if not 0 <= place < len(self.shafts):
+                    yield f"{path}: there is no shaft {place + 1}; {len(self.shafts)} are given"
+            if len(shafts) == 2 and shafts[0] == shafts[1]:
+                yield f"{path}: both ends are on shaft {shafts[0] + 1}"
+        for order, force in enumerate(self.forces, 1):
+            sections = self.shafts[min(max(force.shaft, 1), len(self.shafts)) - 1].sections
+            start, end = sections[0].start_mm, sections[-1].end_mm
+            if not start <= force.position_mm <= end:
+                path = f"forces.{order}.position_mm = {force.position_mm:g}"
+                yield f"{path}: shaft {force.shaft} reaches from {start:g} to {end:g} mm"
+        if isinstance(self.casing, FlexibleBase):
+            for number, shaft in enumerate(self.shafts, 1):
+                carried = len(shaft.bearing_positions_mm) - shaft.bearing_supports.count("ground")
+                if carried != 2:
+                    yield (
+                        f"shafts.{number}: the housing carries {carried} of its bearings and has bores for two; carry "
+                        "the others by the ground (bearing_supports)"
+                    )
+
+    def _references(self):
+        for number, fault in enumerate(self.faults, 1):
+            if fault.stage > len(self.stages):
+                yield f"faults.{number}.stage = {fault.stage}: there are {len(self.stages)} stages"
+                continue
+            stage = self.stages[fault.stage - 1]
+            teeth = stage.pinion_teeth if fault.gear == "pinion" else stage.wheel_teeth
+            if fault.tooth is not None and fault.tooth >= teeth:
+                yield f"faults.{number}.tooth = {fault.tooth}: the {fault.gear} has teeth 0 to {teeth - 1}"
+        if self.diagnosis.stage > len(self.stages):
+            yield f"diagnosis.stage = {self.diagnosis.stage}: there are {len(self.stages)} stages"
+        if self.sensors and self.diagnosis.sensor not in {sensor.name for sensor in self.sensors}:
+            yield f"diagnosis.sensor = {shown_value(self.diagnosis.sensor)}: not among the sensors of the scene"
+        teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in self.faults if fault.tooth is not None]
+        for stage_number, gear, tooth in sorted({hit for hit in teeth_hit if teeth_hit.count(hit) > 1}):
+            kinds = [f.kind for f in self.faults if (f.stage, f.gear, f.tooth) == (stage_number, gear, tooth)]
+            if len(set(kinds)) < len(kinds) or "missing-tooth" in kinds:
+                yield f"faults: tooth {tooth} of the stage {stage_number} {gear} is given more than once"
+        if isinstance(self.diagnosis.envelope_band_Hz, tuple):
+            low, high = self.diagnosis.envelope_band_Hz
+            if not low < high < self.simulation.output_rate_Hz / 2:
+                yield (
+                    f"diagnosis.envelope_band_Hz = [{low:g}, {high:g}]: must rise and end below half of "
+                    f"simulation.output_rate_Hz, {self.simulation.output_rate_Hz / 2:g} Hz"
+                )
+        for name, (start, end) in self.diagnosis.windows_s.items():
+            if not 0 <= start < end:
+                yield f"diagnosis.windows_s.{name} = [{start}, {end}]: must start at or after 0 and end later"
+            elif end > self.simulation.end_s:
+                yield f"diagnosis.windows_s.{name} ends at {end} s, after simulation.end_s = {self.simulation.end_s} s"

@@ -1,0 +1,53 @@
+"""Files that a scene names: beside the scene, or shipped in the package `meshes`."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from pipelines.border.errors import InputError
+from pipelines.border.shown import nearest_name, shown
+from pipelines.border.user_files import checked_path, is_regular_file, names_beside, regular_file
+
+_MOST_BYTES = 1_000_000_000  # of a STEP file or a mesh
+
+
+def anchored(tree: dict[str, Any], folder: Path | None) -> dict[str, Any]:
+    """The tree of a scene file with `casing.housing.file` made a full path, where that file lies beside the scene."""
+    try:
+        name = tree["casing"]["housing"]["file"]
+    except (KeyError, TypeError):
+        return tree
+    if folder is None or not isinstance(name, str) or not is_regular_file(folder / name):
+        return tree
+    housing = {**tree["casing"]["housing"], "file": os.path.realpath(folder / name)}
+    return {**tree, "casing": {**tree["casing"], "housing": housing}}
+
+
+def find_file(name: str) -> Path:
+    """The file called `name`: a path (from the current folder), or a shipped mesh.
+
+    Raises
+    ------
+    InputError : no such file, naming the shipped ones; or no file that can be read
+    """
+    shipped, path = _shipped(), checked_path(name)
+    if name in shipped and not is_regular_file(path):
+        return shipped[name]
+    try:
+        return Path(os.path.realpath(regular_file(path, _MOST_BYTES)))
+    except FileNotFoundError:
+        near = nearest_name(path.name, [*shipped, *names_beside(path)])
+    hint = f"Did you mean {shown(near)}? " if near else ""
+    raise InputError(
+        f"{shown(name)}: no such file. {hint}Give a path from the folder of the scene, or a shipped file: "
+        f"{', '.join(shipped)}."
+    )
+
+
+def _shipped() -> Mapping[str, Path]:
+    folder = Path(str(resources.files("meshes")))
+    return {p.name: p for p in sorted(folder.iterdir()) if p.suffix in (".step", ".msh")}

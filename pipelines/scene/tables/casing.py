@@ -1,0 +1,118 @@
+"""Tables of the casing: its housing, its rungs, its sensors."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from pipelines.scene.tables.base import MaterialTable, NotNegative, Number, Positive, Table
+from pipelines.scene.tables.housing import Axes, HousingModel, MeshHousingTable
+
+Damping = Annotated[Number, Field(ge=0, lt=1)]
+Spring = Annotated[Number, Field(gt=0, le=1e7)]
+
+
+class NoCasingTable(Table):
+    """Bearings to ground. Casing sensors are refused; channels are bearing forces and shaft motion."""
+
+    model: Literal["none"] = "none"
+
+
+class FlexibleBase(Table):
+    """What every casing with a housing has."""
+
+    housing: HousingModel
+    material: MaterialTable
+    element_size_mm: Annotated[
+        Number, Field(gt=0, description="of the tetrahedra; the rung rigid meshes only a housing that is no plain box")
+    ] = 22.0
+    bore_element_size_mm: Annotated[Positive | None, Field(description="at the bearing seats, where smaller")] = None
+    foot_element_size_mm: Annotated[Positive | None, Field(description="at the ground faces, where smaller")] = None
+    damping_ratio: Annotated[
+        Damping | tuple[tuple[NotNegative, Damping], ...],
+        Field(description="modal damping: one number, or rows [Hz, ratio] with rising frequencies, linear in between"),
+    ] = 0.01
+
+    @model_validator(mode="after")
+    def _rising(self) -> FlexibleBase:
+        if isinstance(self.damping_ratio, tuple):
+            places = [row[0] for row in self.damping_ratio]
+            if not places or any(a >= b for a, b in zip(places, places[1:], strict=False)):
+                raise ValueError(f"damping_ratio: the frequencies {places} Hz of its rows must rise")
+        return self
+
+
+class RigidCasingTable(FlexibleBase):
+    """A rigid body on six mount springs, one per foot: 6 coordinates, no finite elements."""
+
+    model: Literal["rigid"] = "rigid"
+    mount_stiffness_N_per_um: Annotated[Number, Field(gt=0, le=1e7, description="of each foot, in x, y and z")] = 200.0
+
+
+class ElasticBase(FlexibleBase):
+    """What the rungs with finite elements have."""
+
+    ground: Annotated[
+        Literal["fixed", "springs"],
+        Field(description="fixed: the undersides of the feet are held; springs: each foot stands on a mount"),
+    ] = "fixed"
+    mounts_N_per_um: Annotated[
+        tuple[tuple[Spring, Spring, Spring], ...],
+        Field(min_length=1, description="ground = springs: rows [x, y, z], one for all mounts or one per foot"),
+    ] = ((200.0, 200.0, 200.0),)
+    coupling: Annotated[
+        Literal["mean", "rigid"],
+        Field(description="of bearing and mount points to their faces: mean motion (RBE3) or rigid (RBE2)"),
+    ] = "mean"
+    extrapolated: Annotated[
+        bool, Field(description="stiffness extrapolated to elements of size zero, by a mesh of 1.5 times their size")
+    ] = False
+
+    @model_validator(mode="after")
+    def _meshed_twice(self) -> ElasticBase:
+        if self.extrapolated and isinstance(self.housing, MeshHousingTable):
+            raise ValueError("extrapolated: a mesh file has one element size only; give a STEP file, or leave this out")
+        return self
+
+
+class StaticCasingTable(ElasticBase):
+    """Finite elements condensed statically (Guyan) to the bearing points."""
+
+    model: Literal["static"] = "static"
+
+
+class CraigBamptonCasingTable(ElasticBase):
+    """Finite elements reduced to the bearing points and the fixed-interface modes."""
+
+    model: Literal["craig-bampton"] = "craig-bampton"
+    band_Hz: Annotated[Number, Field(gt=0, le=20000, description="wanted band; modes are kept to 1.5 times it")] = (
+        5000.0
+    )
+    frequency_error: Annotated[
+        Number | None,
+        Field(gt=0, lt=0.1, description="as few modes as change no frequency of the band by more; left out: all"),
+    ] = None
+    elements_per_wavelength: Annotated[
+        Positive | None,
+        Field(description="per bending wavelength of the thinnest wall at band_Hz; elements get no larger than that"),
+    ] = None
+
+
+CasingModel = Annotated[
+    NoCasingTable | RigidCasingTable | StaticCasingTable | CraigBamptonCasingTable, Field(discriminator="model")
+]
+
+
+class SensorTable(Table):
+    """A tri-axial accelerometer on the casing."""
+
+    name: Annotated[str, Field(pattern=r"^sensor_[1-9][0-9]*$", description="sensor_1, sensor_2, ...")]
+    position_mm: Annotated[
+        tuple[Number, Number, Number], Field(description="x, y, z; moved to the nearest surface point")
+    ]
+    axes: Annotated[Axes, Field(description="directions of its channels x, y, z in the frame of the scene")] = (
+        (1.0, 0.0, 0.0),
+        (0.0, 1.0, 0.0),
+        (0.0, 0.0, 1.0),
+    )

@@ -1,0 +1,169 @@
+"""Tables of the housing: parametric, from a STEP file, or from a mesh file."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from pipelines.scene.tables.base import Flag, Number, Positive, Table, Whole
+
+Vector = tuple[Number, Number, Number]
+Axes = tuple[Vector, Vector, Vector]
+Unit = Literal["m", "cm", "mm", "um", "inch"]
+LARGEST = 1e5  # mm; beyond it products of lengths lose all digits
+Length = Annotated[Number, Field(gt=0, le=LARGEST)]
+Depth = Annotated[Number, Field(ge=0, le=LARGEST)]
+Place = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
+OptionalWall = Annotated[Length | None, Field(description="where it differs from wall_thickness_mm")]
+
+
+class RibTable(Table):
+    """Ribs on the outside of the housing, all of one thickness and height."""
+
+    thickness_mm: Annotated[Length, Field(description="of the plates")]
+    height_mm: Annotated[Length, Field(description="by which they stand out from their wall")]
+    per_boss: Annotated[Whole, Field(ge=0, le=3, description="vertical ribs from the floor up to each boss")] = 0
+    end_wall: Annotated[Whole, Field(ge=0, le=20, description="vertical ribs on each of the two end walls")] = 0
+    cover: Annotated[Whole, Field(ge=0, le=20, description="ribs across the cover")] = 0
+
+
+class FlangeTable(Table):
+    """The rim at the split plane over which the cover is bonded to the lower part."""
+
+    split_plane_mm: Annotated[Place, Field(description="z of the split plane; shaft 1 is z = 0")] = 0.0
+    width_mm: Annotated[Length, Field(description="beyond the outer faces of the walls")]
+    height_mm: Annotated[Length, Field(description="of both halves together")]
+
+
+class HousingTable(Table):
+    """The parametric housing: a closed box with bearing bosses in its two side walls, and feet."""
+
+    model: Literal["parametric"] = "parametric"
+    length_mm: Annotated[Length, Field(description="outer length along x")]
+    width_mm: Annotated[Length, Field(description="outer width along y; mid face is y = 0")]
+    height_mm: Annotated[Length, Field(description="outer height along z without feet")]
+    wall_thickness_mm: Annotated[Length, Field(description="of all walls, floor and cover")]
+    side_wall_thickness_mm: OptionalWall = None
+    end_wall_thickness_mm: OptionalWall = None
+    floor_thickness_mm: OptionalWall = None
+    cover_thickness_mm: OptionalWall = None
+    left_end_mm: Annotated[Place, Field(description="x of the outer face of the left end wall; shaft 1 is x = 0")]
+    shaft_height_mm: Annotated[Length, Field(description="shaft 1 above the underside of the floor")]
+    bore_diameters_mm: Annotated[tuple[Length, ...], Field(description="one per shaft, for both of its bearings")]
+    boss_diameters_mm: Annotated[tuple[Length, ...], Field(description="one per shaft")]
+    boss_length_mm: Annotated[Length, Field(description="along y, from the outer wall face inwards")]
+    foot_length_mm: Annotated[Length, Field(description="side of the square feet")] = 60.0
+    foot_height_mm: Annotated[Length, Field(description="feet below the floor")] = 15.0
+    foot_pitch_mm: Annotated[
+        Length | None,
+        Field(description="largest distance of neighbouring feet, sets their number; else three a side"),
+    ] = None
+    foot_overhang_mm: Annotated[Depth, Field(description="feet beyond the side walls")] = 0.0
+    pad_diameter_mm: Annotated[Depth, Field(description="round bolt pads under the feet; 0: none")] = 0.0
+    pad_height_mm: Annotated[Depth, Field(description="bolt pads below the feet")] = 0.0
+    bolt_diameter_mm: Annotated[Depth, Field(description="holes through pads and feet; 0: none")] = 0.0
+    foot_fillet_mm: Annotated[Depth, Field(description="radius where feet meet floor or wall; 0: sharp")] = 0.0
+    inner_fillet_mm: Annotated[Depth, Field(description="radius of the edges of the cavity; 0: sharp")] = 0.0
+    flange: FlangeTable | None = None
+    ribs: RibTable | None = None
+
+
+class _PlaceTable(Table, ABC):
+    """A place on the surface of an imported housing: exactly one way to find it."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Any:
+        ways = self._ways()
+        given = {key for keys in ways for key in keys if getattr(self, key) is not None}
+        if not any(given == set(keys) for keys in ways):
+            choices = ", or ".join(" with ".join(keys) for keys in ways)
+            raise ValueError(f"is located by {', '.join(sorted(given)) or 'nothing'}; give {choices}")
+        return self
+
+    @abstractmethod
+    def _ways(self) -> tuple[tuple[str, ...], ...]:
+        """The sets of keys that locate a place."""
+
+
+class SeatTable(_PlaceTable):
+    """A bearing seat: by the axis and diameter of its bore, or by the name of a group of the mesh file."""
+
+    name: Annotated[str, Field(pattern=r"^bearing_[1-9][0-9]*$", description="two per shaft, odd numbers at -y")]
+    through_mm: Annotated[Vector | None, Field(description="a point on its axis, near the seat")] = None
+    diameter_mm: Annotated[Positive | None, Field(description="of the bore")] = None
+    axis: Annotated[Vector, Field(description="direction of the bore")] = (0.0, 1.0, 0.0)
+    group: Annotated[str | None, Field(description="physical group, node set or element set")] = None
+
+    def _ways(self) -> tuple[tuple[str, ...], ...]:
+        return ("through_mm", "diameter_mm"), ("group",)
+
+
+class GroundTable(_PlaceTable):
+    """Ground faces: the flat face at a point, everything in a box, all faces in a plane, or a group of the file."""
+
+    point_mm: Annotated[Vector | None, Field(description="a point on a flat face: that face")] = None
+    box_mm: Annotated[tuple[Vector, Vector] | None, Field(description="lower and upper corner of a box")] = None
+    through_mm: Annotated[Vector | None, Field(description="a point of a plane: a ground point per face in it")] = None
+    normal: Annotated[Vector | None, Field(description="of that plane")] = None
+    group: Annotated[str | None, Field(description="physical group, node set or element set")] = None
+
+    def _ways(self) -> tuple[tuple[str, ...], ...]:
+        return ("point_mm",), ("box_mm",), ("through_mm", "normal"), ("group",)
+
+
+class ImportedTable(Table):
+    """What every housing from a file has. Places are in the frame of the scene: shaft 1 is x = z = 0."""
+
+    file: Annotated[str, Field(min_length=1, description="beside the scene, or the name of a shipped file")]
+    unit: Annotated[Unit, Field(description="unit of length of the file")]
+    origin_mm: Annotated[Vector, Field(description="where the origin of the file lies")] = (0.0, 0.0, 0.0)
+    axes: Annotated[Axes, Field(description="directions of the file's x, y and z")] = (
+        (1.0, 0.0, 0.0),
+        (0.0, 1.0, 0.0),
+        (0.0, 0.0, 1.0),
+    )
+    bearings: Annotated[tuple[SeatTable, ...], Field(min_length=1, description="the bearing seats")]
+    grounds: Annotated[tuple[GroundTable, ...], Field(min_length=1, description="what the ground holds")]
+    wall_thickness_mm: Annotated[
+        Positive | None, Field(description="of the thinnest wall, for casing.elements_per_wavelength")
+    ] = None
+
+    @model_validator(mode="after")
+    def _names(self) -> Any:
+        if problems := list(self._repeated()):
+            raise ValueError("\n".join(problems))
+        return self
+
+    def _repeated(self) -> Iterator[str]:
+        names = [seat.name for seat in self.bearings]
+        for name in sorted({n for n in names if names.count(n) > 1}):
+            yield f"bearings: {name} is given {names.count(name)} times"
+
+
+class StepHousingTable(ImportedTable):
+    """A solid from a STEP file, meshed here."""
+
+    model: Literal["step"] = "step"
+
+
+class MeshHousingTable(ImportedTable):
+    """An existing mesh of ten-node tetrahedra: .msh, .inp, .bdf, .nas or .vtu."""
+
+    model: Literal["mesh"] = "mesh"
+    upgrade: Annotated[Flag, Field(description="give linear tetrahedra mid-side nodes on straight edges")] = False
+
+
+def _model_of(value: Any) -> str:
+    """The model that a table names; the parametric housing where it names none."""
+    return value.get("model", "parametric") if isinstance(value, dict) else getattr(value, "model", "parametric")
+
+
+HousingModel = Annotated[
+    Annotated[HousingTable, Tag("parametric")]
+    | Annotated[StepHousingTable, Tag("step")]
+    | Annotated[MeshHousingTable, Tag("mesh")],
+    Discriminator(_model_of),
+]

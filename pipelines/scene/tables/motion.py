@@ -1,0 +1,134 @@
+"""Tables of what moves the machine: drive, load, and the time integration."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from pipelines.scene.tables.base import Number, Table, Whole
+
+
+class DriveTable(Table):
+    """Speed-driven motors at both ends of a shaft, each through a coupling that only holds the rotation."""
+
+    times_s: Annotated[tuple[Number, ...], Field(min_length=2, description="strictly rising, starting at 0")]
+    speeds_rpm: Annotated[tuple[Number, ...], Field(min_length=2, description="motor speed at these times")]
+    motors: Annotated[Literal[1, 2], Field(description="2: one at each end; 1: at the -y end")] = 2
+    coupling_stiffness_N_m_per_rad: Annotated[Number, Field(gt=0, description="of each coupling")] = 2000.0
+    coupling_damping_N_m_s_per_rad: Annotated[Number, Field(ge=0, description="of each coupling")] = 0.5
+    shaft: Annotated[Whole | None, Field(ge=1, description="number of the driven shaft; left out: 1")] = None
+    brake_torque_N_m: Annotated[
+        Number,
+        Field(ge=0, description="holding brake on that shaft, at the first motor: closed while the motors stand"),
+    ] = 0.0
+
+    @model_validator(mode="after")
+    def _table(self) -> DriveTable:
+        if len(self.times_s) != len(self.speeds_rpm):
+            raise ValueError(f"times_s has {len(self.times_s)} values, speeds_rpm has {len(self.speeds_rpm)}")
+        if self.times_s[0] != 0:
+            raise ValueError(f"times_s must start at 0, it starts at {self.times_s[0]}")
+        for before, after in zip(self.times_s, self.times_s[1:], strict=False):
+            if after <= before:
+                raise ValueError(f"times_s must rise strictly: {after} s follows {before} s")
+        return self
+
+
+class LoadBase(Table):
+    """What every load has: a weight on two drums."""
+
+    container_kg: Annotated[Number, Field(ge=0, description="hanging mass")]
+    drum_radius_mm: Annotated[Number, Field(gt=0, description="to the middle of the rope")]
+    drum_mass_kg: Annotated[Number, Field(gt=0, description="of each drum, overhung at the ends of the last shaft")]
+    drum_inertia_kg_m2: Annotated[Number, Field(gt=0, description="of each drum about the shaft")]
+    reeving_ratio: Annotated[Number, Field(gt=0, description="rope speed at the drum over container speed")] = 2.0
+    shaft: Annotated[Whole | None, Field(ge=1, description="number of the shaft of the drums; left out: the last")] = (
+        None
+    )
+    drum_positions_mm: Annotated[
+        tuple[Number, ...], Field(description="y of the drums; left out: both ends of their shaft")
+    ] = ()
+    rope_direction_deg: Annotated[
+        Number | None,
+        Field(
+            ge=-180,
+            le=180,
+            description="direction in which the ropes pull at the drums: 0 is +x, 90 is up; left out: the pull is "
+            "balanced at the drum and only its torque reaches the shaft",
+        ),
+    ] = None
+
+
+class StaticTorqueTable(LoadBase):
+    """The weight as a constant torque on the drums."""
+
+    model: Literal["static-torque"] = "static-torque"
+
+
+class RopeTable(LoadBase):
+    """Container on elastic rope: stiffness of the current length, tension only."""
+
+    model: Literal["rope"] = "rope"
+    rope_diameter_mm: Annotated[Number, Field(gt=0, description="nominal diameter")] = 10.0
+    rope_modulus_GPa: Annotated[Number, Field(gt=0, description="on the metallic area")] = 100.0
+    rope_fill_factor: Annotated[Number, Field(gt=0, le=1, description="metallic area over the circle")] = 0.455
+    rope_falls: Annotated[Whole, Field(ge=1, description="falls that carry the container")] = 8
+    rope_length_m: Annotated[Number, Field(gt=0, description="free length at t = 0")] = 5.0
+    rope_damping_ratio: Annotated[Number, Field(ge=0, lt=1, description="of the bounce at the initial length")] = 0.02
+    ground_level_m: Annotated[
+        Number | None,
+        Field(
+            description="height of the ground over the place where the container hangs on the just taut rope at t = 0; "
+            "positive: it stands on the ground and the rope is slack by as much; left out: no ground"
+        ),
+    ] = None
+    ground_stiffness_N_per_um: Annotated[Number, Field(gt=0, description="of the ground under the container")] = 10.0
+    ground_damping_ratio: Annotated[Number, Field(ge=0, lt=10, description="of the container on the ground")] = 0.1
+
+
+class RopePendulumTable(RopeTable):
+    """The same, and the container swings below a trolley at rest."""
+
+    model: Literal["rope-pendulum"] = "rope-pendulum"  # type: ignore[assignment]
+    sway_x_deg: Annotated[
+        Number, Field(gt=-60, lt=60, description="angle of the ropes at t = 0, released from rest")
+    ] = 0.0
+    sway_y_deg: Annotated[Number, Field(gt=-60, lt=60, description="the same across, along the shafts")] = 0.0
+
+
+LoadModel = Annotated[StaticTorqueTable | RopeTable | RopePendulumTable, Field(discriminator="model")]
+
+
+class SimulationTable(Table):
+    """Time integration and output."""
+
+    end_s: Annotated[Number, Field(gt=0, le=3600, description="simulated time")]
+    output_rate_Hz: Annotated[Number, Field(gt=0, le=200000, description="after the anti-alias filter")] = 10000.0
+    step_us: Annotated[Number, Field(gt=0, le=1000, description="rounded down to a whole part of the output step")] = (
+        33.4
+    )
+    start: Annotated[
+        Whole,
+        Field(
+            ge=0,
+            le=1_000_000,
+            description="0: at rest in equilibrium; 1, 2, ...: another start each, every modal displacement changed by "
+            "some 1e-4 of itself, to see how far a motion that cannot be repeated spreads",
+        ),
+    ] = 0
+    band_Hz: Annotated[
+        Number, Field(ge=1000, description="modes of the whole machine above it are kept by their static response only")
+    ] = 20000.0
+    integrator: Annotated[
+        Literal["exponential", "trapezoidal", "generalised-alpha"], Field(description="see docs/choosing-a-rung.md")
+    ] = "exponential"
+
+    @model_validator(mode="after")
+    def _one_sample(self) -> SimulationTable:
+        if self.end_s * self.output_rate_Hz < 1.0:
+            raise ValueError(
+                f"end_s: {self.end_s:g} s is shorter than one sample at output_rate_Hz = {self.output_rate_Hz:g}; "
+                f"simulate at least {1.0 / self.output_rate_Hz:g} s, or raise the rate"
+            )
+        return self

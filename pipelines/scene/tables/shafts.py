@@ -1,0 +1,93 @@
+"""Tables of the shafts, what sits on them, and what joins them; their bearings are in `bearings`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from pipelines.scene.tables.base import Flag, Number, Table, Whole
+from pipelines.scene.tables.bearings import BearingModel
+
+
+class SectionTable(Table):
+    """A stretch of a shaft with constant diameters."""
+
+    start_mm: Annotated[Number, Field(ge=-1e5, le=1e5, description="y of its -y end")]
+    end_mm: Annotated[Number, Field(ge=-1e5, le=1e5, description="y of its +y end")]
+    diameter_mm: Annotated[Number, Field(ge=0.1, le=1e5, description="outer diameter")]
+    bore_mm: Annotated[Number, Field(ge=0, description="inner diameter")] = 0.0
+
+    @model_validator(mode="after")
+    def _ordered(self) -> SectionTable:
+        if self.end_mm <= self.start_mm:
+            raise ValueError(f"end_mm = {self.end_mm} must be greater than start_mm = {self.start_mm}")
+        if self.bore_mm >= self.diameter_mm:
+            raise ValueError(f"bore_mm = {self.bore_mm} must be smaller than diameter_mm = {self.diameter_mm}")
+        return self
+
+
+class ShaftTable(Table):
+    """One shaft; shaft 1 is the input."""
+
+    sections: Annotated[tuple[SectionTable, ...], Field(min_length=1, description="from -y to +y, without gaps")]
+    bearing_positions_mm: Annotated[tuple[Number, ...], Field(min_length=1, description="y of its bearings, -y first")]
+    bearing_supports: Annotated[
+        tuple[Literal["casing", "ground"], ...],
+        Field(description="what carries each bearing; left out: the casing. A housing carries two per shaft"),
+    ] = ()
+    bearings: Annotated[
+        tuple[BearingModel, ...], Field(description="one table per bearing instead of the common one, [bearings]")
+    ] = ()
+
+    @model_validator(mode="after")
+    def _joined(self) -> ShaftTable:
+        for left, right in zip(self.sections, self.sections[1:], strict=False):
+            if left.end_mm != right.start_mm:
+                raise ValueError(f"sections: one ends at {left.end_mm} mm, the next starts at {right.start_mm} mm")
+        places, (start, end) = self.bearing_positions_mm, (self.sections[0].start_mm, self.sections[-1].end_mm)
+        rising = all(a < b for a, b in zip(places, places[1:], strict=False))
+        if not (rising and start <= places[0] and places[-1] <= end):
+            raise ValueError(f"bearing_positions_mm = {list(places)} must rise and lie between {start} and {end} mm")
+        for key in ("bearing_supports", "bearings"):
+            given = getattr(self, key)
+            if given and len(given) != len(places):
+                raise ValueError(f"{key}: {len(given)} given for {len(places)} bearings")
+        return self
+
+
+class ShaftModel(Table):
+    """How shafts are modelled."""
+
+    model: Annotated[
+        Literal["torsion", "timoshenko"], Field(description="torsion: rigid but in twist; timoshenko: beam elements")
+    ] = "timoshenko"
+    element_length_mm: Annotated[Number, Field(gt=0, description="longest beam element")] = 40.0
+    damping_time_us: Annotated[Number, Field(ge=0, le=1000, description="material damping = this time * stiffness")] = (
+        0.5
+    )
+    gyroscopic: Annotated[
+        Flag, Field(description="true: gyroscopic moments of shafts and disks at the current speed")
+    ] = False
+
+
+class DiskTable(Table):
+    """A rigid disk on a shaft besides gears and drums: coupling half, brake disk, flywheel."""
+
+    shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
+    position_mm: Annotated[Number, Field(description="y")]
+    mass_kg: Annotated[Number, Field(ge=0, description="mass")]
+    polar_inertia_kg_m2: Annotated[Number, Field(ge=0, description="about the shaft")]
+    diametral_inertia_kg_m2: Annotated[Number, Field(ge=0, description="about a diameter")]
+
+
+class CouplingTable(Table):
+    """A coupling between two shafts on one axis; 0 leaves a direction free."""
+
+    shafts: Annotated[tuple[Whole, Whole], Field(description="numbers of the two shafts")]
+    positions_mm: Annotated[tuple[Number, Number], Field(description="y on each of them")]
+    torsional_stiffness_N_m_per_rad: Annotated[Number, Field(gt=0, description="about the axis")]
+    radial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="in x and z")] = 0.0
+    axial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="along the axis")] = 0.0
+    tilt_stiffness_N_m_per_rad: Annotated[Number, Field(ge=0, description="about x and z")] = 0.0
+    damping_time_us: Annotated[Number, Field(ge=0, le=1e5, description="damping = this time * stiffness")] = 0.0

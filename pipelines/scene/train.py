@@ -1,0 +1,128 @@
+"""Train of a scene: which stage turns which shaft, where the axes lie, how fast and in which sense the shafts turn.
+
+Shaft 1 is the origin. Every stage places its wheel's axis from its pinion's (or the other way), every coupling puts two
+shafts on one axis. Where a loop closes, both ways to a shaft must meet.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pipelines.border.errors import Problem
+from pipelines.scene.tables.gears import StageTable
+from pipelines.scene.tables.shafts import CouplingTable
+
+if TYPE_CHECKING:
+    from fem.gears.geometry import GearPair
+
+MEETING = 1e-5  # m: how close two ways to one axis must come
+
+
+@dataclass(frozen=True)
+class Place:
+    """Axis (m), lifting sense and speed (over that of shaft 1) of a shaft."""
+
+    x: float
+    z: float
+    sense: int
+    speed: float
+
+
+@dataclass(frozen=True)
+class _Step:
+    path: str
+    first: int
+    second: int
+    x: float
+    z: float
+    sense: int
+    speed: float
+
+    def back(self) -> _Step:
+        return _Step(self.path, self.second, self.first, -self.x, -self.z, self.sense, 1 / self.speed)
+
+    def to(self, place: Place) -> Place:
+        return Place(place.x + self.x, place.z + self.z, place.sense * self.sense, place.speed * self.speed)
+
+
+def stage_shafts(stages: Sequence[StageTable]) -> list[tuple[int, int]]:
+    """Shafts (0-based) of pinion and wheel of every stage; by default stage i couples shafts i and i + 1."""
+    return [
+        ((stage.pinion_shaft or number) - 1, (stage.wheel_shaft or number + 1) - 1)
+        for number, stage in enumerate(stages, 1)
+    ]
+
+
+def shaft_senses(count: int, stages: Sequence[StageTable], couplings: Sequence[CouplingTable]) -> list[int]:
+    """Lifting sense of every shaft, +1 about +y as the first: meshes reverse it, couplings keep it; +1 out of reach."""
+    links = [(one, other, -1) for one, other in stage_shafts(stages)]
+    links += [(table.shafts[0] - 1, table.shafts[1] - 1, 1) for table in couplings]
+    senses = {0: 1}
+    while True:
+        ready = next((link for link in links if (link[0] in senses) != (link[1] in senses)), None)
+        if ready is None:
+            return [senses.get(shaft, 1) for shaft in range(count)]
+        one, other, turn = ready if ready[0] in senses else (ready[1], ready[0], ready[2])
+        senses[other] = senses[one] * turn
+
+
+def place_shafts(
+    count: int, stages: Sequence[StageTable], pairs: Sequence[GearPair], couplings: Sequence[CouplingTable]
+) -> tuple[list[Place], list[Problem]]:
+    """Places of ``count`` shafts, and what contradicts itself: shafts out of reach, loops that do not close."""
+    waiting = [_stage_step(*item) for item in zip(range(len(stages)), stages, pairs, stage_shafts(stages), strict=True)]
+    waiting += [
+        _Step(f"couplings.{number}", table.shafts[0] - 1, table.shafts[1] - 1, 0.0, 0.0, 1, 1.0)
+        for number, table in enumerate(couplings, 1)
+    ]
+    found, problems = {0: Place(0.0, 0.0, 1, 1.0)}, []
+    while ready := next((step for step in waiting if step.first in found or step.second in found), None):
+        waiting.remove(ready)
+        step = ready if ready.first in found else ready.back()
+        place = step.to(found[step.first])
+        if step.second in found:
+            problems += _loop(ready, place, found[step.second], step.second)
+        else:
+            found[step.second] = place
+    lost = [str(shaft + 1) for shaft in range(count) if shaft not in found]
+    if lost:
+        problems.append(
+            Problem(
+                "shafts", f"no stage or coupling connects shaft {', '.join(lost)} to shaft 1", "Connect or remove it"
+            )
+        )
+    return [found.get(shaft, Place(0.0, 0.0, 1, 1.0)) for shaft in range(count)], problems
+
+
+def _stage_step(number: int, stage: StageTable, pair: GearPair, shafts: tuple[int, int]) -> _Step:
+    angle = math.radians(stage.direction_deg)
+    x, z = pair.axis_distance * math.cos(angle), pair.axis_distance * math.sin(angle)
+    return _Step(f"stages.{number + 1}", *shafts, x, z, -1, 1 / pair.ratio)
+
+
+def _loop(step: _Step, place: Place, known: Place, shaft: int) -> list[Problem]:
+    """Why a loop of stages and couplings that ends with ``step`` does not close."""
+    off = math.hypot(place.x - known.x, place.z - known.z)
+    problems = []
+    if place.sense != known.sense or abs(place.speed / known.speed - 1) > 1e-9:
+        turn = "the other way" if place.sense != known.sense else f"at {place.speed / known.speed:.9g} times the speed"
+        problems.append(
+            Problem(
+                step.path,
+                f"closes a loop that locks: it would turn shaft {shaft + 1} {turn} that the rest of the loop gives it",
+                "Choose teeth so that both paths agree, or open the loop",
+            )
+        )
+    if off > MEETING:
+        problems.append(
+            Problem(
+                step.path,
+                f"closes a loop that does not meet: the axis of shaft {shaft + 1} is {off * 1000:.3f} mm off the place "
+                f"that the rest of the loop gives it (x {known.x * 1000:.3f}, z {known.z * 1000:.3f} mm)",
+                "Change direction_deg or profile shifts",
+            )
+        )
+    return problems

@@ -1,0 +1,1 @@
+"""Responses, spectra, lines of a fault and the verdict."""

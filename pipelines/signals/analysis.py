@@ -1,0 +1,205 @@
+"""Analysis of one run: its channel with noise, cut to whole revolutions, as spectrum and envelope spectrum.
+
+Bands of the envelope. None of the rules looks at the faulty run.
+- "mesh" (default): f_m/2 to 3 f_m/2, the sidebands that belong to the first mesh order rather than to a neighbour
+  (the widest narrow-band demodulation around f_m; McFadden 1986, J. Vib. Acoust. 108, 165).
+- "resonance": the strip one mesh order wide, above the sidebands of the second mesh order and below 0.4 of the
+  sampling rate, in which the healthy run carries most energy: a casing resonance that impacts would ring.
+- a pair of frequencies in Hz.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipelines.signals.spectrum import (
+    Segment,
+    Spectrum,
+    amplitude_spectrum,
+    cut,
+    envelope_spectrum,
+    whole_revolutions,
+    with_noise,
+)
+
+if TYPE_CHECKING:
+    import xarray
+
+SPEED_TOLERANCE = 1e-3  # of f_r, for the mean speed of the faulty shaft over the segment
+
+
+class DiagnosisError(ValueError):
+    """Two runs cannot be compared, or a run lacks what the diagnosis needs."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiagnosisSettings:
+    """What is looked for, where.
+
+    `windows` name -> (start, end) in s of the record's time; `rope_mode` window name -> Hz (none for a constant
+    torque); `bearings` "bearing_3 BPFO" -> Hz, lines to read besides; `axis` "resultant" or an axis of the sensor;
+    `shaft` the faulty shaft, whose speed is checked if given; `fault` and `reason` are words for the verdict: what is
+    damaged, and the physical reason where nothing stands.
+    """
+
+    revolution_frequency: float
+    mesh_frequency: float
+    windows: Mapping[str, tuple[float, float]]
+    rope_mode: Mapping[str, float] = field(default_factory=dict)
+    bearings: Mapping[str, float] = field(default_factory=dict)
+    sensor: str = "sensor_3"
+    axis: str = "resultant"
+    band: str | tuple[float, float] = "mesh"
+    envelope_harmonics: int = 5
+    sideband_orders: int = 4
+    mesh_harmonics: tuple[int, ...] = (1, 2)
+    spectrum_window: str = "hann"
+    difference_limit: float = 6.0
+    floor_limit: float = 10.0
+    shaft: str | None = None
+    fault: str = "fault"
+    reason: str = ""
+
+    def __post_init__(self) -> None:
+        if not 0 < self.revolution_frequency < self.mesh_frequency:
+            raise DiagnosisError(
+                f"revolution frequency {self.revolution_frequency:g} Hz and mesh frequency {self.mesh_frequency:g} Hz: "
+                "both must be positive and the mesh the faster"
+            )
+        if isinstance(self.band, str) and self.band not in ("mesh", "resonance"):
+            raise DiagnosisError(f"envelope band {self.band!r}: give 'mesh', 'resonance' or two frequencies in Hz")
+        if not self.windows:
+            raise DiagnosisError("windows: none given, at least one with constant speed is needed")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Analysis:
+    """One run by window: where it was cut, its spectrum and its envelope spectrum in the band (Hz)."""
+
+    band: tuple[float, float]
+    segments: Mapping[str, Segment]
+    spectra: Mapping[str, Spectrum]
+    envelopes: Mapping[str, Spectrum]
+
+
+def analyse(
+    run: xarray.Dataset, settings: DiagnosisSettings, *, stream: int = 0, band: tuple[float, float] | None = None
+) -> Analysis:
+    """Spectra of one run in every window.
+
+    Parameters
+    ----------
+    stream : number of the noise, 0 for the healthy run, 1 for the faulty one
+    band : Hz, of the envelope; by the rule of the settings, applied to this run, if None
+
+    Raises
+    ------
+    DiagnosisError : sensor or axis missing, uneven sampling, or the shaft does not turn at f_r
+    SpectrumError : a window holds no whole revolution
+    """
+    rate, begin = sampling(run)
+    signal = noisy_signal(run, settings, stream)
+    segments, spectra, envelopes, pieces = {}, {}, {}, {}
+    for name, (start, end) in settings.windows.items():
+        segment = whole_revolutions((start - begin, end - begin), rate, settings.revolution_frequency)
+        _check_speed(run, rate, segment, settings, name)
+        segments[name], pieces[name] = segment, cut(signal, rate, segment)
+        spectra[name] = amplitude_spectrum(pieces[name], segment, settings.spectrum_window)
+    chosen = envelope_band(settings, list(spectra.values()), rate) if band is None else band
+    for name, segment in segments.items():
+        envelopes[name] = envelope_spectrum(pieces[name], segment, chosen, settings.spectrum_window)
+    return Analysis(band=chosen, segments=segments, spectra=spectra, envelopes=envelopes)
+
+
+def envelope_band(settings: DiagnosisSettings, healthy: Sequence[Spectrum], rate: float) -> tuple[float, float]:
+    """Band of the envelope in Hz from the rule named in the settings; see the head of this file."""
+    if not isinstance(settings.band, str):
+        return settings.band
+    mesh = settings.mesh_frequency
+    if settings.band == "mesh":
+        return (mesh / 2, 1.5 * mesh)
+    starts = np.arange(2.5 * mesh, 0.4 * rate - mesh, mesh / 4)
+    if starts.size == 0:
+        raise DiagnosisError(
+            f"envelope band 'resonance': no strip of {mesh:g} Hz between {2.5 * mesh:g} Hz and {0.4 * rate:g} Hz "
+            "(0.4 of the sampling rate). Use the band 'mesh'."
+        )
+    energy = np.zeros(starts.size)
+    for spectrum in healthy:
+        for i, start in enumerate(starts):
+            inside = (spectrum.frequency >= start) & (spectrum.frequency <= start + mesh)
+            energy[i] += np.sum(spectrum.amplitude[inside] ** 2)
+    best = float(starts[int(np.argmax(energy))])
+    return (best, best + mesh)
+
+
+def channel_names(run: xarray.Dataset) -> list[str]:
+    """What can be looked at: the sensors, and the bearings' journals where there is no casing."""
+    sensors = [str(v) for v in run.sensor.values] if "acceleration" in run else []
+    return sensors + ([str(v) for v in run.bearing.values] if "journal_acceleration" in run else [])
+
+
+def channel(run: xarray.Dataset, name: str) -> xarray.DataArray:
+    """Acceleration (time, axis), m/s2, at a sensor or at the journal of a bearing.
+
+    Raises
+    ------
+    DiagnosisError : the run has no such channel
+    """
+    known = channel_names(run)
+    if name not in known:
+        raise DiagnosisError(
+            f"sensor {name!r}: not in this run, which has accelerations of {', '.join(known) or 'none'}"
+        )
+    if "acceleration" in run and name in run.sensor.values:
+        return run.acceleration.sel(sensor=name)
+    return run.journal_acceleration.sel(bearing=name)
+
+
+def noise_of(run: xarray.Dataset) -> float:
+    """Stated sensor noise of a run, m/s2 rms."""
+    return float(run.attrs.get("sensor_noise_m_s2", 0.0))
+
+
+def noisy_signal(run: xarray.Dataset, settings: DiagnosisSettings, stream: int) -> np.ndarray:
+    """The channel's signals (time, axes) with the stated noise; seed, load, stream, sensor and axis fix it."""
+    signal = channel(run, settings.sensor)
+    axes = [str(axis) for axis in run.axis.values]
+    if settings.axis != "resultant" and settings.axis not in axes:
+        raise DiagnosisError(f"axis {settings.axis!r}: give 'resultant' or one of {', '.join(axes)}")
+    wanted = axes if settings.axis == "resultant" else [settings.axis]
+    # names, not indices, enter the seed: the noise must not depend on which other sensors were recorded
+    words = (str(run.attrs.get("seed", "none")), str(run.attrs.get("load", "")), settings.sensor)
+    fixed = [stream, *(zlib.crc32(word.encode()) for word in words)]
+    columns = [with_noise(signal.sel(axis=axis).values, noise_of(run), [*fixed, axes.index(axis)]) for axis in wanted]
+    return np.stack(columns, axis=1)
+
+
+def sampling(run: xarray.Dataset) -> tuple[float, float]:
+    """Rate (Hz) and time of the first sample (s) of a uniformly sampled run."""
+    time = np.asarray(run.time.values, dtype=float)
+    steps = np.diff(time)
+    if time.size < 2 or np.ptp(steps) > 1e-6 * steps.mean():
+        raise DiagnosisError("time: the samples must be equidistant, at least two of them")
+    rate = (time.size - 1) / (time[-1] - time[0])
+    whole = float(round(rate))
+    return (whole if abs(rate - whole) < 1e-6 * rate else rate), float(time[0])
+
+
+def _check_speed(run: xarray.Dataset, rate: float, segment: Segment, settings: DiagnosisSettings, window: str) -> None:
+    if settings.shaft is None or "shaft_speed" not in run:
+        return
+    first = round(segment.start * rate)
+    last = first + round(segment.duration * rate)
+    speed = run.shaft_speed.sel(shaft=settings.shaft).isel(time=slice(first, last)).values
+    frequency = abs(float(speed.mean())) / (2 * np.pi)
+    if abs(frequency / settings.revolution_frequency - 1) > SPEED_TOLERANCE:
+        raise DiagnosisError(
+            f"window {window!r}: {settings.shaft} turns at {frequency:.4f} Hz in the mean, lines are looked for at "
+            f"{settings.revolution_frequency:.4f} Hz (within {SPEED_TOLERANCE:g}). Choose a window at constant speed."
+        )

@@ -1,0 +1,165 @@
+"""Diagnosis: the lines a local gear fault must raise, faulty run against its healthy control.
+
+A fault on one tooth repeats with the revolution frequency f_r of its shaft. It modulates the mesh: harmonics of f_r
+in the envelope and sidebands n f_m + k f_r in the spectrum. Pitch deviations repeat with the same revolution and put
+the same lines into a healthy run, so a line stands only if it rises over the control with the same deviations
+(6 dB) and over the local floor between the orders (10 dB), both with the stated sensor noise. The band of the
+envelope comes from the healthy run, see pipelines.signals.analysis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings, analyse, noise_of, sampling
+from pipelines.signals.lines import LineTable, joined, level
+from pipelines.signals.spectrum import Segment, Spectrum
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["Diagnosis", "DiagnosisError", "DiagnosisSettings", "diagnose"]
+
+STATES = ("faulty", "healthy")
+LINE_WIDTH = 2.0  # bins; a rope mode this close to a line cannot be told from it
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Diagnosis:
+    """One faulty run against its control: the lines, and the spectra they were read from."""
+
+    settings: DiagnosisSettings
+    load: str
+    deviations: str  # "off" | "seed <n>"
+    noise: float  # m/s2 rms, added to both runs
+    band: tuple[float, float]  # Hz
+    segments: Mapping[str, Segment]  # window -> segment
+    lines: LineTable
+    spectra: Mapping[tuple[str, str], Spectrum]  # (state, window)
+    envelopes: Mapping[tuple[str, str], Spectrum]
+
+
+def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: DiagnosisSettings) -> Diagnosis:
+    """Compare two runs of one scene that differ in the fault alone.
+
+    Parameters
+    ----------
+    faulty, healthy : Datasets with acceleration(time, sensor, axis) in m/s2 of equal sampling; attributes load, seed
+        ("none" for error-free gears) and sensor_noise_m_s2
+
+    Raises
+    ------
+    DiagnosisError : different load, seed or sampling; sensor or axis missing; the shaft does not turn at f_r
+    SpectrumError : a window holds no whole revolution
+    """
+    _check_comparable(faulty, healthy)
+    control = analyse(healthy, settings, stream=0)
+    damaged = analyse(faulty, settings, stream=1, band=control.band)
+    analyses = {"faulty": damaged, "healthy": control}
+    spectra = {(state, name): a.spectra[name] for state, a in analyses.items() for name in settings.windows}
+    envelopes = {(state, name): a.envelopes[name] for state, a in analyses.items() for name in settings.windows}
+    load, deviations = str(faulty.attrs["load"]), deviation_name(faulty)
+    lines = joined(_window_lines(settings, name, load, deviations, spectra, envelopes) for name in settings.windows)
+    return Diagnosis(
+        settings=settings,
+        load=load,
+        deviations=deviations,
+        noise=noise_of(faulty),
+        band=control.band,
+        segments=control.segments,
+        lines=lines,
+        spectra=spectra,
+        envelopes=envelopes,
+    )
+
+
+def deviation_name(run: xarray.Dataset) -> str:
+    """ "off" for error-free gears (attribute seed "none"), else "seed <n>"."""
+    seed = str(run.attrs.get("seed", "none"))
+    return "off" if seed == "none" else f"seed {seed}"
+
+
+def _window_lines(
+    settings: DiagnosisSettings,
+    window: str,
+    load: str,
+    deviations: str,
+    spectra: Mapping[tuple[str, str], Spectrum],
+    envelopes: Mapping[tuple[str, str], Spectrum],
+) -> LineTable:
+    f_r, f_m = settings.revolution_frequency, settings.mesh_frequency
+    wanted: list[tuple[str, int, int]] = [("envelope", 0, k) for k in range(1, settings.envelope_harmonics + 1)]
+    for n in settings.mesh_harmonics:
+        for k in range(-settings.sideband_orders, settings.sideband_orders + 1):
+            wanted.append(("sideband" if k else "mesh", n, k))
+    resolution = envelopes["faulty", window].resolution
+    top = resolution * (envelopes["faulty", window].amplitude.size - 1)
+    rolling = {name: f for name, f in settings.bearings.items() if resolution / 2 < f <= top}  # not the mean itself
+    rest = [0] * len(rolling)
+    columns: dict[str, Any] = {
+        "kind": [kind for kind, _, _ in wanted] + ["bearing"] * len(rolling),
+        "mesh_harmonic": np.array([n for _, n, _ in wanted] + rest),
+        "order": np.array([k for _, _, k in wanted] + rest),
+        "label": [_label(n, k) for _, n, k in wanted] + list(rolling),
+    }
+    frequency = columns["mesh_harmonic"] * f_m + columns["order"] * f_r
+    bins = np.round(np.array(list(rolling.values())) / resolution)
+    frequency[len(wanted) :] = bins * resolution  # no bin of their own: the nearest one
+    is_envelope = columns["mesh_harmonic"] == 0
+    for state in STATES:
+        columns[state] = np.empty(len(frequency))
+        columns[f"{state}_floor"] = np.empty(len(frequency))
+        for spectrum, rows in ((envelopes[state, window], is_envelope), (spectra[state, window], ~is_envelope)):
+            columns[state][rows] = spectrum.lines(frequency[rows])
+            columns[f"{state}_floor"][rows] = spectrum.floors(frequency[rows])
+    difference = level(columns["faulty"], columns["healthy"])
+    over_floor = level(columns["faulty"], columns["faulty_floor"])
+    healthy_over_floor = level(columns["healthy"], columns["healthy_floor"])
+    rope = float(settings.rope_mode.get(window, 0.0))
+    width = LINE_WIDTH * spectra["faulty", window].resolution
+    count = len(frequency)
+    offset = np.abs(columns["order"]) * f_r
+    offset[len(wanted) :] = frequency[len(wanted) :]
+    return LineTable(
+        load_case=(load,) * count,
+        deviations=(deviations,) * count,
+        window=(window,) * count,
+        frequency=frequency,
+        difference=difference,
+        over_floor=over_floor,
+        healthy_over_floor=healthy_over_floor,
+        stands=(difference >= settings.difference_limit) & (over_floor >= settings.floor_limit),
+        healthy_shows=healthy_over_floor >= settings.floor_limit,
+        rope_mode=np.full(count, rope),
+        near_rope=(rope > 0) & (np.abs(offset - rope) <= width),
+        **columns,
+    )
+
+
+def _label(n: int, k: int) -> str:
+    order = "" if k == 0 else (f"{abs(k)} f_r" if abs(k) > 1 else "f_r")
+    if n == 0:
+        return order
+    mesh = "f_m" if n == 1 else f"{n} f_m"
+    return mesh if k == 0 else f"{mesh} {'+' if k > 0 else '-'} {order}"
+
+
+def _check_comparable(faulty: xarray.Dataset, healthy: xarray.Dataset) -> None:
+    for name in ("load", "seed", "iso_grade", "sensor_noise_m_s2"):
+        left, right = faulty.attrs.get(name), healthy.attrs.get(name)
+        if left != right:
+            raise DiagnosisError(
+                f"{name}: {left!r} in the faulty run, {right!r} in the healthy one; "
+                "a control differs in the fault alone"
+            )
+    if "load" not in faulty.attrs:
+        raise DiagnosisError("load: attribute missing in both runs, 'rope' or 'static-torque' is expected")
+    if faulty.time.size != healthy.time.size or sampling(faulty) != sampling(healthy):
+        raise DiagnosisError(
+            f"time: {faulty.time.size} samples in the faulty run, {healthy.time.size} in the healthy one, "
+            "or different rates; run both with the same duration and output rate"
+        )

@@ -1,0 +1,102 @@
+"""LineTable: the envelope table, one row per line of a case and window, faulty beside its healthy control."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from fem.storage.records import Record, array, names
+
+LOADS = {"rope": "rope load", "static-torque": "constant torque"}  # words for load_case
+RESOLUTION = 1e-9  # m/s2; levels are taken of at least this, so that a line of an error-free run keeps a finite level
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LineTable(Record):
+    """Columns along the lines. Levels: 20 log10 of amplitude ratios. Flags are 0 or 1.
+
+    `kind` is "envelope" (order k f_r in the envelope), "sideband" (n f_m + k f_r in the spectrum) or "mesh"
+    (n f_m itself) or "bearing" (a pass frequency of a rolling bearing in the envelope, read at the nearest bin); these
+    two are for reference and not counted as evidence.
+    """
+
+    load_case: tuple[str, ...] = names("line")  # "rope" | "static-torque"
+    deviations: tuple[str, ...] = names("line")  # "off" | "seed 1" ...
+    window: tuple[str, ...] = names("line")
+    kind: tuple[str, ...] = names("line")
+    label: tuple[str, ...] = names("line")
+    order: np.ndarray = array("line", units="1", dtype=int)  # k
+    mesh_harmonic: np.ndarray = array("line", units="1", dtype=int)  # n, 0 in the envelope
+    frequency: np.ndarray = array("line", units="Hz")
+    faulty: np.ndarray = array("line", units="m s-2")
+    healthy: np.ndarray = array("line", units="m s-2")
+    faulty_floor: np.ndarray = array("line", units="m s-2")
+    healthy_floor: np.ndarray = array("line", units="m s-2")
+    difference: np.ndarray = array("line", units="dB")  # faulty over healthy
+    over_floor: np.ndarray = array("line", units="dB")  # faulty over its local floor
+    healthy_over_floor: np.ndarray = array("line", units="dB")
+    stands: np.ndarray = array("line", units="1", dtype=int)
+    healthy_shows: np.ndarray = array("line", units="1", dtype=int)  # the healthy line clears its own floor
+    rope_mode: np.ndarray = array("line", units="Hz")  # 0: no rope
+    near_rope: np.ndarray = array("line", units="1", dtype=int)  # the rope mode lies within the width of this line
+
+    def __len__(self) -> int:
+        return len(self.label)
+
+    def where(self, **equal: Any) -> Self:
+        """The rows whose columns equal the given values, e.g. ``table.where(load_case="rope", kind="sideband")``."""
+        keep = [i for i in range(len(self)) if all(getattr(self, name)[i] == value for name, value in equal.items())]
+        return self._taken(keep)
+
+    def without_mesh(self) -> Self:
+        """The rows that count as evidence: envelope harmonics and sidebands."""
+        return self._taken([i for i, kind in enumerate(self.kind) if kind in ("envelope", "sideband")])
+
+    def _taken(self, keep: Sequence[int]) -> Self:
+        columns: dict[str, Any] = {}
+        for field in dataclasses.fields(self):
+            column = getattr(self, field.name)
+            columns[field.name] = tuple(column[i] for i in keep) if isinstance(column, tuple) else column[list(keep)]
+        return type(self)(**columns)
+
+    def units(self) -> dict[str, str]:
+        """Unit of every column, "" for words."""
+        return {field.name: field.metadata.get("units", "") for field in dataclasses.fields(self)}
+
+    def to_dicts(self) -> list[dict[str, Any]]:
+        """One dict per row with plain Python values, as JSON takes them."""
+        columns = {
+            field.name: value if isinstance(value := getattr(self, field.name), tuple) else value.tolist()
+            for field in dataclasses.fields(self)
+        }
+        return [{name: column[i] for name, column in columns.items()} for i in range(len(self))]
+
+    def write_csv(self, path: Path | str) -> Path:
+        """Write all rows; the header names each column with its unit."""
+        path = Path(path)
+        with path.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow([f"{name} [{unit}]" if unit else name for name, unit in self.units().items()])
+            writer.writerows(row.values() for row in self.to_dicts())
+        return path
+
+
+def joined(tables: Iterable[LineTable]) -> LineTable:
+    """All rows of several tables, in their order."""
+    tables = tuple(tables)
+    columns: dict[str, Any] = {}
+    for field in dataclasses.fields(LineTable):
+        parts = [getattr(table, field.name) for table in tables]
+        columns[field.name] = sum(parts, ()) if isinstance(parts[0], tuple) else np.concatenate(parts)
+    return LineTable(**columns)
+
+
+def level(amplitude: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """20 log10(amplitude / reference) in dB, both taken of at least `RESOLUTION`."""
+    return 20 * np.log10(np.maximum(amplitude, RESOLUTION) / np.maximum(reference, RESOLUTION))

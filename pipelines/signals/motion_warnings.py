@@ -1,0 +1,84 @@
+"""What a motion says about itself: sentences on its time step, its repeatability and its energy balance."""
+
+from __future__ import annotations
+
+import json
+import logging
+import math
+from collections import Counter
+from collections.abc import Container, Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mbd.output.trajectory import Trajectory
+
+_LOG = logging.getLogger(__name__)
+KINDS = ("step", "repeat", "energy")
+LARGEST_STEP_ERROR = 0.05
+STARTS = "gearcase starts SCENE"
+ATTRIBUTE = "warnings"  # of a response
+
+
+def motion_warnings(trajectory: Trajectory) -> dict[str, str]:
+    """One sentence by kind, see KINDS; empty for a sound run."""
+    found = {}
+    if trajectory.step_error > LARGEST_STEP_ERROR:
+        found["step"] = _step_sentence(trajectory)
+    if trajectory.parted_at > 0.0:
+        found["repeat"] = (
+            f"The motion cannot be repeated sample by sample: a motion that starts a millionth beside it is as far "
+            f"away as the signal is large at {trajectory.parted_at:.3g} s (the distance doubles every "
+            f"{math.log(2.0) / trajectory.parting_rate * 1000:.2g} ms); no step cures that. Use levels, spectra and "
+            f'lines, not the waveform, and see how far they spread over several starts: "{STARTS}".'
+        )
+    for text in trajectory.open_books():
+        found["energy"] = (
+            f"{text[:1].upper()}{text[1:]} Forces and motion do not belong together within that: take a smaller "
+            "simulation.step_us, or a larger simulation.band_Hz."
+        )
+    return found
+
+
+def _step_sentence(trajectory: Trajectory) -> str:
+    from mbd.accuracy.step_check import ORDER
+
+    factor = (trajectory.step_error / LARGEST_STEP_ERROR) ** (1.0 / ORDER)
+    every = math.ceil(factor / (trajectory.output_rate * trajectory.step))
+    other = "" if trajectory.integrator == "exponential" else ', or simulation.integrator = "exponential"'
+    return (
+        f"The time step of {trajectory.step * 1e6:.4g} us is too long: the accelerations are off by about "
+        f"{100 * trajectory.step_error:.2g} % (RMS of the difference, sample by sample; limit "
+        f"{100 * LARGEST_STEP_ERROR:g} %). Set simulation.step_us = {_step_us(trajectory.output_rate, every)}{other}."
+    )
+
+
+def _step_us(rate: float, every: int) -> str:
+    """The step (us) that goes ``every`` times into an output interval, rounded up so that it does not go once more."""
+    exact = 1e6 / (rate * every)
+    digits = max(0, 2 - math.floor(math.log10(exact)))
+    return f"{math.ceil(exact * 10**digits - 1e-9) / 10**digits:.{digits}f}"
+
+
+def log_warnings(motions: Iterable[Trajectory], kinds: Container[str] = KINDS) -> None:
+    """Say once what the motions of a command say about themselves, built now or taken from the cache."""
+    for text in gathered(map(motion_warnings, motions), kinds):
+        _LOG.warning("%s", text)
+
+
+def told(attributes: Mapping[str, Any]) -> dict[str, str]:
+    """The warnings that the attributes of a response hold."""
+    return json.loads(attributes.get(ATTRIBUTE, "{}"))
+
+
+def gathered(warnings: Iterable[Mapping[str, str]], kinds: Container[str] = KINDS) -> tuple[str, ...]:
+    """The warnings of several motions: each kind once, with how many have it."""
+    every = list(warnings)
+    counts = Counter(kind for one in every for kind in one if kind in kinds)
+    first = {kind: next(one[kind] for one in every if kind in one) for kind in counts}
+    if len(every) == 1:
+        return tuple(first.values())
+    return tuple(f"{text} ({_many(counts[kind], len(every))})" for kind, text in first.items())
+
+
+def _many(count: int, total: int) -> str:
+    return f"all {total} motions alike" if count == total else f"{count} of {total} motions"

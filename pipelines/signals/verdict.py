@@ -1,0 +1,262 @@
+"""The verdict: sentences and summary tables made from the numbers of the line table, and from nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipelines.border.grid import Grid
+from pipelines.signals.diagnosis import Diagnosis
+from pipelines.signals.lines import LOADS, LineTable
+
+EQUAL = 1.0  # dB; modulations this close are called equal
+SIDEBANDS_WANTED = 3  # of the eight around one mesh order, and one envelope harmonic: the fault is seen
+
+
+def headline(diagnoses: Sequence[Diagnosis]) -> str:
+    """The answer in one sentence: in how many of the cases and windows the fault is seen.
+
+    Seen: at least three of the eight sidebands around one mesh order and at least one harmonic in the envelope stand.
+    """
+    first = diagnoses[0].settings
+    cases = [(d, window) for d in diagnoses for window in d.settings.windows]
+    grades = [grade(d.lines.where(window=window)) for d, window in cases]
+    seen, partly = grades.count("seen"), grades.count("partly")
+    what, where = _capital(first.fault), f"{first.sensor} ({_axis(first.axis)})"
+    if seen == len(cases):
+        many = "in the one window that was looked at" if len(cases) == 1 else f"in all {len(cases)} cases"
+        return f"{what}: seen at {where} {many}."
+    if seen == 0 and partly == 0:
+        return f"{what}: not seen at {where}; no line stands over the healthy control in any of {len(cases)} cases."
+    named = [f"{case_name(d)} {window}" for (d, window), g in zip(cases, grades, strict=True) if g == "seen"]
+    where_seen = f" ({'; '.join(named)})" if named and len(named) <= 4 else ""
+    tail = f", single lines stand in {partly} more" if partly else ""
+    return f"{what}: seen at {where} in {seen} of {len(cases)} cases{where_seen}{tail}."
+
+
+def criterion(diagnosis: Diagnosis) -> str:
+    """What it takes for a line to stand and a fault to be seen."""
+    settings = diagnosis.settings
+    return (
+        f"A line stands if it lies at least {settings.difference_limit:g} dB over the healthy control with the same "
+        f"deviations and at least {settings.floor_limit:g} dB over its local floor; the fault is seen if at least "
+        f"{SIDEBANDS_WANTED} sidebands around one mesh order and one harmonic in the envelope stand."
+    )
+
+
+def grade(lines: LineTable) -> str:
+    """ "seen", "partly" (some line stands) or "not seen" for the lines of one case and window."""
+    sidebands = lines.where(kind="sideband")
+    most = max((sidebands.where(mesh_harmonic=n).stands.sum() for n in set(sidebands.mesh_harmonic)), default=0)
+    if most >= SIDEBANDS_WANTED and lines.where(kind="envelope").stands.any():
+        return "seen"
+    return "partly" if lines.without_mesh().stands.any() else "not seen"
+
+
+def sentences(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """What one faulty run shows against its control, one sentence or more per window, with the control's own lines."""
+    settings = diagnosis.settings
+    result = []
+    for window in settings.windows:
+        lines = diagnosis.lines.where(window=window)
+        result.append(f"{_capital(window)}, {case_name(diagnosis)}: {_standing(diagnosis, lines)} {_control(lines)}")
+        rope = settings.rope_mode.get(window, 0.0)
+        if rope > 0:
+            result[-1] += " " + _rope(rope, lines, settings.revolution_frequency)
+    return tuple(result)
+
+
+def case_name(diagnosis: Diagnosis) -> str:
+    """Words for load and deviations."""
+    load = LOADS.get(diagnosis.load, diagnosis.load)
+    gears = "error-free gears" if diagnosis.deviations == "off" else f"deviations of {diagnosis.deviations}"
+    return f"{load}, {gears}"
+
+
+def modulation(lines: LineTable, state: str, mesh_harmonic: int = 1) -> float:
+    """Root sum square of the sidebands around one mesh order over the mesh line itself, dB."""
+    sidebands = getattr(lines.where(kind="sideband", mesh_harmonic=mesh_harmonic), state)
+    carrier = getattr(lines.where(kind="mesh", mesh_harmonic=mesh_harmonic), state)
+    tiny = np.finfo(float).tiny
+    return float(20 * np.log10(max(np.linalg.norm(sidebands), tiny) / max(carrier[0], tiny)))
+
+
+def directions(diagnosis: Diagnosis) -> str:
+    """In which of the first two windows the faulty run shows its modulation more clearly; "" with one window."""
+    windows = list(diagnosis.settings.windows)[:2]
+    if len(windows) < 2:
+        return ""
+    first, second = (modulation(diagnosis.lines.where(window=window), "faulty") for window in windows)
+    if abs(first - second) < EQUAL:
+        end = f"equal within {EQUAL:g} dB"
+    else:
+        end = f"clearer in {windows[0] if first > second else windows[1]} by {abs(first - second):.1f} dB"
+    return (
+        f"Modulation of the mesh with {case_name(diagnosis)} (sidebands over f_m, root sum square): {first:.1f} dB in "
+        f"{windows[0]}, {second:.1f} dB in {windows[1]}: {end}."
+    )
+
+
+def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
+    """The envelope table of one case and window."""
+    lines = diagnosis.lines.where(window=window)
+    rope = diagnosis.settings.rope_mode.get(window, 0.0)
+    low, high = diagnosis.band
+    headers = ("line", "Hz", "faulty m/s²", "healthy m/s²", "difference dB", "over floor dB", "healthy over floor dB")
+    rows, marked = [], set()
+    for i in range(len(lines)):
+        where = "envelope " if lines.kind[i] in ("envelope", "bearing") else ""
+        stands = "stands" if lines.stands[i] else "-"
+        if lines.kind[i] in ("mesh", "bearing"):
+            stands = f"{lines.kind[i]} line"
+        elif lines.stands[i]:
+            marked.add(i)
+        near = "on this line" if lines.near_rope[i] else (f"{rope:.2f}" if rope else "-")
+        rows.append(
+            (
+                where + lines.label[i],
+                f"{lines.frequency[i]:.3f}",
+                f"{lines.faulty[i]:.3g}",
+                f"{lines.healthy[i]:.3g}",
+                f"{lines.difference[i]:+.1f}",
+                f"{lines.over_floor[i]:+.1f}",
+                f"{lines.healthy_over_floor[i]:+.1f}",
+                stands,
+                near,
+            )
+        )
+    title = f"{_capital(window)}, {case_name(diagnosis)}; envelope of {low:.4g} to {high:.4g} Hz"
+    return Grid(title=title, headers=(*headers, "verdict", "rope mode Hz"), rows=tuple(rows), marked=frozenset(marked))
+
+
+def summary_grid(diagnoses: Sequence[Diagnosis]) -> Grid:
+    """How many lines stand in every case and window: a row per load and window, a column per set of deviations."""
+    kinds = sorted(dict.fromkeys(d.deviations for d in diagnoses), key=_seed_order)
+    rows = []
+    for load in dict.fromkeys(d.load for d in diagnoses):
+        for window in dict.fromkeys(w for d in diagnoses if d.load == load for w in d.settings.windows):
+            cells = []
+            for deviations in kinds:
+                found = [d for d in diagnoses if (d.load, d.deviations) == (load, deviations)]
+                cells.append(_counts(found[0].lines.where(window=window)) if found else "-")
+            rows.append((LOADS.get(load, load), window, *cells))
+    title = "Lines that stand: envelope harmonics · sidebands around each mesh order"
+    names = ["error-free" if kind == "off" else kind for kind in kinds]
+    return Grid(title=title, headers=("load", "window", *names), rows=tuple(rows))
+
+
+def seeds_grid(diagnoses: Sequence[Diagnosis], load: str, window: str) -> Grid:
+    """Difference faulty over healthy of every line, a column per set of deviations; a dot marks lines that stand."""
+    chosen = sorted((d for d in diagnoses if d.load == load), key=lambda d: _seed_order(d.deviations))
+    tables = [d.lines.where(window=window).without_mesh() for d in chosen]
+    rows = []
+    for i, label in enumerate(tables[0].label):
+        where = "envelope " if tables[0].kind[i] == "envelope" else ""
+        cells = [f"{t.difference[i]:+.1f}" + (" ●" if t.stands[i] else "") for t in tables]
+        rows.append(
+            (where + label, f"{tables[0].frequency[i]:.3f}", *cells, str(sum(int(t.stands[i]) for t in tables)))
+        )
+    names = ["error-free" if d.deviations == "off" else d.deviations for d in chosen]
+    title = f"{_capital(window)}, {LOADS.get(load, load)}: faulty over healthy in dB (● stands)"
+    return Grid(title=title, headers=("line", "Hz", *names, "stands in"), rows=tuple(rows))
+
+
+def markdown(diagnoses: Sequence[Diagnosis]) -> str:
+    """Verdict, lines that stand, and every line of every load and window with all deviations side by side."""
+    parts = [f"**{headline(diagnoses)}**", criterion(diagnoses[0]), _titled(summary_grid(diagnoses))]
+    parts.append(directions(diagnoses[0]))
+    for load in dict.fromkeys(d.load for d in diagnoses):
+        for window in dict.fromkeys(w for d in diagnoses if d.load == load for w in d.settings.windows):
+            parts.append(_titled(seeds_grid(diagnoses, load, window)))
+    return "\n\n".join(filter(None, parts)) + "\n"
+
+
+def _titled(grid: Grid) -> str:
+    return f"**{grid.title}**\n\n{grid.to_markdown()}"
+
+
+def _seed_order(deviations: str) -> tuple[int, int]:
+    """Error-free gears first, then the seeds in their order."""
+    return (0, 0) if deviations == "off" else (1, int(deviations.split()[-1]))
+
+
+def _counts(lines: LineTable) -> str:
+    parts = [lines.where(kind="envelope")]
+    sidebands = lines.where(kind="sideband")
+    parts += [sidebands.where(mesh_harmonic=n) for n in dict.fromkeys(sidebands.mesh_harmonic.tolist())]
+    return " · ".join(f"{int(part.stands.sum())}/{len(part)}" for part in parts)
+
+
+def _standing(diagnosis: Diagnosis, lines: LineTable) -> str:
+    settings, (low, high) = diagnosis.settings, diagnosis.band
+    counted = lines.without_mesh()
+    if not counted.stands.any():
+        return f"none of {len(counted)} lines stands. {_reason(diagnosis, counted)}"
+    envelope = lines.where(kind="envelope")
+    parts = [
+        f"{int(envelope.stands.sum())} of {len(envelope)} harmonics of f_r = {settings.revolution_frequency:.4f} Hz "
+        f"in the envelope of {low:.4g} to {high:.4g} Hz"
+    ]
+    for n in settings.mesh_harmonics:
+        around = lines.where(kind="sideband", mesh_harmonic=n)
+        parts.append(
+            f"{int(around.stands.sum())} of {len(around)} sidebands around {n * settings.mesh_frequency:.4g} Hz"
+        )
+    best = int(np.argmax(np.where(counted.stands == 1, counted.difference, -np.inf)))
+    where = "in the envelope" if counted.kind[best] == "envelope" else "in the spectrum"
+    return (
+        f"{', '.join(parts[:-1])} and {parts[-1]} stand; the largest rise is "
+        f"{counted.difference[best]:+.1f} dB at {counted.label[best]} {where}."
+    )
+
+
+def _reason(diagnosis: Diagnosis, lines: LineTable) -> str:
+    """Which of the two conditions failed, with its physical meaning, and the reason the settings give."""
+    settings = diagnosis.settings
+    hidden = int(((lines.difference < settings.difference_limit) & (lines.over_floor >= settings.floor_limit)).sum())
+    buried = int((lines.over_floor < settings.floor_limit).sum())
+    words = []
+    if hidden:
+        cause = (
+            "pitch deviations repeat with the same revolution"
+            if diagnosis.deviations != "off"
+            else ("the error-free train itself carries these orders")
+        )
+        words.append(f"{hidden} are as strong in the healthy control ({cause}, so they hide the fault)")
+    if buried:
+        words.append(
+            f"{buried} do not clear the local floor (sensor noise {diagnosis.noise:.3g} m/s² rms and vibration that "
+            "does not repeat with the shaft)"
+        )
+    text = "Of these lines " + " and ".join(words) + "."
+    return f"{text} {settings.reason}".strip()
+
+
+def _control(lines: LineTable) -> str:
+    counted = lines.without_mesh()
+    shown = int(counted.healthy_shows.sum())
+    if shown == 0:
+        return "The healthy control shows none of these lines over its floor."
+    best = int(np.argmax(np.where(counted.healthy_shows == 1, counted.healthy_over_floor, -np.inf)))
+    return (
+        f"The healthy control itself shows {shown} of the {len(counted)} lines over its floor, "
+        f"the clearest {counted.label[best]} with {counted.healthy_over_floor[best]:.1f} dB."
+    )
+
+
+def _rope(rope: float, lines: LineTable, f_r: float) -> str:
+    counted = lines.without_mesh()
+    near = list(dict.fromkeys(abs(int(k)) for k in counted.order[counted.near_rope == 1]))
+    text = f"The rope mode lies at {rope:.2f} Hz ({rope / f_r:.2f} f_r)"
+    if near:
+        return f"{text}: on the lines of order {', '.join(map(str, near))}, which it can raise without any fault."
+    return f"{text}: between these lines, on none of them."
+
+
+def _axis(axis: str) -> str:
+    return "resultant of its axes" if axis == "resultant" else f"axis {axis}"
+
+
+def _capital(words: str) -> str:
+    return words[:1].upper() + words[1:]

@@ -1,0 +1,123 @@
+"""Stage `casing`: the reduced body with damping and the recovery rows of the sensors that are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem.casing.geometry.dimensions import Sensor
+from fem.casing.geometry.housing import Housing
+from fem.elements.materials import Material
+from pipelines.border.errors import WorkError
+from pipelines.engine.step import Built
+
+if TYPE_CHECKING:
+    from fem.casing.meshing.mesh import CasingMesh
+    from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.checkup import CheckUp
+    from fem.casing.reduced.damping import DampingRatio
+    from fem.casing.reduced.extrapolation import LowestFrequencies
+    from fem.casing.reduced.modes import CasingModes
+
+
+@dataclass(frozen=True, kw_only=True)
+class GroundSpec:
+    """Rung `none`: bearing points (m) held by the ground."""
+
+    points: Mapping[str, tuple[float, float, float]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidSpec:
+    """Rung `rigid`: a housing with its sensors on mount springs (N/m)."""
+
+    housing: Housing
+    material: Material
+    mount_stiffness: float
+    damping_ratio: DampingRatio
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidMeshSpec:
+    """Rung `rigid` of a housing whose mass and key points come from its mesh."""
+
+    density: float
+    sensors: tuple[Sensor, ...]
+    mount_stiffness: float
+    damping_ratio: DampingRatio
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElasticSpec:
+    """Rungs `static` and `craig-bampton`: what is added to the modes, and how many of them are kept.
+
+    `mounts` in N/m, a row for all feet or one per foot, None on fixed ground; `limit` (Hz) of the kept modes, None for
+    the rung static.
+    """
+
+    sensors: tuple[Sensor, ...]
+    damping: DampingRatio
+    mounts: tuple[tuple[float, float, float], ...] | None
+    limit: float | None
+    frequency_error: float | None
+
+
+def build_ground(spec: GroundSpec) -> Built:
+    """A body without coordinates."""
+    from fem.casing.reduced.models import NoCasing
+
+    return _built(NoCasing().reduce(spec.points))
+
+
+def build_rigid(spec: RigidSpec) -> Built:
+    """Six coordinates."""
+    from fem.casing.reduced.models import RigidCasing
+
+    rung = RigidCasing(mount_stiffness=spec.mount_stiffness, damping_ratio=spec.damping_ratio)
+    return _built(rung.reduce(spec.housing, spec.material))
+
+
+def build_rigid_mesh(spec: RigidMeshSpec, mesh: CasingMesh) -> Built:
+    """Six coordinates."""
+    from fem.casing.reduced.rigid import rigid_from_mesh
+
+    return _built(
+        rigid_from_mesh(
+            mesh,
+            density=spec.density,
+            mount_stiffness=spec.mount_stiffness,
+            damping_ratio=spec.damping_ratio,
+            sensors=spec.sensors,
+        )
+    )
+
+
+def build_elastic(
+    spec: ElasticSpec, modes: tuple[CasingModes, CheckUp], coarser: LowestFrequencies | None = None
+) -> Built:
+    """Bearing coordinates and modes; the stiffness is extrapolated where there is a coarser mesh."""
+    from fem.casing.reduced.extrapolation import ExtrapolationError, stiffness_factor
+    from fem.casing.reduced.modes import reduced_body
+
+    try:
+        factor = 1.0 if coarser is None else stiffness_factor(modes[0], coarser)
+    except ExtrapolationError as error:
+        raise WorkError(str(error)) from error
+
+    return _built(
+        reduced_body(
+            modes[0],
+            sensors=spec.sensors,
+            damping=spec.damping,
+            mounts=spec.mounts,
+            limit=spec.limit,
+            frequency_error=spec.frequency_error,
+            stiffness_factor=factor,
+        )
+    )
+
+
+def _built(body: ReducedBody) -> Built:
+    recovered = sum(name.startswith("sensor_") for name in body.row_names)
+    return Built(body, {"casing_coordinates": len(body.coordinate_names), "recovery_rows": recovered})

@@ -1,0 +1,48 @@
+"""Stage `casing error`: the reduced casing against the full model. Built only when it is asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from fem.casing.geometry.dimensions import Sensor
+from pipelines.steps.casing_modes import CasingModesSpec
+
+if TYPE_CHECKING:
+    from fem.casing.meshing.mesh import CasingMesh
+    from fem.casing.reduced.accuracy import ErrorStatement
+    from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.checkup import CheckUp
+    from fem.casing.reduced.damping import DampingRatio
+    from fem.casing.reduced.modes import CasingModes
+
+
+@dataclass(frozen=True, kw_only=True)
+class CasingErrorSpec:
+    """How the casing was reduced, and what is compared: band (Hz), sensors, damping, mounts (N/m)."""
+
+    modes: CasingModesSpec
+    band: float
+    sensors: tuple[Sensor, ...]
+    damping: DampingRatio
+    mounts: tuple[tuple[float, float, float], ...] | None
+
+
+def build(
+    spec: CasingErrorSpec, mesh: CasingMesh, modes: tuple[CasingModes, CheckUp], body: ReducedBody
+) -> ErrorStatement:
+    """The error statement; both casings with the stiffness factor of the body."""
+    from fem.casing.reduced.accuracy import state_error
+    from fem.casing.reduced.grounded import ground_casing
+
+    given = spec.modes
+    iron = replace(given.material, elastic_modulus=body.stiffness_factor * given.material.elastic_modulus)
+    casing = ground_casing(mesh, iron, interfaces=given.interfaces, ground=given.ground, coupling=given.coupling)
+    return state_error(
+        casing,
+        body,
+        band=spec.band,
+        sensors=spec.sensors,
+        damping=spec.damping,
+        springs=modes[0].springs(spec.mounts),
+    )

@@ -1,0 +1,22 @@
+"""Stage `casing mesh`: tetrahedra of the housing. Sensors do not enter here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.meshing.sizes import Sizes
+from fem.casing.meshing.source import Geometry, mesh_geometry
+
+
+@dataclass(frozen=True, kw_only=True)
+class CasingMeshSpec:
+    """A housing without sensors, and the wanted edge lengths of the elements."""
+
+    housing: Geometry
+    sizes: Sizes
+
+
+def build(spec: CasingMeshSpec) -> CasingMesh:
+    """The mesh."""
+    return mesh_geometry(spec.housing, spec.sizes)

@@ -1,0 +1,242 @@
+"""Stage `report`: the one HTML file of a run, made of what the other stages returned."""
+
+from __future__ import annotations
+
+import json
+import math
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipelines.plant.flanks import fault_name, first_tooth_fault
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.faults import MissingToothTable
+from pipelines.signals.motion_warnings import gathered, told
+from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
+
+if TYPE_CHECKING:
+    import xarray
+
+    from fem.casing.meshing.mesh import CasingMesh
+    from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.checkup import CheckUp
+    from fem.casing.reduced.modes import CasingModes
+    from fem.contact.law import MeshLaw
+    from pipelines.figures.plots import StiffnessPlot
+    from pipelines.figures.render import LeftOut, Picture
+    from pipelines.plant.facts import Facts
+    from pipelines.plant.layout import Layout
+
+_PITCHES_SHOWN = 3.0  # to each side of a missing tooth
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportSpec:
+    """The scene with what the report says about the run, and how many results of each kind it takes, in this order:
+
+    laws, then casing, then casing mesh and modes (if `elastic`), then the motions of all cases.
+    """
+
+    scene: Scene
+    name: str
+    diagnosing: DiagnosingSpec | None
+    laws: int
+    elastic: bool
+    responses: tuple[str, ...]  # names of the runs shown, the scene's own first
+    stages: tuple[Mapping[str, Any], ...]  # rows of the cost table
+    ledger: Mapping[str, int]
+    provenance: Mapping[str, Any]
+    warnings: tuple[str, ...]
+    failure: str = ""  # why no diagnosis was possible
+
+
+def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
+    """The page as text, and the reasons of pictures that were left out."""
+    from pipelines.figures.render import LeftOut
+    from pipelines.plant.checks.doubts import doubts
+    from pipelines.plant.facts import derive
+    from pipelines.plant.layout import lay_out
+    from pipelines.report.contents import ReportContents
+    from pipelines.report.report import write_report
+    from pipelines.signals.labelled import labels
+    from pipelines.signals.response import make_response
+
+    scene = spec.scene
+    layout = lay_out(scene)
+    facts = derive(scene, layout)
+    laws, body, rest = taken[: spec.laws], taken[spec.laws], taken[spec.laws + 1 :]
+    mesh, modes = rest[:2] if spec.elastic else (None, None)
+    labelled = spec.diagnosing.labels if spec.diagnosing else (labels(scene),)
+    responses = list(map(make_response, rest[2:] if spec.elastic else rest, labelled))
+    possible = spec.diagnosing is not None and not spec.failure
+    found = diagnoses(spec.diagnosing.cases, responses) if spec.diagnosing and possible else []
+    shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing and possible else []
+    gears, casing = gear_picture(scene, layout, scene.diagnosis.stage), casing_picture(mesh, body)
+    curves = stiffness_plots(scene, layout, facts, laws)
+    looked_at = scene.diagnosis.stage - 1
+    contents = ReportContents(
+        title=scene.title,
+        summary=_summary(scene, facts),
+        diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
+        seeds=[d for d, full in zip(found, shown, strict=True) if not full],
+        gears=gear_rows(scene, layout, facts),
+        stiffness=[curves[looked_at], *(c for i, c in enumerate(curves) if i != looked_at)],
+        gear_picture=gears,
+        gear_names=gear_names(scene, scene.diagnosis.stage),
+        casing_picture=casing,
+        casing_rows=_casing_rows(body, modes),
+        runs=_runs(spec, responses),
+        windows=dict(scene.diagnosis.windows_s),
+        sensor=scene.diagnosis.sensor,
+        axis=scene.diagnosis.axis,
+        stages=spec.stages,
+        energy=energy_rows(responses[0]),
+        ledger=spec.ledger,
+        provenance=spec.provenance,
+        cautions=gathered(told(response.attrs) for response in responses),
+        warnings=(*doubts(scene, layout), *spec.warnings),
+        reasons={"Envelope table": f"Left out: {spec.failure}"} if spec.failure else {},
+        short=spec.diagnosing is None,
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        page = write_report(Path(folder) / "report.html", contents).read_text(encoding="utf-8")
+    left_out = [p.reason for p in (gears, casing) if isinstance(p, LeftOut)]
+    return {"page": page, "left_out": left_out}
+
+
+def _runs(spec: ReportSpec, responses: Sequence[xarray.Dataset]) -> dict[str, xarray.Dataset]:
+    return dict(zip(spec.responses, responses, strict=False))
+
+
+def _summary(scene: Scene, facts: Facts) -> dict[str, Any]:
+    return {
+        "motor speed": f"{facts.motor_speed * 30 / np.pi:.4g} rpm",
+        "total ratio": facts.total_ratio,
+        "torque at the input": f"{facts.input_torque:.4g} N m",
+        "torque at the drums": f"{facts.output_torque:.4g} N m",
+        "mesh stiffness": ", ".join(stage.mesh.model for stage in scene.stages),
+        "casing": scene.casing.model,
+        "shafts": scene.shaft_model.model,
+        "load": f"{scene.load.model}, {scene.load.container_kg:g} kg",
+        "rope mode at the start": f"{facts.rope_frequency:.3g} Hz" if facts.rope_frequency else "no rope",
+        "faults": ", ".join(f"{fault_name(f)}, stage {f.stage} {f.gear}" for f in scene.faults) or "none",
+        "deviations": f"grade {scene.deviations.iso_grade}, seed {scene.deviations.seed}"
+        if scene.deviations.enabled
+        else "none",
+        "integrator": scene.simulation.integrator,
+    }
+
+
+def gear_rows(scene: Scene, layout: Layout, facts: Facts) -> list[dict[str, Any]]:
+    """The gear table, two rows per stage."""
+    rows = []
+    for number, (table, pair, stage) in enumerate(zip(scene.stages, layout.pairs, facts.stages, strict=True), 1):
+        for name, gear in (("pinion", pair.pinion), ("wheel", pair.wheel)):
+            rows.append(
+                {
+                    "stage": number,
+                    "gear": name,
+                    "z": gear.teeth,
+                    "m_n mm": table.module_mm,
+                    "beta deg": table.helix_angle_deg,
+                    "b mm": table.face_width_mm,
+                    "x": gear.profile_shift,
+                    "d mm": gear.reference_radius * 2000,
+                    "d_a mm": gear.tip_radius * 2000,
+                    "bore mm": gear.bore_radius * 2000,
+                    "eps_alpha": stage.transverse_contact_ratio,
+                    "eps_beta": stage.overlap_ratio,
+                    "f_m Hz": stage.mesh_frequency,
+                    "f_r Hz": stage.pinion_frequency if name == "pinion" else stage.wheel_frequency,
+                    "F_bt N": stage.mesh_force,
+                    "N/mm": stage.line_load / 1000,
+                }
+            )
+    return rows
+
+
+def stiffness_plots(
+    scene: Scene, layout: Layout, facts: Facts, laws: Sequence[tuple[MeshLaw, MeshLaw]]
+) -> list[StiffnessPlot]:
+    """Secant stiffness of every stage at its load, without deviations; with faults around the passage of the first."""
+    from fem.contact.evaluation.curves import stiffness_curve
+    from pipelines.figures.plots import StiffnessPlot
+    from pipelines.plant.teeth import fault_terms
+
+    plots = []
+    for number, (law, pair, stage) in enumerate(zip(laws, layout.pairs, facts.stages, strict=True), 1):
+        faults = [fault for fault in scene.faults if fault.stage == number and fault.tooth is not None]
+        middle = float(faults[0].tooth or 0) if faults else 0.0
+        cycle = middle + np.linspace(-_PITCHES_SHOWN, _PITCHES_SHOWN, 241)
+        load = stage.mesh_force or 100.0 * pair.face_width * 1000  # without a load, at 100 N/mm
+        one = np.linspace(0.0, 1.0, 80, endpoint=False)
+        single = stiffness_curve(law[0], load, one)
+        healthy = np.interp(cycle % 1.0, np.append(one, 1.0), np.append(single.secant, single.secant[0]))
+        faulty, label = None, ""
+        if faults:
+            pinion, wheel = (fault_terms(scene, pair, number - 1, gear) for gear in ("pinion", "wheel"))
+            faulty = stiffness_curve(law[0], load, cycle, clearance_pinion=pinion, clearance_wheel=wheel).secant
+            label = ", ".join(dict.fromkeys(fault.kind.replace("-", " ") for fault in faults))
+        title = f"Stage {number}, {law[0].model}, {load:.4g} N, counted from the bores"
+        plots.append(StiffnessPlot(title=title, cycle=cycle, healthy=healthy, faulty=faulty, label=label))
+    return plots
+
+
+def gear_picture(scene: Scene, layout: Layout, stage: int) -> Picture | LeftOut:
+    """The pair of a stage, its first damaged tooth shown."""
+    from pipelines.figures.render import render_gears
+    from pipelines.figures.shapes import gear_view
+
+    fault = first_tooth_fault(scene, stage)
+    marked = None if fault is None else (fault.gear, fault.tooth or 0)
+    return render_gears(gear_view(layout.pairs[stage - 1], marked, missing=isinstance(fault, MissingToothTable)))
+
+
+def gear_names(scene: Scene, stage: int) -> dict[str, str]:
+    """Words for the places of that picture."""
+    table = scene.stages[stage - 1]
+    names = {"pinion": f"pinion, {table.pinion_teeth} teeth", "wheel": f"wheel, {table.wheel_teeth} teeth"}
+    fault = first_tooth_fault(scene, stage)
+    return names | ({"marked": fault_name(fault).replace("-", " ")} if fault else {})
+
+
+def casing_picture(mesh: CasingMesh | None, body: ReducedBody) -> Picture | LeftOut | None:
+    """The meshed casing with ground, bearing and sensor points; None without a mesh."""
+    if mesh is None:
+        return None
+    from pipelines.figures.render import render_casing
+    from pipelines.figures.shapes import casing_view
+
+    points = dict(zip(mesh.patch_names, mesh.patch_points, strict=True))
+    points |= dict(zip(body.point_names, body.point_positions, strict=True))
+    return render_casing(casing_view(mesh.nodes, mesh.facets, list(points), np.array(list(points.values()))))
+
+
+def _casing_rows(body: ReducedBody, modes: tuple[CasingModes, CheckUp] | None) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = [
+        {"what": "model", "value": body.model},
+        {"what": "coordinates", "value": len(body.coordinate_names)},
+    ]
+    if modes is not None:
+        kept, check = modes
+        extrapolated = [{"what": "stiffness, extrapolated", "value": f"times {body.stiffness_factor:.4f}"}]
+        first = check.frequencies[:6] * math.sqrt(body.stiffness_factor)
+        rows += [
+            {"what": "unknowns of the mesh", "value": kept.unknowns},
+            {"what": "solver", "value": kept.solver},
+            {"what": "mass kg", "value": check.mass},
+            {"what": "first grounded modes Hz", "value": ", ".join(f"{f:.1f}" for f in first)},
+            *(extrapolated if body.stiffness_factor != 1.0 else []),
+            {"what": "check-up", "value": f"all {len(check.limit_names)} items within their limits"},
+        ]
+    return rows
+
+
+def energy_rows(run: xarray.Dataset) -> list[dict[str, Any]]:
+    """The energy balance of a run, J, one row per part."""
+    books: dict[str, dict[str, float]] = json.loads(run.attrs.get("energy_balance_J", "{}"))
+    return [{"part": part, **{f"{name} J": value for name, value in row.items()}} for part, row in books.items()]

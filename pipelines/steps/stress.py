@@ -1,0 +1,100 @@
+"""Stages `compliance` and `stress`: the contact of a pair in space, and the stress of its teeth at one position.
+
+Both use the rung `solid`, whatever rung the law of the stage has. Missing teeth, modifications, wear and chips enter
+the contact; a crack does not, because the finite elements are those of sound teeth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.contact.law import MeshLaw
+from fem.contact.models.solid import Solid
+from fem.contact.models.solid_stress import LoadedTeeth, stress_field
+from fem.contact.teeth import checked_terms
+from fem.contact.wheels.compliance import ContactCompliance
+from fem.contact.wheels.contact import solve
+from fem.contact.wheels.damage import law_points, wear_gap
+from fem.gears.geometry import GearPair
+from fem.gears.modifications import lead_gap, profile_gap
+from pipelines.steps.modified_laws import FlanksSpec
+
+
+@dataclass(frozen=True, kw_only=True)
+class ComplianceSpec:
+    """A gear pair without its play, and the rung."""
+
+    pair: GearPair
+    rung: Solid
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StressSpec:
+    """One state of the teeth: position index / rung.positions, force (N), terms of the teeth (tooth,) or (tooth, 6)."""
+
+    flanks: FlanksSpec  # pair and modifications
+    rung: Solid
+    index: int
+    force: float
+    pinion_terms: np.ndarray
+    wheel_terms: np.ndarray
+
+
+def build_compliance(spec: ComplianceSpec) -> ContactCompliance:
+    """The compliances between all contact places."""
+    return spec.rung.compliance(spec.pair)
+
+
+def build(spec: StressSpec, record: ContactCompliance, laws: tuple[MeshLaw, MeshLaw]) -> LoadedTeeth:
+    """Contact at the force, then displacement and stress of the teeth of all pairs near the mesh.
+
+    Raises
+    ------
+    RungError : no tooth can carry the force
+    """
+    law, pair = laws[0], spec.flanks.pair
+    turns, place = divmod(spec.index, len(record.position))
+    numbers = record.pair + turns
+    xi = spec.index / len(record.position) - numbers[:, None] + record.cycle_shift
+    teeth = (numbers % law.pinion_teeth, (numbers + law.wheel_tooth_offset) % law.wheel_teeth)
+    terms = (
+        checked_terms("pinion", law.pinion_teeth, spec.pinion_terms)[teeth[0]],
+        checked_terms("wheel", law.wheel_teeth, spec.wheel_terms)[teeth[1]],
+    )
+    extra = np.where(np.isfinite(record.gap[place]), _gaps(spec.flanks, law, record, xi, terms), 0.0)
+    clearance = dict(zip(numbers.tolist(), extra, strict=True))
+    state = solve(record, np.array([spec.index]), force=spec.force, clearance=clearance)
+    pinion, wheel = stress_field(pair, spec.rung, record, state)
+    return LoadedTeeth(
+        cycle=spec.index / len(record.position),
+        hand=record.hand,
+        pinion=pinion,
+        wheel=wheel,
+        pair=numbers,
+        xi=xi,
+        face=record.face,
+        line_load=state.line_load[0],
+        missing=np.array([np.isinf(of_gear[:, 0]) for of_gear in terms]),
+    )
+
+
+def _gaps(
+    spec: FlanksSpec, law: MeshLaw, record: ContactCompliance, xi: np.ndarray, terms: tuple[np.ndarray, np.ndarray]
+) -> np.ndarray:
+    """What modifications and teeth add to the gaps (pair, slice), m."""
+    y = record.hand * record.face
+    grid = law.position_start + law.position_step * np.arange(law.compliance.size)
+    shape = profile_gap(spec.pair, spec.modifications, law_points(law, spec.pair))
+    for gear, wears in (("pinion", spec.pinion_wear), ("wheel", spec.wheel_wear)):
+        for wear in wears:
+            shape = shape + wear_gap(law, spec.pair, gear, wear)
+    total = np.interp(xi, grid, shape) + lead_gap(spec.pair, spec.modifications, "drive", y)
+    slices = np.abs(law.face_coordinate[:, None] - y).argmin(axis=0)
+    places = np.clip(np.rint((xi - grid[0]) / law.position_step).astype(int), 0, grid.size - 1)
+    for tables, of_gear in zip((law.pinion_variant_gap, law.wheel_variant_gap), terms, strict=True):
+        total = total + of_gear[:, :1]
+        for number in np.flatnonzero(of_gear[:, 5]):
+            total[number] += tables[int(of_gear[number, 5]) - 1, slices, places[number]]
+    return total

@@ -1,0 +1,124 @@
+"""A study: a faulty scene against its control, by load and by deviations, as one graph of stages.
+
+The scene and its control are always run. With the rope, the equivalent constant torque can be run beside it; further
+seeds of the deviations and error-free gears tell what belongs to the fault and what to one sample of deviations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from pipelines.engine.step import Graph, Stage
+from pipelines.engine.storage import digest
+from pipelines.plant.checks.cost import check_room
+from pipelines.scene.file import LoadedScene, control_of
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.motion import LoadBase, RopeTable, StaticTorqueTable
+from pipelines.steps.graph import scene_stages
+
+HEALTHY = "healthy "  # before the names of a control's own stages
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One comparison: `label` "" for the scene itself; both scenes, and names of the stages that hold their motions."""
+
+    label: str
+    scene: Scene
+    control: Scene | None
+    faulty: str
+    healthy: str | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """All stages, and the cases they serve; the first case is the scene itself."""
+
+    graph: Graph
+    cases: tuple[Case, ...]
+    control: LoadedScene | None
+
+    @property
+    def motions(self) -> tuple[str, ...]:
+        """Names of all stages that hold motions, the scene's own first."""
+        names = [name for case in self.cases for name in (case.faulty, case.healthy) if name]
+        return tuple(dict.fromkeys(names))
+
+
+def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bool = True, seeds: int = 0) -> Study:
+    """The stages and cases of a scene.
+
+    Parameters
+    ----------
+    with_control : run the control that the scene names
+    both_loads : with a rope and a control, run the equivalent constant torque as well
+    seeds : number of seeds of the deviations 1, 2, ... to compare, and error-free gears; 0 for the scene's own only
+
+    Raises
+    ------
+    SceneError, InputError : a scene or its control cannot be run, or its signals find no room
+    """
+    control = control_of(loaded) if with_control else None
+    source = loaded.source.shown
+    stages: list[Stage] = []
+    cases: list[Case] = []
+    for label, scene in _variants(loaded.scene, both_loads and control is not None, seeds if control else 0):
+        faulty = list(add_stages(stages, scene_stages(scene, source), label).values())[-1]
+        healthy = twin = None
+        if control is not None:
+            twin = _like(control.scene, scene)
+            healthy = list(add_stages(stages, scene_stages(twin, control.source.shown), f"{label}{HEALTHY}").values())[
+                -1
+            ]
+        cases.append(Case(label=label.strip(), scene=scene, control=twin, faulty=faulty, healthy=healthy))
+    study = Study(graph=Graph(stages), cases=tuple(cases), control=control)
+    check_room(loaded.scene, source, len(study.motions))
+    return study
+
+
+def _variants(scene: Scene, both_loads: bool, seeds: int) -> list[tuple[str, Scene]]:
+    loads = [("", scene)]
+    if both_loads and isinstance(scene.load, RopeTable):
+        loads.append(("torque ", scene.model_copy(update={"load": _as_torque(scene.load)})))
+    out = list(loads)
+    for name, loaded in loads:
+        for seed in range(seeds + 1 if seeds else 0):
+            if seed == scene.deviations.seed and scene.deviations.enabled:
+                continue  # the scene itself
+            if seed == 0 and not scene.deviations.enabled:
+                continue
+            enabled = {"enabled": seed > 0, "seed": seed if seed else scene.deviations.seed}
+            label = f"{name}seed {seed} " if seed else f"{name}error-free "
+            changed = scene.deviations.model_copy(update=enabled)
+            out.append((label, loaded.model_copy(update={"deviations": changed})))
+    return out
+
+
+def _as_torque(rope: RopeTable) -> StaticTorqueTable:
+    """The weight of the same container as a constant torque."""
+    shared = {name: getattr(rope, name) for name in LoadBase.model_fields}
+    return StaticTorqueTable(**shared)
+
+
+def _like(control: Scene, scene: Scene) -> Scene:
+    """The control with the load and deviations of a variant."""
+    if isinstance(scene.load, StaticTorqueTable) and isinstance(control.load, RopeTable):
+        control = control.model_copy(update={"load": _as_torque(control.load)})
+    return control.model_copy(update={"deviations": scene.deviations})
+
+
+def add_stages(stages: list[Stage], new: list[Stage], prefix: str) -> dict[str, str]:
+    """Append the stages that are not there yet, renamed; the name under which each of `new` now stands."""
+    known = {_identity(stage): stage.name for stage in stages}
+    renamed: dict[str, str] = {}
+    for stage in new:
+        moved = replace(stage, takes=tuple(renamed[name] for name in stage.takes))
+        same = known.get(_identity(moved))
+        renamed[stage.name] = same or f"{prefix}{stage.name}"
+        if same is None:
+            stages.append(replace(moved, name=renamed[stage.name]))
+    return renamed
+
+
+def _identity(stage: Stage) -> tuple:
+    return stage.kind, stage.build, digest(stage.spec), stage.takes

@@ -1,1 +1,0 @@
-"""The tables a scene is made of, by subject; `pipelines.scene` puts them together."""

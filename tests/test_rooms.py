@@ -1,0 +1,104 @@
+"""The house: rooms of at most 15 files, imports that go down the list of rooms, no circle of files."""
+
+import ast
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGES = ("fem", "mbd", "pipelines")
+MOST_FILES = 15
+ROOMS = (  # from the ground up: a room imports from itself and from what stands above it in this list
+    "fem.storage",
+    "fem.numerics",
+    "fem.elements",
+    "fem.gears",
+    "fem.contact",
+    "fem.contact.evaluation",
+    "fem.contact.wheels",
+    "fem.contact.models",
+    "fem.casing.geometry",
+    "fem.casing.meshing",
+    "fem.casing.reduced",
+    "mbd.parts",
+    "mbd.coordinates",
+    "mbd.forces",
+    "mbd.system",
+    "mbd.integrators",
+    "mbd.energy",
+    "mbd.output",
+    "mbd.accuracy",
+    "mbd",
+    "pipelines.border",
+    "pipelines.scene.tables",
+    "pipelines.scene",
+    "pipelines.signals",
+    "pipelines.plant",
+    "pipelines.plant.checks",
+    "pipelines.engine",
+    "pipelines.figures",
+    "pipelines.report",
+    "pipelines.steps",
+    "pipelines.runs",
+    "pipelines.trade",
+    "pipelines.commands",
+    "pipelines",
+)
+
+
+def module_name(path):
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+FILES = {module_name(path): path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))}
+
+
+def statements(tree):
+    """All imports of a file, those inside functions too; not those for types alone: a part names the assembly that it
+    is handed."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            continue
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            yield node
+        yield from statements(node)
+
+
+def imported(name):
+    """Modules of ours that a module imports."""
+    found = set()
+    for node in statements(ast.parse(FILES[name].read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        else:
+            full = {alias.name: f"{node.module}.{alias.name}" for alias in node.names}
+            found |= {one if one in FILES else node.module for one in full.values()}
+    return (found & FILES.keys()) - {name}
+
+
+def room(name):
+    if name in ROOMS and FILES[name].name != "__init__.py":
+        return name  # a file that is a room of its own
+    return name if FILES[name].name == "__init__.py" else name.rpartition(".")[0]
+
+
+@pytest.mark.parametrize("name", sorted({room(name) for name in FILES if FILES[name].name != "__init__.py"}))
+def test_a_room_is_known_and_holds_at_most_15_files(name):
+    assert name in ROOMS
+    inside = [other for other in FILES if room(other) == name and FILES[other].name != "__init__.py"]
+    assert len(inside) <= MOST_FILES, inside
+
+
+@pytest.mark.parametrize("name", [name for name in FILES if FILES[name].name != "__init__.py"])
+def test_imports_go_down_the_list_of_rooms(name):
+    above = [other for other in imported(name) if ROOMS.index(room(other)) > ROOMS.index(room(name))]
+    assert not above, f"{name} of {room(name)} imports {above}"
+
+
+def test_no_circle_of_imports():
+    try:
+        tuple(TopologicalSorter({name: imported(name) for name in FILES}).static_order())
+    except CycleError as circle:
+        pytest.fail(" -> ".join(circle.args[1]))
