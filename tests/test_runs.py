@@ -26,6 +26,7 @@ SIGNALS = {"response.nc", "control.nc", "run.json", "log.jsonl", "scene.asked.to
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("GEARCASE_CACHE", str(tmp_path / "cache"))  # a diagnosis that is stored could not fail
     monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-c", "pass"])
     (tmp_path / "mine.toml").write_text(SCENE, encoding="utf-8")
     return tmp_path
