@@ -12,8 +12,6 @@ from pipelines.plant.facts import StageFacts, stage_facts
 from pipelines.plant.layout import Layout
 from pipelines.scene.scene import Scene
 
-# ISO 6336-1:2019: the stiffness formula is meant for at least this line load; below, it is reduced
-LOW_LINE_LOAD = 100e3  # N/m
 HARMONICS = 5  # of the fastest mesh that a good record holds
 
 
@@ -50,11 +48,6 @@ def _gears(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[s
             yield (
                 f"{place}: {stage.pinion_teeth} and {stage.wheel_teeth} teeth share the divisor {divisor}; the same "
                 "teeth meet often and wear in a pattern"
-            )
-        if 0 < facts.line_load < LOW_LINE_LOAD and stage.mesh.model == "iso":
-            yield (
-                f"{place}: line load {facts.line_load / 1000:.1f} N/mm is below 100 N/mm; the iso rung applies the "
-                "low-load reduction of ISO 6336-1"
             )
         if facts.backlash < 0.02e-3 and scene.load.container_kg > 0:
             yield f"{place}: backlash {facts.backlash * 1e6:.1f} um is small; both flanks may touch under deviations"
