@@ -25,7 +25,7 @@ from pipelines.figures.colours import GONE
 from pipelines.figures.mesh_frames import mesh_frames, passage
 from pipelines.figures.mesh_pictures import MeshView, mesh_figure, show_mesh, write_mesh
 from pipelines.figures.plots import StiffnessPlot
-from pipelines.figures.render import Picture, render_gears, render_mesh, render_stress
+from pipelines.figures.render import render_gears, render_mesh, render_stress
 from pipelines.figures.shapes import gear_view
 from pipelines.figures.stress_pictures import (
     StressView,
@@ -34,6 +34,7 @@ from pipelines.figures.stress_pictures import (
     teeth_in_mesh,
     write_teeth,
 )
+from pipelines.figures.views import Picture
 from pipelines.steps import stress
 from pipelines.steps.modified_laws import FlanksSpec
 

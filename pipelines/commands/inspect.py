@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.figures.render import LeftOut
+from pipelines.figures.views import LeftOut
 
 if TYPE_CHECKING:
     from pipelines.engine.run_graph import Outcome
@@ -25,7 +25,7 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.engine.run_graph import run_graph
     from pipelines.figures.callouts import casing_figure, gear_figure
     from pipelines.figures.mesh_pictures import show_mesh, write_mesh
-    from pipelines.figures.render import Picture
+    from pipelines.figures.views import Picture
     from pipelines.plant.facts import derive
     from pipelines.plant.layout import lay_out
     from pipelines.scene.presets import load_asked

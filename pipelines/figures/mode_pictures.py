@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.figures.film import film_page, png, write_gif
-from pipelines.figures.render import LeftOut, Picture, render_mode
+from pipelines.figures.render import render_mode
+from pipelines.figures.views import LeftOut, Picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

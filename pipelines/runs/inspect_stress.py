@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.figures.render import LeftOut
+from pipelines.figures.views import LeftOut
 
 if TYPE_CHECKING:
     from fem.contact.models.solid import Solid
