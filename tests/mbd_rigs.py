@@ -32,12 +32,12 @@ def mesh_law(flank="drive", *, module=0.002, helix=0.2, width=0.012, teeth=(20, 
         reach = 0.8
         gap = np.maximum(abs(xi) - reach, 0.0) ** 2 * 4e-3
         fraction = np.ones_like(xi)
-        coupling = np.full((1, xi.size), 0.05 / stiffness)
+        between = np.full((1, xi.size), 0.05 / stiffness)
     else:
         compliance = np.full_like(xi, 1 / stiffness)
         gap = np.zeros_like(xi)
         fraction = np.clip((1.0 - abs(xi)) / 1.0, 0.0, 1.0)  # two hats add up to one pair
-        coupling = np.zeros((0, xi.size))
+        between = np.zeros((0, xi.size))
     return MeshLaw(
         model="test",
         flank=flank,
@@ -51,7 +51,7 @@ def mesh_law(flank="drive", *, module=0.002, helix=0.2, width=0.012, teeth=(20, 
         compliance=compliance,
         contact_slope=3e-12 if hertz and ripple else 0.0,
         contact_offset=np.full_like(xi, 20.0),
-        coupling=coupling,
+        neighbour_compliance=between,
         gap=gap,
         fraction=fraction,
         base_pitch=pitch,

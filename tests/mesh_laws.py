@@ -13,7 +13,7 @@ def made_up_law(*, hertz=4e-12, neighbours=2, slices=7, helix=1.0, n=201, **chan
     compliance = 6e-11 * (1 + 0.6 * xi**2)
     gap = 2e-4 * (np.clip(xi - 0.8, 0, None) ** 2 + np.clip(-0.8 - xi, 0, None) ** 2)
     gap[[0, 1, -2, -1]] = np.inf
-    coupling = np.array([0.2 * compliance * (1 - 0.2 * xi), 0.05 * compliance])[:neighbours]
+    between = np.array([0.2 * compliance * (1 - 0.2 * xi), 0.05 * compliance])[:neighbours]
     data = {
         "model": "made up",
         "flank": "drive",
@@ -27,7 +27,7 @@ def made_up_law(*, hertz=4e-12, neighbours=2, slices=7, helix=1.0, n=201, **chan
         "compliance": compliance,
         "contact_slope": hertz,
         "contact_offset": 25 + 0.5 * np.sin(2 * xi),
-        "coupling": coupling,
+        "neighbour_compliance": between,
         "gap": gap,
         "fraction": np.clip(np.minimum((xi + 1.45) / 0.3, (1.42 - xi) / 0.3), 0, 1),
         "base_pitch": 6e-3,

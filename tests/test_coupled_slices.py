@@ -74,7 +74,7 @@ def dense(law, cycle, delta, psi):
     matrix = law.body_compliance + law.skew_compliance * np.add.outer(y[s], y[s])
     matrix = matrix + law.tilt_compliance * np.multiply.outer(y[s], y[s])
     matrix += (p[:, None] == p) * np.multiply.outer(g, g) * influence(law)[np.ix_(s, s)]
-    ahead = np.where(p[:, None] < p, at(law.coupling[0])[:, None], at(law.coupling[0])[None, :])
+    ahead = np.where(p[:, None] < p, at(law.neighbour_compliance[0])[:, None], at(law.neighbour_compliance[0])[None, :])
     matrix += (s[:, None] == s) * (np.abs(p[:, None] - p) == 1) * ahead / w[s]
     phi, c, b, a = at(law.fraction), at(law.compliance), at(law.contact_offset), law.contact_slope
     x = delta + psi * y[s] - at(law.gap)
@@ -155,7 +155,7 @@ def test_every_derivative_is_that_of_one_potential(law):
         (r.moment, slope("energy", dp=1e-8)),
         (r.energy_slope, slope("energy", dc=1e-7)),
         (r.stiffness, slope("force", dd=1e-10)),
-        (r.coupling_stiffness, slope("moment", dd=1e-10)),
+        (r.cross_stiffness, slope("moment", dd=1e-10)),
         (r.tilt_stiffness, slope("moment", dp=1e-8)),
     ):
         assert (np.abs(exact - numeric) <= 1e-5 * np.abs(exact).max()).mean() >= 0.92
@@ -168,7 +168,7 @@ def test_energy_is_convex_and_load_runs_from_nothing_to_absurd(law):
     a, b = evaluate_law(law, c, delta, psi), evaluate_law(law, c, other, tilt)
     middle = evaluate_law(law, c, (delta + other) / 2, (psi + tilt) / 2)
     assert (middle.energy <= (a.energy + b.energy) / 2 * (1 + 1e-10)).all()
-    assert (a.stiffness * a.tilt_stiffness >= a.coupling_stiffness**2 * (1 - 1e-9)).all()
+    assert (a.stiffness * a.tilt_stiffness >= a.cross_stiffness**2 * (1 - 1e-9)).all()
     rising = evaluate_law(law, 0.2, np.logspace(-10, -2, 80), 1e-5)
     assert np.isfinite(rising.force).all()
     assert (np.diff(rising.force) > 0).all()
@@ -220,7 +220,7 @@ def test_condensation_finds_the_terms_it_is_made_of():
     assert found["body_compliance"] == pytest.approx(8e-10, rel=1e-6)
     assert found["skew_compliance"] == pytest.approx(1e-8, rel=1e-6)
     assert found["tilt_compliance"] == pytest.approx(4e-6, rel=1e-6)
-    assert np.abs(found["coupling"]).max() < 1e-15
+    assert np.abs(found["neighbour_compliance"]).max() < 1e-15
 
 
 def test_body_terms_that_are_not_positive_are_refused():

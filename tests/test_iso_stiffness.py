@@ -107,7 +107,7 @@ def test_tilt_stiffness_of_a_full_line():
     pair = gear_pair((20, 55), 2, 0, 12)
     r = evaluate_law(Iso(slices=20).law(pair), 0.0, 5e-6)
     assert r.tilt_stiffness == pytest.approx(r.stiffness * 0.012**2 / 12 * (1 - 1 / 400), rel=1e-9)
-    assert r.coupling_stiffness == pytest.approx(0.0, abs=1e-9 * float(r.stiffness))
+    assert r.cross_stiffness == pytest.approx(0.0, abs=1e-9 * float(r.stiffness))
 
 
 def test_missing_tooth_lowers_the_stiffness_by_its_line():

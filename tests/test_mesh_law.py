@@ -19,7 +19,7 @@ LAWS = {
     "hertz": made_up_law(neighbours=0),
     "hertz coupled": made_up_law(),
     "coast": made_up_law(flank="coast", cycle_sign=-1, cycle_offset=0.48, wheel_tooth_offset=1),
-    "pulling neighbours": made_up_law(coupling=-0.1 * made_up_law().coupling),
+    "pulling neighbours": made_up_law(neighbour_compliance=-0.1 * made_up_law().neighbour_compliance),
 }
 EVERY_LAW = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
 
@@ -52,7 +52,15 @@ def reference_force(law, cycle, delta, psi, h1, h2):
                 x = delta + psi * y - at(law.gap) - h
             if np.isfinite(x) and at(law.fraction) > 0:
                 pairs.append(p)
-                data.append([x, at(law.compliance), at(law.contact_offset), at(law.fraction), *map(at, law.coupling)])
+                data.append(
+                    [
+                        x,
+                        at(law.compliance),
+                        at(law.contact_offset),
+                        at(law.fraction),
+                        *map(at, law.neighbour_compliance),
+                    ]
+                )
         total += width * solve_by_enumeration(pairs, data, law.contact_slope)
     return total
 
@@ -112,8 +120,8 @@ def test_every_derivative_is_that_of_one_potential(law):
         (r.moment, slope("energy", dp=1e-8)),
         (r.energy_slope, slope("energy", dc=1e-7)),
         (r.stiffness, slope("force", dd=1e-10)),
-        (r.coupling_stiffness, slope("moment", dd=1e-10)),
-        (r.coupling_stiffness, slope("force", dp=1e-8)),
+        (r.cross_stiffness, slope("moment", dd=1e-10)),
+        (r.cross_stiffness, slope("force", dp=1e-8)),
         (r.tilt_stiffness, slope("moment", dp=1e-8)),
     ):
         close = np.abs(exact - numeric) <= 1e-5 * np.abs(exact).max()
@@ -131,7 +139,7 @@ def test_energy_is_convex_and_force_never_negative(law):
     assert (middle.energy <= (a.energy + b.energy) / 2 * (1 + 1e-12)).all()
     assert (a.force >= 0).all()
     assert (a.stiffness >= 0).all()
-    assert (a.stiffness * a.tilt_stiffness >= a.coupling_stiffness**2 * (1 - 1e-9)).all()
+    assert (a.stiffness * a.tilt_stiffness >= a.cross_stiffness**2 * (1 - 1e-9)).all()
 
 
 @EVERY_LAW

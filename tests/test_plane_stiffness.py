@@ -224,7 +224,7 @@ def test_helical_approach_against_a_contact_solution_in_space():
 def test_no_helix_gives_the_spur_law(spur):
     nearly = Plane(slices=1).law(pair_of(0.01), "drive")
     assert nearly.compliance == pytest.approx(spur.compliance, rel=1e-4)
-    assert nearly.coupling == pytest.approx(spur.coupling, rel=2e-4)
+    assert nearly.neighbour_compliance == pytest.approx(spur.neighbour_compliance, rel=2e-4)
     assert nearly.contact_slope == pytest.approx(spur.contact_slope, rel=1e-6)
 
 

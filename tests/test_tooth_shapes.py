@@ -84,7 +84,7 @@ def test_every_derivative_with_deviations_and_damage_is_that_of_one_potential():
         (r.moment, slope("energy", dp=1e-8)),
         (r.energy_slope, slope("energy", dc=1e-7)),
         (r.stiffness, slope("force", dd=1e-10)),
-        (r.coupling_stiffness, slope("force", dp=1e-8)),
+        (r.cross_stiffness, slope("force", dp=1e-8)),
         (r.tilt_stiffness, slope("moment", dp=1e-8)),
     ):
         assert (np.abs(exact - numeric) <= 1e-5 * np.abs(exact).max()).mean() >= 0.95
@@ -95,10 +95,12 @@ def test_exchange_of_pinion_and_wheel():
     fields = {
         name: np.flip(getattr(LAW, name), axis=-1) for name in ("compliance", "contact_offset", "gap", "fraction")
     }
-    behind = [np.interp(n - XI, XI, row) for n, row in enumerate(LAW.coupling, 1)]  # read at the pair that was behind
+    behind = [
+        np.interp(n - XI, XI, row) for n, row in enumerate(LAW.neighbour_compliance, 1)
+    ]  # read at the pair that was behind
     other = LAW.replaced(
         **fields,
-        coupling=np.array(behind),
+        neighbour_compliance=np.array(behind),
         cycle_shift=-LAW.cycle_shift,
         pinion_teeth=55,
         wheel_teeth=20,
@@ -141,7 +143,11 @@ def test_damage_of_both_gears_adds_up():
 
 def test_two_states_at_one_cycle_are_two_evaluations():
     pinion, wheel = deviations(20, 1), deviations(55, 2)
-    for law in (LAW, made_up_law(slices=33, helix=3.0), made_up_law(coupling=-0.1 * LAW.coupling)):
+    for law in (
+        LAW,
+        made_up_law(slices=33, helix=3.0),
+        made_up_law(neighbour_compliance=-0.1 * LAW.neighbour_compliance),
+    ):
         tables = law_tables(law)
         _, delta, psi = states(seed=4)
         for k, (c, d, p) in enumerate(zip(*states(), strict=True)):

@@ -11,7 +11,7 @@ C holds tooth and body compliance, A and B the Hertz line contact, c_n the compl
 (tabulated at the xi of the pair that is ahead, i.e. of the smaller p). F = sum fraction f width,
 M = sum fraction f width y. U is the strain energy, so F = dU/d delta, M = dU/d psi.
 
-Coupling of the slices along the face, none by default, takes from x
+Slices that are coupled along the face, none by default, take from x
 
     sqrt(D(xi)) v_p(y) + E_0 F + E_01 (M + F y) + E_1 M y
     v_p - a^2 v_p'' = sqrt(D) fraction f_p,   v_p' = 0 at both ends of the face
@@ -25,7 +25,7 @@ Shapes along the flank are gaps, positive where material is missing: gap(xi) hol
 gap of the tip edges, lead_gap(y) their lead; the sum of the two is exact for every modification but a twisted flank.
 h_p is what the two teeth of the pair bring of their own, see `fem.contact.teeth`. A damaged tooth is a variant: a table
 over (slice, position) of the compliance and the gap that it adds to its pair; the parts of pinion and wheel add up.
-Variant 0 is the sound tooth, variant v the table v - 1. A variant leaves the coupling to the neighbours as it is.
+Variant 0 is the sound tooth, variant v the table v - 1. A variant leaves the compliance between neighbours as it is.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class MeshLaw(Record):
     compliance: np.ndarray = array("position", units="m2/N")  # C
     contact_slope: float = scalar(units="m2/N")  # A
     contact_offset: np.ndarray = array("position", units="1")  # B
-    coupling: np.ndarray = array("neighbour", "position", units="m2/N")  # c_1, c_2, ...
+    neighbour_compliance: np.ndarray = array("neighbour", "position", units="m2/N")  # c_1, c_2, ...
     gap: np.ndarray = array("position", units="m", infinite=True)  # inf: no contact possible
     fraction: np.ndarray = array("position", units="1")  # part of the slice that can be in contact
     base_pitch: float = scalar(units="m")  # transverse base pitch p_bt

@@ -85,14 +85,14 @@ def test_every_force_and_moment_is_that_of_one_convex_potential(rung, name):
         assert (found.force >= 0).all()
         assert (found.stiffness >= 0).all()
     assert (middle.energy <= (here.energy + there.energy) / 2 * (1 + 1e-12)).all()
-    assert (here.stiffness * here.tilt_stiffness >= here.coupling_stiffness**2 * (1 - 1e-9)).all()
+    assert (here.stiffness * here.tilt_stiffness >= here.cross_stiffness**2 * (1 - 1e-9)).all()
     apart = 1e-4 * np.maximum(np.abs(delta), 1e-7)
     face = law.slice_width.sum()
     for exact, field, dd, dp in (
         (here.force, "energy", apart, 0.0),
         (here.moment, "energy", 0.0, apart / face),
-        (here.coupling_stiffness, "moment", apart, 0.0),
-        (here.coupling_stiffness, "force", 0.0, apart / face),
+        (here.cross_stiffness, "moment", apart, 0.0),
+        (here.cross_stiffness, "force", 0.0, apart / face),
     ):
         ahead, behind = (evaluate_law(law, c, delta + s * dd, psi + s * dp) for s in (1, -1))
         numeric = (getattr(ahead, field) - getattr(behind, field)) / (2 * (dd + dp))

@@ -46,11 +46,11 @@ from fem.contact.evaluation.packing import (
 )
 from fem.contact.evaluation.paired_slices import (
     COMPLIANCE,
-    COUPLING,
     DEPTH,
     FRACTION,
     LOAD,
     LOG,
+    NEIGHBOUR,
     NEVER,
     ON,
     PAIR,
@@ -199,7 +199,7 @@ def linearise(tables, block, rows):
         depth0, depth1 = rows[DEPTH, s] - rows[LOG, s], rows[SECOND + DEPTH, s] - rows[SECOND + LOG, s]
         c0, c1 = rows[COMPLIANCE, s], rows[SECOND + COMPLIANCE, s]
         d0, d1 = c0 + slope * max(depth0 - 1.0, 0.0), c1 + slope * max(depth1 - 1.0, 0.0)
-        both = rows[COUPLING, s] * on0 * on1
+        both = rows[NEIGHBOUR, s] * on0 * on1
         u, v = both * phi1, both * phi0
         r0 = on0 * (rows[FREE, s] - f0 * (c0 + slope * depth0) - u * f1)
         r1 = on1 * (rows[FREE + 1, s] - f1 * (c1 + slope * depth1) - v * f0)
@@ -245,8 +245,8 @@ def advance(tables, block, d, t, rows, bits):
         stays0, stays1 = on0 and new0 > 0.0, on1 and new1 > 0.0
         x0, x1 = rows[FREE, s] - move0, rows[FREE + 1, s] - move1
         rows[X, s], rows[SECOND + X, s] = x0, x1
-        left0 = x0 - rows[COUPLING, s] * phi1 * (new1 if stays1 else 0.0)
-        left1 = x1 - rows[COUPLING, s] * phi0 * (new0 if stays0 else 0.0)
+        left0 = x0 - rows[NEIGHBOUR, s] * phi1 * (new1 if stays1 else 0.0)
+        left1 = x1 - rows[NEIGHBOUR, s] * phi0 * (new0 if stays0 else 0.0)
         back0 = not on0 and left0 > 1e-15 * abs(rows[FREE, s]) and left0 > 1e-18
         back1 = not on1 and left1 > 1e-15 * abs(rows[FREE + 1, s]) and left1 > 1e-18
         fresh0 = left0 / (rows[COMPLIANCE, s] + 0.8 * slope * rows[DEPTH, s])
@@ -284,7 +284,7 @@ def finish(tables, block, rows):
         beyond += on1 if slope > 0.0 and depth1 < 1.0 else 0.0
         f0, f1 = rows[LOAD, s] * on0, rows[SECOND + LOAD, s] * on1
         rows[LOAD, s], rows[SECOND + LOAD, s] = f0, f1
-        both, phi0, phi1 = rows[COUPLING, s] * on0 * on1, rows[FRACTION, s], rows[SECOND + FRACTION, s]
+        both, phi0, phi1 = rows[NEIGHBOUR, s] * on0 * on1, rows[FRACTION, s], rows[SECOND + FRACTION, s]
         rows[paired_slices.UPPER, s], rows[paired_slices.LOWER, s], rows[paired_slices.RARE, s] = (
             both * phi1,
             both * phi0,

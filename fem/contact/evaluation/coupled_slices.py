@@ -1,4 +1,4 @@
-"""Coupled mesh laws slice by slice, compiled: any number of pairs in a slice, any sign of the coupling, any load.
+"""Coupled mesh laws slice by slice, compiled: any number of pairs in a slice, neighbours that pull too, any load.
 
 The equations stand in `fem.contact.evaluation.coupled_face`. The slices are solved exactly at fixed fields and body
 displacements, then those move by a Newton step with the stiffnesses of the slices, in turn: slow and safe.

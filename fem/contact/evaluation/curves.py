@@ -190,7 +190,7 @@ def _balanced(
             round_off = 1e-14 * r.stiffness * abs(state[0])
             if np.abs(slope).max() <= 1e-10 * load + round_off:
                 break
-            mixed, turning = r.coupling_stiffness / half, r.tilt_stiffness / half**2
+            mixed, turning = r.cross_stiffness / half, r.tilt_stiffness / half**2
             floor = 1e-9 * max(r.stiffness, 1.0)  # one loaded slice alone leaves the tilt free
             step = -np.linalg.solve([[r.stiffness + floor, mixed], [mixed, turning + floor]], slope)
             scale = 1.0

@@ -58,7 +58,7 @@ class MeshResponse(NamedTuple):
     moment: Any  # M, N m
     energy: Any  # U, J
     stiffness: Any  # dF/d delta, N/m
-    coupling_stiffness: Any  # dF/d psi = dM/d delta, N
+    cross_stiffness: Any  # dF/d psi = dM/d delta, N
     tilt_stiffness: Any  # dM/d psi, N m
     energy_slope: Any  # dU/dc, J
 
@@ -87,7 +87,7 @@ def law_tables(law: MeshLaw) -> np.ndarray:
         (softest < 0.0, f"smallest compliance of a tooth variant is {softest:.4g} m2/N; it must be >= 0"),
         (
             min(law.spread_compliance.min(), law.spread_length, law.body_compliance, law.tilt_compliance) < 0.0,
-            "a compliance or the length of the coupling along the face is negative",
+            "a compliance or the length that loads spread along the face is negative",
         ),
         (
             law.body_compliance * law.tilt_compliance < law.skew_compliance**2,

@@ -1,8 +1,8 @@
-"""One slice of a mesh law, compiled: any number of pairs, any sign of the coupling, any load.
+"""One slice of a mesh law, compiled: any number of pairs, any sign of what neighbours add, any load.
 
 The mathematics stands in `fem.contact.evaluation.evaluator`. Each pair of the slice is one column of `work`, its
-quantities are the rows of `fem.contact.evaluation.paired_slices`; the coupling compliances c_pq of the pairs p < q and
-their slopes stand in the square blocks from row COUPLINGS and SLOPES on. Newton on the loaded set; pairs leave at f <=
+quantities are the rows of `fem.contact.evaluation.paired_slices`; the compliances c_pq of the pairs p < q and
+their slopes stand in the square blocks from row NEIGHBOURS and SLOPES on. Newton on the loaded set; pairs leave at f <=
 0 and return at positive approach; coordinate descent, which always converges for a convex function, where that does not
 settle.
 """
@@ -55,8 +55,8 @@ from fem.contact.evaluation.single_pair import CLOSE, contact_approach, contact_
 from fem.numerics.compiled import FLOAT, INTEGER, MATRIX, PLAIN, VECTOR, apart, stored
 
 REST = ON
-COUPLINGS = SECOND
-SLOPES = COUPLINGS + MAX_PAIRS
+NEIGHBOURS = SECOND
+SLOPES = NEIGHBOURS + MAX_PAIRS
 SYSTEM = SLOPES + MAX_PAIRS
 TOTAL = SYSTEM + MAX_PAIRS
 
@@ -91,7 +91,7 @@ def solve_slice(tables, block, lane, own_cycle, delta, psi, near, n_near, relief
             rate -= phi * (f * work[GAP_SLOPE, p] + 0.5 * f * f * work[COMPLIANCE_SLOPE, p])
             rate -= phi * by_depth * work[DEPTH_SLOPE, p]
         for q in range(p + 1, n):
-            both, other, value = f * work[LOAD, q], work[FRACTION, q], work[COUPLINGS + p, q]
+            both, other, value = f * work[LOAD, q], work[FRACTION, q], work[NEIGHBOURS + p, q]
             energy -= value * phi * other * both
             rate -= value * (work[FRACTION_SLOPE, p] * other + phi * work[FRACTION_SLOPE, q]) * both
             rate -= work[SLOPES + p, q] * phi * other * both
@@ -119,14 +119,14 @@ def _gather(tables, block, lane, own_cycle, delta, psi, near, n_near, relief, wo
         if not x > lowest:
             continue
         cells[n], inside[n] = k, u
-        work[COUPLINGS + n, n] = 0.0
+        work[NEIGHBOURS + n, n] = 0.0
         for a in range(n):
             apart = int(near[m, NUMBER] - work[PAIR, a])
             value = steep = 0.0
             if apart <= reach:
                 k = cells[a] + NEXT + 2 * (apart - 1)
                 value, steep = tables[k] + inside[a] * tables[k + 1], tables[k + 1] * per_step
-            work[COUPLINGS + a, n] = work[COUPLINGS + n, a] = value
+            work[NEIGHBOURS + a, n] = work[NEIGHBOURS + n, a] = value
             work[SLOPES + a, n] = steep
         n += 1
         if n == MAX_PAIRS:
@@ -151,7 +151,7 @@ def _relieved(n, p, work):
     """Approach left to pair p itself: x_p - sum_q c_pq phi_q f_q."""
     x = work[X, p]
     for q in range(n):
-        x -= work[COUPLINGS + p, q] * work[FRACTION, q] * work[LOAD, q]
+        x -= work[NEIGHBOURS + p, q] * work[FRACTION, q] * work[LOAD, q]
     return x
 
 
@@ -166,7 +166,7 @@ def _solve_system(n, work):
         for q in range(n):
             if q != p:
                 both = loaded and work[LOAD, q] > 0.0
-                work[SYSTEM + p, q] = work[COUPLINGS + p, q] * work[FRACTION, q] if both else 0.0
+                work[SYSTEM + p, q] = work[NEIGHBOURS + p, q] * work[FRACTION, q] if both else 0.0
         if not loaded:
             work[SYSTEM + p, p] = 1.0
             work[REST, p] = 0.0

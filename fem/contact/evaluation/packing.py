@@ -57,7 +57,7 @@ def pack(law: MeshLaw) -> np.ndarray:
         )
     ]
     header = np.zeros(SLICE_ROWS)
-    header[[SLICES, POSITIONS, BLOCKS, REACH]] = n, law.compliance.size, blocks, law.coupling.shape[0]
+    header[[SLICES, POSITIONS, BLOCKS, REACH]] = n, law.compliance.size, blocks, law.neighbour_compliance.shape[0]
     header[[SIGN, OFFSET, START, PER_STEP]] = (
         law.cycle_sign,
         law.cycle_offset,
@@ -65,7 +65,7 @@ def pack(law: MeshLaw) -> np.ndarray:
         1.0 / law.position_step,
     )
     header[SLOPE], header[WHEEL_OFFSET] = law.contact_slope, law.wheel_tooth_offset
-    header[PULLS] = float(law.coupling.size > 0 and law.coupling.min() < 0.0)
+    header[PULLS] = float(law.neighbour_compliance.size > 0 and law.neighbour_compliance.min() < 0.0)
     header[FIRST_SHIFT], header[LAST_SHIFT] = law.cycle_shift.min(), law.cycle_shift.max()
     spread = law.spread_length > 0.0 and law.spread_compliance.max() > 0.0
     header[COUPLED] = float(spread or law.body_compliance > 0.0 or law.tilt_compliance > 0.0)
@@ -97,7 +97,14 @@ def _cells(law: MeshLaw) -> np.ndarray:
     closed = ~(np.isfinite(law.gap[:-1]) & np.isfinite(law.gap[1:]))
     gap = np.where(np.isfinite(law.gap), law.gap, 0.0)
     columns = []
-    for table in (law.compliance, law.contact_offset, gap, law.fraction, *law.coupling, np.sqrt(law.spread_compliance)):
+    for table in (
+        law.compliance,
+        law.contact_offset,
+        gap,
+        law.fraction,
+        *law.neighbour_compliance,
+        np.sqrt(law.spread_compliance),
+    ):
         columns += [table[:-1].copy(), np.diff(table)]
     for column in (PHI, PHI + 1):
         columns[column][closed] = 0.0

@@ -4,7 +4,7 @@ The mathematics stands in `fem.contact.evaluation.evaluator`. Every quantity of 
 slice is one row of LANES numbers in `work`, so that the compiler turns the loops over the lanes into vector
 instructions. A pair that does not carry has ON = 0 and f = 0 there and its equation is f = 0, so all lanes run the same
 instructions. A slice that is not of the usual kind gets RARE = 1 and is left to
-`fem.contact.evaluation.general_slices`: three or more pairs that approach, neighbours that pull (negative coupling), a
+`fem.contact.evaluation.general_slices`: three or more pairs that approach, neighbours that pull, a
 pair switched off by the first guess though it carries, a line load beyond the range of the Hertz term, sweeps that do
 not settle.
 """
@@ -48,7 +48,7 @@ from fem.numerics.compiled import PLAIN
 X, GAP_SLOPE, FRACTION, FRACTION_SLOPE, COMPLIANCE, COMPLIANCE_SLOPE, DEPTH, DEPTH_SLOPE = range(8)
 LOAD, LOG, ON, PAIR, SCRATCH, EXPONENT = range(8, 14)
 SECOND = 14
-COUPLING, COUPLING_SLOPE, UPPER, LOWER, STEP, RARE = range(28, 34)
+NEIGHBOUR, NEIGHBOUR_SLOPE, UPPER, LOWER, STEP, RARE = range(28, 34)
 TOTAL = 34
 NEVER = -1e300  # approach of a pair that cannot touch
 CLOSE = 2e-6  # a Newton step this small (relative) leaves an error of about its square / 50
@@ -88,7 +88,7 @@ def gather(tables, block, own_cycle, states, near, n_near, work):
         part, width = tables[base + PART * LANES + s], tables[base + WIDTH * LANES + s]
         approach = largest_approach(states, tables[base + Y * LANES + s]) - tables[base + LEAD * LANES + s]
         found, rare, ahead, ahead_inside, ahead_number = 0, 0.0, 0, 0.0, 0.0
-        work[COUPLING, s] = work[COUPLING_SLOPE, s] = 0.0
+        work[NEIGHBOUR, s] = work[NEIGHBOUR_SLOPE, s] = 0.0
         for m in range(n_near if width > 0.0 else 0):
             x, k, u = approach_of(tables, here, approach, part, near, m)
             if not x > (NEVER if pulls else 0.0):
@@ -109,8 +109,8 @@ def gather(tables, block, own_cycle, states, near, n_near, work):
                 apart = int(near[m, NUMBER] - ahead_number)
                 if apart <= reach:
                     k = ahead + NEXT + 2 * (apart - 1)
-                    work[COUPLING, s] = tables[k] + ahead_inside * tables[k + 1]
-                    work[COUPLING_SLOPE, s] = tables[k + 1] * tables[PER_STEP]
+                    work[NEIGHBOUR, s] = tables[k] + ahead_inside * tables[k + 1]
+                    work[NEIGHBOUR_SLOPE, s] = tables[k + 1] * tables[PER_STEP]
             found += 1
         work[RARE, s] = rare
         touched = touched or found > 0 or rare > 0.0
@@ -235,8 +235,8 @@ def guess(slope, work, bits):
         d1 = c1 + slope * max(1.0, work[SECOND + DEPTH, s] - rough1)
         d0, d1 = d0 + 2.0 * slope * (d0 - c0) / (d0 + c0), d1 + 2.0 * slope * (d1 - c1) / (d1 + c1)
         x0, x1 = max(work[X, s], 0.0), max(work[SECOND + X, s], 0.0)
-        u = work[COUPLING, s] * work[SECOND + FRACTION, s]
-        v = work[COUPLING, s] * work[FRACTION, s]
+        u = work[NEIGHBOUR, s] * work[SECOND + FRACTION, s]
+        v = work[NEIGHBOUR, s] * work[FRACTION, s]
         scale = 1.0 / (d0 * d1 - u * v)
         f0, f1 = (d1 * x0 - u * x1) * scale, (d0 * x1 - v * x0) * scale
         on0, on1 = f0 > 0.0, f1 > 0.0
@@ -286,8 +286,8 @@ def switch_off(slope, work):
         on0, on1 = work[ON, s], work[SECOND + ON, s]
         f0, f1 = work[LOAD, s] * on0, work[SECOND + LOAD, s] * on1
         x0, x1 = work[X, s], work[SECOND + X, s]
-        idle0 = x0 - work[COUPLING, s] * work[SECOND + FRACTION, s] * f1
-        idle1 = x1 - work[COUPLING, s] * work[FRACTION, s] * f0
+        idle0 = x0 - work[NEIGHBOUR, s] * work[SECOND + FRACTION, s] * f1
+        idle1 = x1 - work[NEIGHBOUR, s] * work[FRACTION, s] * f0
         bad = 0.0
         bad = 1.0 if on0 == 0.0 and idle0 > 1e-15 * abs(x0) else bad
         bad = 1.0 if on1 == 0.0 and idle1 > 1e-15 * abs(x1) else bad
@@ -328,11 +328,11 @@ def block_sums(tables, block, work):
         own0 = max(work[X, s], 0.0) * f0 - half0 * (c0 + slope * (depth0 + 0.5))
         own1 = max(work[SECOND + X, s], 0.0) * f1 - half1 * (c1 + slope * (depth1 + 0.5))
         both = f0 * f1
-        energy += w * (phi0 * own0 + phi1 * own1 - work[COUPLING, s] * phi0 * phi1 * both)
+        energy += w * (phi0 * own0 + phi1 * own1 - work[NEIGHBOUR, s] * phi0 * phi1 * both)
         along0 = f0 * work[GAP_SLOPE, s] + half0 * (work[COMPLIANCE_SLOPE, s] + slope * work[DEPTH_SLOPE, s])
         along1 = f1 * work[SECOND + GAP_SLOPE, s]
         along1 += half1 * (work[SECOND + COMPLIANCE_SLOPE, s] + slope * work[SECOND + DEPTH_SLOPE, s])
         slope0, slope1 = work[FRACTION_SLOPE, s], work[SECOND + FRACTION_SLOPE, s]
-        steep = work[COUPLING_SLOPE, s] * phi0 * phi1 + work[COUPLING, s] * (slope0 * phi1 + slope1 * phi0)
+        steep = work[NEIGHBOUR_SLOPE, s] * phi0 * phi1 + work[NEIGHBOUR, s] * (slope0 * phi1 + slope1 * phi0)
         rate += w * (slope0 * own0 + slope1 * own1 - phi0 * along0 - phi1 * along1 - steep * both)
     return force, moment, energy, k, mixed, tilt, rate

@@ -203,7 +203,7 @@ class Energy(MeshModel):
                 compliance=compliance,
                 contact_slope=0.0,
                 contact_offset=np.zeros(grid.size),
-                coupling=np.zeros((0, grid.size)),
+                neighbour_compliance=np.zeros((0, grid.size)),
                 gap=path.gap,
                 fraction=window_fraction(path.gap),
             )

@@ -155,7 +155,7 @@ class Iso(MeshModel):
             compliance=np.full(xi.size, pair.transverse_contact_ratio / self.stiffness(pair).mean),
             contact_slope=0.0,
             contact_offset=np.zeros(xi.size),
-            coupling=np.zeros((0, xi.size)),
+            neighbour_compliance=np.zeros((0, xi.size)),
             gap=gap,
             fraction=fraction,
         )

@@ -51,7 +51,7 @@ class Plane(PlaneSection, MeshModel):
                 compliance=tables.compliance,
                 contact_slope=tables.contact_slope,
                 contact_offset=tables.contact_offset,
-                coupling=tables.coupling,
+                neighbour_compliance=tables.neighbour_compliance,
                 gap=path.gap,
                 fraction=window_fraction(path.gap),
             )

@@ -1,7 +1,7 @@
 """A dense contact compliance in space condensed to a MeshLaw: few smooth terms along the face instead of all to all.
 
 The record holds x_i = sum_j C_ij F_j + A f_i (B_i - ln f_i) for all tooth pairs and slices i = (p, s) at every mesh
-position. A law with coupling along the face (`fem.contact.law`) says
+position. A law whose slices are coupled along the face (`fem.contact.law`) says
 
     C_ij ~ delta_ij C(xi_i) / w_i + delta_pq g(xi_i) g(xi_j) N_ij + delta_ss' c_|p-q|(xi) / w_i
            + E_0 + E_01 (y_i + y_j) + E_1 y_i y_j
@@ -104,7 +104,7 @@ def fit_terms(record: ContactCompliance, xi: np.ndarray) -> dict[str, Any]:
         table, spread = table + short, np.maximum(spread - short, 0.0)
     return {
         "compliance": table,
-        "coupling": shared[None, :],
+        "neighbour_compliance": shared[None, :],
         "spread_compliance": spread,
         "spread_length": length,
         "body_compliance": float(body[0, 0]),
@@ -113,7 +113,7 @@ def fit_terms(record: ContactCompliance, xi: np.ndarray) -> dict[str, Any]:
     }
 
 
-def chain_floor(xi: np.ndarray, coupling: np.ndarray) -> np.ndarray:
+def chain_floor(xi: np.ndarray, with_neighbour: np.ndarray) -> np.ndarray:
     """C(xi) at which the pairs that a slice can hold, each coupled to the next, are safely positive definite.
 
     Eigenvalues of a chain of n equal pairs: C - 2 c_1 cos(k pi / (n + 1)), k = 1 ... n. c_1 stands at the xi of the
@@ -122,7 +122,7 @@ def chain_floor(xi: np.ndarray, coupling: np.ndarray) -> np.ndarray:
     step = xi[1] - xi[0]
     pitch = round(1.0 / step)
     alone = np.arange(xi.size) < pitch
-    with_next = np.where(alone, 0.0, coupling)
+    with_next = np.where(alone, 0.0, with_neighbour)
     with_last = np.append(with_next[pitch:], np.zeros(min(pitch, xi.size)))
     pairs = np.floor(xi - xi[0] + step) + np.floor(xi[-1] - xi + step) + 1
     return MARGIN * 2.0 * np.cos(np.pi / (pairs + 1)) * np.maximum(with_next, with_last)

@@ -50,7 +50,7 @@ class PairCompliance:
     """Tables of one slice over the local position, see `MeshLaw` (per unit face width)."""
 
     compliance: np.ndarray  # (position,), m2/N
-    coupling: np.ndarray  # (neighbour, position), m2/N
+    neighbour_compliance: np.ndarray  # (neighbour, position), m2/N
     contact_slope: float  # m2/N
     contact_offset: np.ndarray  # (position,)
 
@@ -111,16 +111,16 @@ class PlaneSection:
         reach = max(1, math.ceil((len(path.xi) - 1) / self.positions) - 1)
         rings = self.rings(pair, reach)
         weights, own = self.own_compliance(pair, path, rings)
-        coupling = np.zeros((reach, len(path.xi)))
+        between = np.zeros((reach, len(path.xi)))
         here = np.arange(len(path.xi))
         for n in range(1, reach + 1):
             behind = np.clip(here - n * self.positions, 0, None)
             # the loaded flank leads on the pinion and trails on the wheel, so tooth p + n, which follows, is tooth -n
             # of the pinion and tooth +n of the wheel counted towards the loaded flank
             for weight, ring, tooth in zip(weights, rings, (-n, n), strict=True):
-                coupling[n - 1] += np.einsum("pi,ij,pj->p", weight[behind], ring.matrix[tooth], weight)
+                between[n - 1] += np.einsum("pi,ij,pj->p", weight[behind], ring.matrix[tooth], weight)
         slope, offset = self.contact_terms(pair, path)
-        return PairCompliance(compliance=own, coupling=coupling, contact_slope=slope, contact_offset=offset)
+        return PairCompliance(compliance=own, neighbour_compliance=between, contact_slope=slope, contact_offset=offset)
 
     def contact_terms(self, pair: GearPair, path: PathPoints) -> tuple[float, np.ndarray]:
         """A (m2/N) and B (position,) of the Hertz term."""
