@@ -22,12 +22,14 @@ NO_TESTS_COLLECTED = 5
 def source_hash() -> str:
     """SHA-256 over all Python, TOML and Markdown files of the project."""
     total = hashlib.sha256()
-    for folder in ("fem", "mbd", "pipelines", "meshes", "tests", "docs", "."):
-        pattern = "*" if folder == "." else "**/*"
-        for path in sorted((ROOT / folder).glob(pattern)):
-            if path.is_file() and path.suffix in (".py", ".toml", ".md"):
-                total.update(path.relative_to(ROOT).as_posix().encode())
-                total.update(path.read_bytes())
+    folders = [
+        path for path in ROOT.iterdir() if path.is_dir() and not path.name.startswith(".") and path.name != "runs"
+    ]
+    files = [*ROOT.glob("*"), *(path for folder in folders for path in folder.rglob("*"))]
+    for path in sorted(files):
+        if path.is_file() and path.suffix in (".py", ".toml", ".md"):
+            total.update(path.relative_to(ROOT).as_posix().encode())
+            total.update(path.read_bytes())
     return total.hexdigest()[:16]
 
 
