@@ -107,6 +107,8 @@ REFUSED = [
     ("minimal", {"gear_material.elastic_modulus_GPa": 0.01}, "stages.1", "modules"),
     ("minimal", {"shafts.2.sections": section(6.0)}, "shafts.2.sections.1.diameter_mm", "shaft 2 is too thin"),
     ("minimal", {"shafts.1.sections": section(4.0)}, "shafts.1.sections.1.diameter_mm", "shaft 1 is too thin"),
+    ("minimal", {"drive.speeds_rpm": [0.0, 1e9, -1e9]}, "drive.speeds_rpm", "would run at 2.351e+06 m/s"),
+    ("minimal", {"drive.speeds_rpm": [0.0, -1e308, 1e308]}, "drive.speeds_rpm", "steel bursts at 569 m/s"),
     # casing
     (
         "minimal",

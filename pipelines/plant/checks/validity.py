@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from pipelines.border.errors import Problem, SceneError
+from pipelines.plant.checks.bursting import bursting
 from pipelines.plant.checks.collisions import find_collisions
 from pipelines.plant.checks.cost import too_long
 from pipelines.plant.checks.flank_checks import bad_flanks
@@ -32,6 +33,7 @@ def checked_layout(scene: Scene, source: str) -> Layout:
         *find_collisions(scene, layout),
         *bad_flanks(scene, layout),
         *overloaded(scene, layout),
+        *bursting(scene, layout),
         *bad_laws(scene, layout),
         *bad_machine(scene, layout),
         *too_long(scene),

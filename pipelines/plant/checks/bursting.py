@@ -1,0 +1,38 @@
+"""Speeds at which gear bodies burst: the motion may be computed, but no machine makes it.
+
+The largest stress of a solid disc that turns with the rim speed v is (3 + nu)/8 rho v^2, tangential and at its centre;
+a bore doubles it, which is left out here (Timoshenko & Goodier, Theory of Elasticity, section 32).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from fem.elements.materials import STEEL
+from pipelines.border.errors import Problem
+from pipelines.plant.facts import motor_speed
+from pipelines.plant.layout import Layout
+from pipelines.scene.scene import Scene
+
+STRENGTH = 1050e6  # Pa: 30CrNiMo8, ISO 683-2:2016
+RIM_SPEED = math.sqrt(8 * STRENGTH / ((3 + STEEL.poisson_ratio) * STEEL.density))
+
+
+def bursting(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """The first stage with a gear whose tips run faster than a solid disc of the strongest steel bears."""
+    speed = motor_speed(scene)
+    for number, (pair, shafts) in enumerate(zip(layout.pairs, layout.pair_shafts, strict=True), 1):
+        for name, gear, shaft in zip(("pinion", "wheel"), (pair.pinion, pair.wheel), shafts, strict=True):
+            ratio = abs(layout.shaft_ratios[shaft])
+            tips = speed * ratio * gear.tip_radius
+            if not tips <= RIM_SPEED:
+                limit = RIM_SPEED / gear.tip_radius / ratio * 30 / math.pi
+                yield Problem(
+                    "drive.speeds_rpm",
+                    f"the tips of the stage {number} {name} would run at {tips:.4g} m/s; a disc of the strongest steel "
+                    f"bursts at {RIM_SPEED:.0f} m/s",
+                    f"Give at most {limit:.4g} rpm.",
+                    f"{max(map(abs, scene.drive.speeds_rpm)):.4g}",
+                )
+                return
