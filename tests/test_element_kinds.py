@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
-from mbd.forces.element import BY_ANGLE, ENERGY, WIDTH, Element, Signal, rule
+from mbd.elements.element import BY_ANGLE, ENERGY, WIDTH, Element, Signal, rule
+from mbd.elements.newton import forces_at
+from mbd.elements.table import instant, slope_matrix
 from mbd.forces.ground import Ground
-from mbd.forces.newton import forces_at
 from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rolling_bearing import hertz_bearing
-from mbd.forces.table import instant, slope_matrix
 from mbd.forces.torque import Torque
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import OutsideForce

@@ -10,8 +10,8 @@ from mbd_rigs import no_casing, rigid_casing, train
 from mbd.parts.bearings import BEARING_AXES, BearingSpec, rigid_bearing, springs
 from mbd.parts.checks import MachineError
 from mbd.parts.couplings import ShaftCoupling
-from mbd.parts.mesh_reference import nominal_forces
 from mbd.parts.train import Link, power_flow, shaft_ratios
+from mbd.reference.mesh_reference import nominal_forces
 from mbd.simulate import Settings, simulate
 from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium

@@ -8,22 +8,13 @@ around it agree; otherwise it locks.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
+from mbd.elements.component import Link
 from mbd.parts.checks import MachineError
 
 RATIO_TOLERANCE = 1e-9  # relative: teeth are whole numbers, so that ratios agree to round-off or not at all
-
-
-class Link(NamedTuple):
-    """What turns ``second`` at ``ratio`` times the speed of ``first``."""
-
-    name: str
-    first: str
-    second: str
-    ratio: float
 
 
 def shaft_ratios(shafts: Sequence[str], links: Sequence[Link], start: str) -> dict[str, float]:
