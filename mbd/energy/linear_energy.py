@@ -2,8 +2,8 @@
 
 Parts with mass touch only through ports: rows B with the forces f = K B q + C B q' of massless parts and
 f = k0 B q + c0 B q' - lambda of nonlinear elements. The integrals of f v^T and v v^T give the work of every port on
-every part and the dissipation v^T C v of every part. They are exact for an integrator with a `Flow` (`mbd.energy.exact_integrals`),
-sums over the instants for the others (`mbd.energy.sampled_integrals`).
+every part and the dissipation v^T C v of every part. They are exact for an integrator with a `Flow`
+(`mbd.energy.exact_integrals`), sums over the instants for the others (`mbd.energy.sampled_integrals`).
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ STANDARD_GRAVITY = 9.80665
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Machine:
-    """Shafts in bearings, coupled by meshes, driven by motors, loaded at the drums.
+    """Shafts in bearings, geared by meshes, driven by motors, loaded at the drums.
 
     ``gravity`` (m/s2, along -z) acts on shafts, disks and container; the casing's own weight only shifts its rest
     position and is left out. ``gyroscopic`` adds the gyroscopic moments of shafts and disks.

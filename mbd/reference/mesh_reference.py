@@ -96,7 +96,7 @@ def sliding_shares(law: MeshLaw, force: float) -> np.ndarray:
     """(2, SHARE_POSITIONS): sums of share x sign(xi) and of share x |xi| (m) over all pairs and slices, xi the distance
     from the pitch point along the path, over one mesh cycle at ``force`` (N), without deviations or tilt.
 
-    Each slice is read for itself at the approach of the whole face, which neglects coupling along the face.
+    Each slice is read for itself at the approach of the whole face, as if slices did not load one another.
     """
     pinion, wheel = checked_teeth(law, None, None)
     lone = [_one_slice(law, s) for s in range(len(law.slice_width))]
