@@ -32,7 +32,7 @@ def swinging():
 
 
 def coupled():
-    """The first shaft in two halves, the motors at the outer one; bearings with cross terms and dampers of their own."""
+    """The first shaft in two, motors at the outer one; its bearings have cross terms and dampers of their own."""
     machine = hoisting()
     outer = dataclasses.replace(machine.shafts[0], name="shaft_0", disks=())
     dampers = np.diag([2e3, 1e3, 3e3, 0.0, 0.0])
@@ -147,7 +147,7 @@ def test_rolling_costs_no_elastic_energy_but_against_standing_motors(system):
 
 @pytest.mark.parametrize("axis", range(6))
 def test_a_rigid_motion_of_everything_strains_only_what_stands_on_the_ground(axis):
-    """Shafts, casing and what joins them move as one body: only the mounts of the casing and the motors are strained."""
+    """Shafts, casing and what joins them move as one body: only the casing's mounts and the motors are strained."""
     machine = MACHINES["coupling"]()
     system = assemble(machine, rigid_casing(machine), ())
     lay, turn = system.layout, np.zeros((3, 3))

@@ -114,7 +114,7 @@ def _stack(rows: list, length: int) -> np.ndarray:
 
 def _offered(lay: Layout, elements: Sequence[Element]) -> dict[str, Reading]:
     offered = {name: reading for component in lay.components for name, reading in component.readings(lay).items()}
-    return _signals(lay, elements) | offered
+    return offered | _signals(lay, elements)
 
 
 def _signals(lay: Layout, elements: Sequence[Element]) -> dict[str, Reading]:

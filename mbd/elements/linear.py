@@ -63,17 +63,17 @@ class Part:
     @cached_property
     def mass(self) -> np.ndarray:
         """M (k, k)."""
-        return self._on_coordinates("mass")
+        return self.shape.T @ self.summed("mass") @ self.shape
 
     @cached_property
     def damping(self) -> np.ndarray:
         """C (k, k)."""
-        return self._on_coordinates("damping")
+        return self._strained("damping")
 
     @cached_property
     def stiffness(self) -> np.ndarray:
         """K (k, k)."""
-        return self._on_coordinates("stiffness")
+        return self._strained("stiffness")
 
     @cached_property
     def gyroscopic(self) -> np.ndarray:
@@ -107,10 +107,9 @@ class Part:
         """Dissipated energy (J) from the integral of v v^T (k, k) over the time."""
         return float(np.sum(self.damping * second))
 
-    def _on_coordinates(self, name: str) -> np.ndarray:
+    def _strained(self, name: str) -> np.ndarray:
         matrix = self.shape.T @ (self.summed(name) @ self.shape)
-        if name != "mass":
-            matrix[: self.unstrained], matrix[:, : self.unstrained] = 0.0, 0.0
+        matrix[: self.unstrained], matrix[:, : self.unstrained] = 0.0, 0.0
         return matrix
 
 

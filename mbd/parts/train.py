@@ -1,7 +1,8 @@
 """Kinematics of a parallel-shaft train: lifting speed of every shaft per motor speed, through branches and loops.
 
-A link ties two rotations together: a gear mesh with the ratio z1/z2, or a shaft coupling with the ratio 1. are positive in the lifting sense, so that every ratio is positive. A loop of links is closed only if the ratios around
-it agree; otherwise it locks.
+A link ties two rotations together: a gear mesh with the ratio z1/z2, or a shaft coupling with the ratio 1. Angles are
+positive in the lifting sense, so that every ratio is positive. A loop of links is closed only if the ratios around it
+agree; otherwise it locks.
 """
 
 from __future__ import annotations
