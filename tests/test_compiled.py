@@ -262,7 +262,7 @@ def called_files(function, seen):
                 called_files(member, seen)
 
 
-@pytest.mark.parametrize("module", ["mbd.integrators.modal_loop", "mbd.forces.newton", "mbd.forces.flank"])
+@pytest.mark.parametrize("module", ["mbd.integrators.modal_loop", "mbd.elements.newton", "mbd.forces.flank"])
 def test_every_file_that_compiled_code_calls_counts_for_its_copy_on_disk(module, tmp_path):
     """In a copy: the files are found by their imports in whatever folder, and an edit of any of them changes the name
     under which the code is stored."""

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
-from mbd.forces.element import BY_ANGLE, ENERGY, WIDTH, Element, Signal, rule
+from mbd.elements.element import BY_ANGLE, ENERGY, WIDTH, Element, Signal, rule
+from mbd.elements.mode_words import ModeWords
+from mbd.elements.newton import forces_at
+from mbd.elements.table import instant, slope_matrix
 from mbd.forces.ground import Ground
-from mbd.forces.newton import forces_at
 from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rolling_bearing import hertz_bearing
-from mbd.forces.table import instant, slope_matrix
 from mbd.forces.torque import Torque
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import OutsideForce
@@ -36,10 +37,11 @@ def snubber_rule(values, motion, answer):
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Snubber(OutsideForce):
-    def elements(self, assembly):
+    def elements(self, lay):
         yield Element(
-            kind="snubber", name=self.name, part=self.name, spring="snubber", rule=snubber_rule, values=(CUBIC, 50.0),
-            rows=assembly.layout.axis_row(self.shaft, self.y, 2)[None], row_names=("uz",), scale=(10.0,),
+            kind="snubber", name=self.name, part=self.name, words=ModeWords("snubber", "snubbers"),
+            rule=snubber_rule, values=(CUBIC, 50.0),
+            rows=lay.axis_row(self.shaft, self.y, 2)[None], row_names=("uz",), scale=(10.0,),
             signals=(Signal(f"{self.name}:force", "N", force=(1.0,)),),
         )  # fmt: skip
 

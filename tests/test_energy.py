@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
+from mbd.elements.element import ENERGY, PARAMETRIC
 from mbd.energy.element_energy import ElementWork
 from mbd.energy.exact_integrals import FlowWork
-from mbd.forces.element import ENERGY, PARAMETRIC
 from mbd.integrators.base import ACCELERATION, LENGTH, SPEED
 from mbd.integrators.exponential import exponential, phi_functions
 from mbd.parts.drive import SpeedProfile

@@ -18,9 +18,9 @@ from mbd.parts.checks import MachineError
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
-from mbd.parts.mesh_reference import approach_at
 from mbd.parts.rolling_catalogue import by_designation
 from mbd.parts.shafts import Disk, Section, ShaftSpec
+from mbd.reference.mesh_reference import approach_at
 from mbd.simulate import Settings, simulate
 from mbd.system.linearised import linear_modes, tangent, turned
 from mbd.system.statics import equilibrium

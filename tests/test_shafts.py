@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from mbd.parts.beam import shear_coefficient
 from mbd.parts.checks import MachineError
 from mbd.parts.shafts import (
     Disk,
     Section,
     ShaftSpec,
+    free_shaft,
     rigid_body_modes,
     shaft_basis,
-    shaft_matrices,
     shaft_nodes,
-    shear_coefficient,
 )
 
 LENGTH, DIAMETER = 0.5, 0.05
@@ -36,7 +36,8 @@ def shaft(**changes):
 
 def matrices(spec):
     nodes = shaft_nodes(spec)
-    return nodes, *shaft_matrices(spec, nodes)
+    part = free_shaft(spec, nodes)
+    return nodes, part.mass, part.stiffness
 
 
 def frequencies(mass, stiffness, fixed):

@@ -47,7 +47,7 @@ def test_the_bearings_carry_the_weight():
     weight = sum(
         part.mass[np.ix_(up, up)].sum()
         for part in system.parts
-        if part.kind == "shaft"
+        if part.words.kind == "shaft"
         for up in [[j for j, i in enumerate(part.index) if system.layout.names[i].endswith(":uz")]]
     )
     assert (rows.displacement[vertical] @ q).sum() == pytest.approx(-weight * machine.gravity, rel=1e-6)

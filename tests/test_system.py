@@ -94,7 +94,7 @@ def test_the_rolling_pattern_loads_no_spring_but_the_couplings():
     system = assemble(machine, rigid_casing(machine))
     assert abs(system.rows @ system.rolling).max() < 1e-12
     for part in system.parts:
-        if part.kind != "drive":
+        if part.name != "drive":
             assert abs(part.stiffness @ system.rolling[part.index]).max() < 1e-9 * abs(part.stiffness).max(initial=1)
 
 

@@ -14,10 +14,11 @@ from fem.casing.reduced.body import ReducedBody
 from mbd.forces.rope import Rope
 from mbd.integrators import exponential, trapezoidal
 from mbd.integrators.generalised_alpha import spectral_radius
+from mbd.parts.beam import shear_coefficient
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.machine import STANDARD_GRAVITY, Machine
-from mbd.parts.shafts import Disk, Section, ShaftSpec, shaft_matrices, shaft_nodes, shear_coefficient
+from mbd.parts.shafts import Disk, Section, ShaftSpec, free_shaft, shaft_nodes
 from mbd.simulate import Settings, simulate
 from mbd.system.statics import State, equilibrium
 from mbd.system.system import assemble
@@ -39,7 +40,8 @@ def _beam(element_length: float) -> tuple[ShaftSpec, np.ndarray, np.ndarray]:
         sections=(Section(y_start=0.0, y_end=LENGTH, outer_diameter=DIAMETER),),
         element_length=element_length,
     )
-    return spec, *shaft_matrices(spec, shaft_nodes(spec))
+    part = free_shaft(spec, shaft_nodes(spec))
+    return spec, part.mass, part.stiffness
 
 
 def _shear(spec: ShaftSpec) -> float:

@@ -105,9 +105,9 @@ class Equations:
         """Take them from the assembled system."""
         from numba import njit
 
-        from mbd.forces.element import WIDTH
-        from mbd.forces.newton import forces_at
-        from mbd.forces.table import Instant, instant
+        from mbd.elements.element import WIDTH
+        from mbd.elements.newton import forces_at
+        from mbd.elements.table import Instant, instant
 
         basis, table = machine.basis, machine.table
         u_rows, v_rows = np.ascontiguousarray(machine.all_rows @ basis), np.ascontiguousarray(machine.rows @ basis)

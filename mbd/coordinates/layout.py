@@ -1,16 +1,19 @@
 """Coordinates of the assembled machine and the rows that read its parts.
 
-Order: shafts in machine order, then the casing, then the coordinates of the load (a container's sway and lift). q
-is measured in the frame that rolls with the train: rotation of a node = s ratio phi_m + its coordinate.
+Order: shafts in machine order, then the casing, then those that other components bring (a container's sway and lift).
+q is measured in the frame that rolls with the train: rotation of a node = s ratio phi_m + its coordinate.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from fem.casing.reduced.body import ReducedBody
+from mbd.elements.component import Component
+from mbd.parts.casing import Casing
 from mbd.parts.checks import MachineError
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import node_at, shaft_basis, shaft_nodes
@@ -24,7 +27,7 @@ class Layout:
 
     machine: Machine
     casing: ReducedBody
-    nodes: dict[str, np.ndarray]
+    shaft_nodes: dict[str, np.ndarray]
     bases: dict[str, np.ndarray]
     spans: dict[str, slice]
     names: tuple[str, ...]
@@ -34,10 +37,46 @@ class Layout:
         """Number of coordinates."""
         return len(self.names)
 
+    @property
+    def components(self) -> tuple[Component, ...]:
+        """Those of the machine, and the casing."""
+        return (*self.machine.components, Casing(body=self.casing))
+
+    @property
+    def gravity(self) -> float:
+        """m/s2, along -z."""
+        return self.machine.gravity
+
+    @cached_property
+    def ratios(self) -> dict[str, float]:
+        """Lifting angle of every shaft by name per motor angle."""
+        return self.machine.ratios()
+
+    def sense(self, shaft: str) -> int:
+        """+1 if a shaft lifts about +y, else -1."""
+        return self.machine.shaft(shaft).sense
+
+    def index(self, owner: str) -> np.ndarray:
+        """Numbers of the coordinates of a shaft by name, or of "casing"."""
+        return np.arange(self.size)[self.spans[owner]]
+
+    def nodes(self, shaft: str) -> np.ndarray:
+        """Places y (node,) of the nodes of a shaft."""
+        return self.shaft_nodes[shaft]
+
+    def basis(self, shaft: str) -> np.ndarray:
+        """T (6 node, own coordinate): displacements of the nodes of a shaft from its coordinates."""
+        return self.bases[shaft]
+
+    def read_at(self, shaft: str) -> float:
+        """Place y at which the rotation of a shaft is read: its first gear, else its first end."""
+        gears = [mesh.y for mesh in self.machine.meshes if shaft in (mesh.driving, mesh.driven)]
+        return gears[0] if gears else self.machine.shaft(shaft).y_start
+
     def node_row(self, shaft: str, y: float, coefficients: np.ndarray) -> np.ndarray:
         """Row (coordinate,) of ``coefficients`` (6,) on the displacements of the node at ``y`` of ``shaft``."""
         row = np.zeros(self.size)
-        at = 6 * node_at(self.nodes[shaft], y)
+        at = 6 * node_at(self.shaft_nodes[shaft], y)
         row[self.spans[shaft]] = coefficients @ self.bases[shaft][at : at + 6]
         return row
 
@@ -47,7 +86,17 @@ class Layout:
 
     def angle_row(self, shaft: str, y: float) -> np.ndarray:
         """Row of the rotation in the lifting sense."""
-        return self.machine.shaft(shaft).sense * self.axis_row(shaft, y, 4)
+        return self.sense(shaft) * self.axis_row(shaft, y, 4)
+
+    def own_row(self, name: str) -> np.ndarray:
+        """Row of one coordinate by its name."""
+        row = np.zeros(self.size)
+        row[self.names.index(name)] = 1.0
+        return row
+
+    def reads_casing(self, name: str) -> bool:
+        """Whether the casing has a row of that name."""
+        return name in self.casing.row_names
 
     def casing_row(self, name: str) -> np.ndarray:
         """Row of a casing point, e.g. ``bearing_1:ux``; zero if the casing has no coordinates."""
@@ -62,16 +111,29 @@ class Layout:
                 ) from None
         return row
 
+    def check_key_point(self, name: str, shaft: str, y: float) -> None:
+        """Raise MachineError if the casing's key point of that name is not at ``y`` of the shaft's axis; one that is
+        missing is named by `casing_row`."""
+        if not len(self.casing.coordinate_names) or name not in self.casing.point_names:
+            return
+        axis = self.machine.shaft(shaft)
+        place = axis.x, y, axis.z
+        off = float(np.linalg.norm(self.casing.point_positions[self.casing.point_names.index(name)] - place))
+        if off > BEARING_PLACE_TOLERANCE:
+            raise MachineError(
+                f"bearing {name}: the casing's key point is {off * 1e3:.3f} mm from the shaft's bearing at {place} m. "
+                "Build the casing for this shaft layout."
+            )
+
     def rolling(self) -> np.ndarray:
         """R (coordinate,): motion of all coordinates per motor angle with every mesh rolling rigidly."""
         pattern = np.zeros(self.size)
-        for name, ratio in self.machine.ratios().items():
+        for name, ratio in self.ratios.items():
             span = self.spans[name]
-            pattern[span] = [
-                self.machine.shaft(name).sense * ratio if label.endswith(":ry") else 0.0 for label in self.names[span]
-            ]
-        load = self.machine.load
-        pattern[self.size - len(load.coordinates) :] = load.rolling(self.machine.ratios()[load.shaft])
+            pattern[span] = [self.sense(name) * ratio if label.endswith(":ry") else 0.0 for label in self.names[span]]
+        for component in self.machine.components:
+            for name, motion in zip(component.coordinates, component.rolling(self.ratios), strict=True):
+                pattern[self.names.index(name)] = motion
         return pattern
 
 
@@ -80,7 +142,7 @@ def layout(machine: Machine, casing: ReducedBody) -> Layout:
 
     Raises
     ------
-    MachineError : a bearing's key point is not where the shaft passes
+    MachineError : a shaft of too many nodes
     """
     nodes, bases, spans = {}, {}, {}
     names: list[str] = []
@@ -91,22 +153,5 @@ def layout(machine: Machine, casing: ReducedBody) -> Layout:
         names += labels
     spans["casing"] = slice(len(names), len(names) + len(casing.coordinate_names))
     names += [f"casing:{label}" for label in casing.coordinate_names]
-    names += machine.load.coordinates
-    _check_bearing_places(machine, casing)
+    names += [name for component in machine.components for name in component.coordinates]
     return Layout(machine, casing, nodes, bases, spans, tuple(names))
-
-
-def _check_bearing_places(machine: Machine, casing: ReducedBody) -> None:
-    if not len(casing.coordinate_names):
-        return
-    for bearing in machine.bearings:
-        if bearing.support == "ground" or bearing.name not in casing.point_names:
-            continue  # casing_row names what is missing
-        shaft = machine.shaft(bearing.shaft)
-        point = casing.point_positions[casing.point_names.index(bearing.name)]
-        off = float(np.linalg.norm(point - (shaft.x, bearing.y, shaft.z)))
-        if off > BEARING_PLACE_TOLERANCE:
-            raise MachineError(
-                f"bearing {bearing.name}: the casing's key point is {off * 1e3:.3f} mm from the shaft's bearing at "
-                f"({shaft.x}, {bearing.y}, {shaft.z}) m. Build the casing for this shaft layout."
-            )

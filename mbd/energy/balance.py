@@ -24,13 +24,9 @@ class Books:
 
     def __init__(self, system: System, integrator: Integrator, step: float, n_steps: int) -> None:
         self._system, self._step = system, step
-        massive = [part for part in system.parts if part.mass.any()]
+        massive = [part for part in system.parts if part.is_massive]
         inertia = [part.mass @ system.rolling[part.index] @ integrator.displacement[part.index] for part in massive]
-        torque = np.zeros(integrator.displacement.shape[1])
-        ratios = system.machine.ratios()
-        for c in system.machine.couplings:
-            row = ratios[c.shaft] * system.layout.angle_row(c.shaft, c.y)
-            torque -= c.stiffness * row @ integrator.displacement + c.damping * row @ integrator.velocity
+        torque = system.motor_torque[0] @ integrator.displacement + system.motor_torque[1] @ integrator.velocity
         self._linear = LinearWork(system, integrator, step, n_steps, torque)
         self._elements, self.steps = ElementWork(system), self._linear.steps
         self._watch = np.array([*inertia, torque, system.constant_force @ integrator.displacement])

@@ -1,8 +1,8 @@
 """Works of the nonlinear elements, logged at every step.
 
 An element stores U, receives the integral of F . d(motion of its rows), loses that of the part of F that follows from
-no potential, and takes up the parametric work (see `mbd.forces.element`). The rows of elements that roll move with the
-train besides. Integrals over the rows are those of cubics through four instants: per step
+no potential, and takes up the parametric work (see `mbd.elements.element`). The rows of elements that roll move with
+the train besides. Integrals over the rows are those of cubics through four instants: per step
 mean(F) D u + (D F mean(D2 u) - mean(D2 F) D u)/12 with the first and second differences D, D2; next to a step of
 another length only the first term.
 """
@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbd.forces.element import ENERGY, LOG_COLUMNS, PARAMETRIC
+from mbd.elements.element import ENERGY, LOG_COLUMNS, PARAMETRIC
 from mbd.integrators.base import ANGLE, LENGTH, Block
 from mbd.system.system import System
 

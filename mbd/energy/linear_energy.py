@@ -1,19 +1,22 @@
-"""Works of the linear parts: shafts, bearings, casing, couplings, container.
+"""Works of the linear parts.
 
-Parts with mass touch only through ports: rows B with the forces f = k B q + c B q' - lambda of bearings, couplings, the
-nonlinear elements (lambda for the last). The integrals of f v^T and v v^T give the work of every port on every part and
-the dissipation v^T C v of every part. They are exact for an integrator with a `Flow` (`mbd.energy.exact_integrals`),
-sums over the instants for the others (`mbd.energy.sampled_integrals`).
+Parts with mass touch only through ports: rows B with the forces f = K B q + C B q' of massless parts and
+f = k0 B q + c0 B q' - lambda of nonlinear elements. The integrals of f v^T and v v^T give the work of every port on
+every part and the dissipation v^T C v of every part. They are exact for an integrator with a `Flow`
+(`mbd.energy.exact_integrals`), sums over the instants for the others (`mbd.energy.sampled_integrals`).
 """
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
+from mbd.elements.linear import Part
 from mbd.energy.exact_integrals import FlowWork
 from mbd.energy.sampled_integrals import SampledWork
 from mbd.integrators.base import LENGTH, SPEED, Block, Integrator
-from mbd.system.system import Part, System
+from mbd.system.system import System
 
 
 class LinearWork:
@@ -26,8 +29,9 @@ class LinearWork:
         self._system, self._torque, self._step = system, torque, step
         self.to_q, self.to_v = integrator.displacement, integrator.velocity
         self._turn = -integrator.inverse_mass @ (system.mass @ system.rolling)
-        self._ports, stiffness, damping = _ports(system)
-        self._to_force = stiffness[:, None] * (self._ports @ self.to_q) + damping[:, None] * (self._ports @ self.to_v)
+        self._massless = [(part, part.rows(system.layout.size)) for part in system.parts if not part.is_massive]
+        self._ports = np.vstack([system.rows, *(rows for _, rows in self._massless)])
+        self._to_force = np.vstack([self._element_forces(), *(self._part_forces(*pair) for pair in self._massless)])
         self._flow = None if integrator.flow is None else FlowWork(integrator.flow)
         self._sampled = None
         self.steps = n_steps
@@ -61,15 +65,14 @@ class LinearWork:
         port_work, velocity, motor_work = self._integrals()
         work = self._ports * port_work  # (port, coordinate) that the motion of each coordinate does against each port
         rows: dict[str, list[float]] = {}
-        port = len(system.rows)
+        ports = dict(zip((part.name for part, _ in self._massless), self._port_slices(), strict=True))
         for part in system.parts:
             i = part.index
-            if part.mass.any():
+            if part.is_massive:
                 received = ramp_work[part.name] + float(moved[i] @ system.constant_force[i] - work[:, i].sum())
             else:
-                received = float(work[port : port + len(part.rows)].sum())
-                port += len(part.rows)
-            dissipated = float(np.sum(part.damping * velocity[np.ix_(i, i)]))
+                received = float(work[ports[part.name]].sum())
+            dissipated = part.dissipated(velocity[np.ix_(i, i)])
             change = self._energy(part, self.latest) - self._energy(part, self.origin)
             scale = self._peak.get(part.name, dissipated)
             rows[part.name] = [change, dissipated, received, 0.0, received - change - dissipated, scale]
@@ -89,15 +92,18 @@ class LinearWork:
 
     def _energy(self, part: Part, state: np.ndarray) -> float:
         """Kinetic and strain energy of a linear part."""
-        q, v = self.to_q[part.index] @ state, self.to_v[part.index] @ state
-        return float(0.5 * v @ part.mass @ v + 0.5 * q @ part.stiffness @ q)
+        return part.stored(self.to_q[part.index] @ state, self.to_v[part.index] @ state)
 
+    def _element_forces(self) -> np.ndarray:
+        """Forces (row, state) of the linear reference of the elements."""
+        table, rows = self._system.table, self._system.rows
+        return table.stiffness[:, None] * (rows @ self.to_q) + table.damping[:, None] * (rows @ self.to_v)
 
-def _ports(system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows, stiffness and damping of all ports: the elements (their linear reference), then the massless parts."""
-    table, massless = system.table, [part for part in system.parts if not part.mass.any()]
-    return (
-        np.vstack([system.rows, *(part.rows for part in massless)]),
-        np.concatenate([table.stiffness, *(part.row_stiffness for part in massless)]),
-        np.concatenate([table.damping, *(part.row_damping for part in massless)]),
-    )
+    def _part_forces(self, part: Part, rows: np.ndarray) -> np.ndarray:
+        """Forces (displacement, state) of a massless part."""
+        return part.summed("stiffness") @ (rows @ self.to_q) + part.summed("damping") @ (rows @ self.to_v)
+
+    def _port_slices(self) -> list[slice]:
+        """Ports of every massless part."""
+        ends = np.cumsum([len(self._system.rows), *(len(rows) for _, rows in self._massless)])
+        return [slice(int(first), int(end)) for first, end in itertools.pairwise(ends)]

@@ -15,11 +15,10 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from mbd.forces.element import Element, rule
-from mbd.parts.losses import Coulomb
+from mbd.elements.element import Element, rule
 
 if TYPE_CHECKING:
-    from mbd.forces.assembly import Assembly
+    from mbd.reference.assembly import Assembly
 
 TORQUE, ROLL, SMOOTH, CLOSING = range(4)  # closing: motor speed below which a brake acts, 0 for a drag
 
@@ -40,14 +39,13 @@ def drag_rule(values, motion, answer):
 
 def bearing_drags(assembly: Assembly) -> Iterator[Element]:
     """One per bearing, where bearings drag."""
-    losses = assembly.machine.losses
-    if not isinstance(losses, Coulomb) or losses.bearing_friction == 0.0:
+    friction = assembly.machine.losses.bearing_friction
+    if friction == 0.0:
         return
-    forces = assembly.bearing_loads()
+    at_rest = assembly.resting_displacement
     for bearing in assembly.machine.bearings:
-        sections = assembly.machine.shaft(bearing.shaft).sections
-        section = next(s for s in sections if s.y_start - 1e-9 <= bearing.y <= s.y_end + 1e-9)
-        torque = losses.bearing_friction * forces[bearing.name] * section.outer_diameter / 2
+        section = assembly.machine.shaft(bearing.shaft).section_at(bearing.y)
+        torque = friction * bearing.resting_force(assembly.layout, at_rest) * section.outer_diameter / 2
         yield _drag(assembly, f"{bearing.name} drag", bearing.shaft, bearing.y, torque, max(torque, 1e-6), 0.0)
 
 
@@ -61,7 +59,7 @@ def brakes(assembly: Assembly) -> Iterator[Element]:
 def _drag(
     assembly: Assembly, name: str, shaft: str, y: float, torque: float, scale: float, closing: float
 ) -> Element:  # fmt: skip
-    roll = assembly.ratios[shaft]
+    roll = assembly.layout.ratios[shaft]
     return Element(
         kind="drag",
         name=name,

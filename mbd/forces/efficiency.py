@@ -21,12 +21,12 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from mbd.forces.element import Element, rule
+from mbd.elements.element import Element, rule
 from mbd.forces.flank import flank_name
-from mbd.parts.losses import Efficiency, mesh_sliding_rows
+from mbd.forces.sliding import mesh_sliding_rows
 
 if TYPE_CHECKING:
-    from mbd.forces.assembly import Assembly
+    from mbd.reference.assembly import Assembly
 
 ETA, RADIUS, RATIO, ROLL, SMOOTH = range(5)
 
@@ -54,8 +54,8 @@ def efficiency_rule(values, motion, answer):
 
 def elements(assembly: Assembly) -> Iterator[Element]:
     """One per mesh, where the losses go by efficiency."""
-    losses, ratios = assembly.machine.losses, assembly.ratios
-    if not isinstance(losses, Efficiency):
+    efficiency, ratios = assembly.machine.losses.mesh_efficiency, assembly.layout.ratios
+    if efficiency is None:
         return
     for mesh in assembly.machine.meshes:
         roll = ratios[mesh.driving] + ratios[mesh.driven]
@@ -65,7 +65,7 @@ def elements(assembly: Assembly) -> Iterator[Element]:
             part=f"{mesh.name} losses",
             rule=efficiency_rule,
             values=(
-                losses.mesh_efficiency, mesh.base_radius_driving, mesh.ratio, roll, assembly.smoothing * roll
+                efficiency, mesh.base_radius_driving, mesh.ratio, roll, assembly.smoothing * roll
             ),
             rows=mesh_sliding_rows(assembly.layout, mesh, 1)[1:],
             row_names=("kappa",),

@@ -6,13 +6,14 @@ U(c, delta, psi) with F = dU/d delta, M = dU/d psi. With damping the force is F_
 k_t = dF/d delta, d = delta' + (M/F) psi', and M_t = M F_t/F.
 
 dU/dc jumps wherever a tooth enters a new cell of the law's tables, so that a quadrature of it would be first order: the
-parametric work goes by frozen rows (`mbd.forces.element`), which two evaluations at one mesh cycle give cheaply. The
-damping stiffness k_t jumps where a pair of teeth touches; it may be held (`mbd.forces.newton`).
+parametric work goes by frozen rows (`mbd.elements.element`), which two evaluations at one mesh cycle give cheaply. The
+damping stiffness k_t jumps where a pair of teeth touches; it may be held (`mbd.elements.newton`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,17 +22,18 @@ from fem.contact.evaluation.evaluator import evaluate, law_tables
 from fem.contact.evaluation.kernel import evaluate_two
 from fem.contact.teeth import least_clearance
 from fem.numerics.compiled import inner
-from mbd.coordinates.channels import mesh_channels
-from mbd.forces.element import ENERGY, FROZEN_ENERGY, Element, Signal, rule
-from mbd.parts.gear_mesh import MeshSpec, mesh_rows
-from mbd.parts.mesh_reference import mean_stiffness, touching_approach
+from mbd.elements.element import ENERGY, FROZEN_ENERGY, Contact, Element, Signal, rule
+from mbd.elements.mode_words import ModeWords
+from mbd.parts.gear_mesh import MeshSpec, mesh_channels, mesh_rows
+from mbd.reference.mesh_reference import mean_stiffness, touching_approach
 
 if TYPE_CHECKING:
-    from mbd.forces.assembly import Assembly
+    from mbd.reference.assembly import Assembly
 
 BACKLASH, FLOOR, REACH, TAU, CYCLE_START, CYCLE_RATE, RATIO, PINION, WHEEL, LAW = range(10)
 TERMS = 6  # columns of tooth terms
 SIDES = ("drive", "coast")
+WORDS = ModeWords("mesh", "meshes")
 
 
 @inner(inline="always")
@@ -121,9 +123,9 @@ def elements(assembly: Assembly) -> Iterator[Element]:
                 kind="flank",
                 name=flank_name(mesh.name, side),
                 part=mesh.name,
-                spring="mesh",
+                words=WORDS,
                 rule=flank_rule,
-                values=_values(mesh, side, assembly.ratios[mesh.driving]),
+                values=_values(mesh, side, lay.ratios[mesh.driving]),
                 rows=rows[2 * side : 2 * side + 2],
                 row_names=("delta", "psi"),
                 scale=(load, load * width),
@@ -132,6 +134,12 @@ def elements(assembly: Assembly) -> Iterator[Element]:
                 seen=lay.angle_row(mesh.driving, mesh.y)[None],
                 opens=True,
                 by_frozen=True,
+                contact=Contact(
+                    name=mesh.name,
+                    side=side,
+                    nominal=assembly.contact_loads[mesh.name],
+                    touching=partial(_touching, mesh, side),
+                ),
                 signals=(*motions, Signal(forces[side], "N", force=(1.0, 0.0))),
                 lets_go="" if side else f"{mesh.name}:contact_losses",
                 touches=f"{mesh.name}:coast_contacts" if side else "",
@@ -148,6 +156,11 @@ def _values(mesh: MeshSpec, side: int, ratio: float) -> np.ndarray:
     numbers[CYCLE_START], numbers[CYCLE_RATE] = mesh.cycle_at_start, mesh.cycles_per_radian
     numbers[RATIO], numbers[PINION], numbers[WHEEL] = ratio, len(pinion), len(wheel)
     return np.concatenate([numbers, law_tables(law), pinion.ravel(), wheel.ravel()])
+
+
+def _touching(mesh: MeshSpec, side: int, seen: np.ndarray, rows: np.ndarray) -> float:
+    """`no_load_approach` at what the element observes and at its rows."""
+    return no_load_approach(mesh, side, float(seen[0]), float(rows[1]))
 
 
 def no_load_approach(mesh: MeshSpec, side: int, rotation: float, psi: float = 0.0) -> float:

@@ -9,14 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from mbd.forces.element import ENERGY, Element, rule
+from mbd.elements.element import ENERGY, Element, rule
+from mbd.elements.mode_words import ModeWords
 from mbd.parts.checks import finite, not_negative, positive
 
 if TYPE_CHECKING:
-    from mbd.forces.assembly import Assembly
-    from mbd.forces.rope import Rope
+    from mbd.elements.coordinates import Coordinates
 
 STIFFNESS, DAMPING, LEVEL, RISE = range(4)
 
@@ -51,19 +49,20 @@ class Ground:
         positive("ground stiffness", self.stiffness)
         not_negative("ground damping_ratio", self.damping_ratio)
 
-    def element(self, assembly: Assembly, load: Rope) -> Element:
-        """The ground under the container of a rope."""
-        damping = 2 * self.damping_ratio * (self.stiffness * load.container_mass) ** 0.5
+    def element(self, lay: Coordinates, lift: str, mass: float, rise: float) -> Element:
+        """The ground under a container of ``mass`` (kg) on the coordinate ``lift``, which rises by ``rise`` (m) per
+        motor angle."""
+        damping = 2 * self.damping_ratio * (self.stiffness * mass) ** 0.5
         return Element(
             kind="ground",
             name="ground",
             part="ground",
-            spring="ground",
+            words=ModeWords("ground", "ground", always=True),
             rule=ground_rule,
-            values=(self.stiffness, damping, self.level, load.travel_per_radian * assembly.ratios[load.shaft]),
-            rows=np.eye(assembly.layout.size)[-1:],
+            values=(self.stiffness, damping, self.level, rise),
+            rows=lay.own_row(lift)[None],
             row_names=("lift",),
-            scale=(max(load.container_mass * assembly.machine.gravity, 1.0),),
+            scale=(max(mass * lay.gravity, 1.0),),
             inner_contacts=True,
             rolls=True,
         )

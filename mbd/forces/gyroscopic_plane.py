@@ -1,6 +1,9 @@
-"""Gyroscopic moments of all shafts in the time step: a pair of forces on two modal rows, per plane of `gyroscopic`.
+"""Gyroscopic moments of all parts in the time step: a pair of forces on two modal rows, per plane of their matrix.
 
-The forces g Omega (b', -a') do no work. The linearised view takes the whole matrix in their place.
+In the modal basis only a few planes of G matter: G = sum g (a b^T - b a^T), by the real Schur form of Phi^T G Phi. The
+planes that hold ``KEPT`` of its norm enter the time step, each as a force on two rows, at the speed of the moment;
+what is left out is stated by `planes`. The forces g Omega (b', -a') do no work. The linearised view takes the whole
+matrix in their place.
 """
 
 from __future__ import annotations
@@ -9,14 +12,15 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy import linalg
 
-from mbd.forces.element import Element, rule
-from mbd.parts.gyroscopic import planes, rolling_matrix
+from mbd.elements.element import Element, rule
 
 if TYPE_CHECKING:
-    from mbd.forces.assembly import Assembly
+    from mbd.reference.assembly import Assembly
 
 KIND = "gyroscopic"
+KEPT = 0.999
 
 
 @rule(__file__)
@@ -32,7 +36,7 @@ def elements(assembly: Assembly) -> Iterator[Element]:
     if not assembly.machine.gyroscopic:
         return
     basis, _ = assembly.modes
-    first, second, strengths, _ = planes(basis.T @ rolling_matrix(assembly.layout) @ basis)
+    first, second, strengths, _ = planes(basis.T @ assembly.gyroscopic @ basis)
     back = basis.T @ assembly.mass
     for i, (a, b, strength) in enumerate(zip(first @ back, second @ back, strengths, strict=True)):
         size = abs(float(strength)) * (assembly.machine.profile.highest or 1.0)
@@ -45,4 +49,26 @@ def elements(assembly: Assembly) -> Iterator[Element]:
             rows=np.vstack([a, b]),
             row_names=("a", "b"),
             scale=(size, size),
+            in_matrix=True,
         )
+
+
+def planes(reduced: np.ndarray, kept: float = KEPT) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Rows a, b (plane, mode), strengths g (plane,) of a skew matrix (mode, mode), strongest first, and the share of
+    its Frobenius norm that the planes left out hold."""
+    form, turn = linalg.schur(0.5 * (reduced - reduced.T), output="real")
+    size, found, i = float(abs(form).max(initial=0.0)), [], 0
+    while i < len(form) - 1:
+        pair = abs(form[i, i + 1]) > 1e-12 * size
+        if pair:
+            found.append(i)
+        i += 2 if pair else 1
+    at = np.array(sorted(found, key=lambda k: -abs(form[k, k + 1])), dtype=int)
+    strength = form[at, at + 1]
+    whole = float(np.sum(strength**2))
+    if whole == 0.0:
+        empty = np.zeros((0, len(reduced)))
+        return empty, empty, np.zeros(0), 0.0
+    left = 1 - np.cumsum(strength**2) / whole
+    n = int(np.argmax(left <= 1 - kept**2)) + 1
+    return turn[:, at[:n]].T, turn[:, at[:n] + 1].T, strength[:n], float(np.sqrt(max(left[n - 1], 0.0)))

@@ -15,20 +15,22 @@ The container is let go at t = 0: until then a force square to the ropes holds i
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from mbd.coordinates.channels import ROPE_FORCE, SWAY, Reading
-from mbd.forces.element import BY_ANGLE, ENERGY, Element, Signal, rule
-from mbd.forces.rope import LENGTH, LOSS, STIFFNESS_TIMES_LENGTH, TRAVEL, Rope
+from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, rule
+from mbd.elements.reading import Reading
+from mbd.forces.rope import LENGTH, LIFT, LOSS, PART, STIFFNESS_TIMES_LENGTH, TRAVEL, WORDS, Rope
 from mbd.parts.checks import MachineError
+from mbd.parts.load import ROPE_FORCE, SWAY
 
 if TYPE_CHECKING:
-    from mbd.coordinates.layout import Layout
-    from mbd.forces.assembly import Assembly
+    from mbd.elements.coordinates import Coordinates
+
+SWAYS = ("container:sway_x", "container:sway_y")  # coordinates
 
 
 @rule(__file__)
@@ -80,16 +82,16 @@ class RopePendulum(Rope):
     @property
     def coordinates(self) -> tuple[str, ...]:
         """The container's sway, then its lift."""
-        return ("container:sway_x", "container:sway_y", *super().coordinates)
+        return (*SWAYS, LIFT)
 
     @property
     def channel_names(self) -> tuple[str, ...]:
         """Those of the rope, and the sway."""
         return (*super().channel_names, *SWAY)
 
-    def rolling(self, ratio: float) -> np.ndarray:
+    def rolling(self, ratios: Mapping[str, float]) -> np.ndarray:
         """Motion of its coordinates per motor angle."""
-        return np.array([0.0, 0.0, *super().rolling(ratio)])
+        return np.array([0.0, 0.0, self.rise(ratios)])
 
     @property
     def along(self) -> np.ndarray:
@@ -97,34 +99,34 @@ class RopePendulum(Rope):
         along = np.array([math.tan(self.sway[0]), math.tan(self.sway[1]), 1.0])
         return along / np.linalg.norm(along)
 
-    def holding_force(self, lay: Layout) -> np.ndarray:
+    def holding_force(self, lay: Coordinates) -> np.ndarray:
         """Force (n,) that holds the container at its angle until t = 0, square to the ropes."""
-        force = np.zeros(lay.size)
-        if any(self.sway):
-            along = self.along * [1.0, 1.0, -1.0]
-            force[-3:] = self.container_mass * lay.machine.gravity * (-along[2] * along + [0.0, 0.0, 1.0])
-        return force
+        if not any(self.sway):
+            return np.zeros(lay.size)
+        along = self.along * [1.0, 1.0, -1.0]
+        force = self.container_mass * lay.gravity * (-along[2] * along + [0.0, 0.0, 1.0])
+        return force @ np.array([lay.own_row(name) for name in self.coordinates])
 
-    def elements(self, assembly: Assembly) -> Iterator[Element]:
+    def elements(self, lay: Coordinates) -> Iterator[Element]:
         """The ropes of every drum, first guessed as those of the held container on drums that stand."""
-        weight = self.weight_per_drum(assembly.machine.gravity)
+        weight = self.weight_per_drum(lay.gravity)
         stiffness, swing = self.stiffness_times_length / self.length, weight / self.length
         along = self.along
-        tension = self.container_mass * assembly.machine.gravity * along[2] / len(self.drums)
+        tension = self.container_mass * lay.gravity * along[2] / len(self.drums)
         distance = self.length * (1 + tension / self.stiffness_times_length)
         stretch, x, y = distance * along[2] - self.length, distance * along[0], distance * along[1]
-        sway = np.eye(assembly.layout.size)[[-3, -2]]
+        sway = np.array([lay.own_row(name) for name in SWAYS])
         for i, place in enumerate(self.drums):
             yield Element(
                 kind="pendulum",
                 name=f"rope:{i}",
-                part="rope",
-                spring="rope",
+                part=PART,
+                words=WORDS,
                 rule=pendulum_rule,
                 values=(
-                    self.stiffness_times_length, self.length, self.travel(assembly.ratios[self.shaft]), self.loss
+                    self.stiffness_times_length, self.length, self.travel(lay.ratios[self.shaft]), self.loss
                 ),
-                rows=np.vstack([self.stretch_row(assembly.layout, place), sway]),
+                rows=np.vstack([self.stretch_row(lay, place), sway]),
                 row_names=("stretch", "x", "y"),
                 scale=(weight, weight, weight),
                 stiffness=(stiffness, swing, swing),
@@ -136,7 +138,7 @@ class RopePendulum(Rope):
                 signals=(Signal(ROPE_FORCE, "N", force=(1.0, 0.0, 0.0)),),
             )  # fmt: skip
 
-    def readings(self, lay: Layout) -> dict[str, Reading]:
+    def readings(self, lay: Coordinates) -> dict[str, Reading]:
         """Those of the rope, and the sway."""
-        sways = {name: Reading("m", displacement=np.eye(lay.size)[k - 3]) for k, name in enumerate(SWAY)}
+        sways = {name: Reading("m", displacement=lay.own_row(own)) for name, own in zip(SWAY, SWAYS, strict=True)}
         return super().readings(lay) | sways

@@ -1,6 +1,6 @@
 """SOURCES_OF_FORCE: everything in a machine that makes a force, in the order of their rows.
 
-A kind of element is a file of this folder (see `mbd.forces.element`) and a line here. Loads, nonlinear bearings and
+A kind of element is a file of this folder (see `mbd.elements.element`) and a line here. Loads, nonlinear bearings and
 outside forces are objects of the machine that bring their own elements: a new one of these needs no line.
 """
 
@@ -8,27 +8,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
+from mbd.elements.element import Element
 from mbd.forces import drag, efficiency, flank, gyroscopic_plane, sliding
-from mbd.forces.assembly import Assembly
-from mbd.forces.element import Element
+from mbd.reference.assembly import Assembly
 
 
 def load(assembly: Assembly) -> Iterable[Element]:
     """What hangs on the drums."""
-    return assembly.machine.load.elements(assembly)
+    return assembly.machine.load.elements(assembly.layout)
 
 
 def bearings(assembly: Assembly) -> Iterator[Element]:
     """Bearings that are no linear springs."""
     for bearing in assembly.machine.bearings:
-        if bearing.inside is not None:
-            yield bearing.inside.element(assembly, bearing)
+        yield from bearing.elements(assembly.layout)
 
 
 def outside(assembly: Assembly) -> Iterator[Element]:
     """Further forces from outside."""
     for force in assembly.machine.forces:
-        yield from force.elements(assembly)
+        yield from force.elements(assembly.layout)
 
 
 SOURCES_OF_FORCE: dict[str, Callable[[Assembly], Iterable[Element]]] = {

@@ -33,13 +33,12 @@ import numpy as np
 from scipy import optimize
 
 from fem.numerics.compiled import inner
-from mbd.coordinates.channels import bearing_force, bearing_row
-from mbd.forces.element import BY_ANGLE, ENERGY, Element, Signal, evaluated, rule
-from mbd.parts.bearings import BEARING_AXES, BearingSpec
+from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, evaluated, rule
+from mbd.parts.bearings import BEARING_AXES, BearingSpec, bearing_force
 from mbd.parts.rolling_elements import RollingElements, element_values, pass_frequencies, reference_load
 
 if TYPE_CHECKING:
-    from mbd.forces.assembly import Assembly
+    from mbd.elements.coordinates import Coordinates
 
 LAMINAE = 5
 ROLLER_EXPONENT = 10 / 9
@@ -207,20 +206,19 @@ class RollingContacts:
         """Numbers of the rule; ``rate`` is the cage angle (about +y) per motor angle."""
         return element_values(self.elements, rate, self.damping_time)
 
-    def element(self, assembly: Assembly, bearing: BearingSpec) -> Element:
+    def element(self, lay: Coordinates, bearing: BearingSpec) -> Element:
         """The force of the bearing; its spec holds the linear reference."""
-        shaft = assembly.machine.shaft(bearing.shaft)
-        cage = shaft.sense * assembly.ratios[bearing.shaft] * pass_frequencies(self.elements).cage
+        cage = lay.sense(bearing.shaft) * lay.ratios[bearing.shaft] * pass_frequencies(self.elements).cage
         load, arm = reference_load(self.elements), self.elements.pitch_diameter / 2
         axes = np.eye(len(BEARING_AXES))
         return Element(
             kind="rolling bearing",
             name=bearing.name,
             part=bearing.name,
-            spring="bearing",
+            words=bearing.words,
             rule=self.rule,
             values=self.values(cage),
-            rows=np.array([bearing_row(assembly.layout, bearing, axis) for axis in BEARING_AXES]),
+            rows=bearing.rows(lay),
             row_names=BEARING_AXES,
             scale=(load, load, load, load * arm, load * arm),
             inner_contacts=True,

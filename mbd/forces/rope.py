@@ -12,23 +12,27 @@ reeving - x, so that F/reeving acts along d. Without one the pull is balanced at
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from mbd.coordinates.channels import CONTAINER, ROPE_FORCE, Reading
-from mbd.forces.element import BY_ANGLE, ENERGY, Element, Signal, rule
+from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, rule
+from mbd.elements.linear import LinearElement, Part
+from mbd.elements.mode_words import ModeWords
+from mbd.elements.reading import Reading
 from mbd.forces.ground import Ground
 from mbd.parts.checks import MachineError, finite, not_negative, positive
 from mbd.parts.drive import SpeedProfile
-from mbd.parts.load import Load, pull_axis
+from mbd.parts.load import CONTAINER, ROPE_FORCE, Load, pull_axis
 
 if TYPE_CHECKING:
-    from mbd.coordinates.layout import Layout
-    from mbd.forces.assembly import Assembly
+    from mbd.elements.coordinates import Coordinates
 
+LIFT = "container:lift"
+PART = "rope"
+WORDS = ModeWords("rope", "rope", always=True, has_mass=True, moving="rope bounce")
 STIFFNESS_TIMES_LENGTH, LENGTH, TRAVEL, LOSS = range(4)  # loss: 2 zeta sqrt(mass per rope)
 
 
@@ -48,6 +52,17 @@ def rope_rule(values, motion, answer):
         answer.lost[0], answer.lost_by_v[0, 0] = c * motion.v[0], c
     else:
         answer.lost[0], answer.lost_by_u[0, 0] = -elastic, -k
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HungMass(LinearElement):
+    """The container as a point (kg) on its displacements (n,)."""
+
+    container_mass: float
+
+    def mass(self) -> np.ndarray:
+        """M = m 1 (n, n)."""
+        return self.container_mass * np.eye(len(self.at))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,17 +92,12 @@ class Rope(Load):
     @property
     def coordinates(self) -> tuple[str, ...]:
         """The container's lift."""
-        return ("container:lift",)
+        return (LIFT,)
 
     @property
     def channel_names(self) -> tuple[str, ...]:
         """Rope force, lift and acceleration of the container."""
         return (ROPE_FORCE, *CONTAINER)
-
-    @property
-    def mass(self) -> float:
-        """Of the container, kg."""
-        return self.container_mass
 
     @property
     def travel_per_radian(self) -> float:
@@ -113,22 +123,35 @@ class Rope(Load):
         """Torque (N m, lowering positive) of the hanging weight."""
         return self.container_mass * gravity * self.travel_per_radian
 
-    def rolling(self, ratio: float) -> np.ndarray:
+    def rise(self, ratios: Mapping[str, float]) -> float:
+        """Rise of the container (m) per motor angle."""
+        return self.travel_per_radian * ratios[self.shaft]
+
+    def rolling(self, ratios: Mapping[str, float]) -> np.ndarray:
         """Motion of its coordinates per motor angle."""
-        return np.array([self.travel_per_radian * ratio])
+        return np.array([self.rise(ratios)])
 
-    def constant_force(self, lay: Layout) -> np.ndarray:
+    def parts(self, lay: Coordinates) -> Iterator[Part]:
+        """The container."""
+        n = len(self.coordinates)
+        yield Part(
+            name="load",
+            modes_of=PART,
+            words=WORDS,
+            elements=(HungMass(at=tuple(range(n)), container_mass=self.container_mass),),
+            index=np.array([int(np.argmax(lay.own_row(name))) for name in self.coordinates]),
+            shape=np.eye(n),
+        )
+
+    def constant_force(self, lay: Coordinates) -> np.ndarray:
         """Weight of the container on its lift."""
-        force = np.zeros(lay.size)
-        force[-1] = -lay.machine.gravity * self.container_mass
-        return force
+        return -lay.gravity * self.container_mass * lay.own_row(LIFT)
 
-    def stretch_row(self, lay: Layout, y: float) -> np.ndarray:
+    def stretch_row(self, lay: Coordinates, y: float) -> np.ndarray:
         """Row of the stretch of the ropes of the drum at ``y``."""
         row = self.travel_per_radian * lay.angle_row(self.shaft, y)
         row -= lay.node_row(self.shaft, y, np.array([*pull_axis(self.direction), 0.0, 0.0, 0.0])) / self.reeving
-        row[-1] -= 1.0
-        return row
+        return row - lay.own_row(LIFT)
 
     def weight_per_drum(self, gravity: float) -> float:
         """Weight (N) on the ropes of a drum, at least that of 1 N over all: the scale of their force."""
@@ -138,21 +161,21 @@ class Rope(Load):
         """Shortening (m) of the ropes per motor angle, as far as their stiffness follows it."""
         return self.travel_per_radian * ratio if self.follow_length else 0.0
 
-    def elements(self, assembly: Assembly) -> Iterator[Element]:
+    def elements(self, lay: Coordinates) -> Iterator[Element]:
         """The ropes of every drum, and the ground."""
         stiffness = self.stiffness_times_length / self.length
-        travel = self.travel(assembly.ratios[self.shaft])
+        travel = self.travel(lay.ratios[self.shaft])
         for i, y in enumerate(self.drums):
             yield Element(
                 kind="rope",
                 name=f"rope:{i}",
-                part="rope",
-                spring="rope",
+                part=PART,
+                words=WORDS,
                 rule=rope_rule,
                 values=(self.stiffness_times_length, self.length, travel, self.loss),
-                rows=self.stretch_row(assembly.layout, y)[None],
+                rows=self.stretch_row(lay, y)[None],
                 row_names=("stretch",),
-                scale=(self.weight_per_drum(assembly.machine.gravity),),
+                scale=(self.weight_per_drum(lay.gravity),),
                 stiffness=(stiffness,),
                 damping=(self.loss * math.sqrt(stiffness),),
                 opens=True,
@@ -160,11 +183,11 @@ class Rope(Load):
                 lets_go="rope:slack_events",
             )
         if self.ground is not None:
-            yield self.ground.element(assembly, self)
+            yield self.ground.element(lay, LIFT, self.container_mass, self.rise(lay.ratios))
 
-    def readings(self, lay: Layout) -> dict[str, Reading]:
+    def readings(self, lay: Coordinates) -> dict[str, Reading]:
         """Channels of the container's motion."""
-        rise, lift = float(lay.rolling()[-1]), np.eye(lay.size)[-1]
+        rise, lift = self.rise(lay.ratios), lay.own_row(LIFT)
         return {
             CONTAINER[0]: Reading("m", displacement=lift, rigid=(rise, 0.0, 0.0)),
             CONTAINER[1]: Reading("m/s2", acceleration=lift, rigid=(0.0, 0.0, rise)),

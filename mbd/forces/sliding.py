@@ -22,13 +22,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbd.forces.element import Element, rule
+from mbd.elements.element import Element, rule
 from mbd.forces.flank import SIDES, flank_name
-from mbd.parts.losses import Coulomb, mesh_sliding_rows
-from mbd.parts.mesh_reference import sliding_shares
+from mbd.parts.gear_mesh import MeshSpec
+from mbd.parts.shafts import ShaftSpec
+from mbd.reference.mesh_reference import sliding_shares
 
 if TYPE_CHECKING:
-    from mbd.forces.assembly import Assembly
+    from mbd.coordinates.layout import Layout
+    from mbd.reference.assembly import Assembly
 
 FRICTION, ROLL, SMOOTH, CYCLE_START, CYCLE_RATE, SHARES = range(6)
 
@@ -53,10 +55,36 @@ def sliding_rule(values, motion, answer):
         answer.lost_by_v[r, 1] = share * motion.read_force[0] * ds
 
 
+def sliding_rows(mesh: MeshSpec, driving: ShaftSpec, driven: ShaftSpec, flank: int) -> np.ndarray:
+    """Rows (2, 12): w and kappa on (ux uy uz rx ry rz) of driving, then driven gear; flank +1 drive, -1 coast."""
+    line = np.array([driven.x - driving.x, 0.0, driven.z - driving.z])
+    e, up, s = line / np.linalg.norm(line), np.array([0.0, 1.0, 0.0]), driving.sense
+    n = flank * s * math.cos(mesh.pressure_angle) * np.cross(up, e) + math.sin(mesh.pressure_angle) * e
+    m = s * np.cross(up, n)
+    rows = np.zeros((2, 12))
+    for gear, (sign, radius) in enumerate(((1, mesh.base_radius_driving), (-1, mesh.base_radius_driven))):
+        at = 6 * gear
+        rows[0, at : at + 3] = sign * m
+        rows[0, at + 3 : at + 6] = radius / math.cos(mesh.pressure_angle) * np.cross(e, m)
+        rows[1, at + 4] = sign * s
+    return rows
+
+
+def mesh_sliding_rows(lay: Layout, mesh: MeshSpec, flank: int) -> np.ndarray:
+    """`sliding_rows` (2, coordinate) of a mesh in its machine."""
+    driving, driven = lay.machine.shaft(mesh.driving), lay.machine.shaft(mesh.driven)
+    return np.array(
+        [
+            lay.node_row(mesh.driving, mesh.y, row[:6]) + lay.node_row(mesh.driven, mesh.y, row[6:])
+            for row in sliding_rows(mesh, driving, driven, flank)
+        ]
+    )
+
+
 def elements(assembly: Assembly) -> Iterator[Element]:
     """One per flank, where teeth rub."""
-    losses, ratios = assembly.machine.losses, assembly.ratios
-    if not isinstance(losses, Coulomb) or losses.tooth_friction == 0.0:
+    friction, ratios = assembly.machine.losses.tooth_friction, assembly.layout.ratios
+    if friction == 0.0:
         return
     for mesh in assembly.machine.meshes:
         load, roll = assembly.mesh_loads[mesh.name], ratios[mesh.driving] + ratios[mesh.driven]
@@ -68,7 +96,7 @@ def elements(assembly: Assembly) -> Iterator[Element]:
                 name=f"{mesh.name} losses:{name}",
                 part=f"{mesh.name} losses",
                 rule=sliding_rule,
-                values=np.array([losses.tooth_friction, roll, assembly.smoothing * roll, *cycle, *shares.ravel()]),
+                values=np.array([friction, roll, assembly.smoothing * roll, *cycle, *shares.ravel()]),
                 rows=mesh_sliding_rows(assembly.layout, mesh, 1 - 2 * side),
                 row_names=("w", "kappa"),
                 scale=(load, load * mesh.base_radius_driving),

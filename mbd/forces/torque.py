@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbd.forces.element import Element, rule
+from mbd.elements.element import Element, rule
 from mbd.parts.checks import MachineError, finite, frozen_array
 from mbd.parts.load import OutsideForce
 
 if TYPE_CHECKING:
-    from mbd.forces.assembly import Assembly
+    from mbd.elements.coordinates import Coordinates
 
 
 @rule(__file__)
@@ -48,7 +48,7 @@ class Torque(OutsideForce):
                 f"{self.name}: its times must increase strictly. Spread a jump over at least one sample."
             )
 
-    def elements(self, assembly: Assembly) -> Iterator[Element]:
+    def elements(self, lay: Coordinates) -> Iterator[Element]:
         """The torque on the rotation of its shaft."""
         yield Element(
             kind="torque",
@@ -56,7 +56,7 @@ class Torque(OutsideForce):
             part=self.name,
             rule=torque_rule,
             values=np.concatenate([self.times, self.torques]),
-            rows=assembly.layout.angle_row(self.shaft, self.y)[None],
+            rows=lay.angle_row(self.shaft, self.y)[None],
             row_names=("angle",),
             scale=(max(float(abs(self.torques).max()), 1e-6),),
             rolls=True,

@@ -11,7 +11,7 @@ Contract
 4. A state vector x is whatever the method likes; ``displacement`` and ``velocity`` (n, x) turn it into q and q'.
 5. ``inverse_mass`` (n, n) gives the accelerations q'' = inverse_mass (f + B^T lambda - M R phi'' - C q' - K q).
 6. Nonlinear forces hold at the end of each step to ``TOLERANCE`` of their scale, or to less than the error of the step
-   (`mbd.forces.newton`); a step that does not converge raises StepError with its time.
+   (`mbd.elements.newton`); a step that does not converge raises StepError with its time.
 7. ``counters`` has "steps" (whole ones), "cuts" (instants beyond the whole steps) and "iterations" (Newton solves).
 8. ``flow`` is the `Flow` that the states follow exactly under the held forces of the blocks (the energy books are then
    exact integrals of it), or None (they are sums over the instants).
@@ -53,7 +53,7 @@ class Block(NamedTuple):
     push: (
         np.ndarray
     )  # (instant, m) change of the elastic part by the parameter alone in the step that ends here, where that is known
-    log: np.ndarray  # (instant, element, column), see `mbd.forces.element.LOG_COLUMNS`
+    log: np.ndarray  # (instant, element, column), see `mbd.elements.element.LOG_COLUMNS`
     clock: np.ndarray  # (instant, 4) CLOCK: step that ends here, motor angle, speed, acceleration held before
     whole: np.ndarray  # (whole step,) int, its last instant
     holds: np.ndarray  # (instant, k, m) c_k of lambda = sum_k theta^k c_k, theta 0..1 over the step that ends here

@@ -20,8 +20,8 @@ import copy
 import numpy as np
 from scipy import linalg
 
-from mbd.forces.newton import solve_rows, work_between
-from mbd.forces.table import instant
+from mbd.elements.newton import solve_rows, work_between
+from mbd.elements.table import instant
 from mbd.integrators.base import TOLERANCE, Block, Flow, uniform_clock
 from mbd.parts.checks import StepError
 from mbd.system.statics import State

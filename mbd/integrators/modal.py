@@ -23,9 +23,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy import linalg
 
-from mbd.forces.element import LOG_COLUMNS
-from mbd.forces.newton import solve_rows
-from mbd.forces.table import Instant, instant
+from mbd.elements.element import LOG_COLUMNS
+from mbd.elements.newton import solve_rows
+from mbd.elements.table import Instant, instant
 from mbd.integrators.base import LENGTH, TOLERANCE, Block, Flow, join
 from mbd.integrators.modal_loop import QUARTERS, Constants, Memory, advance_modes
 from mbd.parts.checks import StepError

@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.numerics.compiled import inner, stored
-from mbd.forces.element import WIDTH
-from mbd.forces.newton import NEAR, iterate
-from mbd.forces.table import Instant, contact_changed, parametric_work
+from mbd.elements.element import WIDTH
+from mbd.elements.newton import NEAR, iterate
+from mbd.elements.table import Instant, contact_changed, parametric_work
 
 QUARTERS = 4
 ROUGH, SMOOTH = 0.025, 0.005

@@ -16,8 +16,8 @@ import copy
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from mbd.forces.newton import solve_rows, work_between
-from mbd.forces.table import Instant, instant
+from mbd.elements.newton import solve_rows, work_between
+from mbd.elements.table import Instant, instant
 from mbd.integrators.base import TOLERANCE, Block, Flow, uniform_clock
 from mbd.parts.checks import StepError
 from mbd.system.statics import State

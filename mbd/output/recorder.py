@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem.storage.stored_array import StoredArray
-from mbd.coordinates.channels import CONTAINER, ChannelRows
+from mbd.coordinates.channels import ChannelRows
 from mbd.integrators.base import ACCELERATION, Block, Integrator
 from mbd.parts.checks import StepError
 from mbd.system.system import System
@@ -50,10 +50,8 @@ def _filter_matrix(taps: np.ndarray, every: int) -> np.ndarray:
 
 def _signals(rows: ChannelRows) -> np.ndarray:
     """Channels (int) by which a run is judged: vibration of casing or journals, or else the forces."""
-    names = np.array(rows.names, dtype=object)
-    units = np.array(rows.units, dtype=object)
-    vibration = np.flatnonzero((units == "m/s2") & (names != CONTAINER[1]))
-    return vibration if vibration.size else np.flatnonzero(units == "N")
+    vibration = np.flatnonzero(rows.vibration)
+    return vibration if vibration.size else np.flatnonzero(np.array(rows.units, dtype=object) == "N")
 
 
 class Recorder:

@@ -12,31 +12,64 @@ softer than 1e9 N/m.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
+from mbd.elements.component import Component, Place
+from mbd.elements.linear import LinearElement, Part, part_on_rows
+from mbd.elements.mode_words import ModeWords
+from mbd.elements.reading import Reading
 from mbd.parts.checks import MachineError, finite, not_negative
+from mbd.parts.shafts import AXES
 
 if TYPE_CHECKING:
-    from mbd.forces.assembly import Assembly
-    from mbd.forces.element import Element
+    from mbd.elements.coordinates import Coordinates
+    from mbd.elements.element import Element
 
 BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")
+DIRECTIONS = ("x", "y", "z")
 RIGID_STIFFNESS = 1e12  # N/m
 LINEAR_MODELS = ("rigid", "linear")
+
+
+def bearing_force(bearing: str, axis: str) -> str:
+    """Force (N) of a bearing on the casing along x, y or z."""
+    return f"{bearing}:f{axis}"
+
+
+def journal_acceleration(bearing: str, axis: str) -> str:
+    """Acceleration (m/s2) of the shaft in a bearing."""
+    return f"{bearing}:journal_a{axis}"
 
 
 class Inside(Protocol):
     """What makes the force of a nonlinear bearing."""
 
-    def element(self, assembly: Assembly, bearing: BearingSpec) -> Element:
+    def element(self, lay: Coordinates, bearing: BearingSpec) -> Element:
         """Its force on the rows of BEARING_AXES."""
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BearingSprings(LinearElement):
+    """K and C (n, n), N/m, N and N m/rad, on displacements of the shaft relative to its support."""
+
+    springs: np.ndarray
+    dampers: np.ndarray
+
+    def stiffness(self) -> np.ndarray:
+        """K (n, n)."""
+        return self.springs
+
+    def damping(self) -> np.ndarray:
+        """C (n, n)."""
+        return self.dampers
+
+
 @dataclass(frozen=True, kw_only=True)
-class BearingSpec:
+class BearingSpec(Component):
     """A bearing at ``y`` of ``shaft``; with the support "casing" its name is that of the casing's key point.
 
     Stiffness in N/m (ux, uz radial, uy axial) and N m/rad (rx, rz tilt); an axis with stiffness 0 is free.
@@ -109,6 +142,74 @@ class BearingSpec:
             self.damping_time * self.stiffness_matrix if self.damping is None else np.array(self.damping, dtype=float)
         )
 
+    @property
+    def words(self) -> ModeWords:
+        """Of modes in which it gives way: the bearings of a shaft count together."""
+        return ModeWords("bearing", "bearings", group=f"bearings of {self.shaft}")
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """Where it sits."""
+        return (Place(f"bearing {self.name}", self.shaft, self.y),)
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Its force on the casing."""
+        return tuple(bearing_force(self.name, axis) for axis in DIRECTIONS)
+
+    def rows(self, lay: Coordinates) -> np.ndarray:
+        """Displacements (5, coordinate) of the shaft relative to the support, in the order of BEARING_AXES.
+
+        A casing may leave out the motion that no bearing holds: there the shaft moves against the ground.
+        """
+        if self.support == "casing":
+            lay.check_key_point(self.name, self.shaft, self.y)
+        return np.array([self._row(lay, axis) for axis in BEARING_AXES])
+
+    def _row(self, lay: Coordinates, axis: str) -> np.ndarray:
+        shaft, name = lay.axis_row(self.shaft, self.y, AXES.index(axis)), f"{self.name}:{axis}"
+        free = self.stiffness[BEARING_AXES.index(axis)] == 0.0 and not lay.reads_casing(name)
+        return shaft if self.support == "ground" or free else shaft - lay.casing_row(name)
+
+    def parts(self, lay: Coordinates) -> Iterator[Part]:
+        """Springs and dampers in the directions that it holds; none if something inside makes its force."""
+        if self.inside is not None:
+            return
+        springs, dampers = self.stiffness_matrix, self.damping_matrix
+        held = np.flatnonzero(springs.any(axis=0) | dampers.any(axis=0))
+        yield part_on_rows(
+            self.rows(lay)[held],
+            name=self.name,
+            words=self.words,
+            elements=(
+                BearingSprings(
+                    at=tuple(range(len(held))), springs=springs[np.ix_(held, held)], dampers=dampers[np.ix_(held, held)]
+                ),
+            ),
+        )
+
+    def elements(self, lay: Coordinates) -> Iterator[Element]:
+        """The force that something inside makes."""
+        if self.inside is not None:
+            yield self.inside.element(lay, self)
+
+    def readings(self, lay: Coordinates) -> dict[str, Reading]:
+        """Acceleration of the journal, and the force on the casing if it is linear."""
+        found = {}
+        for axis in DIRECTIONS:
+            row = lay.axis_row(self.shaft, self.y, AXES.index(f"u{axis}"))
+            found[journal_acceleration(self.name, axis)] = Reading("m/s2", acceleration=row, vibration=True)
+        if self.inside is None:
+            rows, at = self.rows(lay), [BEARING_AXES.index(f"u{axis}") for axis in DIRECTIONS]
+            springs, dampers = self.stiffness_matrix @ rows, self.damping_matrix @ rows
+            for axis, i in zip(DIRECTIONS, at, strict=True):
+                found[bearing_force(self.name, axis)] = Reading("N", displacement=springs[i], velocity=dampers[i])
+        return found
+
+    def resting_force(self, lay: Coordinates, displacement: np.ndarray) -> float:
+        """Force (N) at the coordinates (n,) by its linear reference."""
+        return float(np.linalg.norm((self.stiffness_matrix @ (self.rows(lay) @ displacement))[:3]))
+
 
 def rigid_bearing(name: str, shaft: str, y: float, support: Literal["casing", "ground"] = "casing") -> BearingSpec:
     """A bearing that does not give way: all displacements held, tilts free."""
@@ -137,17 +238,3 @@ def semidefinite(where: str, matrix: np.ndarray) -> None:
             f"{where}: is indefinite (lowest eigenvalue {lowest:.3g} of the matrix scaled to unit diagonal). Lower the "
             "cross terms below the root of the product of their diagonal terms."
         )
-
-
-def springs(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Independent springs (spring, 5) and their stiffnesses (spring,) whose sum is ``matrix`` (5, 5).
-
-    Scaled so that displacements and tilts count alike; axes of a diagonal matrix stay what they are.
-    """
-    held = np.diag(matrix) > 0.0
-    scale = np.sqrt(np.where(held, np.diag(matrix), 1.0))
-    if not (matrix - np.diag(np.diag(matrix))).any():
-        return np.eye(5)[held], np.diag(matrix)[held]
-    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
-    keep = values > 1e-12
-    return (vectors * scale[:, None]).T[keep], values[keep]

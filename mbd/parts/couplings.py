@@ -1,22 +1,48 @@
 """Couplings between two shafts on one axis: linear springs and dampers between a node of each.
 
-The force on the first shaft is -k (u_1 - u_2) - c (u_1' - u_2') per axis. Torsion must be held; a direction of
-stiffness 0 is free, as in a coupling that only takes the rotation.
+The force on the first shaft is -K u - C u' with u = u_1 - u_2, K = diag(k) and C = tau K. Torsion must be held; a
+direction of stiffness 0 is free, as in a coupling that only takes the rotation.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
+import numpy as np
+
+from mbd.elements.component import Component, Link, Place
+from mbd.elements.linear import LinearElement, Part, part_on_rows
+from mbd.elements.mode_words import ModeWords
 from mbd.parts.checks import MachineError, finite, not_negative, positive
 from mbd.parts.shafts import ShaftSpec
+
+if TYPE_CHECKING:
+    from mbd.elements.coordinates import Coordinates
 
 COAXIAL = 1e-5  # m
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CouplingSprings(LinearElement):
+    """Springs k (n,), N/m and N m/rad, between both ends, with the damping time tau (s)."""
+
+    springs: np.ndarray
+    damping_time: float
+
+    def stiffness(self) -> np.ndarray:
+        """K = diag(k) (n, n)."""
+        return np.diag(self.springs)
+
+    def damping(self) -> np.ndarray:
+        """C = tau K (n, n)."""
+        return np.diag(self.damping_time * self.springs)
+
+
 @dataclass(frozen=True, kw_only=True)
-class ShaftCoupling:
+class ShaftCoupling(Component):
     """A coupling between ``shafts`` at their stations ``y`` (m); N/m, N m/rad, damping c = ``damping_time`` k."""
 
     name: str
@@ -44,17 +70,39 @@ class ShaftCoupling:
         radial, tilt = self.radial_stiffness, self.tilt_stiffness
         return radial, self.axial_stiffness, radial, tilt, self.torsional_stiffness, tilt
 
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """Both ends."""
+        return tuple(Place(f"coupling {self.name}", *end) for end in zip(self.shafts, self.y, strict=True))
 
-def check_coaxial(joint: ShaftCoupling, first: ShaftSpec, second: ShaftSpec) -> None:
+    @property
+    def links(self) -> tuple[Link, ...]:
+        """Both shafts turn alike."""
+        return (Link(f"coupling {self.name}", *self.shafts, 1.0),)
+
+    def parts(self, lay: Coordinates) -> Iterator[Part]:
+        """Springs in the directions that it holds."""
+        (one, other), (y_one, y_other) = self.shafts, self.y
+        held = [axis for axis, k in enumerate(self.stiffness) if k > 0.0]
+        springs = np.array([self.stiffness[axis] for axis in held])
+        yield part_on_rows(
+            np.array([lay.axis_row(one, y_one, axis) - lay.axis_row(other, y_other, axis) for axis in held]),
+            name=self.name,
+            words=ModeWords("coupling", "couplings"),
+            elements=(CouplingSprings(at=tuple(range(len(held))), springs=springs, damping_time=self.damping_time),),
+        )
+
+
+def check_coaxial(coupling: ShaftCoupling, first: ShaftSpec, second: ShaftSpec) -> None:
     """Raise MachineError unless both shafts have one axis and one lifting sense."""
     off = math.hypot(first.x - second.x, first.z - second.z)
     if off > COAXIAL:
         raise MachineError(
-            f"coupling {joint.name}: axes of {first.name} and {second.name} are {off * 1e3:.3f} mm apart; a coupling "
-            "joins shafts on one axis."
+            f"coupling {coupling.name}: axes of {first.name} and {second.name} are {off * 1e3:.3f} mm apart; a "
+            "coupling joins shafts on one axis."
         )
     if first.sense != second.sense:
         raise MachineError(
-            f"coupling {joint.name}: {first.name} and {second.name} have opposite lifting senses; coupled shafts turn "
-            "the same way."
+            f"coupling {coupling.name}: {first.name} and {second.name} have opposite lifting senses; coupled shafts "
+            "turn the same way."
         )

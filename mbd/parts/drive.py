@@ -5,11 +5,25 @@ Torque on the shaft in the lifting sense: k (phi_m - phi) + c (phi_m' - phi'). A
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mbd.elements.component import Component, Place
+from mbd.elements.linear import LinearElement, Part, part_on_rows
+from mbd.elements.mode_words import ModeWords
+from mbd.elements.reading import Reading
 from mbd.parts.checks import MachineError, finite, frozen_array, not_negative, positive
+
+if TYPE_CHECKING:
+    from mbd.elements.coordinates import Coordinates
+
+
+def motor_channels(motor: str) -> tuple[str, str, str]:
+    """Angle (rad), speed (rad/s) and torque on the shaft (N m, lifting positive)."""
+    return f"{motor}:angle", f"{motor}:speed", f"{motor}:torque"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,6 +40,62 @@ class CouplingSpec:
         finite(f"coupling {self.name} y", self.y)
         positive(f"coupling {self.name} stiffness", self.stiffness)
         not_negative(f"coupling {self.name} damping", self.damping)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MotorSpring(LinearElement):
+    """The spring (N m/rad) and damper (N m s/rad) of a motor coupling on the twist (1,) of its shaft end."""
+
+    spring: float
+    damper: float
+
+    def stiffness(self) -> np.ndarray:
+        """K (1, 1)."""
+        return np.array([[self.spring]])
+
+    def damping(self) -> np.ndarray:
+        """C (1, 1)."""
+        return np.array([[self.damper]])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive(Component):
+    """All motors with their couplings: one part of the energy balance."""
+
+    couplings: tuple[CouplingSpec, ...]
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """Where the couplings sit."""
+        return tuple(Place(f"coupling {c.name}", c.shaft, c.y) for c in self.couplings)
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Those of every motor."""
+        return tuple(name for c in self.couplings for name in motor_channels(c.name))
+
+    def parts(self, lay: Coordinates) -> Iterator[Part]:
+        """The couplings, whose far ends turn with the motors."""
+        yield part_on_rows(
+            np.array([lay.angle_row(c.shaft, c.y) for c in self.couplings]),
+            name="drive",
+            words=ModeWords("drive", "motor coupling", always=True),
+            elements=tuple(
+                MotorSpring(at=(i,), spring=c.stiffness, damper=c.damping) for i, c in enumerate(self.couplings)
+            ),
+            driven=np.array([lay.ratios[c.shaft] for c in self.couplings]),
+        )
+
+    def readings(self, lay: Coordinates) -> dict[str, Reading]:
+        """Angle, speed and torque of every motor."""
+        found = {}
+        for c in self.couplings:
+            angle, speed, torque = motor_channels(c.name)
+            row, ratio = lay.angle_row(c.shaft, c.y), lay.ratios[c.shaft]
+            found[angle] = Reading("rad", rigid=(ratio, 0.0, 0.0))
+            found[speed] = Reading("rad/s", rigid=(0.0, ratio, 0.0))
+            found[torque] = Reading("N m", displacement=-c.stiffness * row, velocity=-c.damping * row)
+        return found
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -23,18 +23,24 @@ ISO 21771-1:2024 (base helix, transverse line of action); the same rows follow f
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import LawError, checked_terms
+from mbd.elements.component import Component, Link, Place
 from mbd.parts.checks import MachineError, finite, not_negative, positive
 from mbd.parts.shafts import ShaftSpec
 
 
+def mesh_channels(mesh: str) -> tuple[str, str, str, str]:
+    """delta (m) and psi (rad) of the drive flank, force (N) of drive and coast flank, damping included."""
+    return f"{mesh}:delta", f"{mesh}:psi", f"{mesh}:drive_force", f"{mesh}:coast_force"
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MeshSpec:
+class MeshSpec(Component):
     """A gear pair; the driving gear is the pinion of the laws, ``cycle_at_start`` its mesh cycle at t = 0.
 
     Radii in m, angles in rad, ``backlash`` (m) along the transverse line of action, ``damping_time`` tau (s).
@@ -118,6 +124,25 @@ class MeshSpec:
     def ratio(self) -> float:
         """Speed of the driven over the driving shaft."""
         return self.base_radius_driving / self.base_radius_driven
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """Both gears."""
+        return tuple(Place(f"mesh {self.name}", shaft, self.y) for shaft in (self.driving, self.driven))
+
+    @property
+    def links(self) -> tuple[Link, ...]:
+        """The driven gear turns at the ratio of the teeth."""
+        return (Link(f"mesh {self.name}", self.driving, self.driven, self.ratio),)
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Approach, tilt and forces."""
+        return mesh_channels(self.name)
+
+    def turned(self, angle: float) -> MeshSpec:
+        """The mesh after its driving gear has rolled by ``angle`` (rad)."""
+        return replace(self, cycle_at_start=self.cycle_at_start + self.cycles_per_radian * angle)
 
 
 def _shift_slope(law: MeshLaw) -> float | None:

@@ -8,24 +8,26 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from mbd.elements.component import Component, Place
 from mbd.parts.checks import MachineError, finite, positive
 from mbd.parts.drive import SpeedProfile
 
 if TYPE_CHECKING:
-    from mbd.coordinates.channels import Reading
-    from mbd.coordinates.layout import Layout
-    from mbd.forces.assembly import Assembly
-    from mbd.forces.element import Element
+    from mbd.elements.coordinates import Coordinates
+
+
+ROPE_FORCE = "rope:force"  # N, all falls together; of a swinging container its vertical part
+CONTAINER = ("container:lift", "container:acceleration")  # m from the start, m/s2
+SWAY = ("container:sway_x", "container:sway_y")  # m
 
 
 @dataclass(frozen=True, kw_only=True)
-class Load(ABC):
+class Load(Component, ABC):
     """What hangs on the drums at the positions ``drums`` (m) of ``shaft``."""
 
     shaft: str
@@ -36,19 +38,9 @@ class Load(ABC):
             raise MachineError("load: no drum; give at least one y position on the output shaft.")
 
     @property
-    def coordinates(self) -> tuple[str, ...]:
-        """Names of its own coordinates, which come last in the layout."""
-        return ()
-
-    @property
-    def mass(self) -> float:
-        """Mass (kg) on each of its coordinates."""
-        return 0.0
-
-    @property
-    def channel_names(self) -> tuple[str, ...]:
-        """Its channels: those of its elements and its `readings`."""
-        return ()
+    def places(self) -> tuple[Place, ...]:
+        """The drums."""
+        return tuple(Place("drum", self.shaft, y) for y in self.drums)
 
     @property
     @abstractmethod
@@ -58,26 +50,6 @@ class Load(ABC):
     @abstractmethod
     def torque_on_shaft(self, gravity: float) -> float:
         """Torque (N m, lowering positive) on its shaft at rest."""
-
-    def rolling(self, ratio: float) -> np.ndarray:
-        """Motion (coordinate,) of its coordinates per motor angle; ``ratio`` is that of its shaft."""
-        return np.zeros(len(self.coordinates))
-
-    def constant_force(self, lay: Layout) -> np.ndarray:
-        """Constant force (n,) on all coordinates."""
-        return np.zeros(lay.size)
-
-    def holding_force(self, lay: Layout) -> np.ndarray:
-        """Force (n,) that holds it until t = 0, when it is let go."""
-        return np.zeros(lay.size)
-
-    def elements(self, assembly: Assembly) -> Iterable[Element]:
-        """Its nonlinear forces."""
-        return ()
-
-    def readings(self, lay: Layout) -> dict[str, Reading]:
-        """Channels of its coordinates by name."""
-        return {}
 
     def turned(self, angle: float, ratio: float) -> Load:
         """The load after the motors have rolled by ``angle`` (rad); MachineError if it cannot."""
@@ -117,7 +89,7 @@ class StaticTorque(Load):
         """Torque of all drums."""
         return self.torque * len(self.drums)
 
-    def constant_force(self, lay: Layout) -> np.ndarray:
+    def constant_force(self, lay: Coordinates) -> np.ndarray:
         """The torque on the rotation of every drum, and the pull across the shaft."""
         force = np.zeros(lay.size)
         for y in self.drums:
@@ -134,13 +106,15 @@ def pull_axis(direction: float | None) -> tuple[float, float, float]:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class OutsideForce(ABC):
-    """A force at ``y`` (m) of ``shaft`` besides the load, with a name of its own."""
+class OutsideForce(Component):
+    """A force at ``y`` (m) of ``shaft`` besides the load, with a name of its own: nonlinear `elements`, linear `parts`,
+    or a constant force."""
 
     name: str
     shaft: str
     y: float
 
-    @abstractmethod
-    def elements(self, assembly: Assembly) -> Iterable[Element]:
-        """Its elements."""
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """Where it acts."""
+        return (Place(self.name, self.shaft, self.y),)

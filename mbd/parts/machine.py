@@ -7,24 +7,25 @@ shafts turn at the ratio of their shaft.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from mbd.elements.component import Component, Link
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.checks import MachineError, finite, known, unique
 from mbd.parts.couplings import ShaftCoupling, check_coaxial
-from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.drive import CouplingSpec, Drive, SpeedProfile
 from mbd.parts.gear_mesh import MeshSpec, mesh_rows
 from mbd.parts.load import Load, OutsideForce
 from mbd.parts.losses import Brake, Losses, NoLosses
 from mbd.parts.shafts import ShaftSpec
-from mbd.parts.train import Link, shaft_ratios
+from mbd.parts.train import shaft_ratios
 
 STANDARD_GRAVITY = 9.80665
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Machine:
-    """Shafts in bearings, coupled by meshes, driven by motors, loaded at the drums.
+    """Shafts in bearings, geared by meshes, driven by motors, loaded at the drums.
 
     ``gravity`` (m/s2, along -z) acts on shafts, disks and container; the casing's own weight only shifts its rest
     position and is left out. ``gyroscopic`` adds the gyroscopic moments of shafts and disks.
@@ -52,31 +53,14 @@ class Machine:
         finite("gravity", self.gravity)
         if not self.couplings:
             raise MachineError("machine: no motor coupling; at least one must hold the input shaft.")
-        for bearing in self.bearings:
-            known(f"bearing {bearing.name} shaft", bearing.shaft, shafts)
-            self.shaft(bearing.shaft).check_station(f"bearing {bearing.name}", bearing.y)
-        for coupling in self.couplings:
-            known(f"coupling {coupling.name} shaft", coupling.shaft, shafts)
-            self.shaft(coupling.shaft).check_station(f"coupling {coupling.name}", coupling.y)
-        for joint in self.shaft_couplings:
-            for name, y in zip(joint.shafts, joint.y, strict=True):
-                known(f"coupling {joint.name} shaft", name, shafts)
-                self.shaft(name).check_station(f"coupling {joint.name}", y)
-            check_coaxial(joint, *(self.shaft(name) for name in joint.shafts))
-        if self.brake is not None:
-            known("brake shaft", self.brake.shaft, shafts)
-            self.shaft(self.brake.shaft).check_station("brake", self.brake.y)
         unique("forces", [force.name for force in self.forces])
-        for force in self.forces:
-            known(f"{force.name} shaft", force.shaft, shafts)
-            self.shaft(force.shaft).check_station(force.name, force.y)
-        known("load shaft", self.load.shaft, shafts)
-        for y in self.load.drums:
-            self.shaft(self.load.shaft).check_station("drum", y)
+        for component in self.components:
+            for what, shaft, y in component.places:
+                known(f"{what} shaft", shaft, shafts)
+                self.shaft(shaft).check_station(what, y)
+        for coupling in self.shaft_couplings:
+            check_coaxial(coupling, *(self.shaft(name) for name in coupling.shafts))
         for mesh in self.meshes:
-            for name in (mesh.driving, mesh.driven):
-                known(f"mesh {mesh.name} shaft", name, shafts)
-                self.shaft(name).check_station(f"mesh {mesh.name}", mesh.y)
             mesh_rows(mesh, self.shaft(mesh.driving), self.shaft(mesh.driven))
         self.ratios()
 
@@ -88,16 +72,30 @@ class Machine:
         """The mesh called ``name``."""
         return next(m for m in self.meshes if m.name == name)
 
+    @property
+    def components(self) -> tuple[Component, ...]:
+        """Everything in the machine, in the order of channels and of parts."""
+        brake = () if self.brake is None else (self.brake,)
+        return (
+            Drive(couplings=self.couplings),
+            *self.shafts,
+            *self.meshes,
+            *self.bearings,
+            self.load,
+            *self.shaft_couplings,
+            *self.forces,
+            *brake,
+        )
+
     def stations(self, name: str) -> tuple[float, ...]:
-        """Positions y on the shaft ``name`` that need a node: bearings, meshes, couplings, drums, forces."""
-        result = [b.y for b in self.bearings if b.shaft == name]
-        result += [m.y for m in self.meshes if name in (m.driving, m.driven)]
-        result += [c.y for c in self.couplings if c.shaft == name]
-        result += [y for j in self.shaft_couplings for shaft, y in zip(j.shafts, j.y, strict=True) if shaft == name]
-        result += [self.brake.y] if self.brake is not None and self.brake.shaft == name else []
-        result += list(self.load.drums) if self.load.shaft == name else []
-        result += [force.y for force in self.forces if force.shaft == name]
-        return tuple(result)
+        """Positions y on the shaft ``name`` that need a node."""
+        places = (place for component in self.components for place in component.places)
+        return tuple(place.y for place in places if place.shaft == name)
+
+    @property
+    def links(self) -> tuple[Link, ...]:
+        """What makes shafts turn together."""
+        return tuple(link for component in self.components for link in component.links)
 
     def ratios(self) -> dict[str, float]:
         """Lifting angle of every shaft per motor angle.
@@ -106,9 +104,18 @@ class Machine:
         ------
         MachineError : a shaft that no motor turns, or a closed loop whose ratios do not agree
         """
-        links = [Link(f"mesh {m.name}", m.driving, m.driven, m.ratio) for m in self.meshes]
-        links += [Link(f"coupling {j.name}", *j.shafts, 1.0) for j in self.shaft_couplings]
-        return shaft_ratios([s.name for s in self.shafts], links, self.couplings[0].shaft)
+        return shaft_ratios([s.name for s in self.shafts], self.links, self.couplings[0].shaft)
+
+    def turned(self, angle: float) -> Machine:
+        """The machine after its motors have rolled by ``angle`` (rad): mesh cycles and rope length move, nothing else.
+
+        Raises
+        ------
+        MachineError : the drums have then wound more rope than there is
+        """
+        ratios = self.ratios()
+        meshes = tuple(mesh.turned(ratios[mesh.driving] * angle) for mesh in self.meshes)
+        return replace(self, meshes=meshes, load=self.load.turned(angle, ratios[self.load.shaft]))
 
     def check_run(self, end: float) -> None:
         """Raise MachineError if the load does not allow the motion up to ``end`` (s)."""

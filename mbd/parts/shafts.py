@@ -1,33 +1,40 @@
 """Shafts: stepped beams along y with disks; rungs `timoshenko` and `torsion`.
 
-A node has six displacements (ux, uy, uz, rx, ry, rz) in global axes. An element of length L carries axial and
-torsional stiffness EA/L, GJ/L and, in the two planes (uz, rx) and (ux, -rz), the shear-flexible beam with
-interdependent shape functions (exact for end loads), consistent mass and rotary inertia. Gyroscopic moments are in
-`mbd.parts.gyroscopic`.
+A node has six displacements (ux, uy, uz, rx, ry, rz) in global axes. The matrices of sections and disks are those of
+`mbd.parts.beam`.
 
 `torsion` keeps the twist of the same elements but moves otherwise as a rigid body (five displacements per shaft), so
 that bearings, casing and sensors are still excited: its matrices are T^T M T and T^T K T of the beam.
-
-References
-----------
-Przemieniecki (1968), Theory of Matrix Structural Analysis, sections 5.6 and 11.6 (stiffness and mass of the beam);
-Friedman & Kosmatka (1993), Computers & Structures 47(3), 473-481 (shape functions);
-Cowper (1966), J. Appl. Mech. 33(2), 335-340 (shear coefficient of the hollow circle).
 """
 
 from __future__ import annotations
 
 import itertools
-import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from mbd.elements.component import Component
+from mbd.elements.linear import LinearElement, Part
+from mbd.elements.mode_words import ModeWords
+from mbd.elements.reading import Reading
+from mbd.parts.beam import BeamSection, RigidDisk
 from mbd.parts.checks import MachineError, finite, not_negative, positive, unique
 
+if TYPE_CHECKING:
+    from mbd.elements.coordinates import Coordinates
+
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
+RIGID_MOTIONS = 5  # of the rung "torsion", its first coordinates
+WORDS = ModeWords("shaft", "shafts")
 MOST_NODES = 333  # of a shaft: just below 2000 coordinates, whose matrices take 32 MB each
+
+
+def shaft_channels(shaft: str) -> tuple[str, str]:
+    """Angle (rad) and speed (rad/s) in the lifting sense, at the shaft's first gear (else its first end)."""
+    return f"{shaft}:angle", f"{shaft}:speed"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +74,7 @@ class Disk:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ShaftSpec:
+class ShaftSpec(Component):
     """A shaft whose axis is the line (x, y, z), y along it.
 
     ``sense`` is +1 if the lifting rotation is about +y and -1 if about -y; phi is positive in the lifting sense.
@@ -130,6 +137,44 @@ class ShaftSpec:
                 f"{what}: y = {y} m is off {self.name}, which reaches from {self.y_start} to {self.y_end} m."
             )
 
+    def section_at(self, y: float) -> Section:
+        """The section at ``y`` (m), the first of two that meet there."""
+        return next(s for s in self.sections if s.y_start - 1e-9 <= y <= s.y_end + 1e-9)
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Angle and speed."""
+        return shaft_channels(self.name)
+
+    def parts(self, lay: Coordinates) -> Iterator[Part]:
+        """The beam and its disks."""
+        yield Part(
+            name=self.name,
+            words=WORDS,
+            elements=shaft_elements(self, lay.nodes(self.name)),
+            index=lay.index(self.name),
+            shape=lay.basis(self.name),
+            unstrained=0 if self.model == "timoshenko" else RIGID_MOTIONS,
+            spin=self.sense * lay.ratios[self.name],
+        )
+
+    def constant_force(self, lay: Coordinates) -> np.ndarray:
+        """Weight of the beam and its disks."""
+        nodes, force = lay.nodes(self.name), np.zeros(lay.size)
+        lift = np.tile(np.eye(6)[2], len(nodes))
+        mass = free_shaft(self, nodes).summed("mass")
+        force[lay.index(self.name)] -= lay.gravity * lay.basis(self.name).T @ (mass @ lift)
+        return force
+
+    def readings(self, lay: Coordinates) -> dict[str, Reading]:
+        """Angle and speed in the lifting sense."""
+        row, ratio = lay.angle_row(self.name, lay.read_at(self.name)), lay.ratios[self.name]
+        angle, speed = shaft_channels(self.name)
+        return {
+            angle: Reading("rad", displacement=row, rigid=(ratio, 0.0, 0.0)),
+            speed: Reading("rad/s", velocity=row, rigid=(0.0, ratio, 0.0)),
+        }
+
 
 def torsional_stiffness(spec: ShaftSpec) -> float:
     """Torque over twist (N m/rad) of the whole shaft."""
@@ -168,20 +213,41 @@ def node_at(nodes: np.ndarray, y: float) -> int:
     return int(np.argmin(abs(nodes - y)))
 
 
-def shaft_matrices(spec: ShaftSpec, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mass and stiffness (6 node, 6 node) of the free shaft with its disks, SI."""
-    size = 6 * len(nodes)
-    mass, stiffness = np.zeros((size, size)), np.zeros((size, size))
-    for e in range(len(nodes) - 1):
-        m, k = beam_element(spec, section_at(spec, nodes, e), float(nodes[e + 1] - nodes[e]))
-        span = slice(6 * e, 6 * e + 12)
-        mass[span, span] += m
-        stiffness[span, span] += k
+def shaft_elements(spec: ShaftSpec, nodes: np.ndarray) -> tuple[LinearElement, ...]:
+    """Beam sections between all ``nodes`` (m), then the disks, on the displacements (6 node,)."""
+    found: list[LinearElement] = []
+    for i, (start, end) in enumerate(itertools.pairwise(nodes)):
+        section = spec.section_at(0.5 * (start + end))
+        found.append(
+            BeamSection(
+                at=tuple(range(6 * i, 6 * i + 12)),
+                length=float(end - start),
+                outer_diameter=section.outer_diameter,
+                inner_diameter=section.inner_diameter,
+                elastic_modulus=spec.elastic_modulus,
+                poisson_ratio=spec.poisson_ratio,
+                density=spec.density,
+                damping_time=spec.damping_time,
+            )
+        )
     for disk in spec.disks:
-        at = 6 * node_at(nodes, disk.y)
-        inertia = (disk.mass,) * 3 + (disk.diametral_inertia, disk.polar_inertia, disk.diametral_inertia)
-        mass[range(at, at + 6), range(at, at + 6)] += inertia
-    return mass, stiffness
+        first = 6 * node_at(nodes, disk.y)
+        found.append(
+            RigidDisk(
+                at=tuple(range(first, first + 6)),
+                disk_mass=disk.mass,
+                polar_inertia=disk.polar_inertia,
+                diametral_inertia=disk.diametral_inertia,
+            )
+        )
+    return tuple(found)
+
+
+def free_shaft(spec: ShaftSpec, nodes: np.ndarray) -> Part:
+    """The shaft and its disks on the displacements (6 node,) of its nodes alone."""
+    every = 6 * len(nodes)
+    elements = shaft_elements(spec, nodes)
+    return Part(name=spec.name, words=WORDS, elements=elements, index=np.arange(every), shape=np.eye(every))
 
 
 def shaft_basis(spec: ShaftSpec, nodes: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -203,87 +269,3 @@ def rigid_body_modes(nodes: np.ndarray) -> np.ndarray:
     modes[:, 2, 3] = nodes  # theta_x moves +z
     modes[:, 0, 5] = -nodes  # theta_z moves -x
     return modes.reshape(-1, 6)
-
-
-def beam_element(spec: ShaftSpec, section: Section, length: float) -> tuple[np.ndarray, np.ndarray]:
-    """Mass and stiffness (12, 12) of one element along y, node order (ux uy uz rx ry rz) twice."""
-    e_modulus, nu, rho = spec.elastic_modulus, spec.poisson_ratio, spec.density
-    g_modulus = e_modulus / (2 * (1 + nu))
-    d, d_i = section.outer_diameter, section.inner_diameter
-    area, second_moment = math.pi * (d**2 - d_i**2) / 4, math.pi * (d**4 - d_i**4) / 64
-    polar = 2 * second_moment
-    phi = _shear_share(spec, section, length)
-
-    mass, stiffness = np.zeros((12, 12)), np.zeros((12, 12))
-    pair_m, pair_k = np.array([[2, 1], [1, 2]]) * length / 6, np.array([[1, -1], [-1, 1]]) / length
-    axial, torsion = np.ix_((1, 7), (1, 7)), np.ix_((4, 10), (4, 10))
-    mass[axial], stiffness[axial] = rho * area * pair_m, e_modulus * area * pair_k
-    mass[torsion], stiffness[torsion] = rho * polar * pair_m, g_modulus * polar * pair_k
-
-    bend_m, bend_k = _bending(length, phi, e_modulus * second_moment, rho * area, rho * second_moment)
-    for dofs, signs in (((2, 3, 8, 9), (1, 1, 1, 1)), ((0, 5, 6, 11), (1, -1, 1, -1))):
-        flip = np.outer(signs, signs)
-        mass[np.ix_(dofs, dofs)] += bend_m * flip
-        stiffness[np.ix_(dofs, dofs)] += bend_k * flip
-    return mass, stiffness
-
-
-def rotary_inertia(spec: ShaftSpec, nodes: np.ndarray) -> list[tuple[int, np.ndarray]]:
-    """First coordinate and rotary inertia (4, 4) over (v1, theta1, v2, theta2) of every element, SI."""
-    found = []
-    for e in range(len(nodes) - 1):
-        section, length = section_at(spec, nodes, e), float(nodes[e + 1] - nodes[e])
-        second_moment = math.pi * (section.outer_diameter**4 - section.inner_diameter**4) / 64
-        found.append(
-            (6 * e, _bending(length, _shear_share(spec, section, length), 0.0, 0.0, spec.density * second_moment)[0])
-        )
-    return found
-
-
-def section_at(spec: ShaftSpec, nodes: np.ndarray, element: int) -> Section:
-    """The section that an element lies in."""
-    middle = 0.5 * (nodes[element] + nodes[element + 1])
-    return next(s for s in spec.sections if s.y_start - 1e-9 <= middle <= s.y_end + 1e-9)
-
-
-def _shear_share(spec: ShaftSpec, section: Section, length: float) -> float:
-    """12 E I/(kappa G A L^2): shear over bending flexibility."""
-    d, d_i = section.outer_diameter, section.inner_diameter
-    kappa = shear_coefficient(spec.poisson_ratio, d_i / d)
-    return 12 * 2 * (1 + spec.poisson_ratio) * (d**2 + d_i**2) / 16 / (kappa * length**2)
-
-
-def shear_coefficient(nu: float, m: float) -> float:
-    """Cowper's kappa of a circle with the bore ratio m = d_i/d_o."""
-    q = (1 + m * m) ** 2
-    return 6 * (1 + nu) * q / ((7 + 6 * nu) * q + (20 + 12 * nu) * m * m)
-
-
-def _bending(length: float, phi: float, ei: float, rho_a: float, rho_i: float) -> tuple[np.ndarray, np.ndarray]:
-    """Mass and stiffness (4, 4) in (v1, theta1, v2, theta2) with theta = dv/dy for a slender beam."""
-    mu = 1 / (1 + phi)
-    k = np.array([[12, 6, -12, 6], [6, 4 + phi, -6, 2 - phi], [-12, -6, 12, -6], [6, 2 - phi, -6, 4 + phi]])
-    scale = np.array([1, length, 1, length])
-    stiffness = ei * mu / length**3 * k * np.outer(scale, scale)
-    points, weights = np.polynomial.legendre.leggauss(4)  # exact to degree 7, the product has degree 6
-    mass = np.zeros((4, 4))
-    for s, w in zip(0.5 * (points + 1), 0.5 * length * weights, strict=True):
-        bubble = s - s * s
-        v = mu * np.array(
-            [
-                1 - 3 * s**2 + 2 * s**3 + phi * (1 - s),
-                length * (s - 2 * s**2 + s**3 + phi / 2 * bubble),
-                3 * s**2 - 2 * s**3 + phi * s,
-                length * (-(s**2) + s**3 - phi / 2 * bubble),
-            ]
-        )
-        theta = mu * np.array(
-            [
-                -6 / length * bubble,
-                1 - 4 * s + 3 * s**2 + phi * (1 - s),
-                6 / length * bubble,
-                -2 * s + 3 * s**2 + phi * s,
-            ]
-        )
-        mass += w * (rho_a * np.outer(v, v) + rho_i * np.outer(theta, theta))
-    return mass, stiffness

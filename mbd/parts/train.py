@@ -1,29 +1,20 @@
 """Kinematics of a parallel-shaft train: lifting speed of every shaft per motor speed, through branches and loops.
 
-A link couples the rotations of two shafts: a gear mesh with the ratio z1/z2, or a shaft coupling with the ratio 1.
-Angles are positive in the lifting sense, so that every ratio is positive. A loop of links is closed only if the ratios
-around it agree; otherwise it locks.
+A link ties two rotations together: a gear mesh with the ratio z1/z2, or a shaft coupling with the ratio 1. Angles are
+positive in the lifting sense, so that every ratio is positive. A loop of links is closed only if the ratios around it
+agree; otherwise it locks.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
+from mbd.elements.component import Link
 from mbd.parts.checks import MachineError
 
 RATIO_TOLERANCE = 1e-9  # relative: teeth are whole numbers, so that ratios agree to round-off or not at all
-
-
-class Link(NamedTuple):
-    """What turns ``second`` at ``ratio`` times the speed of ``first``."""
-
-    name: str
-    first: str
-    second: str
-    ratio: float
 
 
 def shaft_ratios(shafts: Sequence[str], links: Sequence[Link], start: str) -> dict[str, float]:

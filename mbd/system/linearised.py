@@ -4,11 +4,11 @@ With the slopes S_u = d lambda/du, S_v = d lambda/du' of the residual forces on 
 
     K_t = K - B^T S_u B,   C_t = C - B^T S_v B:
 
-the tangent stiffness of every flank at its force, the ropes at their length, damping as in the time step. Bearings,
-shafts, couplings and casing are linear already. Eigenvalues lambda come in the modal basis of the system, which the
-time step uses as well. At a motor speed the state is the rest in the rolling frame at mesh cycle, cage angle and rope
-length of t = 0: C_t then holds the gyroscopic moments Omega G (all of them, where the time step keeps the strongest
-planes) and K_t the friction that follows the tooth forces, which is not symmetric.
+the tangent of every element at its force, damping as in the time step; the parts are linear already. Eigenvalues lambda
+come in the modal basis of the system, which the time step uses as well. At a motor speed the state is the rest in the
+rolling frame at mesh cycle, cage angle and rope length of t = 0: C_t then holds the gyroscopic moments Omega G (all of
+them, where the time step keeps the strongest planes) and K_t the friction that follows the tooth forces, which is not
+symmetric.
 
 The vibration also turns the gears and so shifts the mesh cycle, which changes F at frozen delta. The time step has this
 without its counterpart, a torque dU/dc, so that K_t would be asymmetric. It is left out: in the scene `minimal` and the
@@ -21,26 +21,24 @@ part. Masses and strain of shafts and casing are theirs; meshes, bearings, coupl
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import linalg
 
 from fem.storage.records import Record, array, integer, names
-from mbd.coordinates.modal_basis import SMALLEST_FREQUENCY
-from mbd.forces.element import WIDTH
-from mbd.forces.flank import flank_name
-from mbd.forces.gyroscopic_plane import KIND as GYROSCOPIC
-from mbd.forces.newton import forces_at
-from mbd.forces.table import instant, slope_matrix
+from mbd.elements.element import WIDTH
+from mbd.elements.mode_words import ModeWords
+from mbd.elements.newton import forces_at
+from mbd.elements.table import instant, slope_matrix
 from mbd.parts.checks import MachineError, finite, positive
 from mbd.parts.machine import Machine
+from mbd.reference.modal_basis import SMALLEST_FREQUENCY
 from mbd.system.statics import State, equilibrium
 from mbd.system.system import System
 
 DEFAULT_UP_TO = 10e3  # Hz
 LEAST_LOAD = 1e-6  # of the load of the linear reference: below it a flank counts as just touching
-ROPE = "rope"  # the part that is made of the ropes and the container
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -101,12 +99,7 @@ def turned(machine: Machine, angle: float) -> Machine:
     MachineError : the drums have then wound more rope than there is
     """
     finite("motor angle", angle)
-    ratios, load = machine.ratios(), machine.load
-    meshes = tuple(
-        replace(m, cycle_at_start=m.cycle_at_start + m.cycles_per_radian * ratios[m.driving] * angle)
-        for m in machine.meshes
-    )
-    return replace(machine, meshes=meshes, load=load.turned(angle, ratios[load.shaft]))
+    return machine.turned(angle)
 
 
 def tangent(system: System, state: State) -> Tangent:
@@ -121,19 +114,20 @@ def tangent(system: System, state: State) -> Tangent:
     slope_u, slope_v = np.zeros((m, WIDTH)), np.zeros((m, WIDTH))
     clock = state.motor_angle, state.motor_speed, 0.0
     forces_at(table, clock, u, still, u[:0], slope_u[:0], force, slope_u, slope_v, now)
-    approaches = np.array(
-        [[system.at(flank_name(mesh.name, side)).start for side in (0, 1)] for mesh in system.machine.meshes], dtype=int
-    ).reshape(-1, 2)
-    forces = now.elastic[approaches]
-    for mesh, both, (drive, _) in zip(system.machine.meshes, forces, approaches, strict=True):
-        if both.max() <= LEAST_LOAD * table.scale[drive]:
+    forces, stiffness = [], []
+    for name, sides in system.contacts.items():
+        rows = [system.at(side.name).start for side in sides]
+        carried = now.elastic[rows]
+        if carried.max() <= LEAST_LOAD * table.scale[rows[0]]:
             raise MachineError(
-                f"mesh {mesh.name}: carries no force at the equilibrium; a flank that just touches has no tangent "
+                f"mesh {name}: carries no force at the equilibrium; a flank that just touches has no tangent "
                 "stiffness. Give the machine a load."
             )
+        forces.append(carried[0] - carried[1:].sum())
+        stiffness.append(now.stiffness[rows, 0].sum())
     by_u, by_v = slope_matrix(slope_u, table), slope_matrix(slope_v, table)
-    damping = system.damping - system.rows.T @ _without_planes(system, by_v) @ system.rows
-    if system.machine.gyroscopic:
+    damping = system.damping - system.rows.T @ _without_matrices(system, by_v) @ system.rows
+    if system.gyroscopic.size:
         damping = damping + state.motor_speed * system.gyroscopic
     return Tangent(
         stiffness=system.stiffness - system.rows.T @ by_u @ system.rows,
@@ -141,16 +135,16 @@ def tangent(system: System, state: State) -> Tangent:
         row_stiffness=np.diag(table.stiffness) - by_u,
         force_slope=by_u,
         force_slope_rate=by_v,
-        mesh_forces=forces[:, 0] - forces[:, 1],
-        mesh_stiffness=now.stiffness[approaches, 0].sum(axis=1),
+        mesh_forces=np.array(forces),
+        mesh_stiffness=np.array(stiffness),
     )
 
 
-def _without_planes(system: System, slope: np.ndarray) -> np.ndarray:
-    """The slopes (m, m) without those of the gyroscopic planes."""
+def _without_matrices(system: System, slope: np.ndarray) -> np.ndarray:
+    """The slopes (m, m) without those of elements that stand for a matrix of the system."""
     result = slope.copy()
     for element in system.elements:
-        if element.kind == GYROSCOPIC:
+        if element.in_matrix:
             result[system.at(element.name)] = 0.0
     return result
 
@@ -174,23 +168,23 @@ def linear_modes(
     values, shapes, overdamped = _eigen(system, small)
     keep = abs(values) <= 2 * np.pi * up_to
     values, shapes = values[keep], shapes[:, keep]
-    kinds, strain, kinetic = _energies(system, small, values, shapes)
+    words, strain, kinetic = _energies(system, small, values, shapes)
     total = 0.25 * np.sum(shapes.conj() * (small.stiffness @ shapes), axis=0).real
     total += 0.25 * abs(values) ** 2 * np.sum(shapes.conj() * (system.mass @ shapes), axis=0).real
     readings = _readings(system, small, values, shapes / np.sqrt(total))
     return LinearModes(
         frequencies=abs(values) / (2 * np.pi),
         damping_ratios=-values.real / abs(values),
-        dominant=_dominant(system.machine, kinds, strain, kinetic),
-        part_names=tuple(kinds),
-        part_kinds=tuple(kinds.values()),
+        dominant=_dominant(words, strain, kinetic),
+        part_names=tuple(words),
+        part_kinds=tuple(word.kind for word in words.values()),
         strain_shares=(strain / total).T,
         kinetic_shares=(kinetic / total).T,
         channel_names=system.channels.names,
         channel_units=system.channels.units,
         amplitudes=abs(readings),
         phases=np.angle(readings),
-        mesh_names=tuple(m.name for m in system.machine.meshes),
+        mesh_names=tuple(system.contacts),
         mesh_forces=small.mesh_forces,
         mesh_stiffness=small.mesh_stiffness,
         overdamped=overdamped,
@@ -227,26 +221,26 @@ def _eigen(system: System, small: Tangent) -> tuple[np.ndarray, np.ndarray, int]
 
 def _energies(
     system: System, small: Tangent, values: np.ndarray, shapes: np.ndarray
-) -> tuple[dict[str, str], np.ndarray, np.ndarray]:
-    """Kind of each part by name, and mean strain and kinetic energy (part, mode)."""
-    kinds: dict[str, str] = {}
+) -> tuple[dict[str, ModeWords], np.ndarray, np.ndarray]:
+    """Words of each part by name, and mean strain and kinetic energy (part, mode)."""
+    words: dict[str, ModeWords] = {}
     m = len(system.rows)
     strain: dict[str, np.ndarray] = {}
     kinetic: dict[str, np.ndarray] = {}
 
-    def add(name: str, kind: str, stored: np.ndarray, moving: np.ndarray | float) -> None:
-        kinds.setdefault(name, kind)
+    def add(name: str, word: ModeWords, stored: np.ndarray, moving: np.ndarray | float) -> None:
+        words.setdefault(name, word)
         strain[name] = strain.get(name, 0.0) + 0.25 * stored
         kinetic[name] = kinetic.get(name, 0.0) + 0.25 * abs(values) ** 2 * moving
 
     for part in system.parts:
-        name, kind = (ROPE, ROPE) if part.kind == "load" else (part.name, part.kind)
-        add(name, kind, _form(part.stiffness, shapes[part.index]), _form(part.mass, shapes[part.index]))
-    springs = {element.part: element.spring for element in system.elements if element.spring}
-    for name, spring in springs.items():
-        at = np.concatenate([np.arange(m)[system.at(e.name)] for e in system.elements if e.part == name])
-        add(name, spring, _form(small.row_stiffness[np.ix_(at, at)], system.rows[at] @ shapes), 0.0)
-    return kinds, np.array(list(strain.values())), np.array(list(kinetic.values()))
+        own = shapes[part.index]
+        add(part.modes_of or part.name, part.words, _form(part.stiffness, own), _form(part.mass, own))
+    for name, word in {element.part: element.words for element in system.elements}.items():
+        if word is not None:
+            at = np.concatenate([np.arange(m)[system.at(e.name)] for e in system.elements if e.part == name])
+            add(name, word, _form(small.row_stiffness[np.ix_(at, at)], system.rows[at] @ shapes), 0.0)
+    return words, np.array(list(strain.values())), np.array(list(kinetic.values()))
 
 
 def _form(matrix: np.ndarray, shapes: np.ndarray) -> np.ndarray:
@@ -262,37 +256,34 @@ def _readings(system: System, small: Tangent, values: np.ndarray, shapes: np.nda
     return found + channels.acceleration @ (shapes * values**2) + channels.forces @ forces
 
 
-def _dominant(machine: Machine, kinds: dict[str, str], strain: np.ndarray, kinetic: np.ndarray) -> tuple[str, ...]:
-    """The part whose spring makes each mode, in words.
+def _dominant(words: dict[str, ModeWords], strain: np.ndarray, kinetic: np.ndarray) -> tuple[str, ...]:
+    """The part whose spring makes each mode, in its words.
 
-    Kinds compete by their share of the strain energy: shafts move with whatever holds them. Casing and rope, which own
-    both spring and mass, compete by the mean of their strain and kinetic shares. Within the kind that wins, the part
-    with more than half of its strain energy gives the name.
+    Kinds compete by their share of the strain energy: shafts move with whatever holds them. Those that own both spring
+    and mass, as casing and rope, compete by the mean of their strain and kinetic shares. Within the kind that wins, the
+    part with more than half of its strain energy gives the name.
     """
     strain, kinetic = strain / strain.sum(axis=0), kinetic / kinetic.sum(axis=0)
-    kind_of = np.array(list(kinds.values()))
-    order = list(dict.fromkeys(kinds.values()))
-    scores = np.array([strain[kind_of == kind].sum(axis=0) for kind in order])
-    for kind in ("casing", ROPE):
-        if kind in order:
-            scores[order.index(kind)] = 0.5 * (strain + kinetic)[kind_of == kind].sum(axis=0)
-    holds = {bearing.name: bearing.shaft for bearing in machine.bearings}
+    kinds: dict[str, list[int]] = {}  # numbers of the parts of each kind
+    for i, word in enumerate(words.values()):
+        kinds.setdefault(word.kind, []).append(i)
+    names_, every = list(words), list(words.values())
+    scores = [
+        0.5 * (strain + kinetic)[parts].sum(axis=0) if every[parts[0]].has_mass else strain[parts].sum(axis=0)
+        for parts in kinds.values()
+    ]
     found = []
-    for mode, kind in enumerate(np.array(order)[scores.argmax(axis=0)] if scores.size else ()):
-        if kind == ROPE:
-            bounce = kinetic[list(kinds).index(ROPE), mode] > 0.5
-            found.append("rope bounce" if bounce else "rope")
-            continue
-        stored: dict[str, float] = {}
-        for name, value in zip(kinds, strain[:, mode], strict=True):
-            if kinds[name] == kind:
-                word = f"bearings of {holds[name]}" if name in holds else name
-                stored[word] = stored.get(word, 0.0) + float(value)
-        top = max(stored, key=lambda word: stored[word])
-        single = stored[top] > 0.5 * math.fsum(stored.values())
-        found.append(_WORDS.get(kind) or (top.replace("_", " ") if single else _PLURAL[kind]))
+    for mode, best in enumerate(np.argmax(scores, axis=0) if scores else ()):
+        parts = list(kinds.values())[best]
+        word, stored = every[parts[0]], dict[str, float]()
+        for i in parts:
+            group = every[i].group or names_[i]
+            stored[group] = stored.get(group, 0.0) + float(strain[i, mode])
+        top = max(stored, key=lambda group: stored[group])
+        if word.moving and kinetic[parts, mode].sum() > 0.5:
+            found.append(word.moving)
+        elif word.always or stored[top] <= 0.5 * math.fsum(stored.values()):
+            found.append(word.plural)
+        else:
+            found.append(top.replace("_", " "))
     return tuple(found)
-
-
-_WORDS = {"casing": "casing", "drive": "motor coupling", "ground": "ground"}
-_PLURAL = {"coupling": "couplings", "shaft": "shafts", "bearing": "bearings", "mesh": "meshes"}

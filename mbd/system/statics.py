@@ -1,9 +1,9 @@
 """Equilibrium at t = 0: the load hangs, the motors hold.
 
 0 = f + B^T lambda(B q) - K q has the rows u = B K^-1 f + (B K^-1 B^T) lambda(u): the Newton iteration of the time step
-with static flexibilities. With no load at all the gears could rest anywhere in the backlash; the drive flanks are then
-set to just touch, K q = f + B^T mu with delta = delta_0(c, psi). A swinging container is held at its angle by a force
-square to its ropes.
+with static flexibilities. With no load at all the gears could rest anywhere in the backlash; contacts that carry
+nothing are set to just touch, K q = f + B^T mu with delta = delta_0(c, psi) of a flank. A swinging container is held at
+its angle by a force square to its ropes.
 """
 
 from __future__ import annotations
@@ -12,12 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbd.forces.element import WIDTH
-from mbd.forces.flank import flank_name, no_load_approach
-from mbd.forces.newton import forces_at, solve_rows
-from mbd.forces.table import Instant, instant, slope_matrix
+from mbd.elements.element import LARGEST_APPROACH, WIDTH, Contact, Element
+from mbd.elements.newton import forces_at, solve_rows
+from mbd.elements.table import Instant, instant, slope_matrix
 from mbd.parts.checks import EquilibriumError
-from mbd.parts.mesh_reference import LARGEST_APPROACH, nominal_forces
 from mbd.system.system import System
 
 TOLERANCE = 1e-12
@@ -46,59 +44,91 @@ def equilibrium(system: System, speed: float = 0.0) -> State:
     EquilibriumError : the load cannot be carried (e.g. too many teeth missing), or the iteration fails
     """
     response = system.basis / system.frequencies**2 @ system.basis.T  # K^-1 on everything that can act
-    constant = system.constant_force + system.machine.load.holding_force(system.layout)
+    constant = system.constant_force + system.holding_force
     rows = system.all_rows
     m = len(system.rows)
     free = rows @ (response @ constant)
     flexibility = rows @ response @ system.rows.T
-    carried = list(nominal_forces(system.machine).values())
-    if system.machine.load.idle:
-        forces, now = _touching(system, free, flexibility, speed, np.arange(len(carried)), np.zeros(m))
-    elif 0.0 in carried:  # branches that carry nothing
-        start, (at, goal) = np.zeros(m), _pressed(system, free)
-        start[at] = np.linalg.solve(flexibility[np.ix_(at, at)], goal - free[at])
-        resting = np.flatnonzero(np.array(carried) == 0.0)
+    contacts = [_PressedContact(system, sides) for sides in system.contacts.values()]
+    resting = [contact for contact in contacts if contact.nominal == 0.0]
+    if resting:
+        start = np.zeros(m)
+        if len(resting) < len(contacts):  # branches that carry nothing
+            _press(contacts, free, flexibility, start)
         forces, now = _touching(system, free, flexibility, speed, resting, start)
     else:
-        forces, now = _loaded(system, free, flexibility, speed)
+        forces, now = _loaded(system, free, flexibility, speed, contacts)
     q = response @ (constant + system.rows.T @ forces)
-    ratios, lay = system.machine.ratios(), system.layout
-    torque = sum(
-        -c.stiffness * ratios[c.shaft] * float(lay.angle_row(c.shaft, c.y) @ q) for c in system.machine.couplings
-    )
     return State(
         displacement=q,
         velocity=np.zeros_like(q),
         forces=forces[:m],
         motor_angle=0.0,
         motor_speed=speed,
-        motor_torque=torque,
-        mesh_force=now.elastic[[row for row, _ in _approaches(system)]].copy(),
+        motor_torque=float(system.motor_torque[0] @ q),
+        mesh_force=now.elastic[[contact.approaches[0] for contact in contacts]].copy(),
     )
 
 
-def _approaches(system: System) -> list[tuple[int, int]]:
-    """Rows of the approach on drive and coast flank of every mesh."""
-    return [
-        (system.at(flank_name(mesh.name, 0)).start, system.at(flank_name(mesh.name, 1)).start)
-        for mesh in system.machine.meshes
-    ]
+class _PressedContact:
+    """A contact that holds the train (see `mbd.elements.element.Contact`): rows of the approach on both sides, and the
+    approach at which each just touches."""
+
+    def __init__(self, system: System, sides: tuple[Element, ...]) -> None:
+        self._system = system
+        self.sides = sorted((side for side in sides if side.contact is not None), key=_side)
+        self.rows = [system.at(side.name) for side in self.sides]
+        self.approaches = [rows.start for rows in self.rows]
+
+    @property
+    def contacts(self) -> list[Contact]:
+        """What its sides state."""
+        return [side.contact for side in self.sides if side.contact is not None]
+
+    @property
+    def nominal(self) -> float:
+        """N."""
+        return self.contacts[0].nominal
+
+    def touching(self, side: int, motion: np.ndarray, rows: np.ndarray) -> float:
+        """Displacement of the first row of a side at which it just touches; displacements (row + observed,) of all
+        rows, and those (n,) of its own."""
+        observed = self._system.observed_by(self.sides[side].name, motion)
+        return self.contacts[side].touching(observed, rows)
+
+
+def _side(element: Element) -> int:
+    return 0 if element.contact is None else element.contact.side
+
+
+def _press(contacts: list[_PressedContact], free: np.ndarray, flexibility: np.ndarray, force: np.ndarray) -> None:
+    """Set the forces on the loaded sides so that all of them are well in contact: an open one leaves the train without
+    a hold, and a convex force law is found safely from the side of too much contact."""
+    rows, goal = [], []
+    for contact in contacts:
+        side = int(contact.nominal < 0.0)  # on the other side the driven gear pushes the driving one
+        own = contact.rows[side]
+        stiffness = contact.sides[0].stiffness[0]
+        rows.append(own.start)
+        straight = np.zeros(own.stop - own.start)
+        goal.append(contact.touching(side, free, straight) + 4 * abs(contact.nominal) / stiffness)
+    at = np.array(rows, dtype=int)
+    force[at] = np.linalg.solve(flexibility[np.ix_(at, at)], np.array(goal) - free[at])
 
 
 def _loaded(
-    system: System, free: np.ndarray, flexibility: np.ndarray, speed: float
+    system: System, free: np.ndarray, flexibility: np.ndarray, speed: float, contacts: list[_PressedContact]
 ) -> tuple[np.ndarray, Instant]:  # fmt: skip
     force = np.concatenate([np.zeros(0), *(element.reference("guess") for element in system.elements)])
     now, m = instant(system.table), len(system.rows)
     u, v, still = np.zeros(len(free)), np.zeros(m), np.zeros(m)
-    at, goal = _pressed(system, free)
-    force[at] = np.linalg.solve(flexibility[np.ix_(at, at)], goal - free[at])
+    _press(contacts, free, flexibility, force)
     used = solve_rows(
         system.table, (0.0, speed, 0.0), free, still, flexibility, np.zeros((m, m)), force, u, v, now, TOLERANCE
     )
-    opened = float(abs(u[[drive for drive, _ in _approaches(system)]]).max(initial=0.0))
+    opened = float(abs(u[[contact.approaches[0] for contact in contacts]]).max(initial=0.0))
     if used < 0 or not opened < LARGEST_APPROACH:
-        loads = ", ".join(f"{name} {value:.4g} N" for name, value in nominal_forces(system.machine).items())
+        loads = ", ".join(f"{contact.contacts[0].name} {contact.nominal:.4g} N" for contact in contacts)
         raise EquilibriumError(
             f"equilibrium at t = 0: not found within {LARGEST_APPROACH * 1e3:g} mm (nominal mesh forces: {loads}). "
             "Lower the load, or start where teeth are in mesh (mesh phase at the start)."
@@ -106,32 +136,19 @@ def _loaded(
     return force, now
 
 
-def _pressed(system: System, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows (mesh,) of the loaded flanks and approaches with all of them well in contact: an open flank leaves the train
-    without a hold, and a convex force law is found safely from the side of too much contact."""
-    loads = nominal_forces(system.machine)
-    rows, found = [], []
-    for mesh, approaches in zip(system.machine.meshes, _approaches(system), strict=True):
-        load = loads[mesh.name]
-        side = int(load < 0.0)  # on the coast flank the driven gear pushes the driving one
-        rotation = float(system.observed_by(flank_name(mesh.name, 0), free)[0])
-        stiffness = system.table.stiffness[approaches[0]]
-        rows.append(approaches[side])
-        found.append(no_load_approach(mesh, side, rotation) + 4 * abs(load) / stiffness)
-    return np.array(rows, dtype=int), np.array(found)
-
-
 def _touching(
-    system: System, free: np.ndarray, flexibility: np.ndarray, speed: float, resting: np.ndarray, start: np.ndarray
-) -> tuple[np.ndarray, Instant]:
-    """Forces that the linear reference needs to hold the drive flanks of the ``resting`` meshes at delta_0: with them
-    the real force is zero.
+    system: System, free: np.ndarray, flexibility: np.ndarray, speed: float, resting: list[_PressedContact],
+    start: np.ndarray,
+) -> tuple[np.ndarray, Instant]:  # fmt: skip
+    """Forces that the linear reference needs to hold the first sides of the ``resting`` contacts where they just touch:
+    with them the real force is zero.
 
-    Without contact lambda_psi = k_psi psi cancels the tilt reference and lambda_delta holds the approach; all other
-    rows carry their own forces (Newton from ``start``).
+    Without contact lambda = k0 u cancels the reference on all rows but the first, whose lambda holds the approach; all
+    other rows carry their own forces (Newton from ``start``).
     """
-    machine, table, m = system.machine, system.table, len(system.rows)
-    drive = np.array([row for row, _ in _approaches(system)], dtype=int)[resting]
+    table, m = system.table, len(system.rows)
+    first = [contact.approaches[0] for contact in resting]
+    others = np.array([row for contact in resting for row in range(contact.rows[0].start + 1, contact.rows[0].stop)])
     force, still = start.copy(), np.zeros(m)
     u = free + flexibility @ force
     now = instant(table)
@@ -139,16 +156,15 @@ def _touching(
         right, slope_u, slope_v = np.zeros(m), np.zeros((m, WIDTH)), np.zeros((m, WIDTH))
         forces_at(table, (0.0, speed, 0.0), u, still, u[:0], slope_u[:0], right, slope_u, slope_v, now)
         slope = slope_matrix(slope_u, table)
-        slope[drive], slope[drive + 1] = 0.0, 0.0
-        slope[drive + 1, drive + 1] = table.stiffness[drive + 1]
-        right[drive + 1] = table.stiffness[drive + 1] * u[drive + 1]
+        slope[first], slope[others] = 0.0, 0.0
+        slope[others, others] = table.stiffness[others]
+        right[others] = table.stiffness[others] * u[others]
         right += slope @ (free[:m] - u[:m])
         matrix = np.eye(m) - slope @ flexibility[:m]
-        for i, row in zip(resting, drive, strict=True):
-            mesh = machine.meshes[i]
-            rotation = float(system.observed_by(flank_name(mesh.name, 0), u)[0])
-            right[row] = -free[row] + no_load_approach(mesh, 0, rotation, u[row + 1])
-        matrix[drive] = flexibility[drive]
+        for contact in resting:
+            row = contact.approaches[0]
+            right[row] = -free[row] + contact.touching(0, u, u[contact.rows[0]])
+        matrix[first] = flexibility[first]
         new = np.linalg.solve(matrix, right)
         moved = float(np.max(abs(new - force) / table.scale, initial=0.0))
         force, u = new, free + flexibility @ new
@@ -159,8 +175,7 @@ def _touching(
             f"equilibrium at t = 0 with a mesh at rest: still moves by {moved:.3g} of the force scale after {ROUNDS} "
             "rounds. Give the machine a load, or bearings without clearance."
         )
-    for i in resting:
-        for side in (0, 1):
-            at = system.at(flank_name(machine.meshes[i].name, side))
-            now.elastic[at] = 0.0
+    for contact in resting:
+        for rows in contact.rows:
+            now.elastic[rows] = 0.0
     return force, now

@@ -9,6 +9,7 @@ import numpy as np
 
 from fem.contact.evaluation.evaluator import checked_teeth, evaluate, law_tables, shares
 from fem.contact.law import MeshLaw
+from mbd.elements.element import LARGEST_APPROACH
 from mbd.parts.checks import EquilibriumError
 from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.machine import Machine
@@ -16,7 +17,6 @@ from mbd.parts.train import power_flow
 
 MIN_LINE_LOAD = 1e3  # N/m: reference stiffness is taken at this load at least
 POSITIONS = 16  # cycle positions averaged
-LARGEST_APPROACH = 1e-2  # m
 SHARE_POSITIONS = 64  # places of the sliding shares over a mesh cycle
 
 
@@ -78,8 +78,7 @@ def nominal_forces(machine: Machine) -> dict[str, float]:
     """
     ratios, load = machine.ratios(), machine.load
     at = {shaft.name: i for i, shaft in enumerate(machine.shafts)}
-    flows = [(at[m.driving], at[m.driven]) for m in machine.meshes]
-    flows += [(at[one], at[other]) for one, other in (j.shafts for j in machine.shaft_couplings)]
+    flows = [(at[link.first], at[link.second]) for link in machine.links]  # meshes first
     share = power_flow(len(at), flows, [at[c.shaft] for c in machine.couplings], at[load.shaft])
     drawn = ratios[load.shaft] * load.torque_on_shaft(machine.gravity)  # power per motor speed
     return {
@@ -97,7 +96,7 @@ def sliding_shares(law: MeshLaw, force: float) -> np.ndarray:
     """(2, SHARE_POSITIONS): sums of share x sign(xi) and of share x |xi| (m) over all pairs and slices, xi the distance
     from the pitch point along the path, over one mesh cycle at ``force`` (N), without deviations or tilt.
 
-    Each slice is read for itself at the approach of the whole face, which neglects coupling along the face.
+    Each slice is read for itself at the approach of the whole face, as if slices did not load one another.
     """
     pinion, wheel = checked_teeth(law, None, None)
     lone = [_one_slice(law, s) for s in range(len(law.slice_width))]

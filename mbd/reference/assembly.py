@@ -7,15 +7,14 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from mbd.coordinates.channels import bearing_row
 from mbd.coordinates.layout import Layout
-from mbd.coordinates.modal_basis import modal_basis
-from mbd.forces.element import Element
-from mbd.parts.bearings import BEARING_AXES
+from mbd.elements.element import Element
+from mbd.elements.linear import Part
 from mbd.parts.checks import MachineError
 from mbd.parts.machine import Machine
-from mbd.parts.mesh_reference import nominal_forces, reference_load
 from mbd.parts.shafts import torsional_stiffness
+from mbd.reference.mesh_reference import nominal_forces, reference_load
+from mbd.reference.modal_basis import modal_basis
 
 SLOWEST = 1.0  # rad/s: smoothing speed of a machine that never turns
 SMOOTHING = 0.02  # of the highest speed
@@ -27,13 +26,22 @@ class Assembly:
     An element that is found from the modes must have rows that the modes before it span.
     """
 
-    def __init__(
-        self, lay: Layout, mass: np.ndarray, damping: np.ndarray, stiffness: np.ndarray, force: np.ndarray, band: float
-    ) -> None:
-        self.layout, self.mass, self.damping, self.stiffness = lay, mass, damping, stiffness
-        self.constant_force, self.rolling, self.band = force, lay.rolling(), band
-        self.ratios = lay.machine.ratios()
+    def __init__(self, lay: Layout, parts: tuple[Part, ...], band: float) -> None:
+        self.layout, self.parts, self.band, self.rolling = lay, parts, band, lay.rolling()
+        self.mass, self.damping, self.stiffness = (self._added(name) for name in ("mass", "damping", "stiffness"))
+        self.constant_force = sum((c.constant_force(lay) for c in lay.components), np.zeros(lay.size))
         self.elements: list[Element] = []
+
+    def _added(self, matrix: str) -> np.ndarray:
+        total = np.zeros((self.layout.size, self.layout.size))
+        for part in self.parts:
+            total[np.ix_(part.index, part.index)] += getattr(part, matrix)
+        return total
+
+    @functools.cached_property
+    def gyroscopic(self) -> np.ndarray:
+        """G (n, n) of all parts per motor speed."""
+        return self._added("gyroscopic")
 
     @property
     def machine(self) -> Machine:
@@ -66,14 +74,16 @@ class Assembly:
         """Motor speed (rad/s) over which losses reverse."""
         return SMOOTHING * self.machine.profile.highest or SLOWEST
 
-    def bearing_loads(self) -> dict[str, float]:
-        """Force (N) in every bearing by name under the constant force, by the linear reference so far."""
-        q = np.linalg.solve(self.stiffness, self.constant_force)
-        found = {}
-        for bearing in self.machine.bearings:
-            motion = np.array([bearing_row(self.layout, bearing, axis) @ q for axis in BEARING_AXES])
-            found[bearing.name] = float(np.linalg.norm((bearing.stiffness_matrix @ motion)[:3]))
-        return found
+    @functools.cached_property
+    def contact_loads(self) -> dict[str, float]:
+        """Force (N) that every mesh by name carries at rest; 0 for all while the load is idle."""
+        nominal = nominal_forces(self.machine)
+        return dict.fromkeys(nominal, 0.0) if self.machine.load.idle else nominal
+
+    @property
+    def resting_displacement(self) -> np.ndarray:
+        """q (n,) under the constant force, by the linear reference so far."""
+        return np.linalg.solve(self.stiffness, self.constant_force)
 
     @functools.cached_property
     def modes(self) -> tuple[np.ndarray, np.ndarray]:

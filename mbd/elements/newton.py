@@ -22,8 +22,8 @@ import math
 import numpy as np
 
 from fem.numerics.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, inner, stored
-from mbd.forces.element import WIDTH
-from mbd.forces.table import CLOCK, INSTANT, TABLE, follow_tangent, parametric_work, row_forces
+from mbd.elements.element import WIDTH
+from mbd.elements.table import CLOCK, INSTANT, TABLE, follow_tangent, parametric_work, row_forces
 
 MAX_ITERATIONS = 60
 MAX_HALVINGS = 8
@@ -66,9 +66,9 @@ def residual_size(force, target, scale):
 def iterate(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, near, limit, quality, before):
     """Iterate on ``force`` (in: guess, out: solution); returns the iterations used, or -1 without convergence.
 
-    ``clock`` is `mbd.forces.table.CLOCK`; residuals in units of the scale of the forces: below ``tolerance`` the guess
-    is taken, from below ``near`` one more step is, above ``limit`` nothing is. ``quality`` (1,) takes the residual of
-    the guess, ``now`` the answers of the elements. ``before`` as in `mbd.forces.table.row_forces`.
+    ``clock`` is `mbd.elements.table.CLOCK`; residuals in units of the scale of the forces: below ``tolerance`` the
+    guess is taken, from below ``near`` one more step is, above ``limit`` nothing is. ``quality`` (1,) takes the
+    residual of the guess, ``now`` the answers of the elements. ``before`` as in `mbd.elements.table.row_forces`.
     """
     m = len(force)
     guess, held = force.copy(), np.empty((0, WIDTH))
@@ -208,13 +208,13 @@ def solve_rows(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance):
 
 @stored(__file__)
 def forces_at(table, clock, u, v, before, held, force, slope_u, slope_v, now):
-    """`mbd.forces.table.row_forces` at one instant."""
+    """`mbd.elements.table.row_forces` at one instant."""
     row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now)
 
 
 @stored(__file__)
 def work_between(table, angle_before, clock, u_before, u, v, last, now, push):
-    """`mbd.forces.table.parametric_work` of a step whose elements were not asked for frozen rows: they are here."""
+    """`mbd.elements.table.parametric_work` of a step whose elements were not asked for frozen rows: they are here."""
     m = len(v)
     force, slope_u, slope_v = np.empty(m), np.empty((m, WIDTH)), np.empty((m, WIDTH))
     row_forces(table, clock, u, v, u_before, slope_u[:0], force, slope_u, slope_v, now)

@@ -1,4 +1,4 @@
-"""What an element kind is: everything that makes a nonlinear force, a file of this folder each.
+"""What an element kind is: everything that makes a nonlinear force, a file of `mbd.forces` each.
 
 A kind has a compiled rule and a function that finds its elements in a machine (see `mbd.forces.registry`). An element
 acts on rows: u (n,) are linear readings of the coordinates, and a force F on a row pulls the coordinates back by
@@ -8,9 +8,9 @@ row^T F. It is the sum
 
 of a part that follows from a potential U(u, motor angle) and of all that does not: damping, friction, an outside
 force. A linear reference (k0, c0) of each row is part of the system's matrices; what is left,
-lambda = k0 u + c0 u' - F, is what the time step solves for (`mbd.forces.newton`). The rest of this package asks for
+lambda = k0 u + c0 u' - F, is what the time step solves for (`mbd.elements.newton`). The rest of this package asks for
 nothing else of a kind: the loop, the equilibrium, the linearised view and the energy balance go by the tables of
-`mbd.forces.table`.
+`mbd.elements.table`.
 
 The rule
 --------
@@ -46,7 +46,9 @@ import numpy as np
 from numba import types
 
 from fem.numerics.compiled import FLOAT, MATRIX, VECTOR, Signature, stored
+from mbd.elements.mode_words import ModeWords
 
+LARGEST_APPROACH = 1e-2  # m: contacts that would have to give way further are not followed
 WIDTH = 6  # rows at most that the force on a row depends on
 LOG_COLUMNS = ("energy", "by_angle", "frozen_energy", "parametric")
 ENERGY, BY_ANGLE, FROZEN_ENERGY, PARAMETRIC = range(len(LOG_COLUMNS))  # J, J/rad, J, J in the step that ends here
@@ -105,13 +107,26 @@ class Signal(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class Contact:
+    """A side of a contact that holds the train: where it is open, the train is free to move.
+
+    The equilibrium is sought from all of them pressed together; one that carries nothing rests where it just touches.
+    """
+
+    name: str  # of the pair
+    side: int  # 0 the side that carries the load in lifting, with the linear reference of both; 1 the other
+    nominal: float  # N at rest, positive on side 0, by statics of the train; 0: it carries nothing
+    touching: Callable[[np.ndarray, np.ndarray], float]  # displacement of the first row, from ``seen`` and all rows
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Element:
     """One element of a machine. Shapes: n rows, coordinates of the layout; SI."""
 
     kind: str
     name: str  # of this element alone, e.g. "mesh_1:drive"
     part: str  # whose energy it counts to; "" for forces that do no work
-    spring: str = ""  # what its stiffness is called among natural modes: "mesh", "bearing", "rope", ...
+    words: ModeWords | None = None  # of natural modes whose energy is in its stiffness; None: it has none
     rule: int  # from `rule`
     values: np.ndarray | Sequence[float]  # numbers that the rule reads
     rows: np.ndarray  # (n, coordinate)
@@ -126,6 +141,8 @@ class Element:
     opens: bool = False  # it may lose contact, which is when the elastic force on its first row is 0
     inner_contacts: bool = False  # contacts inside it, or with the ground, open and close unseen by `opens`
     by_frozen: bool = False  # its parametric work goes by frozen rows, see above
+    contact: Contact | None = None  # if the train is without a hold where it is open
+    in_matrix: bool = False  # it stands in the time step for a matrix that the linearised view takes as a whole
     signals: tuple[Signal, ...] = ()
     lets_go: str = ""  # counter of contacts lost
     touches: str = ""  # counter of contacts made

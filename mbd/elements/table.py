@@ -9,7 +9,7 @@ import numpy as np
 from numba import types
 
 from fem.numerics.compiled import FLOAT, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, inner, lent, stored
-from mbd.forces.element import (
+from mbd.elements.element import (
     BY_ANGLE,
     ENERGY,
     FROZEN_ENERGY,
@@ -49,7 +49,7 @@ class Instant(NamedTuple):
     elastic: np.ndarray  # (row,) part of the forces that follows from the potentials
     lost: np.ndarray  # (row,) all other force
     stiffness: np.ndarray  # (row, WIDTH) slopes of the elastic part by the element's own rows
-    log: np.ndarray  # (element, column), see `mbd.forces.element.LOG_COLUMNS`
+    log: np.ndarray  # (element, column), see `mbd.elements.element.LOG_COLUMNS`
     frozen: np.ndarray  # (row,) elastic forces at the rows of the last instant and the parameter of this one
     frozen_stiffness: np.ndarray  # (row, WIDTH)
 
@@ -141,7 +141,7 @@ def row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now):
     """Residual forces lambda = k0 u + c0 u' - F and their slopes at row displacements u and rates v; fills ``now``.
 
     ``slope_u[r]`` and ``slope_v[r]`` hold d force[r] by the rows ``pattern[r]``. ``before`` (row,) and ``held``
-    (row, WIDTH), either of which may be empty, are those of `mbd.forces.element.Motion`.
+    (row, WIDTH), either of which may be empty, are those of `mbd.elements.element.Motion`.
     """
     m = len(force)
     rows, rates, old, hold = lent(u), lent(v), lent(before), lent(held)

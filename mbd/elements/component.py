@@ -1,0 +1,84 @@
+"""Component: whatever a machine is made of. It brings its parts, elements, coordinates, channels and loads itself.
+
+Everything has a neutral answer, so that a component states only what it has. The machine walks its components
+(`mbd.parts.machine.Machine.components`) and knows none of them by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from mbd.elements.linear import Part
+from mbd.elements.reading import Reading
+
+if TYPE_CHECKING:
+    from mbd.elements.coordinates import Coordinates
+    from mbd.elements.element import Element
+
+
+class Place(NamedTuple):
+    """Where a component sits on a shaft; a node of the shaft is put there."""
+
+    what: str  # of the error if the shaft does not reach there
+    shaft: str
+    y: float  # m
+
+
+class Link(NamedTuple):
+    """What turns ``second`` at ``ratio`` times the speed of ``first``."""
+
+    name: str
+    first: str
+    second: str
+    ratio: float
+
+
+class Component:
+    """Base of all components."""
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """Where it sits on shafts."""
+        return ()
+
+    @property
+    def links(self) -> tuple[Link, ...]:
+        """Shafts that it makes turn together."""
+        return ()
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of coordinates of its own, which come last among those of the machine."""
+        return ()
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Channels that are recorded unless others are asked for, see `readings` and `mbd.elements.element.Signal`."""
+        return ()
+
+    def rolling(self, ratios: Mapping[str, float]) -> np.ndarray:
+        """Motion (own coordinate,) per motor angle while the train rolls; lifting angles of the shafts by name."""
+        return np.zeros(len(self.coordinates))
+
+    def parts(self, lay: Coordinates) -> Iterable[Part]:
+        """What it adds to mass, damping and stiffness."""
+        return ()
+
+    def elements(self, lay: Coordinates) -> Iterable[Element]:
+        """Its nonlinear forces."""
+        return ()
+
+    def constant_force(self, lay: Coordinates) -> np.ndarray:
+        """Force (coordinate,) that always acts."""
+        return np.zeros(lay.size)
+
+    def holding_force(self, lay: Coordinates) -> np.ndarray:
+        """Force (coordinate,) that acts until t = 0 only."""
+        return np.zeros(lay.size)
+
+    def readings(self, lay: Coordinates) -> dict[str, Reading]:
+        """Channels by name that are read from the motion."""
+        return {}

@@ -1,0 +1,119 @@
+"""What a linear part is: small matrices of its elements, placed in the coordinates of the machine.
+
+A kind of linear element is a subclass of `LinearElement` in one file: it states the mass M, damping C, stiffness K and
+gyroscopic matrix G (n, n) on its own n displacements u, with the source of their equations. The forces on u are
+
+    -M u'' - C u' - K u - Omega G u'        stored energy u'^T M u'/2 + u^T K u/2, dissipated power u'^T C u'
+
+A `Part` is what counts as one in the energy balance and among the natural modes: elements on the displacements
+u = shape q, which are the coordinates themselves or readings of them. `mbd.system.system.assemble` adds the parts of
+all components of the machine and knows none of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from mbd.elements.mode_words import ModeWords
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LinearElement:
+    """One element on the displacements ``at`` (n,) of its part; a matrix that it does not state is zero. SI."""
+
+    at: tuple[int, ...]
+
+    def mass(self) -> np.ndarray:
+        """M (n, n), symmetric, positive semidefinite."""
+        return self._zero()
+
+    def damping(self) -> np.ndarray:
+        """C (n, n), symmetric, positive semidefinite."""
+        return self._zero()
+
+    def stiffness(self) -> np.ndarray:
+        """K (n, n), symmetric, positive semidefinite."""
+        return self._zero()
+
+    def gyroscopic(self) -> np.ndarray:
+        """G (n, n), skew, per rad/s of the part about +y."""
+        return self._zero()
+
+    def _zero(self) -> np.ndarray:
+        return np.zeros((len(self.at), len(self.at)))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Part:
+    """Elements that count as one, on displacements u = ``shape`` q[``index``]; k coordinates, d displacements."""
+
+    name: str
+    words: ModeWords
+    elements: tuple[LinearElement, ...]
+    index: np.ndarray  # (k,) coordinates
+    shape: np.ndarray  # (d, k)
+    modes_of: str = ""  # the part to which its energy counts among natural modes, "": its own name
+    unstrained: int = 0  # coordinates at its beginning that strain nothing: round-off is removed
+    spin: float = 0.0  # rotation about +y per motor angle
+    driven: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (d,) motion of far ends per motor angle; or (0,)
+
+    @cached_property
+    def mass(self) -> np.ndarray:
+        """M (k, k)."""
+        return self.shape.T @ self.summed("mass") @ self.shape
+
+    @cached_property
+    def damping(self) -> np.ndarray:
+        """C (k, k)."""
+        return self._strained("damping")
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """K (k, k)."""
+        return self._strained("stiffness")
+
+    @cached_property
+    def gyroscopic(self) -> np.ndarray:
+        """G (k, k) per motor speed."""
+        return self.spin * self.shape.T @ self.summed("gyroscopic") @ self.shape
+
+    @property
+    def is_massive(self) -> bool:
+        """Whether it has inertia; what has none is a spring or a damper between parts that have."""
+        return bool(self.mass.any())
+
+    def summed(self, matrix: str) -> np.ndarray:
+        """ "mass", "damping", "stiffness" or "gyroscopic" (d, d) of all elements."""
+        total = np.zeros((len(self.shape), len(self.shape)))
+        for element in self.elements:
+            total[np.ix_(element.at, element.at)] += getattr(element, matrix)()
+        return total
+
+    def rows(self, size: int) -> np.ndarray:
+        """Readings (d, coordinate) of its displacements among ``size`` coordinates."""
+        rows = np.zeros((len(self.shape), size))
+        rows[:, self.index] = self.shape
+        return rows
+
+    def stored(self, displacement: np.ndarray, velocity: np.ndarray) -> float:
+        """Kinetic and strain energy (J) at its coordinates (k,) and their rates."""
+        kinetic = 0.5 * velocity @ self.mass @ velocity
+        return float(kinetic + 0.5 * displacement @ self.stiffness @ displacement)
+
+    def dissipated(self, second: np.ndarray) -> float:
+        """Dissipated energy (J) from the integral of v v^T (k, k) over the time."""
+        return float(np.sum(self.damping * second))
+
+    def _strained(self, name: str) -> np.ndarray:
+        matrix = self.shape.T @ (self.summed(name) @ self.shape)
+        matrix[: self.unstrained], matrix[:, : self.unstrained] = 0.0, 0.0
+        return matrix
+
+
+def part_on_rows(rows: np.ndarray, **fields: object) -> Part:
+    """A part whose displacements are the readings ``rows`` (d, coordinate)."""
+    index = np.flatnonzero(np.any(rows != 0.0, axis=0))
+    return Part(index=index, shape=rows[:, index], **fields)  # type: ignore[arg-type]

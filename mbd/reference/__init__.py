@@ -1,0 +1,1 @@
+"""The linear reference that nonlinear elements are held against: loads, stiffness, modes."""
