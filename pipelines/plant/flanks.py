@@ -7,9 +7,13 @@ the driving gear in lifting, so where its lifting sense is -1 the ends change pl
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 from fem.gears.faults import ChippedTooth, CrackedTooth, Damage, WornTooth
+from fem.gears.geometry import GearPair
 from fem.gears.modifications import EndRelief, FlankModifications, Misalignment, PairModifications, Relief
+from pipelines.plant.flanks_spec import FlanksSpec
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.faults import ChippedToothTable, CrackedToothTable, FaultTable, WornToothTable
 from pipelines.scene.tables.gear_details import EndReliefTable, GearTable, ReliefTable
@@ -17,6 +21,34 @@ from pipelines.scene.tables.gears import StageTable
 from pipelines.scene.train import shaft_senses, stage_shafts
 
 GEARS = ("pinion", "wheel")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fault:
+    """A fault of a gear of a stage (from 1), on one tooth or (None) on all; a missing tooth is no damage."""
+
+    stage: int
+    gear: str
+    tooth: int | None
+    kind: str
+    damage: Damage | None
+
+    @property
+    def name(self) -> str:
+        """Kind and tooth in words: "missing-tooth 0", "worn-tooth, all teeth"."""
+        return f"{self.kind}, all teeth" if self.tooth is None else f"{self.kind} {self.tooth}"
+
+
+def flanks_spec(pair: GearPair, modifications: PairModifications, faults: Sequence[Fault], stage: int) -> FlanksSpec:
+    """What is added to the law of a stage (from 1); no law depends on the play between the flanks."""
+    return FlanksSpec(
+        pair=replace(pair, backlash_allowance=0.0),
+        modifications=modifications,
+        pinion_damage=tuple(damaged_teeth(faults, stage, "pinion").values()),
+        wheel_damage=tuple(damaged_teeth(faults, stage, "wheel").values()),
+        pinion_wear=common_wear(faults, stage, "pinion"),
+        wheel_wear=common_wear(faults, stage, "wheel"),
+    )
 
 
 def lifting_sense(scene: Scene, stage: int) -> int:
@@ -70,6 +102,20 @@ def _end_relief(table: EndReliefTable | None) -> EndRelief | None:
     return EndRelief(amount=table.amount_um / 1_000_000, length=table.length_mm / 1000, shape=table.shape)
 
 
+def tooth_faults(scene: Scene) -> tuple[Fault, ...]:
+    """All faults of a scene."""
+    return tuple(
+        Fault(
+            stage=table.stage,
+            gear=table.gear,
+            tooth=table.tooth,
+            kind=table.kind,
+            damage=damage(table, lifting_sense(scene, table.stage)),
+        )
+        for table in scene.faults
+    )
+
+
 def damage(fault: FaultTable, sense: int) -> Damage | None:
     """The damage of a fault in SI; None for a missing tooth, which is a clearance."""
     if isinstance(fault, ChippedToothTable):
@@ -94,28 +140,22 @@ def _end(end: str, sense: int) -> str:
     return end if sense > 0 else {"-y": "+y", "+y": "-y"}[end]
 
 
-def damaged_teeth(scene: Scene, stage: int, gear: str) -> dict[int, tuple[Damage, ...]]:
+def damaged_teeth(faults: Iterable[Fault], stage: int, gear: str) -> dict[int, tuple[Damage, ...]]:
     """Damage by tooth number of a gear of a stage (1-based); the n-th entry is variant n + 1 of its mesh law."""
     found: dict[int, tuple[Damage, ...]] = {}
-    for fault in scene.faults:
-        one = damage(fault, lifting_sense(scene, stage))
-        if fault.stage == stage and fault.gear == gear and fault.tooth is not None and one is not None:
-            found[fault.tooth] = (*found.get(fault.tooth, ()), one)
+    for fault in faults:
+        if fault.stage == stage and fault.gear == gear and fault.tooth is not None and fault.damage is not None:
+            found[fault.tooth] = (*found.get(fault.tooth, ()), fault.damage)
     return found
 
 
-def common_wear(scene: Scene, stage: int, gear: str) -> tuple[WornTooth, ...]:
+def common_wear(faults: Iterable[Fault], stage: int, gear: str) -> tuple[WornTooth, ...]:
     """Wear of all teeth of a gear of a stage (1-based)."""
-    on_all = (f for f in scene.faults if f.stage == stage and f.gear == gear and f.tooth is None)
-    return tuple(one for one in (damage(f, lifting_sense(scene, stage)) for f in on_all) if isinstance(one, WornTooth))
+    on_all = (fault.damage for fault in faults if (fault.stage, fault.gear, fault.tooth) == (stage, gear, None))
+    return tuple(one for one in on_all if isinstance(one, WornTooth))
 
 
-def first_tooth_fault(scene: Scene, stage: int) -> FaultTable | None:
+def first_tooth_fault(faults: Iterable[Fault], stage: int) -> Fault | None:
     """The fault that pictures of a stage (from 1) show: the first missing tooth, else the first of a single tooth."""
-    single = [fault for fault in scene.faults if fault.stage == stage and fault.tooth is not None]
+    single = [fault for fault in faults if fault.stage == stage and fault.tooth is not None]
     return next((fault for fault in single if fault.kind == "missing-tooth"), single[0] if single else None)
-
-
-def fault_name(fault: FaultTable) -> str:
-    """Kind and tooth of a fault in words: "missing-tooth 0", "worn-tooth, all teeth"."""
-    return f"{fault.kind}, all teeth" if fault.tooth is None else f"{fault.kind} {fault.tooth}"

@@ -15,10 +15,10 @@ from pipelines.border.errors import Problem
 from pipelines.plant.bearings import linear_bearing, rolling_elements
 from pipelines.plant.checks.held_shafts import unheld
 from pipelines.plant.hoist import drums, load_spec
-from pipelines.plant.law_specs import law_specs
 from pipelines.plant.layout import Layout
 from pipelines.plant.machine import losses_spec, shaft_specs, speed_profile
 from pipelines.plant.mesh_laws import LawSpec, contact_path, mesh_laws
+from pipelines.plant.plant import law_specs
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.bearings import HertzBearings, LinearBearings, RigidBearings
 
