@@ -20,9 +20,9 @@ SHIFT = 4e7  # 1/s2: K + SHIFT M of the free body is definite and has the patter
 
 def mesh(folder: Path) -> list[dict[str, Any]]:
     """Geometry and tetrahedra."""
-    scene, layout = read()
-    box, _ = casing_parts(scene, layout)
-    rung = casing_rung(scene)
+    plant = read()
+    box, _ = casing_parts(plant)
+    rung = casing_rung(plant)
     assert isinstance(rung, CraigBamptonCasing)
     seconds, found = timed(lambda: rung.mesh(box))
     keep(folder, "mesh", found)
@@ -32,8 +32,8 @@ def mesh(folder: Path) -> list[dict[str, Any]]:
 
 def factors(folder: Path) -> list[dict[str, Any]]:
     """Assembly of K and M, and their factorisation by every solver that is installed."""
-    scene, layout = read()
-    found, (_, iron) = kept(folder, "mesh"), casing_parts(scene, layout)
+    plant = read()
+    found, (_, iron) = kept(folder, "mesh"), casing_parts(plant)
     constants = {
         "elastic_modulus": iron.elastic_modulus,
         "poisson_ratio": iron.poisson_ratio,
@@ -57,9 +57,9 @@ def factors(folder: Path) -> list[dict[str, Any]]:
 
 def modes(folder: Path) -> list[dict[str, Any]]:
     """Craig-Bampton reduction at the shipped band, and its check-up; keeps the body."""
-    scene, layout = read()
-    found, (box, iron) = kept(folder, "mesh"), casing_parts(scene, layout)
-    rung = casing_rung(scene)
+    plant = read()
+    found, (box, iron) = kept(folder, "mesh"), casing_parts(plant)
+    rung = casing_rung(plant)
     assert isinstance(rung, CraigBamptonCasing)
     grounding, casing = timed(lambda: ground_casing(found, iron), repeats=1)
     limit = MODES_OVER_BAND * rung.band
@@ -86,9 +86,9 @@ def modes(folder: Path) -> list[dict[str, Any]]:
 
 def static(folder: Path) -> list[dict[str, Any]]:
     """Static condensation, check-up included; keeps the body."""
-    scene, layout = read(casing__model="static")
-    found, (box, iron) = kept(folder, "mesh"), casing_parts(scene, layout)
-    rung = casing_rung(scene)
+    plant = read(casing__model="static")
+    found, (box, iron) = kept(folder, "mesh"), casing_parts(plant)
+    rung = casing_rung(plant)
     assert isinstance(rung, StaticCasing)
     seconds, body = timed(lambda: rung.body(rung.modes(found, iron)[0], box.sensors), repeats=1)
     keep(folder, "static", body)

@@ -13,7 +13,6 @@ from benchmarks.clock import timed
 from benchmarks.rig import Laws, keep, plane_law, read, stage_law
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import checked_teeth, evaluate, law_tables
-from pipelines.plant.facts import derive
 
 CALLS = 20_000
 
@@ -29,12 +28,12 @@ def _many(tables, cycle, delta, psi, pinion, wheel):
 def laws(folder: Path) -> list[dict[str, Any]]:
     """Seconds of rungs iso and plane for every stage of the rig; keeps the plane laws."""
     rows, found = [], []
-    cheap, cheap_layout = read(**{f"stages__{n}__mesh__model": "iso" for n in (1, 2, 3)})
-    scene, layout = read()
-    plane_law(layout.pairs[0], 1, 0.5)  # imports and first calls are not the law's
-    for stage, pair in enumerate(layout.pairs):
-        iso, _ = timed(lambda n=stage: stage_law(cheap, cheap_layout, n))
-        plane, pair_laws = timed(lambda n=stage: stage_law(scene, layout, n))
+    cheap = read(**{f"stages__{n}__mesh__model": "iso" for n in (1, 2, 3)})
+    plant = read()
+    plane_law(plant.layout.pairs[0], 1, 0.5)  # imports and first calls are not the law's
+    for stage, pair in enumerate(plant.layout.pairs):
+        iso, _ = timed(lambda n=stage: stage_law(cheap, n))
+        plane, pair_laws = timed(lambda n=stage: stage_law(plant, n))
         found.append(pair_laws)
         for rung, time_taken in (("iso", iso), ("plane", plane)):
             rows.append({"stage": stage + 1, "pair": pair.label.split()[-1], "rung": rung, **time_taken})
@@ -44,8 +43,8 @@ def laws(folder: Path) -> list[dict[str, Any]]:
 
 def evaluation(folder: Path) -> list[dict[str, Any]]:
     """Microseconds per call of the compiled law at the load of the rig, stage 1, by rung and number of slices."""
-    scene, layout = read()
-    force = derive(scene, layout).stages[0].mesh_force
+    plant = read()
+    force = plant.facts.stages[0].mesh_force
     rows = []
     for rung, slices in (("iso", 15), ("plane", 7), ("plane", 15), ("plane", 31)):
         settings = {"stages__1__mesh__model": rung, "stages__1__mesh__slices": slices}

@@ -69,10 +69,10 @@ def microseconds(law: MeshLaw) -> dict[str, float]:
 
 def rows() -> list[dict[str, Any]]:
     """One row per stage of the rig and number of slices, uncoupled and coupled along the face."""
-    _, layout = read()
+    plant = read()
     found = []
     for stage, slices in ((0, 7), (0, 15), (0, 31), (1, 15), (2, 15)):
-        law = plane_law(layout.pairs[stage], slices)[0]
+        law = plane_law(plant.layout.pairs[stage], slices)[0]
         found.append({"stage": stage + 1, "slices": slices, "coupled": False, **microseconds(law)})
         if slices == 15:
             spread = {"spread_compliance": 0.7 * law.compliance, "spread_length": 1.1e-3 * 2}

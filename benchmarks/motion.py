@@ -29,22 +29,18 @@ def run(machine: System, end: float, step: float = STEP, method: str = "exponent
 
 def rig(folder: Path, **settings: Any) -> System:
     """The rig with a moving start, from what the earlier parts kept as far as the settings leave it valid."""
-    scene, layout = moving(**settings)
-    laws = (
-        kept(folder, "laws")
-        if scene.stages[0].mesh.model == "plane"
-        else [stage_law(scene, layout, n) for n in range(3)]
-    )
-    model = scene.casing.model
-    body = kept(folder, model) if model in ("static", "craig-bampton") else casing_body(scene, layout)
-    return system(scene, layout, laws, body)
+    plant = moving(**settings)
+    laws = kept(folder, "laws") if plant.laws[0].model == "plane" else [stage_law(plant, n) for n in range(3)]
+    model = plant.rungs["casing"]
+    body = kept(folder, model) if model in ("static", "craig-bampton") else casing_body(plant)
+    return system(plant, laws, body)
 
 
 def loop(folder: Path) -> list[dict[str, Any]]:
     """Seconds per second of motion of `minimal` and of the full rig at the shipped step."""
     rows = []
-    scene, layout = read("minimal")
-    small = system(scene, layout, [stage_law(scene, layout, 0)], casing_body(scene, layout))
+    plant = read("minimal")
+    small = system(plant, [stage_law(plant, 0)], casing_body(plant))
     for name, build, span in (("minimal", lambda: small, 0.5), ("rig-healthy", lambda: rig(folder), 0.2)):
         assembling, machine = timed(build, repeats=1)
         run(machine, SHORT)

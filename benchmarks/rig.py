@@ -13,17 +13,11 @@ from fem.contact.law import MeshLaw
 from fem.contact.models.plane import Plane
 from fem.elements.materials import Material
 from fem.gears.geometry import GearPair
-from mbd.system.system import System, assemble
-from pipelines.plant.channels import wanted_channels
-from pipelines.plant.facts import bearing_points
-from pipelines.plant.housing import housing
-from pipelines.plant.layout import Layout, lay_out, material
-from pipelines.plant.machine import machine
-from pipelines.plant.mesh_models import mesh_models
-from pipelines.plant.teeth import mesh_inputs
+from mbd.system.system import System
+from pipelines.plant.assembly import assemble_machine, assemble_system
+from pipelines.plant.casing import ElasticPart
+from pipelines.plant.plant import Plant, make_plant
 from pipelines.scene.file import load_scene
-from pipelines.scene.scene import Scene
-from pipelines.scene.tables.casing import NoCasingTable, RigidCasingTable
 
 SCENE = "rig-healthy"
 RAMP = {"drive.times_s": [0.0, 0.05, 5.0], "drive.speeds_rpm": [0.0, 900.0, 900.0]}  # so that a short run moves
@@ -34,20 +28,19 @@ class MissingPart(RuntimeError):
     """A part that an earlier measurement should have left behind is not there."""
 
 
-def read(name: str = SCENE, **settings: Any) -> tuple[Scene, Layout]:
-    """A shipped scene with settings (``casing__model="rigid"`` for casing.model) and its layout."""
-    scene = load_scene(name, {key.replace("__", "."): value for key, value in settings.items()}).scene
-    return scene, lay_out(scene)
+def read(name: str = SCENE, **settings: Any) -> Plant:
+    """The plant of a shipped scene with settings (``casing__model="rigid"`` for casing.model)."""
+    return make_plant(load_scene(name, {key.replace("__", "."): value for key, value in settings.items()}).scene)
 
 
-def moving(name: str = SCENE, **settings: Any) -> tuple[Scene, Layout]:
-    """The scene with a motor that reaches 900 rpm after 0.05 s."""
+def moving(name: str = SCENE, **settings: Any) -> Plant:
+    """The same with a motor that reaches 900 rpm after 0.05 s."""
     return read(name, **{key.replace(".", "__"): value for key, value in RAMP.items()}, **settings)
 
 
-def stage_law(scene: Scene, layout: Layout, stage: int) -> Laws:
+def stage_law(plant: Plant, stage: int) -> Laws:
     """The laws of one stage (0-based) by the rung of the scene."""
-    return mesh_models(scene, layout)[stage].laws(layout.pairs[stage])
+    return plant.laws[stage].laws()
 
 
 def plane_law(pair: GearPair, slices: int = 15, refinement: float = 1.0) -> Laws:
@@ -55,40 +48,35 @@ def plane_law(pair: GearPair, slices: int = 15, refinement: float = 1.0) -> Laws
     return Plane(slices=slices, refinement=refinement).laws(pair)
 
 
-def casing_parts(scene: Scene, layout: Layout) -> tuple[Housing, Material]:
+def casing_parts(plant: Plant) -> tuple[Housing, Material]:
     """Housing with its sensors, and its material."""
-    table = scene.casing
-    assert not isinstance(table, NoCasingTable)
-    return housing(scene, table.housing, layout), material("casing", table.material)
+    assert plant.casing is not None
+    box = plant.casing.geometry
+    assert isinstance(box, Housing)
+    return box, plant.casing.material
 
 
-def casing_rung(scene: Scene) -> RigidCasing | StaticCasing | CraigBamptonCasing:
-    """The rung of a scene with a housing."""
-    table = scene.casing
-    assert not isinstance(table, NoCasingTable)
-    if isinstance(table, RigidCasingTable):
-        return RigidCasing(
-            mount_stiffness=table.mount_stiffness_N_per_um * 1e6,
-            damping_ratio=table.damping_ratio,
-        )
-    if table.model == "static":
-        return StaticCasing(element_size=table.element_size_mm / 1000, damping=table.damping_ratio)
-    return CraigBamptonCasing(
-        band=table.band_Hz, element_size=table.element_size_mm / 1000, damping=table.damping_ratio
-    )
+def casing_rung(plant: Plant) -> RigidCasing | StaticCasing | CraigBamptonCasing:
+    """The rung of a plant with a housing."""
+    part = plant.casing
+    assert part is not None
+    if not isinstance(part, ElasticPart):
+        return RigidCasing(mount_stiffness=part.mount_stiffness, damping_ratio=part.damping)
+    if part.model == "static":
+        return StaticCasing(element_size=part.sizes.element, damping=part.damping)
+    return CraigBamptonCasing(band=part.band, element_size=part.sizes.element, damping=part.damping)
 
 
-def casing_body(scene: Scene, layout: Layout) -> ReducedBody:
-    """The casing of a scene by its rung."""
-    if isinstance(scene.casing, NoCasingTable):
-        return NoCasing().reduce({f"bearing_{n}": p for n, p in enumerate(bearing_points(scene, layout), 1)})
-    return casing_rung(scene).reduce(*casing_parts(scene, layout))
+def casing_body(plant: Plant) -> ReducedBody:
+    """The casing of a plant by its rung."""
+    if plant.casing is None:
+        return NoCasing().reduce({f"bearing_{n}": point for n, point in enumerate(plant.bearing_points, 1)})
+    return casing_rung(plant).reduce(*casing_parts(plant))
 
 
-def system(scene: Scene, layout: Layout, laws: list[Laws], body: ReducedBody) -> System:
-    """The assembled machine with all channels of the scene."""
-    train = machine(scene, layout, mesh_inputs(scene, layout, laws))
-    return assemble(train, body, wanted_channels(scene, train))
+def system(plant: Plant, laws: list[Laws], body: ReducedBody) -> System:
+    """The assembled machine with all channels of the plant."""
+    return assemble_system(assemble_machine(plant.machine, laws), body, plant.recorded)
 
 
 def keep(folder: Path, name: str, value: Any) -> None:

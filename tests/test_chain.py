@@ -5,7 +5,7 @@ import pytest
 from pipelines.engine.storage import digest
 from pipelines.plant.checks.doubts import doubts
 from pipelines.plant.layout import lay_out
-from pipelines.plant.looked_for import diagnosis_settings
+from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.study import plan_study
 
@@ -105,7 +105,7 @@ def test_minimal_has_no_finite_elements_of_the_casing():
 
 
 def test_the_diagnosis_looks_at_the_wheel_of_stage_1():
-    settings = diagnosis_settings(load_scene("rig-missing-tooth").scene)
+    settings = make_plant(load_scene("rig-missing-tooth").scene).diagnosis
     assert settings.mesh_frequency == pytest.approx(300.0, rel=1e-12)
     assert settings.revolution_frequency == pytest.approx(300 / 55, rel=1e-12)
     assert settings.shaft == "shaft_2"

@@ -17,7 +17,7 @@ from pipelines.cli import main
 from pipelines.plant.checks import cost
 from pipelines.plant.checks.doubts import doubts
 from pipelines.plant.checks.strength import STATIC_STRENGTH, TORSION_STRENGTH, contact_pressure, torques_along, torsions
-from pipelines.plant.checks.validity import checked_layout
+from pipelines.plant.checks.validity import checked_plant
 from pipelines.plant.hoist import load_spec
 from pipelines.plant.layout import lay_out
 from pipelines.scene.file import load_scene
@@ -48,7 +48,7 @@ def refusal(scene, settings):
     """The problems of a scene by path."""
     loaded = load_scene(scene, settings)
     with pytest.raises(SceneError) as refused:
-        checked_layout(loaded.scene, loaded.source.shown)
+        checked_plant(loaded.scene, loaded.source.shown)
     return {problem.path: str(problem) for problem in refused.value.problems}
 
 
@@ -213,7 +213,7 @@ def test_a_wavelength_needs_the_thickness_of_an_imported_wall():
     housing = scene.casing.housing.model_copy(update={"wall_thickness_mm": None})
     without = scene.model_copy(update={"casing": scene.casing.model_copy(update={"housing": housing})})
     with pytest.raises(SceneError, match=r"casing\.housing\.wall_thickness_mm: is needed"):
-        checked_layout(without, "rig-step")
+        checked_plant(without, "rig-step")
 
 
 def test_signals_that_find_no_room_are_refused_before_the_work(monkeypatch):

@@ -20,6 +20,7 @@ from pipelines.engine.build_step import build_here
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
+from pipelines.plant.plant import make_plant
 from pipelines.runs import run_folder
 from pipelines.runs.run import Options, run_scene
 from pipelines.scene.file import load_scene
@@ -28,7 +29,7 @@ from pipelines.signals.labelled import stored_type
 from pipelines.signals.response import make_response
 from pipelines.signals.response_file import write_response
 from pipelines.signals.spectrum import cut, whole_revolutions
-from pipelines.steps.graph import scene_stages
+from pipelines.steps.graph import plant_stages
 
 RATE_OUT = 20e3  # Hz
 
@@ -85,7 +86,7 @@ def long_motion(tmp_path, samples):
 
 
 def motion(loaded, cache):
-    outcome = run_graph(Graph(scene_stages(loaded.scene, "scene")), cache, ["simulate"], processes=1)
+    outcome = run_graph(Graph(plant_stages(make_plant(loaded.scene))), cache, ["simulate"], processes=1)
     return outcome.value("simulate")
 
 
@@ -175,7 +176,7 @@ def test_the_signals_of_a_run_are_stored_once(short_run):
 
 
 def simulate_stage(loaded):
-    graph = Graph(scene_stages(loaded.scene, "scene"))
+    graph = Graph(plant_stages(make_plant(loaded.scene)))
     stage = graph.stages["simulate"]
     upstream = run_graph(graph, Cache(), stage.takes, processes=1).results
     return stage, stage.key({name: upstream[name].record.content for name in stage.takes}), upstream

@@ -6,7 +6,7 @@ import pytest
 
 from pipelines.border.errors import InputError, SceneError
 from pipelines.border.toml_text import format_document, statements
-from pipelines.plant.checks.validity import checked_layout
+from pipelines.plant.checks.validity import checked_plant
 from pipelines.scene.file import control_differences, control_of, load_scene, shipped_names
 from pipelines.scene.merge import settings_tree
 from pipelines.scene.new import new_scene
@@ -262,7 +262,7 @@ def test_a_tooth_is_missing_once():
 def test_a_sensor_far_from_the_housing_is_refused():
     scene = load_scene("minimal", ["sensors.1.position_mm=[7000, -80, 35]"]).scene
     with pytest.raises(SceneError, match="6810 mm outside the housing"):
-        checked_layout(scene, "minimal")
+        checked_plant(scene, "minimal")
 
 
 def test_a_motion_shorter_than_one_sample_is_refused():

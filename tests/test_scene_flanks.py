@@ -11,13 +11,13 @@ from pipelines.border.errors import SceneError
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
+from pipelines.plant.assembly import clearances, mesh_faults
 from pipelines.plant.checks.doubts import doubts
-from pipelines.plant.checks.validity import checked_layout
-from pipelines.plant.flanks import common_wear, damaged_teeth, fault_name
+from pipelines.plant.checks.validity import checked_plant
 from pipelines.plant.layout import lay_out
-from pipelines.plant.teeth import clearances, fault_terms
+from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
-from pipelines.steps.graph import scene_stages
+from pipelines.steps.graph import plant_stages
 
 DETAILS = """
 extends = "minimal"
@@ -114,35 +114,39 @@ def test_ends_of_the_face_turn_with_the_lifting_sense():
 
 
 def test_faults_become_variants_clearances_and_common_wear(detailed):
-    assert damaged_teeth(detailed, 1, "wheel") == {
-        3: (
+    plant = make_plant(detailed)
+    (flanks,), (mesh,) = plant.flanks, plant.machine.meshes
+    assert flanks.wheel_damage == (
+        (
             CrackedTooth(depth=1.2e-3, angle=np.radians(70.0), extent=5e-3, end="-y"),
             WornTooth(depth=4.0 / 1_000_000),
-        )
-    }
-    assert damaged_teeth(detailed, 1, "pinion") == {7: (ChippedTooth(extent=4e-3, depth=2e-3),)}
-    assert common_wear(detailed, 1, "pinion") == (WornTooth(depth=3.0 / 1_000_000, place="pitch", width=2e-3),)
-    pair = lay_out(detailed).pairs[0]
-    assert np.flatnonzero(fault_terms(detailed, pair, 0, "wheel")[:, -1]).tolist() == [3]
-    teeth = clearances(detailed, pair, 0)
+        ),
+    )
+    assert flanks.pinion_damage == ((ChippedTooth(extent=4e-3, depth=2e-3),),)
+    assert flanks.pinion_wear == (WornTooth(depth=3.0 / 1_000_000, place="pitch", width=2e-3),)
+    assert (mesh.pinion.damaged, mesh.wheel.damaged) == ((7,), (3,))
+    assert np.flatnonzero(mesh_faults(mesh)[1][:, -1]).tolist() == [3]
+    teeth = clearances(mesh.pair, mesh.pinion, mesh.wheel)
     assert teeth["coast_clearance_pinion"].shape == (20, 6)
     assert teeth["drive_clearance_pinion"][7, -1] == 1
     assert np.ptp(teeth["drive_clearance_wheel"][:, 3]) > 1e-6  # helix slopes
-    assert [fault_name(fault) for fault in detailed.faults][2:] == ["chipped-tooth 7", "worn-tooth, all teeth"]
+    assert [fault.name for fault in plant.faults][2:] == ["chipped-tooth 7", "worn-tooth, all teeth"]
 
 
 def test_pitch_deviations_stay_when_profile_and_helix_join(detailed):
-    pair = lay_out(detailed).pairs[0]
-    alone = clearances(minimal(), pair, 0)["drive_clearance_wheel"]
+    plain, mesh = (make_plant(scene).machine.meshes[0] for scene in (minimal(), detailed))
+    pair = mesh.pair
+    alone = clearances(pair, plain.pinion, plain.wheel)["drive_clearance_wheel"]
     assert alone.shape == (55,)
-    joined = clearances(detailed, pair, 0)["drive_clearance_wheel"]
+    joined = clearances(pair, mesh.pinion, mesh.wheel)["drive_clearance_wheel"]
     middle = (pair.xi_start + pair.xi_end) / 2
     assert joined[:, 0] + joined[:, 1] * middle + joined[:, 2] * middle**2 == pytest.approx(alone, abs=1e-15)
 
 
 def test_only_what_is_there_adds_a_stage(detailed, tmp_path):
-    assert [s.name for s in scene_stages(minimal(), "minimal") if "law" in s.name] == ["law_1"]
-    graph = Graph(scene_stages(detailed, "detailed"))
+    assert [s.name for s in plant_stages(make_plant(minimal())) if "law" in s.name] == ["law_1"]
+    plant = make_plant(detailed)
+    graph = Graph(plant_stages(plant))
     assert list(graph.stages)[:2] == ["sound_law_1", "law_1"]
     sound, law = (
         run_graph(graph, Cache(tmp_path / "cache"), ["sound_law_1", "law_1"]).value(name)[0]
@@ -153,8 +157,8 @@ def test_only_what_is_there_adds_a_stage(detailed, tmp_path):
     reached = np.isfinite(sound.gap)
     assert (law.gap[reached] - sound.gap[reached]).max() == pytest.approx(3e-6, rel=1e-3)
     cycle = np.linspace(2.0, 4.0, 21)
-    pair = lay_out(detailed).pairs[0]
-    soft = evaluate_law(law, cycle, 8e-6, 0.0, None, fault_terms(detailed, pair, 0, "wheel")).force
+    _, wheel = mesh_faults(plant.machine.meshes[0])
+    soft = evaluate_law(law, cycle, 8e-6, 0.0, None, wheel).force
     assert (soft < evaluate_law(law, cycle, 8e-6).force + 1e-9).all()
 
 
@@ -169,14 +173,14 @@ def test_only_what_is_there_adds_a_stage(detailed, tmp_path):
 )  # fmt: skip
 def test_what_does_not_fit_is_refused_with_its_place(settings, message):
     with pytest.raises(SceneError, match=message):
-        checked_layout(minimal(*settings), "minimal")
+        checked_plant(minimal(*settings), "minimal")
 
 
 def test_a_crack_through_the_tooth_is_refused_with_its_place(tmp_path):
     path = tmp_path / "deep.toml"
     path.write_text(DETAILS.replace("depth_mm = 1.2", "depth_mm = 3.9"), encoding="utf-8")
     with pytest.raises(SceneError, match=r"faults\.1.*tooth root thickness"):
-        checked_layout(load_scene(path).scene, "deep")
+        checked_plant(load_scene(path).scene, "deep")
 
 
 def test_warnings_of_a_designer():

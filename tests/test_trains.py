@@ -17,7 +17,7 @@ from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble, natural_frequencies
 from pipelines.border.errors import SceneError
-from pipelines.plant.checks.validity import checked_layout
+from pipelines.plant.checks.validity import checked_plant
 from pipelines.plant.layout import lay_out
 from pipelines.scene.file import load_scene
 
@@ -224,4 +224,4 @@ def test_a_scene_with_a_branch_on_the_input_shaft():
 )
 def test_contradictory_trains_are_refused(changes, message):
     with pytest.raises(SceneError, match=message):
-        checked_layout(load_scene("rig-healthy", changes).scene, "scene")
+        checked_plant(load_scene("rig-healthy", changes).scene, "scene")

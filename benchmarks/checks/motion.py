@@ -152,11 +152,11 @@ def _rig_at_rest() -> tuple[State, float, float]:
     from benchmarks.rig import casing_body, read, stage_law, system
 
     iso = {f"stages__{n}__mesh__model": "iso" for n in (1, 2, 3)}
-    scene, layout = read(casing__model="none", sensors=[], **iso)
-    laws = [stage_law(scene, layout, n) for n in range(3)]
-    state = equilibrium(system(scene, layout, laws, casing_body(scene, layout)))
+    plant = read(casing__model="none", sensors=[], **iso)
+    laws = [stage_law(plant, n) for n in range(3)]
+    state = equilibrium(system(plant, laws, casing_body(plant)))
     torque = 1000 * STANDARD_GRAVITY * 0.1 / 2 / (55 / 20 * 62 / 21 * 65 / 22)
-    return state, torque, torque / layout.pairs[0].pinion.base_radius
+    return state, torque, torque / plant.layout.pairs[0].pinion.base_radius
 
 
 def _at_rest() -> Values:

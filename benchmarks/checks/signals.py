@@ -7,8 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from benchmarks.checks.record import Check, Values
-from pipelines.plant.facts import derive
-from pipelines.plant.layout import lay_out
+from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.signals.spectrum import amplitude_spectrum, cut, envelope, envelope_spectrum, whole_revolutions
 
@@ -18,8 +17,7 @@ WHEEL = MESH / 55
 
 
 def _rig() -> Values:
-    scene = load_scene("rig-healthy").scene
-    first = derive(scene, lay_out(scene)).stages[0]
+    first = make_plant(load_scene("rig-healthy").scene).facts.stages[0]
     return [first.mesh_frequency, first.wheel_frequency]
 
 

@@ -17,7 +17,6 @@ from benchmarks.rig import read
 from fem.contact.models.solid import Solid
 from fem.contact.wheels.compliance import ContactCompliance
 from fem.contact.wheels.contact import solve
-from pipelines.plant.facts import derive
 
 SUBJECT = "Mesh stiffness, rung solid"
 
@@ -52,9 +51,9 @@ def calculix_positions() -> list[tuple[float, bool, float]]:
 
 @cache
 def _stage_1() -> tuple[float, ContactCompliance]:
-    scene, layout = read()
-    force = derive(scene, layout).stages[0].mesh_force
-    return force, Solid(positions=POSITIONS_PER_CYCLE).compliance(layout.pairs[0])
+    plant = read()
+    force = plant.facts.stages[0].mesh_force
+    return force, Solid(positions=POSITIONS_PER_CYCLE).compliance(plant.layout.pairs[0])
 
 
 def rig_approach(cycle: float, missing: bool) -> float:

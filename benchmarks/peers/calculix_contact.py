@@ -34,7 +34,6 @@ from fem.contact.models.plane import Plane
 from fem.contact.models.solid import Solid
 from fem.contact.wheels.contact import solve as solve_solid
 from fem.gears.geometry import GearPair
-from pipelines.plant.facts import derive
 
 RESULTS = Path(__file__).resolve().parent.parent / "results" / "calculix_contact.json"
 PENALTY = 1e8  # N/mm3
@@ -121,8 +120,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.peers.calculix_contact")
     parser.add_argument("--compare", action="store_true", help="only compare the rungs with the stored figures")
     only = parser.parse_args(arguments).compare
-    scene, layout = read()
-    pair, force = layout.pairs[0], derive(scene, layout).stages[0].mesh_force
+    plant = read()
+    pair, force = plant.layout.pairs[0], plant.facts.stages[0].mesh_force
     result = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {"positions": []}
     if only and not result["positions"]:
         print("skipped: no figures of CalculiX are stored; python -m benchmarks.peers.calculix_contact computes them")

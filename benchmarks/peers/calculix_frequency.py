@@ -60,9 +60,9 @@ def ours(mesh: CasingMesh, material: Material) -> Reduction:
 
 def measure(element_size: float | None = None) -> dict[str, Any]:
     """Frequencies and seconds of both."""
-    scene, layout = read()
-    box, iron = casing_parts(scene, layout)
-    rung = casing_rung(scene)
+    plant = read()
+    box, iron = casing_parts(plant)
+    rung = casing_rung(plant)
     assert isinstance(rung, CraigBamptonCasing)
     if element_size is not None:
         rung = replace(rung, element_size=element_size)

@@ -103,13 +103,13 @@ def measure() -> dict[str, Any]:
     from fem.casing.reduced.grounded import ground_casing
     from fem.casing.reduced.models import CraigBamptonCasing
 
-    scene, layout = read()
-    box, iron = casing_parts(scene, layout)
-    rung = casing_rung(scene)
+    plant = read()
+    box, iron = casing_parts(plant)
+    rung = casing_rung(plant)
     assert isinstance(rung, CraigBamptonCasing)
     machine_rates = rates()
     factor = factor_count(ground_casing(rung.mesh(box), iron, interfaces=()).K_free)
-    step = step_count(modes=420, rows=17, forces=14, outputs=len(scene.sensors) * 3, iterations=2.0)
+    step = step_count(modes=420, rows=17, forces=14, outputs=len(plant.sensors) * 3, iterations=2.0)
     seconds = {
         "factor": max(factor["flops"] / machine_rates["dgemm"], factor["bytes"] / machine_rates["memory"]),
         "step": max(step["flops"] / machine_rates["dgemm"], step["bytes"] / machine_rates["cache"]),

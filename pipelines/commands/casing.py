@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from fem.casing.reduced.modes import CasingModes, NaturalModes
     from pipelines.engine.run_graph import Outcome
-    from pipelines.scene.scene import Scene
+    from pipelines.plant.plant import Plant
 
 _STATIC_BAND = 1000.0  # Hz, to which the rung static is compared and exported
 
@@ -24,18 +24,19 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.engine.step import Graph
     from pipelines.runs.casing_export import checked_target
     from pipelines.scene.presets import load_asked
-    from pipelines.steps.graph import casing_error_stage, casing_mounts
+    from pipelines.steps.graph import casing_error_stage
     from pipelines.steps.study import plan_study
 
     targets = [checked_target(name) for name in options.export]
     loaded = load_asked(options)
-    graph = plan_study(loaded, with_control=False, both_loads=False).graph
+    study = plan_study(loaded, with_control=False, both_loads=False)
+    graph, plant = study.graph, study.plant
     elastic = "casing modes" in graph.stages
     if not elastic and (options.error_check or any(t.suffix == ".vtu" for t in targets)):
-        raise InputError(f"a {loaded.scene.casing.model} casing has no full model; choose casing.model craig-bampton")
+        raise InputError(f"a {plant.rungs['casing']} casing has no full model; choose casing.model craig-bampton")
     wanted = ["casing", *(["casing mesh", "casing modes"] if elastic else [])]
     if options.error_check:
-        graph = Graph([*graph, casing_error_stage(graph, _band(loaded.scene))])
+        graph = Graph([*graph, casing_error_stage(graph, _band(plant))])
         wanted.append("casing error")
     with shown_progress(len(graph.needed(wanted).stages), quiet=options.quiet) as observer:
         outcome = run_graph(graph, Cache(), wanted, observer=observer, processes=options.processes)
@@ -45,9 +46,9 @@ def main(options: argparse.Namespace) -> int:
         from fem.casing.reduced.modes import natural_modes
 
         modes, check = outcome.value("casing modes")
-        limit = None if modes.band_limit == 0.0 else 1.5 * _band(loaded.scene)
-        mounts, factor = casing_mounts(loaded.scene), body.stiffness_factor
-        natural = natural_modes(modes, mounts, limit=limit, stiffness_factor=factor)
+        limit = None if modes.band_limit == 0.0 else 1.5 * _band(plant)
+        factor = body.stiffness_factor
+        natural = natural_modes(modes, graph.stages["casing"].spec.mounts, limit=limit, stiffness_factor=factor)
         extrapolated = f"stiffness times {factor:.4f}, extrapolated to elements of size zero\n" if factor != 1.0 else ""
         sys.stdout.write(f"{describe(modes)}\n{extrapolated}{check.report(0)}\n{mode_table(natural, options.modes)}\n")
     if options.error_check:
@@ -60,7 +61,7 @@ def main(options: argparse.Namespace) -> int:
             reused = ", taken from the cache" if record.reused else ""
             sys.stdout.write(f"  {record.name:19} {record.seconds:7.1f} s {record.peak_bytes / 1e6:6.0f} MB{reused}\n")
     for target in targets:
-        _write(target, outcome, loaded.scene, natural)
+        _write(target, outcome, plant, natural)
         sys.stdout.write(f"{target}\n")
     return 0
 
@@ -89,11 +90,11 @@ def mode_table(natural: NaturalModes, count: int) -> str:
     return Grid(title="Natural modes in the ground, effective mass", headers=headers, rows=tuple(rows)).to_text()
 
 
-def _band(scene: Scene) -> float:
-    return float(getattr(scene.casing, "band_Hz", _STATIC_BAND))
+def _band(plant: Plant) -> float:
+    return getattr(plant.casing, "band", 0.0) or _STATIC_BAND
 
 
-def _write(target: Path, outcome: Outcome, scene: Scene, natural: NaturalModes | None) -> None:
+def _write(target: Path, outcome: Outcome, plant: Plant, natural: NaturalModes | None) -> None:
     from pipelines.border.errors import InputError
     from pipelines.runs import casing_export
 
@@ -104,9 +105,9 @@ def _write(target: Path, outcome: Outcome, scene: Scene, natural: NaturalModes |
         elif target.suffix == ".mat":
             casing_export.write_mat(body, target)
         elif target.suffix == ".uff":
-            casing_export.write_uff(body, target, title=scene.title, band=_band(scene))
+            casing_export.write_uff(body, target, title=plant.title, band=_band(plant))
         elif natural is not None:
             mesh, modes = outcome.value("casing mesh"), outcome.value("casing modes")[0]
-            casing_export.write_vtu(mesh, modes, natural, target, band=_band(scene))
+            casing_export.write_vtu(mesh, modes, natural, target, band=_band(plant))
     except OSError as error:
         raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --export.") from error

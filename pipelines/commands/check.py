@@ -9,26 +9,23 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from pipelines.plant.facts import Facts
-    from pipelines.scene.file import LoadedScene
+    from pipelines.plant.plant import Plant
 
 
 def main(options: argparse.Namespace) -> int:
     """Print ratios, frequencies, torques, cost and warnings; SceneError lists everything that does not fit."""
     from pipelines.plant.checks.cost import estimate
     from pipelines.plant.checks.doubts import doubts
-    from pipelines.plant.facts import derive
-    from pipelines.plant.layout import lay_out
     from pipelines.scene.file import control_differences
     from pipelines.scene.presets import load_asked
     from pipelines.steps.study import plan_study
 
     loaded = load_asked(options)
     study = plan_study(loaded)  # as `run` begins: what is refused there is refused here
-    layout = lay_out(loaded.scene, loaded.source.shown)
-    sys.stdout.write("".join(f"{line}\n" for line in _lines(loaded, derive(loaded.scene, layout))))
+    plant = study.plant
+    sys.stdout.write("".join(f"{line}\n" for line in _lines(plant, loaded.scene.control or "none")))
     sys.stdout.write(f"  {estimate(loaded.scene, len(study.motions))}\n")
-    for text in doubts(loaded.scene, layout):
+    for text in doubts(loaded.scene, plant.layout):
         sys.stdout.write(f"warning: {text}\n")
     if study.control is not None:
         for line in control_differences(loaded, study.control):
@@ -36,31 +33,32 @@ def main(options: argparse.Namespace) -> int:
     return 0
 
 
-def _lines(loaded: LoadedScene, facts: Facts) -> Iterator[str]:
-    scene = loaded.scene
-    yield scene.title
+def _lines(plant: Plant, control: str) -> Iterator[str]:
+    facts = plant.facts
+    yield plant.title
     yield f"  motor speed {facts.motor_speed * 30 / math.pi:.4g} rpm, total ratio {facts.total_ratio:.4f}"
     yield f"  torque at the input {facts.input_torque:.4g} N m, at the drums {facts.output_torque:.4g} N m"
     yield f"  container at most {facts.container_speed:.4g} m/s"
     if facts.rope_frequency is not None:
         yield f"  the container bounces on its rope at {facts.rope_frequency:.3g} Hz (length at the start)"
     yield "  stage  z1/z2     ratio   a mm      eps_alpha eps_beta  f_m Hz    f_r pinion, wheel Hz  F_bt N   N/mm"
-    for number, (table, stage) in enumerate(zip(scene.stages, facts.stages, strict=True), 1):
-        teeth = f"{table.pinion_teeth}/{table.wheel_teeth}"
+    for number, (pair, stage) in enumerate(zip(plant.layout.pairs, facts.stages, strict=True), 1):
+        teeth = f"{pair.pinion.teeth}/{pair.wheel.teeth}"
         yield (
             f"  {number:<6} {teeth:9} {stage.ratio:<7.4f} {stage.centre_distance * 1000:<9.3f} "
             f"{stage.transverse_contact_ratio:<9.4f} {stage.overlap_ratio:<9.4f} {stage.mesh_frequency:<9.5g} "
             f"{stage.pinion_frequency:<9.5g} {stage.wheel_frequency:<10.5g} {stage.mesh_force:<8.4g} "
             f"{stage.line_load / 1000:.4g}"
         )
-    for number, point in enumerate(facts.bearing_points, 1):
+    for number, point in enumerate(plant.bearing_points, 1):
         x, y, z = (value * 1000 for value in point)
         yield f"  bearing_{number} at x {x:.2f}, y {y:.2f}, z {z:.2f} mm"
-    models = [f"mesh {'/'.join(dict.fromkeys(stage.mesh.model for stage in scene.stages))}"]
-    models += [f"casing {scene.casing.model}", f"shafts {scene.shaft_model.model}", f"load {scene.load.model}"]
-    yield f"  rungs: {', '.join(models)}, integrator {scene.simulation.integrator}"
-    if scene.faults:
-        from pipelines.plant.flanks import fault_name
-
-        yield "  faults: " + ", ".join(f"{fault_name(f)} of the stage {f.stage} {f.gear}" for f in scene.faults)
-    yield f"  control: {scene.control or 'none'}"
+    rungs = plant.rungs
+    models = [f"mesh {'/'.join(dict.fromkeys(rungs['mesh']))}"]
+    models += [f"casing {rungs['casing']}", f"shafts {rungs['shafts']}", f"load {rungs['load']}"]
+    yield f"  rungs: {', '.join(models)}, integrator {rungs['integrator']}"
+    if plant.faults:
+        yield "  faults: " + ", ".join(
+            f"{fault.name} of the stage {fault.stage} {fault.gear}" for fault in plant.faults
+        )
+    yield f"  control: {control}"

@@ -10,14 +10,15 @@ import sys
 def main(options: argparse.Namespace) -> int:
     """Print verdict and envelope tables; --set diagnosis.... looks elsewhere without running anything."""
     from pipelines.border.errors import InputError
-    from pipelines.plant.looked_for import diagnosis_settings
+    from pipelines.plant.plant import make_drivetrain
     from pipelines.runs import run_folder
     from pipelines.scene.file import load_scene
     from pipelines.steps.diagnosing import CaseSpec, diagnoses, words
 
     folder = run_folder.find_run(options.run)
-    scene = load_scene(folder / run_folder.RESOLVED, options.settings).scene
-    settings = diagnosis_settings(scene)
+    loaded = load_scene(folder / run_folder.RESOLVED, options.settings)
+    train = make_drivetrain(loaded.scene, loaded.source.shown)  # the file of a housing may be gone
+    settings = train.diagnosis
     if settings is None:
         raise InputError(
             f"{folder}: the scene gives no diagnosis.windows_s or no sensors; there is nothing to look at."
@@ -30,7 +31,7 @@ def main(options: argparse.Namespace) -> int:
     with contextlib.ExitStack() as opened:
         runs = [
             opened.enter_context(run_folder.opened_run(folder / name)).assign_attrs(
-                sensor_noise_m_s2=scene.diagnosis.noise_m_s2
+                sensor_noise_m_s2=train.looked_for.noise
             )
             for name in (run_folder.RESPONSE, run_folder.CONTROL)
         ]

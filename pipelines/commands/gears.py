@@ -14,24 +14,19 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.engine.cache import Cache
     from pipelines.engine.progress import shown_progress
     from pipelines.engine.run_graph import run_graph
-    from pipelines.plant.facts import derive
-    from pipelines.plant.layout import lay_out
     from pipelines.report.contents import grid
     from pipelines.scene.presets import load_asked
     from pipelines.steps.study import plan_study
 
     loaded = load_asked(options)
-    graph = plan_study(loaded, with_control=False, both_loads=False).graph
-    wanted = [f"law_{number}" for number in range(1, len(loaded.scene.stages) + 1)]
+    study = plan_study(loaded, with_control=False, both_loads=False)
+    wanted, plant = study.plant.law_names, study.plant
     with shown_progress(len(wanted), quiet=options.quiet) as observer:
-        outcome = run_graph(graph, Cache(), wanted, observer=observer, processes=options.processes)
-    layout = lay_out(loaded.scene)
+        outcome = run_graph(study.graph, Cache(), wanted, observer=observer, processes=options.processes)
     rows = []
-    for number, (name, pair, facts) in enumerate(
-        zip(wanted, layout.pairs, derive(loaded.scene, layout).stages, strict=True), 1
-    ):
+    for number, (name, pair, facts) in enumerate(zip(wanted, plant.layout.pairs, plant.facts.stages, strict=True), 1):
         law = outcome.value(name)[0]
-        load = facts.mesh_force or 100e3 * pair.face_width
+        load = facts.shown_force
         curve = stiffness_curve(law, load)
         rows.append(
             {

@@ -11,9 +11,9 @@ from pipelines.figures.views import LeftOut
 
 if TYPE_CHECKING:
     from pipelines.engine.run_graph import Outcome
+    from pipelines.engine.step import Graph
     from pipelines.figures.mesh_pictures import MeshView
-    from pipelines.plant.layout import Layout
-    from pipelines.scene.scene import Scene
+    from pipelines.plant.plant import Plant
 
 
 def main(options: argparse.Namespace) -> int:
@@ -26,28 +26,25 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.figures.callouts import casing_figure, gear_figure
     from pipelines.figures.mesh_pictures import show_mesh, write_mesh
     from pipelines.figures.views import Picture
-    from pipelines.plant.facts import derive
-    from pipelines.plant.layout import lay_out
     from pipelines.scene.presets import load_asked
     from pipelines.steps import reporting
     from pipelines.steps.study import plan_study
 
     folder = writable_folder(options.out)
-    loaded = load_asked(options)
-    scene, stage = loaded.scene, options.stage
-    if stage > len(scene.stages):
-        raise InputError(f"--stage {stage}: the scene has {len(scene.stages)} stages. Count from 1.")
-    graph = plan_study(loaded, with_control=False, both_loads=False).graph
+    loaded, stage = load_asked(options), options.stage
+    if stage > len(loaded.scene.stages):
+        raise InputError(f"--stage {stage}: the scene has {len(loaded.scene.stages)} stages. Count from 1.")
+    study = plan_study(loaded, with_control=False, both_loads=False)
+    graph, plant = study.graph, study.plant
     if options.stress or options.mesh is not None:
         from pipelines.runs.inspect_stress import stress_files
 
-        stressed = stress_files(scene, lay_out(scene), graph, options)
+        stressed = stress_files(plant, graph, options)
         sys.stdout.write(_listed(stressed))
         return 0
-    laws = [f"law_{number}" for number in range(1, len(scene.stages) + 1)]
     meshed = "casing mesh" in graph.stages
     elastic = "casing modes" in graph.stages
-    wanted = [*laws, *(["casing"] if meshed else [])]
+    wanted = [*plant.law_names, *(["casing"] if meshed else [])]
     if options.screen:
         wanted = [f"law_{stage}"]
     elif options.casing_mode:
@@ -57,15 +54,14 @@ def main(options: argparse.Namespace) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     if options.casing_mode:
         if not elastic:
-            raise InputError(f"--casing-mode: a {scene.casing.model} casing has no elastic modes")
-        sys.stdout.write(_listed(casing_mode_files(outcome, scene, options.casing_mode, folder)))
+            raise InputError(f"--casing-mode: a {plant.rungs['casing']} casing has no elastic modes")
+        sys.stdout.write(_listed(casing_mode_files(outcome, graph, plant.title, options.casing_mode, folder)))
         return 0
-    layout = lay_out(scene)
     if options.screen:
-        show_mesh(mesh_view(scene, layout, stage, outcome, options))
+        show_mesh(mesh_view(plant, stage, outcome, options))
         return 0
-    curves = reporting.stiffness_plots(scene, layout, derive(scene, layout), [outcome.value(name) for name in laws])
-    gears = reporting.gear_picture(scene, layout, stage)
+    curves = reporting.stiffness_plots(plant, [outcome.value(name) for name in plant.law_names])
+    gears = reporting.gear_picture(plant, stage)
     pictures: dict[str, Picture | LeftOut | None] = {f"gears_{stage}.png": gears}
     if meshed:
         pictures["casing.png"] = reporting.casing_picture(outcome.value("casing mesh"), outcome.value("casing"))
@@ -74,16 +70,16 @@ def main(options: argparse.Namespace) -> int:
             sys.stdout.write(f"{name}: {picture.reason if picture else 'nothing to show'}\n")
             continue
         if name == "casing.png":
-            figure = casing_figure(picture, f"Casing and key points of {scene.title}")
+            figure = casing_figure(picture, f"Casing and key points of {plant.title}")
         else:
-            title = gears_title(scene, layout, stage)
-            figure = gear_figure(picture, curves[stage - 1], reporting.gear_names(scene, stage), title)
+            title = gears_title(plant, stage)
+            figure = gear_figure(picture, curves[stage - 1], reporting.gear_names(plant, stage), title)
         figure.savefig(folder / name, dpi=115)
         sys.stdout.write(f"{folder / name}\n")
-    mesh = write_mesh(mesh_view(loaded.scene, layout, stage, outcome, options), folder / f"mesh_{stage}.png")
+    mesh = write_mesh(mesh_view(plant, stage, outcome, options), folder / f"mesh_{stage}.png")
     sys.stdout.write(_listed(mesh))
     if not meshed:
-        sys.stdout.write(f"casing {scene.casing.model}: no mesh to show\n")
+        sys.stdout.write(f"casing {plant.rungs['casing']}: no mesh to show\n")
     return 0
 
 
@@ -91,51 +87,49 @@ def _listed(found: list[Path] | LeftOut) -> str:
     return f"{found.reason}\n" if isinstance(found, LeftOut) else "".join(f"{path}\n" for path in found)
 
 
-def gears_title(scene: Scene, layout: Layout, stage: int) -> str:
+def gears_title(plant: Plant, stage: int) -> str:
     """Title of the overview of a stage: scene, position, load and size."""
     from pipelines.figures.shapes import shown_cycle
-    from pipelines.plant.facts import derive
     from pipelines.plant.flanks import first_tooth_fault
 
-    pair, fault = layout.pairs[stage - 1], first_tooth_fault(scene, stage)
+    pair, fault = plant.layout.pairs[stage - 1], first_tooth_fault(plant.faults, stage)
     cycle = shown_cycle(pair, None if fault is None else (fault.gear, fault.tooth or 0))
     meshes = "" if fault is None else f" (damaged tooth in mesh at {fault.tooth})"
-    load = derive(scene, layout).stages[stage - 1].mesh_force or 100e3 * pair.face_width
+    load = plant.facts.stages[stage - 1].shown_force
     size = f"centre distance {1000 * pair.axis_distance:.4g} mm, face width {1000 * pair.face_width:.4g} mm"
-    return f"{scene.title}: stage {stage}\nmesh cycle {cycle}{meshes}, load {load:.4g} N; {size}"
+    return f"{plant.title}: stage {stage}\nmesh cycle {cycle}{meshes}, load {load:.4g} N; {size}"
 
 
-def mesh_view(scene: Scene, layout: Layout, stage: int, outcome: Outcome, options: argparse.Namespace) -> MeshView:
+def mesh_view(plant: Plant, stage: int, outcome: Outcome, options: argparse.Namespace) -> MeshView:
     """The mesh of a stage at its load, healthy and with its faults, around the passage of the first damaged tooth."""
     import numpy as np
 
     from pipelines.figures.mesh_frames import mesh_frames, passage
     from pipelines.figures.mesh_pictures import MeshView
     from pipelines.figures.shapes import gear_view
-    from pipelines.plant.facts import derive
-    from pipelines.plant.flanks import fault_name, first_tooth_fault
-    from pipelines.plant.teeth import fault_terms
+    from pipelines.plant.assembly import mesh_faults
+    from pipelines.plant.flanks import first_tooth_fault
 
-    pair, table = layout.pairs[stage - 1], scene.stages[stage - 1]
+    pair = plant.layout.pairs[stage - 1]
     law = outcome.value(f"law_{stage}")[0]
-    load = derive(scene, layout).stages[stage - 1].mesh_force or 100e3 * pair.face_width
-    faults = [fault for fault in scene.faults if fault.stage == stage]
-    first = first_tooth_fault(scene, stage)
+    load = plant.facts.stages[stage - 1].shown_force
+    faults = plant.faults_of(stage)
+    first = first_tooth_fault(plant.faults, stage)
     middle = float(first.tooth) if first is not None and first.tooth is not None else 0.0
     cycles = passage(middle, options.frames) if options.position is None else np.array([options.position])
     sound = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
     states = [mesh_frames("healthy", pair, law, load, cycles, *sound)]
     if faults:
-        teeth = [fault_terms(scene, pair, stage - 1, gear) for gear in ("pinion", "wheel")]
+        teeth = mesh_faults(plant.machine.meshes[stage - 1])
         words = ", ".join(dict.fromkeys(fault.kind.replace("-", " ") for fault in faults))
         states.append(mesh_frames(words, pair, law, load, cycles, *teeth))
     marked = (first.gear, int(middle)) if first is not None else None
     gone = first is not None and first.kind == "missing-tooth"
     return MeshView(
-        title=f"{scene.title}: stage {stage}, {table.pinion_teeth}/{table.wheel_teeth} teeth",
+        title=f"{plant.title}: stage {stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
         gears=gear_view(pair),
         damaged=None if marked is None else gear_view(pair, marked, missing=gone, in_mesh=True),
-        marked="" if first is None else f"{fault_name(first).replace('-', ' ')} of the {first.gear}",
+        marked="" if first is None else f"{first.name.replace('-', ' ')} of the {first.gear}",
         model=law.model,
         force=load,
         cycles=cycles,
@@ -143,21 +137,20 @@ def mesh_view(scene: Scene, layout: Layout, stage: int, outcome: Outcome, option
     )
 
 
-def casing_mode_files(outcome: Outcome, scene: Scene, number: int, folder: Path) -> list[Path] | LeftOut:
+def casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int, folder: Path) -> list[Path] | LeftOut:
     """Still, film and page of a natural mode of the casing in its ground; InputError beyond the last one."""
     from fem.casing.reduced.modes import natural_modes
     from pipelines.border.errors import InputError
     from pipelines.figures.mode_pictures import ModeView, write_mode
     from pipelines.runs.casing_export import mode_shapes
-    from pipelines.steps.graph import casing_mounts
 
     modes, mesh = outcome.value("casing modes")[0], outcome.value("casing mesh")
     factor = outcome.value("casing").stiffness_factor
-    natural = natural_modes(modes, casing_mounts(scene), stiffness_factor=factor)
+    natural = natural_modes(modes, graph.stages["casing"].spec.mounts, stiffness_factor=factor)
     if number > len(natural.frequencies):
         raise InputError(f"--casing-mode {number}: the reduced casing has {len(natural.frequencies)} modes")
     view = ModeView(
-        title=f"Casing of {scene.title}",
+        title=f"Casing of {title}",
         number=number,
         frequency=float(natural.frequencies[number - 1]),
         nodes=mesh.nodes,

@@ -1,6 +1,6 @@
 """Stages: what a run consists of, and the keys under which their results are kept.
 
-A stage is a function, the part of the scene it reads (handed to it as `spec`, so it cannot read more), and the stages
+A stage is a function, the part of the plant it reads (handed to it as `spec`, so it cannot read more), and the stages
 whose results it takes. Its key is the hash of the spec, of the CONTENT of what it takes, of its code and of the
 libraries it names. An upstream stage that was built again with the same content changes nothing downstream.
 """
@@ -17,7 +17,7 @@ from typing import Any
 from pipelines.border.toml_text import format_value
 from pipelines.engine.cache import Cache, Entry
 from pipelines.engine.code_version import code_version, library_versions
-from pipelines.engine.storage import digest, flat
+from pipelines.engine.storage import class_modules, digest, flat
 
 FIRST = "first run"
 _FACTS: dict[str, type | tuple[type, ...]] = {
@@ -54,8 +54,8 @@ class Stage:
 
     @property
     def code(self) -> str:
-        """Version of the code."""
-        return code_version(self.build.__module__, *self.modules)
+        """Version of the code: that of the build, of the modules it names, and of the classes in the spec."""
+        return code_version(self.build.__module__, *self.modules, *sorted(class_modules(self.spec)))
 
     def load(self) -> str:
         """Import the modules that it names and read its code, ahead of the build; the version of the code."""
@@ -230,9 +230,7 @@ def _differences(stage: Stage, entry: Entry, facts: Mapping[str, Any]) -> list[s
     ]
     if len(old["takes"]) != len(facts["takes"]) or len(changed) > _comparable(len(after)):
         return None
-    out = [
-        f"{path.removeprefix('scene.') or 'input'} {_shown(before, path)} -> {_shown(after, path)}" for path in changed
-    ]
+    out = [f"{path or 'input'} {_change(before, after, path)}" for path in changed]
     pairs = zip(stage.takes, old["takes"], facts["takes"], strict=True)
     out += [f"another result of {name}" for name, was, now in pairs if was != now]
     if old["code"] != facts["code"]:
@@ -254,8 +252,21 @@ def _whole(entry: Entry) -> bool:
     return typed and all(isinstance(count, int) for count in facts["ledger"].values())
 
 
-def _shown(fields: Mapping[str, Any], path: str) -> str:
+def _change(before: Mapping[str, Any], after: Mapping[str, Any], path: str) -> str:
+    """The values of a field, before and after, in six digits where these tell them apart."""
+    short = [_shown(fields, path, _rounded) for fields in (before, after)]
+    was, now = short if short[0] != short[1] else [_shown(fields, path) for fields in (before, after)]
+    return f"{was} -> {now}"
+
+
+def _shown(fields: Mapping[str, Any], path: str, simplified: Callable[[Any], Any] = lambda value: value) -> str:
     if path not in fields:
         return "(none)"
-    text = "none" if fields[path] is None else format_value(fields[path])
+    text = "none" if fields[path] is None else format_value(simplified(fields[path]))
     return text if len(text) <= 40 else f"{text[:37]}..."
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_rounded(item) for item in value]
+    return float(f"{value:.6g}") if isinstance(value, float) else value

@@ -11,7 +11,7 @@ import hashlib
 import json
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,10 @@ import numpy as np
 
 from fem.storage.records import Record
 from fem.storage.stored_array import StoredArray
+from pipelines.engine.code_version import OWN_PACKAGES
 from pipelines.engine.contents import CONTENTS, ContentsError, read_contents, stored_class, type_name
+
+SHORT = 100  # numbers of an array that are told one by one
 
 
 class PayloadError(TypeError):
@@ -49,7 +52,10 @@ def digest(value: Any) -> str:
 
 
 def flat(value: Any, path: str = "") -> dict[str, Any]:
-    """The plain leaves of a value by dotted path, arrays by their digest; items of lists are counted from 1."""
+    """The plain leaves of a value by dotted path, but records and large arrays by their digest; items of lists are
+    counted from 1."""
+    if isinstance(value, np.ndarray) and value.ndim == 1 and value.size <= SHORT and np.isfinite(value).all():
+        value = value.tolist()
     if isinstance(value, Record) or _is_dataset(value) or isinstance(value, np.ndarray | bytes):
         return {path: digest(value)[:16]}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
@@ -64,6 +70,20 @@ def flat(value: Any, path: str = "") -> dict[str, Any]:
             return {path: [_plain(item) for item in value]}
         return {k: v for n, item in enumerate(value, 1) for k, v in flat(item, f"{join}{n}").items()}
     return {path: _plain(value)}
+
+
+def class_modules(value: Any) -> set[str]:
+    """Modules of the classes of ours in a value: a spec with a rope in it hangs on the code of the rope."""
+    found: set[str] = set()
+    parts: Iterable[Any] = ()
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        parts = [getattr(value, field.name) for field in dataclasses.fields(value)]
+        found = {type(value).__module__} if type(value).__module__.partition(".")[0] in OWN_PACKAGES else set()
+    elif isinstance(value, Mapping):
+        parts = value.values()
+    elif isinstance(value, list | tuple):
+        parts = value
+    return found.union(*map(class_modules, parts))
 
 
 class _Files:

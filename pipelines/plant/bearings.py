@@ -3,30 +3,75 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
 
 from mbd.forces.rolling_bearing import hertz_bearing
 from mbd.parts.bearings import BearingSpec, rigid_bearing
 from mbd.parts.checks import MachineError
 from mbd.parts.rolling_catalogue import by_designation
-from mbd.parts.rolling_elements import RollingElements, pass_frequencies
-from pipelines.plant.facts import bearing_names
-from pipelines.plant.layout import Layout
+from mbd.parts.rolling_elements import RollingElements
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.bearings import HertzBearings, LinearBearings, RigidBearings
+
+if TYPE_CHECKING:
+    from pipelines.plant.layout import Layout
+
+
+@dataclass(frozen=True, kw_only=True)
+class RollingBearing:
+    """A bearing on a shaft (from 0) whose rolling elements are known."""
+
+    name: str
+    shaft: int
+    elements: RollingElements
+
+
+def bearing_names(scene: Scene) -> list[tuple[str, int, int]]:
+    """Name, shaft and place on it (0-based) of every bearing: bearing_1, bearing_2, ... carried by the casing, numbered
+    in shaft order from -y; ground_bearing_1, ... by the ground."""
+    found: list[tuple[str, int, int]] = []
+    counts = {"casing": 0, "ground": 0}
+    for number, shaft in enumerate(scene.shafts):
+        supports = shaft.bearing_supports or ("casing",) * len(shaft.bearing_positions_mm)
+        for place, support in enumerate(supports):
+            counts[support] += 1
+            found.append((f"{'' if support == 'casing' else 'ground_'}bearing_{counts[support]}", number, place))
+    return found
+
+
+def bearing_points(scene: Scene, layout: Layout) -> tuple[tuple[float, float, float], ...]:
+    """(x, y, z) of bearing_1, bearing_2, ... (m), those that the casing carries."""
+    return tuple(
+        (layout.axes[shaft][0], scene.shafts[shaft].bearing_positions_mm[place] / 1000, layout.axes[shaft][1])
+        for name, shaft, place in bearing_names(scene)
+        if not name.startswith("ground")
+    )
+
+
+def rolling_bearings(scene: Scene) -> tuple[RollingBearing, ...]:
+    """The bearings whose rolling elements are known, in shaft order. MachineError if its elements do not fit."""
+    found = []
+    for name, number, place in bearing_names(scene):
+        table = _table(scene, number, place)
+        if isinstance(table, HertzBearings):
+            found.append(RollingBearing(name=name, shaft=number, elements=rolling_elements(table)))
+    return tuple(found)
 
 
 def bearing_specs(scene: Scene) -> tuple[BearingSpec, ...]:
     """All bearings in shaft order, from -y."""
     specs = []
     for name, number, place in bearing_names(scene):
-        shaft = scene.shafts[number]
-        table = shaft.bearings[place] if shaft.bearings else scene.bearings
-        at = f"shaft_{number + 1}", shaft.bearing_positions_mm[place] / 1000
+        at = f"shaft_{number + 1}", scene.shafts[number].bearing_positions_mm[place] / 1000
         support: Literal["casing", "ground"] = "ground" if name.startswith("ground") else "casing"
-        specs.append(_bearing(table, name, *at, support))
+        specs.append(_bearing(_table(scene, number, place), name, *at, support))
     return tuple(specs)
+
+
+def _table(scene: Scene, shaft: int, place: int) -> RigidBearings | LinearBearings | HertzBearings:
+    own = scene.shafts[shaft].bearings
+    return own[place] if own else scene.bearings
 
 
 def _bearing(
@@ -84,17 +129,3 @@ def rolling_elements(table: HertzBearings) -> RollingElements:
         pitch_diameter=(table.pitch_diameter_mm or 0.0) / 1000,
         **changes,
     )
-
-
-def bearing_frequencies(scene: Scene, layout: Layout) -> dict[str, float]:
-    """Pass frequencies (Hz) of all rolling bearings at the highest motor speed: "bearing_3 BPFO", BPFI, BSF, FTF."""
-    speed = max(abs(value) for value in scene.drive.speeds_rpm) / 60
-    found: dict[str, float] = {}
-    for name, number, place in bearing_names(scene):
-        shaft = scene.shafts[number]
-        table = shaft.bearings[place] if shaft.bearings else scene.bearings
-        if isinstance(table, HertzBearings):
-            turn, per = speed * layout.shaft_ratios[number], pass_frequencies(rolling_elements(table))
-            lines = {"BPFO": per.outer, "BPFI": per.inner, "BSF": per.spin, "FTF": per.cage}
-            found |= {f"{name} {label}": turn * value for label, value in lines.items()}
-    return found

@@ -6,9 +6,14 @@ the driving gear in lifting, so where its lifting sense is -1 the ends change pl
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
 from fem.contact.faults.registry import tooth_fault
 from fem.contact.faults.tooth_fault import ToothFault
+from fem.gears.geometry import GearPair
 from fem.gears.modifications import EndRelief, FlankModifications, Misalignment, PairModifications, Relief
+from pipelines.plant.flanks_spec import FlanksSpec
 from pipelines.plant.units import si_options
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.faults import FaultBase, FaultTable
@@ -17,6 +22,34 @@ from pipelines.scene.tables.gears import StageTable
 from pipelines.scene.train import shaft_senses, stage_shafts
 
 GEARS = ("pinion", "wheel")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fault:
+    """A fault of a gear of a stage (from 1), on one tooth or (None) on all."""
+
+    stage: int
+    gear: str
+    tooth: int | None
+    kind: str
+    damage: ToothFault
+
+    @property
+    def name(self) -> str:
+        """Kind and tooth in words: "missing-tooth 0", "worn-tooth, all teeth"."""
+        return f"{self.kind}, all teeth" if self.tooth is None else f"{self.kind} {self.tooth}"
+
+
+def flanks_spec(pair: GearPair, modifications: PairModifications, faults: Sequence[Fault], stage: int) -> FlanksSpec:
+    """What is added to the law of a stage (from 1); no law depends on the play between the flanks."""
+    return FlanksSpec(
+        pair=replace(pair, backlash_allowance=0.0),
+        modifications=modifications,
+        pinion_damage=tuple(damaged_teeth(faults, stage, "pinion").values()),
+        wheel_damage=tuple(damaged_teeth(faults, stage, "wheel").values()),
+        pinion_wear=common_wear(faults, stage, "pinion"),
+        wheel_wear=common_wear(faults, stage, "wheel"),
+    )
 
 
 def lifting_sense(scene: Scene, stage: int) -> int:
@@ -70,6 +103,20 @@ def _end_relief(table: EndReliefTable | None) -> EndRelief | None:
     return EndRelief(amount=table.amount_um / 1_000_000, length=table.length_mm / 1000, shape=table.shape)
 
 
+def tooth_faults(scene: Scene) -> tuple[Fault, ...]:
+    """All faults of a scene."""
+    return tuple(
+        Fault(
+            stage=table.stage,
+            gear=table.gear,
+            tooth=table.tooth,
+            kind=table.kind,
+            damage=damage(table, lifting_sense(scene, table.stage)),
+        )
+        for table in scene.faults
+    )
+
+
 def damage(fault: FaultTable, sense: int) -> ToothFault:
     """The fault in SI; its end of the face is that of the mesh law."""
     options = si_options(fault, without=FaultBase)
@@ -78,32 +125,21 @@ def damage(fault: FaultTable, sense: int) -> ToothFault:
     return tooth_fault(fault.kind, **options)
 
 
-def damaged_teeth(scene: Scene, stage: int, gear: str) -> dict[int, tuple[ToothFault, ...]]:
+def damaged_teeth(faults: Iterable[Fault], stage: int, gear: str) -> dict[int, tuple[ToothFault, ...]]:
     """Damage by tooth number of a gear of a stage (1-based); the n-th entry is variant n + 1 of its mesh law."""
     found: dict[int, tuple[ToothFault, ...]] = {}
-    for fault in _faults_of(scene, stage, gear):
-        one = damage(fault, lifting_sense(scene, stage))
-        if fault.tooth is not None and one.changes_flank:
-            found[fault.tooth] = (*found.get(fault.tooth, ()), one)
+    for fault in faults:
+        if fault.stage == stage and fault.gear == gear and fault.tooth is not None and fault.damage.changes_flank:
+            found[fault.tooth] = (*found.get(fault.tooth, ()), fault.damage)
     return found
 
 
-def common_wear(scene: Scene, stage: int, gear: str) -> tuple[ToothFault, ...]:
+def common_wear(faults: Iterable[Fault], stage: int, gear: str) -> tuple[ToothFault, ...]:
     """What all teeth of a gear of a stage (1-based) have."""
-    sense = lifting_sense(scene, stage)
-    return tuple(damage(fault, sense) for fault in _faults_of(scene, stage, gear) if fault.tooth is None)
+    return tuple(fault.damage for fault in faults if (fault.stage, fault.gear, fault.tooth) == (stage, gear, None))
 
 
-def _faults_of(scene: Scene, stage: int, gear: str) -> list[FaultTable]:
-    return [fault for fault in scene.faults if fault.stage == stage and fault.gear == gear]
-
-
-def first_tooth_fault(scene: Scene, stage: int) -> FaultTable | None:
+def first_tooth_fault(faults: Iterable[Fault], stage: int) -> Fault | None:
     """The fault that pictures of a stage (from 1) show: the first missing tooth, else the first of a single tooth."""
-    single = [fault for fault in scene.faults if fault.stage == stage and fault.tooth is not None]
+    single = [fault for fault in faults if fault.stage == stage and fault.tooth is not None]
     return next((fault for fault in single if fault.kind == "missing-tooth"), single[0] if single else None)
-
-
-def fault_name(fault: FaultTable) -> str:
-    """Kind and tooth of a fault in words: "missing-tooth 0", "worn-tooth, all teeth"."""
-    return f"{fault.kind}, all teeth" if fault.tooth is None else f"{fault.kind} {fault.tooth}"

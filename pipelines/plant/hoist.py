@@ -1,18 +1,81 @@
-"""The load of a scene, in SI: drums, ropes, container, ground."""
+"""The load of a scene, in SI: drums, ropes, container, ground, and how the container bounces on its rope."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from mbd.forces.ground import Ground
 from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rope import Rope
 from mbd.parts.load import Load, StaticTorque
-from pipelines.plant.facts import output_torque
-from pipelines.plant.layout import Layout
+from mbd.parts.machine import STANDARD_GRAVITY
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.motion import RopePendulumTable, RopeTable
+
+if TYPE_CHECKING:
+    from mbd.parts.drive import SpeedProfile
+    from pipelines.plant.layout import Layout
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hoist:
+    """What hangs on the drums: mass (kg), radius of the drums (m), rope speed at the drum over container speed.
+
+    ``rope_strength`` (N) is the axial stiffness EA of all falls together, None where no container hangs on a rope;
+    ``rope_length`` (m) is the free length at t = 0.
+    """
+
+    mass: float
+    drum_radius: float
+    reeving: float
+    rope_strength: float | None = None
+    rope_length: float = 0.0
+
+    def rope_frequency(self, length: float | None = None) -> float | None:
+        """Bounce frequency of the container on its rope, drum held (Hz); None without rope or container."""
+        if self.rope_strength is None:
+            return None
+        stiffness = self.rope_strength / (self.rope_length if length is None else length)
+        return math.sqrt(stiffness / self.mass) / (2 * math.pi)
+
+    def rope_length_at(self, time: float, profile: SpeedProfile, ratio: float) -> float:
+        """Free rope length (m) at a time (s): that at the start less what the drums, at ``ratio`` of the motors' speed,
+        have wound."""
+        from scipy.integrate import trapezoid
+
+        fine = np.linspace(0.0, time, 2001)
+        angle = float(trapezoid(np.interp(fine, profile.times, profile.speeds), fine)) * ratio
+        return self.rope_length - angle * self.drum_radius / self.reeving
+
+
+def hoist(scene: Scene) -> Hoist:
+    """What hangs on the drums of a scene."""
+    table = scene.load
+    common = {
+        "mass": table.container_kg,
+        "drum_radius": table.drum_radius_mm / 1000,
+        "reeving": table.reeving_ratio,
+    }
+    if not isinstance(table, RopeTable) or table.container_kg == 0:
+        return Hoist(**common)
+    strength = table.rope_falls * _rope_strength(table)
+    return Hoist(**common, rope_strength=strength, rope_length=table.rope_length_m)
+
+
+def output_torque(scene: Scene) -> float:
+    """Torque of the hanging weight on the last shaft (N m): m g R / reeving."""
+    load = scene.load
+    return load.container_kg * STANDARD_GRAVITY * load.drum_radius_mm / 1000 / load.reeving_ratio
+
+
+def _rope_strength(load: RopeTable) -> float:
+    """Axial stiffness EA of one fall (N), A the metallic area."""
+    area = load.rope_fill_factor * math.pi / 4 * (load.rope_diameter_mm / 1000) ** 2
+    return load.rope_modulus_GPa * 1e9 * area
 
 
 def drums(scene: Scene, layout: Layout) -> tuple[float, ...]:
@@ -33,9 +96,8 @@ def load_spec(scene: Scene, layout: Layout) -> Load:
     radius = table.drum_radius_mm / 1000
     direction = None if table.rope_direction_deg is None else math.radians(table.rope_direction_deg)
     if not isinstance(table, RopeTable) or table.container_kg == 0:
-        torque = output_torque(scene) / len(places)
+        torque = layout.hanging_torque / len(places)
         return StaticTorque(shaft=shaft, drums=places, torque=torque, direction=direction, drum_radius=radius)
-    area = table.rope_fill_factor * math.pi / 4 * (table.rope_diameter_mm / 1000) ** 2
     ground = None
     if table.ground_level_m is not None:
         ground = Ground(
@@ -49,7 +111,7 @@ def load_spec(scene: Scene, layout: Layout) -> Load:
         "container_mass": table.container_kg,
         "drum_radius": radius,
         "falls": table.rope_falls,
-        "axial_stiffness": table.rope_modulus_GPa * 1e9 * area,
+        "axial_stiffness": _rope_strength(table),
         "length": table.rope_length_m,
         "reeving": table.reeving_ratio,
         "damping_ratio": table.rope_damping_ratio,

@@ -15,7 +15,7 @@ from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
 from fem.casing.meshing.locate import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint, Locator, Point
 from fem.casing.meshing.source import Geometry
 from pipelines.border.errors import InputError, Problem, SceneError
-from pipelines.plant.facts import bearing_points
+from pipelines.plant.bearings import bearing_points
 from pipelines.plant.layout import Layout
 from pipelines.scene.scene import Scene
 from pipelines.scene.shipped_files import find_file

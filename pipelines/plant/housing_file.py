@@ -17,14 +17,13 @@ def main(arguments: list[str]) -> int:
     from fem.casing.meshing.imported import content_hash
     from fem.casing.meshing.mesher import write_step
     from pipelines.border.errors import InputError
-    from pipelines.plant.housing import housing
-    from pipelines.plant.layout import lay_out
+    from pipelines.plant.plant import make_plant
     from pipelines.scene.file import load_scene
-    from pipelines.scene.tables.casing import FlexibleBase
 
     name, target, *settings = arguments
     scene = load_scene(name, settings).scene
-    made = housing(scene, scene.casing.housing, lay_out(scene)) if isinstance(scene.casing, FlexibleBase) else None
+    casing = make_plant(scene).casing
+    made = None if casing is None else casing.geometry
     if not isinstance(made, Housing):
         raise InputError(f"{name}: has no parametric housing. Give a scene whose casing.housing.model is parametric.")
     write_step(made, Path(target))

@@ -1,7 +1,4 @@
-"""Layout: a scene turned into SI objects - gear pairs, axis positions, housing, machine.
-
-Units are converted here and nowhere else, by division by exact integers.
-"""
+"""Layout: where the gears and shafts of a scene are, who turns whom, and what the train carries at most, in SI."""
 
 from __future__ import annotations
 
@@ -13,6 +10,7 @@ from fem.gears.geometry import Gear, GearPair, GeometryError, Rack
 from fem.gears.modifications import PairModifications, check_modifications
 from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.flanks import lifting_sense, modifications
+from pipelines.plant.hoist import output_torque
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.base import MaterialTable
 from pipelines.scene.tables.gear_details import GearTable
@@ -102,7 +100,7 @@ class Layout:
     """Where the gears and shafts of a scene are: pairs and flank modifications by stage, the rest by shaft.
 
     Axes are (x, z) in m. Shafts are numbered from 0. Ratios of speeds are over that of shaft ``driven``, which the
-    motors turn.
+    motors turn, at ``turns`` 1/s at most. ``hanging_torque`` (N m) is that of the hanging weight on shaft ``loaded``.
     """
 
     pairs: tuple[GearPair, ...]
@@ -111,8 +109,11 @@ class Layout:
     senses: tuple[int, ...]  # lifting rotation about +y or -y; that of the first shaft is +1
     shaft_ratios: tuple[float, ...]  # speed of each shaft over that of the motors
     pair_shafts: tuple[tuple[int, int], ...]  # shafts of pinion and wheel, by stage
+    coupling_shafts: tuple[tuple[int, int], ...]
     driven: int
     loaded: int  # the shaft that carries the drums
+    turns: float
+    hanging_torque: float
 
     @property
     def ratio(self) -> float:
@@ -150,6 +151,9 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
         senses=tuple(place.sense for place in places),
         shaft_ratios=tuple(place.speed / places[driven].speed for place in places),
         pair_shafts=tuple(stage_shafts(scene.stages)),
+        coupling_shafts=tuple((table.shafts[0] - 1, table.shafts[1] - 1) for table in scene.couplings),
         driven=driven,
         loaded=(scene.load.shaft or len(scene.shafts)) - 1,
+        turns=max(abs(value) for value in scene.drive.speeds_rpm) / 60,
+        hanging_torque=output_torque(scene),
     )

@@ -1,56 +1,97 @@
-"""What the diagnosis of a scene looks for: the lines of the suspected gear, in the windows of constant speed."""
+"""What the diagnosis looks for: the lines of the suspected gear, in the windows of constant speed."""
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
-import numpy as np
-
-from pipelines.plant.bearings import bearing_frequencies
-from pipelines.plant.facts import rope_frequency, stage_facts
-from pipelines.plant.layout import Layout, lay_out
+from mbd.parts.drive import SpeedProfile
+from mbd.parts.rolling_elements import pass_frequencies
+from pipelines.plant.bearings import RollingBearing
+from pipelines.plant.facts import stage_facts
+from pipelines.plant.flanks import Fault
+from pipelines.plant.hoist import Hoist
+from pipelines.plant.layout import Layout
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.motion import RopeTable
 from pipelines.signals.analysis import DiagnosisSettings
 
 
-def diagnosis_settings(scene: Scene, layout: Layout | None = None) -> DiagnosisSettings | None:
-    """What the diagnosis of a scene looks for; None if the scene gives no windows or has no sensors."""
+@dataclass(frozen=True, kw_only=True)
+class LookedFor:
+    """Where the diagnosis looks: a channel, a gear of a stage (from 1), windows (s), the band of the envelope (Hz).
+
+    `noise` (m/s2 rms) is added to the signals before; `possible` is False without windows or sensors.
+    """
+
+    sensor: str
+    axis: str
+    stage: int
+    gear: str
+    windows: Mapping[str, tuple[float, float]]
+    band: str | tuple[float, float]
+    noise: float
+    possible: bool
+
+
+def looked_for(scene: Scene) -> LookedFor:
+    """What a scene asks of its diagnosis."""
     table = scene.diagnosis
-    if not table.windows_s or not scene.sensors:
+    return LookedFor(
+        sensor=table.sensor,
+        axis=table.axis,
+        stage=table.stage,
+        gear=table.gear,
+        windows=dict(table.windows_s),
+        band=table.envelope_band_Hz,
+        noise=table.noise_m_s2,
+        possible=bool(table.windows_s and scene.sensors),
+    )
+
+
+def diagnosis_settings(
+    asked: LookedFor,
+    layout: Layout,
+    hoist: Hoist,
+    profile: SpeedProfile,
+    rolling: Sequence[RollingBearing],
+    faults: Sequence[Fault],
+) -> DiagnosisSettings | None:
+    """The lines and windows of a diagnosis; None if it is not possible."""
+    if not asked.possible:
         return None
-    layout = layout or lay_out(scene)
-    stage = stage_facts(scene, layout)[table.stage - 1]
-    on_wheel = table.gear == "wheel"
-    faulty = Counter((f.stage, f.gear, f.kind) for f in scene.faults)
+    stage = stage_facts(layout)[asked.stage - 1]
+    on_wheel = asked.gear == "wheel"
+    faulty = Counter((f.stage, f.gear, f.kind) for f in faults)
     words = ", ".join(
         f"{'one tooth' if count == 1 else f'{count} teeth'} of the stage {number} {gear} {kind.removesuffix('-tooth')}"
         for (number, gear, kind), count in faulty.items()
     )
+    ratio = layout.shaft_ratios[layout.loaded]
     modes = {
-        name: rope_frequency(scene, _rope_length(scene, layout, sum(w) / 2)) for name, w in table.windows_s.items()
+        name: hoist.rope_frequency(hoist.rope_length_at(sum(window) / 2, profile, ratio))
+        for name, window in asked.windows.items()
+        if hoist.rope_strength is not None
     }
     return DiagnosisSettings(
         revolution_frequency=stage.wheel_frequency if on_wheel else stage.pinion_frequency,
         mesh_frequency=stage.mesh_frequency,
-        windows=dict(table.windows_s),
+        windows=asked.windows,
         rope_mode={name: value for name, value in modes.items() if value is not None},
-        bearings=bearing_frequencies(scene, layout),
-        sensor=table.sensor,
-        axis=table.axis,
-        band=table.envelope_band_Hz,
-        shaft=f"shaft_{layout.pair_shafts[table.stage - 1][on_wheel] + 1}",
+        bearings=_bearing_frequencies(layout, rolling),
+        sensor=asked.sensor,
+        axis=asked.axis,
+        band=asked.band,
+        shaft=f"shaft_{layout.pair_shafts[asked.stage - 1][on_wheel] + 1}",
         fault=words or "no fault",
     )
 
 
-def _rope_length(scene: Scene, layout: Layout, time: float) -> float | None:
-    """Free rope length (m) at a time (s): the length at the start less what the drums have wound."""
-    from scipy.integrate import trapezoid
-
-    if not isinstance(scene.load, RopeTable):
-        return None
-    times, speeds = np.array(scene.drive.times_s), np.array(scene.drive.speeds_rpm) * 2 * np.pi / 60
-    fine = np.linspace(0.0, time, 2001)
-    angle = float(trapezoid(np.interp(fine, times, speeds), fine)) * layout.shaft_ratios[layout.loaded]
-    return scene.load.rope_length_m - angle * scene.load.drum_radius_mm / 1000 / scene.load.reeving_ratio
+def _bearing_frequencies(layout: Layout, rolling: Sequence[RollingBearing]) -> dict[str, float]:
+    """Pass frequencies (Hz) of all rolling bearings at the highest motor speed: "bearing_3 BPFO", BPFI, BSF, FTF."""
+    found: dict[str, float] = {}
+    for bearing in rolling:
+        turn, per = layout.turns * layout.shaft_ratios[bearing.shaft], pass_frequencies(bearing.elements)
+        lines = {"BPFO": per.outer, "BPFI": per.inner, "BSF": per.spin, "FTF": per.cage}
+        found |= {f"{bearing.name} {label}": turn * value for label, value in lines.items()}
+    return found

@@ -1,38 +1,24 @@
-"""The multibody description of a scene: shafts with gear bodies, bearings, meshes, drive and load, in SI."""
+"""The parts of the machine of a scene, in SI: shafts with gear bodies, bearings, meshes, drive, load and losses."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from fem.contact.law import MeshLaw
 from fem.gears.geometry import Gear
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.drive import CouplingSpec, SpeedProfile
-from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.losses import Brake, Coulomb, Efficiency, Losses, NoLosses
-from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
 from pipelines.plant.bearings import bearing_specs
+from pipelines.plant.flanks import GEARS, Fault, damaged_teeth
 from pipelines.plant.hoist import drums, load_spec, shaft_ends
 from pipelines.plant.layout import Layout
+from pipelines.plant.parts import GearMesh, GearTeeth, MachineParts, ToothDeviations
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.losses import CoulombLosses, EfficiencyLosses
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class MeshInput:
-    """What one stage brings to the machine: its laws and the clearances (tooth,) of both gears on both flanks (m)."""
-
-    drive: MeshLaw
-    coast: MeshLaw
-    drive_clearance_pinion: np.ndarray
-    drive_clearance_wheel: np.ndarray
-    coast_clearance_pinion: np.ndarray
-    coast_clearance_wheel: np.ndarray
 
 
 def annulus(name: str, y: float, inner: float, outer: float, width: float, density: float) -> Disk:
@@ -140,29 +126,37 @@ def coupling_specs(scene: Scene) -> tuple[ShaftCoupling, ...]:
     )
 
 
-def mesh_specs(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> tuple[MeshSpec, ...]:
+def gear_teeth(scene: Scene, faults: Sequence[Fault], stage: int, gear: str) -> GearTeeth:
+    """The teeth of a gear of a stage (from 1)."""
+    table, deviations = scene.deviations, None
+    if table.enabled and table.include:
+        seed = 1000 * table.seed + 2 * (stage - 1) + GEARS.index(gear)  # every gear its own sequence
+        deviations = ToothDeviations(grade=table.iso_grade, include=table.include, seed=seed)
+    own = [fault for fault in faults if fault.stage == stage and fault.gear == gear]
+    return GearTeeth(
+        deviations=deviations,
+        clearances=tuple((f.tooth, f.damage.clearance) for f in own if f.tooth is not None and f.damage.clearance),
+        damaged=tuple(damaged_teeth(own, stage, gear)),
+    )
+
+
+def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[GearMesh, ...]:
     """All meshes."""
     return tuple(
-        MeshSpec(
-            name=f"mesh_{number + 1}",
-            driving=f"shaft_{layout.pair_shafts[number][0] + 1}",
-            driven=f"shaft_{layout.pair_shafts[number][1] + 1}",
+        GearMesh(
+            name=f"mesh_{number}",
+            driving=f"shaft_{driving + 1}",
+            driven=f"shaft_{driven + 1}",
             y=stage.position_mm / 1000,
-            base_radius_driving=pair.pinion.base_radius,
-            base_radius_driven=pair.wheel.base_radius,
-            pressure_angle=pair.working_pressure_angle,
-            base_helix_angle=pair.base_helix_angle,
-            backlash=pair.backlash,
+            pair=pair,
+            pinion=gear_teeth(scene, faults, number, "pinion"),
+            wheel=gear_teeth(scene, faults, number, "wheel"),
             damping_time=stage.mesh_damping_time_us / 1_000_000,
-            drive=given.drive,
-            coast=given.coast,
-            drive_clearance_pinion=given.drive_clearance_pinion,
-            drive_clearance_wheel=given.drive_clearance_wheel,
-            coast_clearance_pinion=given.coast_clearance_pinion,
-            coast_clearance_wheel=given.coast_clearance_wheel,
             cycle_at_start=stage.cycle_at_start,
         )
-        for number, (stage, pair, given) in enumerate(zip(scene.stages, layout.pairs, inputs, strict=True))
+        for number, (stage, pair, (driving, driven)) in enumerate(
+            zip(scene.stages, layout.pairs, layout.pair_shafts, strict=True), 1
+        )
     )
 
 
@@ -181,15 +175,15 @@ def speed_profile(scene: Scene) -> SpeedProfile:
     return SpeedProfile(times=np.array(scene.drive.times_s), speeds=np.array(scene.drive.speeds_rpm) / 60 * 2 * math.pi)
 
 
-def machine(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> Machine:
-    """Everything the multibody run needs but the casing. `MachineError` names what does not fit."""
+def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> MachineParts:
+    """All parts of the machine of a scene. `MachineError` names what does not fit."""
     drive, driven = scene.drive, f"shaft_{layout.driven + 1}"
     ends = shaft_ends(scene, layout.driven)[: drive.motors]
-    return Machine(
+    return MachineParts(
         shafts=shaft_specs(scene, layout),
         bearings=bearing_specs(scene),
-        meshes=mesh_specs(scene, layout, inputs),
-        couplings=tuple(
+        meshes=gear_meshes(scene, layout, faults),
+        motors=tuple(
             CouplingSpec(
                 name=f"motor_{number}",
                 shaft=driven,
@@ -199,9 +193,9 @@ def machine(scene: Scene, layout: Layout, inputs: Sequence[MeshInput]) -> Machin
             )
             for number, y in enumerate(ends, 1)
         ),
-        profile=speed_profile(scene),
+        drive=speed_profile(scene),
         load=load_spec(scene, layout),
-        shaft_couplings=coupling_specs(scene),
+        couplings=coupling_specs(scene),
         forces=tuple(table.spec(number) for number, table in enumerate(scene.forces, 1)),
         losses=losses_spec(scene),
         brake=Brake(shaft=driven, y=ends[0], torque=drive.brake_torque_N_m) if drive.brake_torque_N_m else None,

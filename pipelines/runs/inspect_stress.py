@@ -12,11 +12,11 @@ from pipelines.figures.views import LeftOut
 if TYPE_CHECKING:
     from fem.contact.models.solid import Solid
     from pipelines.engine.step import Graph, Stage
-    from pipelines.plant.layout import Layout
-    from pipelines.scene.scene import Scene
+    from pipelines.plant.mesh_laws import LawSpec
+    from pipelines.plant.plant import Plant
 
 
-def stress_files(scene: Scene, layout: Layout, graph: Graph, options: argparse.Namespace) -> list[Path] | LeftOut:
+def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace) -> list[Path] | LeftOut:
     """stress_<n>.png with `--stress` and the mesh file of `--mesh`; the reason if the picture cannot be rendered.
 
     The mesh holds the damaged state where there is one.
@@ -37,17 +37,16 @@ def stress_files(scene: Scene, layout: Layout, graph: Graph, options: argparse.N
         write_stress,
         write_teeth,
     )
-    from pipelines.plant.facts import derive
-    from pipelines.plant.flanks import fault_name, first_tooth_fault
+    from pipelines.plant.flanks import first_tooth_fault
 
     stage = options.stage
     target = None if options.mesh is None else checked_mesh_file(options.mesh)
-    pair, table, rung = layout.pairs[stage - 1], scene.stages[stage - 1], stress_rung(scene, stage)
-    first = first_tooth_fault(scene, stage)
+    pair, rung = plant.layout.pairs[stage - 1], stress_rung(plant.laws[stage - 1])
+    first = first_tooth_fault(plant.faults, stage)
     cycle = float(first.tooth or 0) if first is not None else 0.0
     index = round((cycle if options.position is None else options.position) * rung.positions)
-    force = derive(scene, layout).stages[stage - 1].mesh_force or 100e3 * pair.face_width
-    added = stress_stages(scene, layout, stage, index, force)
+    force = plant.facts.stages[stage - 1].shown_force
+    added = stress_stages(plant, stage, index, force)
     full = Graph([*graph.needed([f"law_{stage}"]), *added])
     wanted = [one.name for one in added[1:]]
     with shown_progress(len(full.stages), quiet=options.quiet) as observer:
@@ -61,13 +60,13 @@ def stress_files(scene: Scene, layout: Layout, graph: Graph, options: argparse.N
     if not options.stress:
         return written
     folder.mkdir(parents=True, exist_ok=True)
-    kinds = list(dict.fromkeys(fault.kind for fault in scene.faults if fault.stage == stage))
+    kinds = list(dict.fromkeys(fault.kind for fault in plant.faults_of(stage)))
     gone = first is not None and first.kind == "missing-tooth"
     view = StressView(
-        title=f"{scene.title}: stage {stage}, {table.pinion_teeth}/{table.wheel_teeth} teeth",
+        title=f"{plant.title}: stage {stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
         gears=gear_view(pair),
         damaged=None if first is None else gear_view(pair, (first.gear, first.tooth or 0), missing=gone, in_mesh=True),
-        marked="" if first is None else f"{fault_name(first).replace('-', ' ')} of the {first.gear}",
+        marked="" if first is None else f"{first.name.replace('-', ' ')} of the {first.gear}",
         note="the crack itself is not in the finite elements" if "cracked-tooth" in kinds else "",
         rung=f"rung solid, refinement {rung.refinement:g}, {rung.slices} slices along the face",
         force=force,
@@ -79,32 +78,25 @@ def stress_files(scene: Scene, layout: Layout, graph: Graph, options: argparse.N
     return picture if isinstance(picture, LeftOut) else [picture, *written]
 
 
-def stress_rung(scene: Scene, stage: int) -> Solid:
-    """The rung `solid` with the options of the stage, or with its defaults where the law has another rung."""
+def stress_rung(law: LawSpec) -> Solid:
+    """The rung `solid` with the options of a law, or with its defaults where the law has another rung."""
     from fem.contact.models.solid import Solid
-    from pipelines.scene.tables.gears import SolidMesh
 
-    mesh = scene.stages[stage - 1].mesh
-    options = mesh if isinstance(mesh, SolidMesh) else SolidMesh()
-    return Solid(slices=options.slices, refinement=options.refinement)
+    mesh = law.mesh
+    return Solid(slices=mesh.slices, refinement=mesh.refinement) if isinstance(mesh, Solid) else Solid()
 
 
-def stress_stages(scene: Scene, layout: Layout, stage: int, index: int, force: float) -> list[Stage]:
+def stress_stages(plant: Plant, stage: int, index: int, force: float) -> list[Stage]:
     """The compliance of a stage, and the stress of its teeth: healthy and, with faults, faulty."""
     import numpy as np
 
     from pipelines.engine.step import Stage
-    from pipelines.plant.flanks import common_wear
-    from pipelines.plant.teeth import fault_terms
-    from pipelines.steps import modified_laws, stress
+    from pipelines.plant.assembly import mesh_faults
+    from pipelines.steps import stress
 
-    pair, rung = replace(layout.pairs[stage - 1], backlash_allowance=0.0), stress_rung(scene, stage)
-    sound = modified_laws.FlanksSpec(pair=pair, modifications=layout.modifications[stage - 1])
-    worn = replace(
-        sound,
-        pinion_wear=common_wear(scene, stage, "pinion"),
-        wheel_wear=common_wear(scene, stage, "wheel"),
-    )
+    modified, rung = plant.flanks[stage - 1], stress_rung(plant.laws[stage - 1])
+    worn = replace(modified, pinion_damage=(), wheel_damage=())
+    sound, pair = replace(worn, pinion_wear=(), wheel_wear=()), modified.pair
     found = [
         Stage(
             name=f"compliance_{stage}",
@@ -117,9 +109,8 @@ def stress_stages(scene: Scene, layout: Layout, stage: int, index: int, force: f
     ]
     even = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
     cases = [("sound", sound, even)]
-    if any(fault.stage == stage for fault in scene.faults):
-        faulty = (fault_terms(scene, pair, stage - 1, "pinion"), fault_terms(scene, pair, stage - 1, "wheel"))
-        cases.append(("faulty", worn, faulty))
+    if plant.faults_of(stage):
+        cases.append(("faulty", worn, mesh_faults(plant.machine.meshes[stage - 1])))
     for name, spec, (pinion, wheel) in cases:
         found.append(
             Stage(

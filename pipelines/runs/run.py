@@ -17,7 +17,6 @@ from pipelines.engine.code_version import library_versions
 from pipelines.engine.progress import shown_progress
 from pipelines.engine.run_graph import Observer, Outcome, run_graph
 from pipelines.engine.step import Graph, Stage, StageRecord
-from pipelines.plant.looked_for import diagnosis_settings
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
 from pipelines.scene.file import LoadedScene, control_differences
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     import xarray
 
     from mbd.output.trajectory import Trajectory
-    from pipelines.scene.scene import Scene
+    from pipelines.plant.plant import Plant
 
 _LOG = logging.getLogger(__name__)
 LIBRARIES = ("gearcase", "numpy", "scipy", "numba", "h5py", "xarray", "scikit-fem", "gmsh", "scikit-sparse", "pymetis")
@@ -133,7 +132,7 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
         try:
             if options.with_report:
                 outcome, told = _tell(claim.folder, loaded, study, diagnosing, outcome, cache, observer)
-                run_folder.write_json(claim.folder / run_folder.RUN, _facts(loaded, outcome))
+                run_folder.write_json(claim.folder / run_folder.RUN, _facts(loaded.name, study.plant, outcome))
         except Exception as error:
             failure = error
             _LOG.info("after the signals: %r", error, extra={"facts": {"traceback": format_exception(error)}})
@@ -208,17 +207,16 @@ def _kept(failure: Exception, folder: Path) -> WorkError:
 
 def _diagnose_stage(study: Study) -> Stage | None:
     """All cases against their controls; None without a control, a fault to look for, windows or sensors."""
-    from pipelines.signals.labelled import labels
     from pipelines.steps import diagnosing
 
     cases, takes, labelled = [], [], []
     for number, case in enumerate(study.cases):
-        settings = diagnosis_settings(case.scene)
+        settings = case.plant.diagnosis
         if settings is None or case.healthy is None or case.control is None:
             return None
         cases.append(diagnosing.CaseSpec(settings=settings, full=number == 0 or case.label == "torque"))
         takes += [case.faulty, case.healthy]
-        labelled += [labels(case.scene), labels(case.control)]
+        labelled += [case.plant.labels, case.control.labels]
     spec = diagnosing.DiagnosingSpec(cases=tuple(cases), labels=tuple(labelled))
     return Stage(
         name="diagnose",
@@ -231,26 +229,29 @@ def _diagnose_stage(study: Study) -> Stage | None:
 
 
 def _report_stage(loaded: LoadedScene, study: Study, diagnosing: Stage | None, outcome: Outcome) -> Stage:
+    from pipelines.plant.checks.doubts import doubts
     from pipelines.steps import reporting
 
-    laws = tuple(stage.name for stage in study.graph if stage.name.startswith("law_"))
+    plant = study.plant
     elastic = "casing mesh" in study.graph.stages
-    takes = [*laws, "casing", *(("casing mesh", "casing modes") if elastic else ())]
+    takes = [*plant.law_names, "casing", *(("casing mesh", "casing modes") if elastic else ())]
     takes += diagnosing.takes if diagnosing else (study.cases[0].faulty,)
-    names = [loaded.scene.faults[0].kind.replace("-", " ") if loaded.scene.faults else "healthy", "healthy"]
-    warnings = () if study.control is None else tuple(control_differences(loaded, study.control))
+    names = [plant.faults[0].kind.replace("-", " ") if plant.faults else "healthy", "healthy"]
+    unlike = [] if study.control is None else control_differences(loaded, study.control)
     spec = reporting.ReportSpec(
-        scene=loaded.scene,
+        plant=plant,
         name=loaded.name,
         diagnosing=diagnosing.spec if diagnosing else None,
-        laws=len(laws),
         elastic=elastic,
         responses=tuple(names[: 2 if diagnosing else 1]),
         stages=tuple(_cost_row(record) for record in outcome.records),
         ledger=outcome.ledger(),
-        provenance=provenance(loaded, outcome),
+        provenance=provenance(loaded.name, plant, outcome),
         failure=outcome.value(diagnosing.name)["failure"] if diagnosing else "",
-        warnings=tuple(f"the control differs in more than the fault: {line}" for line in warnings),
+        warnings=(
+            *doubts(loaded.scene, plant.layout),
+            *(f"the control differs in more than the fault: {line}" for line in unlike),
+        ),
     )
     return Stage(
         name="report",
@@ -266,20 +267,12 @@ def _cost_row(record: StageRecord) -> dict[str, Any]:
     return {"stage": record.name, "seconds": round(record.seconds, 3), "peak MB": round(record.peak_bytes / 1e6)}
 
 
-def provenance(loaded: LoadedScene, outcome: Outcome) -> dict[str, Any]:
-    """Versions, rungs and keys: the same for the same result."""
-    scene = loaded.scene
+def provenance(name: str, plant: Plant, outcome: Outcome) -> dict[str, Any]:
+    """Versions, rungs and keys: the same for the same result; `name` is that of the scene."""
     return {
-        "scene": loaded.name,
+        "scene": name,
         "versions": {"python": platform.python_version(), **library_versions(*LIBRARIES)},
-        "rungs": {
-            "mesh": [stage.mesh.model for stage in scene.stages],
-            "casing": scene.casing.model,
-            "shafts": scene.shaft_model.model,
-            "bearings": scene.bearings.model,
-            "load": scene.load.model,
-            "integrator": scene.simulation.integrator,
-        },
+        "rungs": plant.rungs,
         "threads per process": 1,
         "keys": {record.name: record.key[:32] for record in outcome.records},
     }
@@ -290,18 +283,18 @@ def _write_signals(folder: Path, loaded: LoadedScene, study: Study, outcome: Out
     (folder / run_folder.ASKED).write_text(loaded.asked(), encoding="utf-8")
     twin = study.control is not None and not control_differences(loaded, study.control)
     (folder / run_folder.RESOLVED).write_text(loaded.resolved(own_control=twin), encoding="utf-8")
-    facts = _facts(loaded, outcome)
+    facts = _facts(loaded.name, study.plant, outcome)
     run_folder.write_json(folder / run_folder.RUN, facts)
     case = study.cases[0]
-    _write_response(folder / run_folder.RESPONSE, outcome.value(case.faulty), case.scene, facts)
+    _write_response(folder / run_folder.RESPONSE, outcome.value(case.faulty), case.plant, facts)
     if case.healthy is not None and case.control is not None:
         _write_response(folder / run_folder.CONTROL, outcome.value(case.healthy), case.control, facts)
 
 
-def _facts(loaded: LoadedScene, outcome: Outcome) -> dict[str, Any]:
+def _facts(name: str, plant: Plant, outcome: Outcome) -> dict[str, Any]:
     """Provenance, ledger and cost of the stages so far."""
     return {
-        **provenance(loaded, outcome),
+        **provenance(name, plant, outcome),
         "ledger": outcome.ledger(),
         "stages": [
             {**_cost_row(record), "reused": record.reused, "ledger": dict(record.ledger)} for record in outcome.records
@@ -309,9 +302,8 @@ def _facts(loaded: LoadedScene, outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def _write_response(path: Path, motion: Trajectory, scene: Scene, facts: Mapping[str, Any]) -> None:
+def _write_response(path: Path, motion: Trajectory, plant: Plant, facts: Mapping[str, Any]) -> None:
     """The labelled signals with the facts of this run as attributes."""
-    from pipelines.signals.labelled import labels
     from pipelines.signals.response_file import write_response
 
     told = {
@@ -319,4 +311,4 @@ def _write_response(path: Path, motion: Trajectory, scene: Scene, facts: Mapping
         "stages": json.dumps(facts["stages"]),
         "build_ledger": json.dumps(facts["ledger"]),
     }
-    write_response(motion, labels(scene) | told, path)
+    write_response(motion, {**plant.labels, **told}, path)

@@ -5,16 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from mbd.coordinates import channels
 from mbd.output.trajectory import Trajectory
 from pipelines.signals.motion_warnings import ATTRIBUTE, motion_warnings
-
-if TYPE_CHECKING:
-    from pipelines.scene.scene import Scene
 
 AXES = list(channels.DIRECTIONS)
 ROUNDED = ("m/s2", "N", "N m")
@@ -103,21 +100,6 @@ def coordinates(motion: Trajectory) -> dict[str, list]:
     named = {"motor": motion.motors, "shaft": motion.shafts, "stage": range(1, len(motion.meshes) + 1)}
     named |= {"bearing": motion.bearings, "axis": AXES}
     return {name: list(values) for name, values in (named | {"sensor": motion.sensors}).items() if len(values)}
-
-
-def labels(scene: Scene) -> dict[str, Any]:
-    """What is known of a run without its motion: the attributes that say what was run."""
-    deviations = scene.deviations
-    return {
-        "title": scene.title,
-        "state": "+".join(sorted({fault.kind for fault in scene.faults})) or "healthy",
-        "load": scene.load.model,
-        "faults": json.dumps([fault.model_dump() for fault in scene.faults]),
-        "seed": deviations.seed if deviations.enabled else "none",
-        "iso_grade": deviations.iso_grade if deviations.enabled else "none",
-        "sensor_noise_m_s2": scene.diagnosis.noise_m_s2,
-        "teeth": json.dumps([[stage.pinion_teeth, stage.wheel_teeth] for stage in scene.stages]),
-    }
 
 
 def facts(motion: Trajectory) -> dict[str, Any]:

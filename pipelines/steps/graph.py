@@ -1,121 +1,78 @@
-"""The stages of a scene: which part of it each one reads, and what it takes.
+"""The stages of a plant: which part of it each one reads, and what it takes.
 
     sound_law_i -> law_i                    one per gear pair; equal pairs share one; law_i alone where the flanks are
                                             neither modified nor damaged (a missing tooth is no damage here)
     casing mesh -> casing modes -> casing   finite elements only for the rungs static and craig-bampton
     simulate                                a missing tooth, deviations, drive and load enter here
 
-Scenes that are run together (`pipelines.steps.study`) share the stages that do not differ.
+Plants that are run together (`pipelines.steps.study`) share the stages that do not differ.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from fem.casing.geometry.housing import Housing
 from fem.casing.reduced.body import MODES_OVER_BAND
-from mbd.parts.bearings import BEARING_AXES
+from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from pipelines.engine.step import Graph, Stage
-from pipelines.plant.casing_sizes import element_sizes
-from pipelines.plant.checks.validity import checked_layout
-from pipelines.plant.facts import bearing_points
-from pipelines.plant.flanks import common_wear, damaged_teeth
-from pipelines.plant.layout import Layout
-from pipelines.plant.machine import bearing_specs
-from pipelines.scene.scene import Scene
-from pipelines.scene.tables.analysis import DiagnosisTable
-from pipelines.scene.tables.base import MaterialTable
-from pipelines.scene.tables.casing import (
-    CraigBamptonCasingTable,
-    ElasticBase,
-    NoCasingTable,
-    RigidCasingTable,
-    SensorTable,
-)
-from pipelines.scene.tables.gears import IsoMesh
-from pipelines.scene.tables.housing import HousingTable
+from pipelines.plant.casing import RigidBox, RigidMeshed
+from pipelines.plant.plant import Plant
 
 if TYPE_CHECKING:
     from pipelines.steps.casing_modes import CasingModesSpec
 
 _NUMERIC = ("numpy", "scipy", "numba")
-_ZERO = (0.0, 0.0, 0.0)
-_SOME_CASING = RigidCasingTable(  # stands for any casing where only its presence counts
-    housing=HousingTable(
-        length_mm=1,
-        width_mm=1,
-        height_mm=1,
-        wall_thickness_mm=1,
-        left_end_mm=0,
-        shaft_height_mm=1,
-        bore_diameters_mm=(1,),
-        boss_diameters_mm=(1,),
-        boss_length_mm=1,
-    ),
-    material=MaterialTable(elastic_modulus_GPa=1, poisson_ratio=0, density_kg_m3=1),
-)
 
 
-def scene_stages(scene: Scene, source: str) -> list[Stage]:
-    """The stages of one scene, in order."""
+def plant_stages(plant: Plant) -> list[Stage]:
+    """The stages of one plant, in order."""
     from pipelines.steps import motion
 
-    layout = checked_layout(scene, source)
-    laws = _law_stages(scene, layout)
-    casing = _casing_stages(scene, layout, source)
-    takes = tuple(law.name for law in laws if law.name.startswith("law_"))
+    casing = _casing_stages(plant)
     return [
-        *laws,
+        *_law_stages(plant),
         *casing,
         Stage(
             name="simulate",
             kind="simulate",
             build=motion.build,
-            spec=motion.MotionSpec(scene=motion_scene(scene)),
-            takes=(casing[-1].name, *takes),
+            spec=motion.MotionSpec(machine=plant.machine, recorded=plant.recorded, motion=plant.motion),
+            takes=(casing[-1].name, *plant.law_names),
             modules=("mbd.simulate",),
             libraries=_NUMERIC,
-            seconds=1.5 * scene.simulation.end_s,
+            seconds=1.5 * plant.motion.end,
             streams=True,
         ),
     ]
 
 
-def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
-    from pipelines.plant.mesh_models import mesh_models
+def _law_stages(plant: Plant) -> list[Stage]:
     from pipelines.steps import laws, modified_laws
 
     stages = []
-    for number, (pair, mesh) in enumerate(zip(layout.pairs, mesh_models(scene, layout), strict=True), 1):
-        unloaded = replace(pair, backlash_allowance=0.0)
-        added = modified_laws.FlanksSpec(
-            pair=unloaded,
-            modifications=layout.modifications[number - 1],
-            pinion_damage=tuple(damaged_teeth(scene, number, "pinion").values()),
-            wheel_damage=tuple(damaged_teeth(scene, number, "wheel").values()),
-            pinion_wear=common_wear(scene, number, "pinion"),
-            wheel_wear=common_wear(scene, number, "wheel"),
-        )
+    for name, spec, added in zip(plant.law_names, plant.laws, plant.flanks, strict=True):
+        sound = name if added.empty else f"sound_{name}"
         stages.append(
             Stage(
-                name=f"law_{number}" if added.empty else f"sound_law_{number}",
+                name=sound,
                 kind="law",
                 build=laws.build,
-                spec=laws.LawSpec(pair=unloaded, mesh=mesh),
-                modules=(type(mesh).__module__,),
+                spec=spec,
+                modules=(type(spec.mesh).__module__,),
                 libraries=("numpy", "scipy"),
-                seconds=mesh.seconds,
+                seconds=spec.mesh.seconds,
             )
         )
         if not added.empty:
             stages.append(
                 Stage(
-                    name=f"law_{number}",
+                    name=name,
                     kind="flanks",
                     build=modified_laws.build,
                     spec=added,
-                    takes=(f"sound_law_{number}",),
+                    takes=(sound,),
                     modules=tuple(sorted({type(fault).__module__ for fault in added.faults})),
                     libraries=("numpy", "scipy"),
                 )
@@ -123,22 +80,19 @@ def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
     return stages
 
 
-def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
-    from pipelines.plant.housing import housing
-    from pipelines.plant.layout import material
+def _casing_stages(plant: Plant) -> list[Stage]:
     from pipelines.steps import casing_body as body
 
-    table = scene.casing
-    if isinstance(table, NoCasingTable):
-        points = {f"bearing_{n}": point for n, point in enumerate(bearing_points(scene, layout), 1)}
+    part = plant.casing
+    if part is None:
+        points = {f"bearing_{number}": point for number, point in enumerate(plant.bearing_points, 1)}
         return [Stage(name="casing", kind="casing", build=body.build_ground, spec=body.GroundSpec(points=points))]
-    box, iron = housing(scene, table.housing, layout, source), material("casing", table.material)
-    if isinstance(table, RigidCasingTable) and isinstance(box, Housing) and box.plain:
+    if isinstance(part, RigidBox):
         rigid = body.RigidSpec(
-            housing=box,
-            material=iron,
-            mount_stiffness=table.mount_stiffness_N_per_um * 1e6,
-            damping_ratio=table.damping_ratio,
+            housing=part.geometry,
+            material=part.material,
+            mount_stiffness=part.mount_stiffness,
+            damping_ratio=part.damping,
         )
         return [Stage(name="casing", kind="casing", build=body.build_rigid, spec=rigid)]
     from pipelines.steps import casing_mesh, casing_modes
@@ -147,31 +101,28 @@ def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
         name="casing mesh",
         kind="casing-mesh",
         build=casing_mesh.build,
-        spec=casing_mesh.CasingMeshSpec(
-            housing=replace(box, sensors=()), sizes=element_sizes(table, box, iron, source)
-        ),
+        spec=casing_mesh.CasingMeshSpec(housing=replace(part.geometry, sensors=()), sizes=part.sizes),
         libraries=("numpy", "gmsh", "meshio"),
         seconds=8.0,
     )
-    if isinstance(table, RigidCasingTable):
+    if isinstance(part, RigidMeshed):
         meshed = body.RigidMeshSpec(
-            density=iron.density,
-            sensors=box.sensors,
-            mount_stiffness=table.mount_stiffness_N_per_um * 1e6,
-            damping_ratio=table.damping_ratio,
+            density=part.material.density,
+            sensors=plant.sensors,
+            mount_stiffness=part.mount_stiffness,
+            damping_ratio=part.damping,
         )
         takes = ("casing mesh",)
         return [mesh, Stage(name="casing", kind="casing", build=body.build_rigid_mesh, spec=meshed, takes=takes)]
-    band = table.band_Hz if isinstance(table, CraigBamptonCasingTable) else 0.0
     reduced = casing_modes.CasingModesSpec(
-        material=iron,
-        model=table.model,
-        band=band,
-        ground=table.ground,
-        coupling=table.coupling,
-        interfaces=loaded_axes(scene),
+        material=part.material,
+        model=part.model,
+        band=part.band,
+        ground=part.ground,
+        coupling=part.coupling,
+        interfaces=loaded_axes(plant.machine.bearings),
     )
-    coarser = _coarser_stages(mesh, reduced) if table.extrapolated else []
+    coarser = _coarser_stages(mesh, reduced) if part.extrapolated else []
     return [
         mesh,
         *coarser,
@@ -183,18 +134,18 @@ def _casing_stages(scene: Scene, layout: Layout, source: str) -> list[Stage]:
             takes=("casing mesh",),
             libraries=("numpy", "scipy", "pymetis"),
             seconds=30.0,
-            enough="band" if band else "",
+            enough="band" if part.band else "",
         ),
         Stage(
             name="casing",
             kind="casing",
             build=body.build_elastic,
             spec=body.ElasticSpec(
-                sensors=box.sensors,
-                damping=table.damping_ratio,
-                mounts=casing_mounts(scene),
-                limit=MODES_OVER_BAND * band if band else None,
-                frequency_error=getattr(table, "frequency_error", None),
+                sensors=plant.sensors,
+                damping=part.damping,
+                mounts=part.mounts,
+                limit=MODES_OVER_BAND * part.band if part.band else None,
+                frequency_error=part.frequency_error,
             ),
             takes=("casing modes", *(stage.name for stage in coarser[1:])),
         ),
@@ -243,26 +194,9 @@ def casing_error_stage(graph: Graph, band: float) -> Stage:
     )
 
 
-def loaded_axes(scene: Scene) -> dict[str, tuple[str, ...]]:
+def loaded_axes(bearings: Iterable[BearingSpec]) -> dict[str, tuple[str, ...]]:
     """Axes along which every bearing loads the casing; an axis without stiffness needs no interface."""
     return {
         spec.name: tuple(axis for axis, k in zip(BEARING_AXES, spec.stiffness, strict=True) if k > 0.0)
-        for spec in bearing_specs(scene)
+        for spec in bearings
     }
-
-
-def casing_mounts(scene: Scene) -> tuple[tuple[float, float, float], ...] | None:
-    """Stiffness of the feet of an elastic casing in N/m, None on fixed ground."""
-    table = scene.casing
-    if not isinstance(table, ElasticBase) or table.ground == "fixed":
-        return None
-    return tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um)
-
-
-def motion_scene(scene: Scene) -> Scene:
-    """The scene with everything blanked that the motion does not read itself (laws and casing come as results)."""
-    stages = tuple(stage.model_copy(update={"mesh": IsoMesh()}) for stage in scene.stages)
-    sensors = tuple(SensorTable(name=sensor.name, position_mm=_ZERO) for sensor in scene.sensors)
-    casing = scene.casing if isinstance(scene.casing, NoCasingTable) else _SOME_CASING
-    changes = {"title": "", "stages": stages, "sensors": sensors, "casing": casing, "control": None}
-    return scene.model_copy(update={**changes, "diagnosis": DiagnosisTable()})

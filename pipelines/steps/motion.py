@@ -7,19 +7,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipelines.engine.step import Built
-from pipelines.scene.scene import Scene
 
 if TYPE_CHECKING:
     from fem.casing.reduced.body import ReducedBody
     from fem.contact.law import MeshLaw
     from mbd.output.trajectory import Trajectory
+    from pipelines.plant.parts import MachineParts, MotionSettings, Recorded
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class MotionSpec:
-    """The scene without all that the motion does not depend on, see `pipelines.steps.graph.motion_scene`."""
+    """The parts of the machine without laws and casing, what is recorded, and how the motion is computed."""
 
-    scene: Scene
+    machine: MachineParts
+    recorded: Recorded
+    motion: MotionSettings
 
 
 def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw], folder: Path | None = None) -> Built:
@@ -34,27 +36,17 @@ def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw], f
     from mbd.accuracy.repeatability import other_start
     from mbd.simulate import Settings, simulate
     from mbd.system.statics import equilibrium
-    from mbd.system.system import assemble
-    from pipelines.plant.channels import wanted_channels
-    from pipelines.plant.layout import lay_out
-    from pipelines.plant.machine import machine
-    from pipelines.plant.teeth import mesh_inputs
+    from pipelines.plant.assembly import assemble_machine, assemble_system
 
-    scene, table = spec.scene, spec.scene.simulation
-    layout = lay_out(scene)
-    train = machine(scene, layout, mesh_inputs(scene, layout, list(laws)))
-    system = assemble(train, body, wanted_channels(scene, train), table.band_Hz)
-    settings = Settings(
-        end=table.end_s,
-        output_rate=table.output_rate_Hz,
-        step=table.step_us / 1_000_000,
-        integrator=table.integrator,
-    )
+    given = spec.motion
+    machine = assemble_machine(spec.machine, laws)
+    system = assemble_system(machine, body, spec.recorded, given.band)
+    settings = Settings(end=given.end, output_rate=given.output_rate, step=given.step, integrator=given.integrator)
     start = None
-    if table.start:
-        start = other_start(system, equilibrium(system, float(train.profile.speed(np.zeros(1))[0])), table.start)
+    if given.start:
+        start = other_start(system, equilibrium(system, float(machine.profile.speed(np.zeros(1))[0])), given.start)
     trajectory = simulate(system, settings, start=start, file=folder / "values.npy" if folder else None)
-    return Built(trajectory, ledger(trajectory, system.basis.shape[1], rope=bool(train.load.coordinates)))
+    return Built(trajectory, ledger(trajectory, system.basis.shape[1], rope=bool(machine.load.coordinates)))
 
 
 def ledger(trajectory: Trajectory, coordinates: int, *, rope: bool) -> dict[str, int]:

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipelines.plant.flanks import fault_name, first_tooth_fault
-from pipelines.scene.scene import Scene
-from pipelines.scene.tables.faults import MissingToothTable
+from pipelines.plant.flanks import first_tooth_fault
+from pipelines.plant.plant import Plant
 from pipelines.signals.motion_warnings import gathered, told
 from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
 
@@ -28,23 +27,20 @@ if TYPE_CHECKING:
     from fem.contact.law import MeshLaw
     from pipelines.figures.plots import StiffnessPlot
     from pipelines.figures.views import LeftOut, Picture
-    from pipelines.plant.facts import Facts
-    from pipelines.plant.layout import Layout
 
 _PITCHES_SHOWN = 3.0  # to each side of a missing tooth
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReportSpec:
-    """The scene with what the report says about the run, and how many results of each kind it takes, in this order:
+    """The plant with what the report says about the run, and how many results of each kind it takes, in this order:
 
     laws, then casing, then casing mesh and modes (if `elastic`), then the motions of all cases.
     """
 
-    scene: Scene
+    plant: Plant
     name: str
     diagnosing: DiagnosingSpec | None
-    laws: int
     elastic: bool
     responses: tuple[str, ...]  # names of the runs shown, the scene's own first
     stages: tuple[Mapping[str, Any], ...]  # rows of the cost table
@@ -57,48 +53,42 @@ class ReportSpec:
 def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
     """The page as text, and the reasons of pictures that were left out."""
     from pipelines.figures.views import LeftOut
-    from pipelines.plant.checks.doubts import doubts
-    from pipelines.plant.facts import derive
-    from pipelines.plant.layout import lay_out
     from pipelines.report.contents import ReportContents
     from pipelines.report.report import write_report
-    from pipelines.signals.labelled import labels
     from pipelines.signals.response import make_response
 
-    scene = spec.scene
-    layout = lay_out(scene)
-    facts = derive(scene, layout)
-    laws, body, rest = taken[: spec.laws], taken[spec.laws], taken[spec.laws + 1 :]
+    plant, count = spec.plant, len(spec.plant.laws)
+    laws, body, rest = taken[:count], taken[count], taken[count + 1 :]
     mesh, modes = rest[:2] if spec.elastic else (None, None)
-    labelled = spec.diagnosing.labels if spec.diagnosing else (labels(scene),)
+    labelled = spec.diagnosing.labels if spec.diagnosing else (plant.labels,)
     responses = list(map(make_response, rest[2:] if spec.elastic else rest, labelled))
     possible = spec.diagnosing is not None and not spec.failure
     found = diagnoses(spec.diagnosing.cases, responses) if spec.diagnosing and possible else []
     shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing and possible else []
-    gears, casing = gear_picture(scene, layout, scene.diagnosis.stage), casing_picture(mesh, body)
-    curves = stiffness_plots(scene, layout, facts, laws)
-    looked_at = scene.diagnosis.stage - 1
+    asked = plant.looked_for
+    gears, casing = gear_picture(plant, asked.stage), casing_picture(mesh, body)
+    curves = stiffness_plots(plant, laws)
     contents = ReportContents(
-        title=scene.title,
-        summary=_summary(scene, facts),
+        title=plant.title,
+        summary=_summary(plant),
         diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
         seeds=[d for d, full in zip(found, shown, strict=True) if not full],
-        gears=gear_rows(scene, layout, facts),
-        stiffness=[curves[looked_at], *(c for i, c in enumerate(curves) if i != looked_at)],
+        gears=gear_rows(plant),
+        stiffness=[curves[asked.stage - 1], *(c for i, c in enumerate(curves, 1) if i != asked.stage)],
         gear_picture=gears,
-        gear_names=gear_names(scene, scene.diagnosis.stage),
+        gear_names=gear_names(plant, asked.stage),
         casing_picture=casing,
         casing_rows=_casing_rows(body, modes),
         runs=_runs(spec, responses),
-        windows=dict(scene.diagnosis.windows_s),
-        sensor=scene.diagnosis.sensor,
-        axis=scene.diagnosis.axis,
+        windows=dict(asked.windows),
+        sensor=asked.sensor,
+        axis=asked.axis,
         stages=spec.stages,
         energy=energy_rows(responses[0]),
         ledger=spec.ledger,
         provenance=spec.provenance,
         cautions=gathered(told(response.attrs) for response in responses),
-        warnings=(*doubts(scene, layout), *spec.warnings),
+        warnings=spec.warnings,
         reasons={"Envelope table": f"Left out: {spec.failure}"} if spec.failure else {},
         short=spec.diagnosing is None,
     )
@@ -112,38 +102,37 @@ def _runs(spec: ReportSpec, responses: Sequence[xarray.Dataset]) -> dict[str, xa
     return dict(zip(spec.responses, responses, strict=False))
 
 
-def _summary(scene: Scene, facts: Facts) -> dict[str, Any]:
+def _summary(plant: Plant) -> dict[str, Any]:
+    facts, rungs, labels = plant.facts, plant.rungs, plant.labels
     return {
         "motor speed": f"{facts.motor_speed * 30 / np.pi:.4g} rpm",
         "total ratio": facts.total_ratio,
         "torque at the input": f"{facts.input_torque:.4g} N m",
         "torque at the drums": f"{facts.output_torque:.4g} N m",
-        "mesh stiffness": ", ".join(stage.mesh.model for stage in scene.stages),
-        "casing": scene.casing.model,
-        "shafts": scene.shaft_model.model,
-        "load": f"{scene.load.model}, {scene.load.container_kg:g} kg",
+        "mesh stiffness": ", ".join(rungs["mesh"]),
+        "casing": rungs["casing"],
+        "shafts": rungs["shafts"],
+        "load": f"{rungs['load']}, {plant.hoist.mass:g} kg",
         "rope mode at the start": f"{facts.rope_frequency:.3g} Hz" if facts.rope_frequency else "no rope",
-        "faults": ", ".join(f"{fault_name(f)}, stage {f.stage} {f.gear}" for f in scene.faults) or "none",
-        "deviations": f"grade {scene.deviations.iso_grade}, seed {scene.deviations.seed}"
-        if scene.deviations.enabled
-        else "none",
-        "integrator": scene.simulation.integrator,
+        "faults": ", ".join(f"{f.name}, stage {f.stage} {f.gear}" for f in plant.faults) or "none",
+        "deviations": "none" if labels["seed"] == "none" else f"grade {labels['iso_grade']}, seed {labels['seed']}",
+        "integrator": rungs["integrator"],
     }
 
 
-def gear_rows(scene: Scene, layout: Layout, facts: Facts) -> list[dict[str, Any]]:
+def gear_rows(plant: Plant) -> list[dict[str, Any]]:
     """The gear table, two rows per stage."""
     rows = []
-    for number, (table, pair, stage) in enumerate(zip(scene.stages, layout.pairs, facts.stages, strict=True), 1):
+    for number, (pair, stage) in enumerate(zip(plant.layout.pairs, plant.facts.stages, strict=True), 1):
         for name, gear in (("pinion", pair.pinion), ("wheel", pair.wheel)):
             rows.append(
                 {
                     "stage": number,
                     "gear": name,
                     "z": gear.teeth,
-                    "m_n mm": table.module_mm,
-                    "beta deg": table.helix_angle_deg,
-                    "b mm": table.face_width_mm,
+                    "m_n mm": gear.normal_module * 1000,
+                    "beta deg": math.degrees(gear.helix_angle),
+                    "b mm": gear.face_width * 1000,
                     "x": gear.profile_shift,
                     "d mm": gear.reference_radius * 2000,
                     "d_a mm": gear.tip_radius * 2000,
@@ -159,26 +148,24 @@ def gear_rows(scene: Scene, layout: Layout, facts: Facts) -> list[dict[str, Any]
     return rows
 
 
-def stiffness_plots(
-    scene: Scene, layout: Layout, facts: Facts, laws: Sequence[tuple[MeshLaw, MeshLaw]]
-) -> list[StiffnessPlot]:
+def stiffness_plots(plant: Plant, laws: Sequence[tuple[MeshLaw, MeshLaw]]) -> list[StiffnessPlot]:
     """Secant stiffness of every stage at its load, without deviations; with faults around the passage of the first."""
     from fem.contact.evaluation.curves import stiffness_curve
     from pipelines.figures.plots import StiffnessPlot
-    from pipelines.plant.teeth import fault_terms
+    from pipelines.plant.assembly import mesh_faults
 
     plots = []
-    for number, (law, pair, stage) in enumerate(zip(laws, layout.pairs, facts.stages, strict=True), 1):
-        faults = [fault for fault in scene.faults if fault.stage == number and fault.tooth is not None]
+    for number, (law, mesh, stage) in enumerate(zip(laws, plant.machine.meshes, plant.facts.stages, strict=True), 1):
+        faults = [fault for fault in plant.faults_of(number) if fault.tooth is not None]
         middle = float(faults[0].tooth or 0) if faults else 0.0
         cycle = middle + np.linspace(-_PITCHES_SHOWN, _PITCHES_SHOWN, 241)
-        load = stage.mesh_force or 100.0 * pair.face_width * 1000  # without a load, at 100 N/mm
+        load = stage.shown_force
         one = np.linspace(0.0, 1.0, 80, endpoint=False)
         single = stiffness_curve(law[0], load, one)
         healthy = np.interp(cycle % 1.0, np.append(one, 1.0), np.append(single.secant, single.secant[0]))
         faulty, label = None, ""
         if faults:
-            pinion, wheel = (fault_terms(scene, pair, number - 1, gear) for gear in ("pinion", "wheel"))
+            pinion, wheel = mesh_faults(mesh)
             faulty = stiffness_curve(law[0], load, cycle, clearance_pinion=pinion, clearance_wheel=wheel).secant
             label = ", ".join(dict.fromkeys(fault.kind.replace("-", " ") for fault in faults))
         title = f"Stage {number}, {law[0].model}, {load:.4g} N, counted from the bores"
@@ -186,22 +173,23 @@ def stiffness_plots(
     return plots
 
 
-def gear_picture(scene: Scene, layout: Layout, stage: int) -> Picture | LeftOut:
+def gear_picture(plant: Plant, stage: int) -> Picture | LeftOut:
     """The pair of a stage, its first damaged tooth shown."""
     from pipelines.figures.render import render_gears
     from pipelines.figures.shapes import gear_view
 
-    fault = first_tooth_fault(scene, stage)
+    fault = first_tooth_fault(plant.faults, stage)
     marked = None if fault is None else (fault.gear, fault.tooth or 0)
-    return render_gears(gear_view(layout.pairs[stage - 1], marked, missing=isinstance(fault, MissingToothTable)))
+    missing = fault is not None and fault.kind == "missing-tooth"
+    return render_gears(gear_view(plant.layout.pairs[stage - 1], marked, missing=missing))
 
 
-def gear_names(scene: Scene, stage: int) -> dict[str, str]:
+def gear_names(plant: Plant, stage: int) -> dict[str, str]:
     """Words for the places of that picture."""
-    table = scene.stages[stage - 1]
-    names = {"pinion": f"pinion, {table.pinion_teeth} teeth", "wheel": f"wheel, {table.wheel_teeth} teeth"}
-    fault = first_tooth_fault(scene, stage)
-    return names | ({"marked": fault_name(fault).replace("-", " ")} if fault else {})
+    pair = plant.layout.pairs[stage - 1]
+    names = {"pinion": f"pinion, {pair.pinion.teeth} teeth", "wheel": f"wheel, {pair.wheel.teeth} teeth"}
+    fault = first_tooth_fault(plant.faults, stage)
+    return names | ({"marked": fault.name.replace("-", " ")} if fault else {})
 
 
 def casing_picture(mesh: CasingMesh | None, body: ReducedBody) -> Picture | LeftOut | None:

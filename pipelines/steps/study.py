@@ -11,21 +11,23 @@ from dataclasses import dataclass, replace
 from pipelines.engine.step import Graph, Stage
 from pipelines.engine.storage import digest
 from pipelines.plant.checks.cost import check_room
+from pipelines.plant.checks.validity import checked_plant
+from pipelines.plant.plant import Plant
 from pipelines.scene.file import LoadedScene, control_of
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.motion import LoadBase, RopeTable, StaticTorqueTable
-from pipelines.steps.graph import scene_stages
+from pipelines.steps.graph import plant_stages
 
 HEALTHY = "healthy "  # before the names of a control's own stages
 
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """One comparison: `label` "" for the scene itself; both scenes, and names of the stages that hold their motions."""
+    """One comparison: `label` "" for the scene itself; both plants, and names of the stages that hold their motions."""
 
     label: str
-    scene: Scene
-    control: Scene | None
+    plant: Plant
+    control: Plant | None
     faulty: str
     healthy: str | None
 
@@ -37,6 +39,11 @@ class Study:
     graph: Graph
     cases: tuple[Case, ...]
     control: LoadedScene | None
+
+    @property
+    def plant(self) -> Plant:
+        """That of the scene itself."""
+        return self.cases[0].plant
 
     @property
     def motions(self) -> tuple[str, ...]:
@@ -63,14 +70,13 @@ def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bo
     stages: list[Stage] = []
     cases: list[Case] = []
     for label, scene in _variants(loaded.scene, both_loads and control is not None, seeds if control else 0):
-        faulty = list(add_stages(stages, scene_stages(scene, source), label).values())[-1]
+        plant = checked_plant(scene, source)
+        faulty = list(add_stages(stages, plant_stages(plant), label).values())[-1]
         healthy = twin = None
         if control is not None:
-            twin = _like(control.scene, scene)
-            healthy = list(add_stages(stages, scene_stages(twin, control.source.shown), f"{label}{HEALTHY}").values())[
-                -1
-            ]
-        cases.append(Case(label=label.strip(), scene=scene, control=twin, faulty=faulty, healthy=healthy))
+            twin = checked_plant(_like(control.scene, scene), control.source.shown)
+            healthy = list(add_stages(stages, plant_stages(twin), f"{label}{HEALTHY}").values())[-1]
+        cases.append(Case(label=label.strip(), plant=plant, control=twin, faulty=faulty, healthy=healthy))
     study = Study(graph=Graph(stages), cases=tuple(cases), control=control)
     check_room(loaded.scene, source, len(study.motions))
     return study

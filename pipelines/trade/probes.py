@@ -16,12 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipelines.engine.run_graph import Outcome
-from pipelines.plant.facts import derive
-from pipelines.plant.layout import lay_out
-from pipelines.scene.scene import Scene
-from pipelines.scene.tables.casing import NoCasingTable
+from pipelines.plant.plant import Plant
 
-LEAST_LINE_LOAD = 100e3  # N/m, where the scene loads a pair with nothing
 FREQUENCIES = 10  # lowest ones that are compared
 OCTAVE_POINTS = 8  # frequencies per third octave
 DECIBEL = "dB"
@@ -44,28 +40,23 @@ class Value:
 class Probe:
     """`stages` names what must be built for a scene, `read` takes the values from it."""
 
-    stages: Callable[[Scene], Sequence[str]]
-    read: Callable[[Scene, Outcome], list[Value]]
+    stages: Callable[[Plant], Sequence[str]]
+    read: Callable[[Plant, Outcome], list[Value]]
 
 
-def _laws(scene: Scene) -> list[str]:
-    return [f"law_{number}" for number in range(1, len(scene.stages) + 1)]
-
-
-def _gears(scene: Scene, outcome: Outcome) -> list[Value]:
+def _gears(plant: Plant, outcome: Outcome) -> list[Value]:
     from fem.contact.evaluation.curves import stiffness_curve
 
-    layout, values = lay_out(scene), []
-    facts = derive(scene, layout).stages
-    for number, (name, pair, fact) in enumerate(zip(_laws(scene), layout.pairs, facts, strict=True), 1):
-        curve = stiffness_curve(outcome.value(name)[0], fact.mesh_force or LEAST_LINE_LOAD * pair.face_width)
+    values = []
+    for number, (name, facts) in enumerate(zip(plant.law_names, plant.facts.stages, strict=True), 1):
+        curve = stiffness_curve(outcome.value(name)[0], facts.shown_force)
         ripple = float(np.ptp(curve.transmission_error))
         values.append(Value(name=f"stage {number} stiffness", unit="N/um", value=float(curve.secant.mean()) / 1e6))
         values.append(Value(name=f"stage {number} TE peak-to-peak", unit="um", value=ripple * 1e6))
     return values
 
 
-def _casing(scene: Scene, outcome: Outcome) -> list[Value]:
+def _casing(plant: Plant, outcome: Outcome) -> list[Value]:
     from scipy.linalg import eigh
 
     body = outcome.value("casing")
@@ -79,12 +70,12 @@ def _casing(scene: Scene, outcome: Outcome) -> list[Value]:
     ]
 
 
-def _frf(scene: Scene, outcome: Outcome) -> list[Value]:
+def _frf(plant: Plant, outcome: Outcome) -> list[Value]:
     """Norm of the 3 x 3 accelerance (m/s2 per N) over the third octaves up to 5 kHz."""
-    if isinstance(scene.casing, NoCasingTable) or not scene.sensors:
+    if not plant.sensors:
         return []
     body = outcome.value("casing")
-    out = np.array([body.row(f"{scene.diagnosis.sensor}:{axis}") for axis in ("ux", "uy", "uz")])
+    out = np.array([body.row(f"{plant.looked_for.sensor}:{axis}") for axis in ("ux", "uy", "uz")])
     into = np.array([body.row(f"bearing_1:{axis}") for axis in ("ux", "uy", "uz")])
     values = []
     for centre in 1000.0 * 2.0 ** (np.arange(-10, 8) / 3):
@@ -98,30 +89,25 @@ def _frf(scene: Scene, outcome: Outcome) -> list[Value]:
     return values
 
 
-def _machine(scene: Scene, outcome: Outcome) -> list[Value]:
+def _machine(plant: Plant, outcome: Outcome) -> list[Value]:
     from mbd.system.linearised import linear_modes
-    from mbd.system.system import assemble
-    from pipelines.plant.channels import wanted_channels
-    from pipelines.plant.machine import machine
-    from pipelines.plant.teeth import mesh_inputs
+    from pipelines.plant.assembly import assemble_machine, assemble_system
 
-    layout = lay_out(scene)
-    train = machine(scene, layout, mesh_inputs(scene, layout, [outcome.value(name) for name in _laws(scene)]))
-    modes = linear_modes(assemble(train, outcome.value("casing"), wanted_channels(scene, train)))
+    machine = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
+    modes = linear_modes(assemble_system(machine, outcome.value("casing"), plant.recorded))
     return [
         Value(name=f"machine mode {number}", unit="Hz", value=float(frequency))
         for number, frequency in enumerate(modes.frequencies[:FREQUENCIES], 1)
     ]
 
 
-def _signals(scene: Scene, outcome: Outcome) -> list[Value]:
+def _signals(plant: Plant, outcome: Outcome) -> list[Value]:
     """Over the three axes of every sensor (of every journal without a casing)."""
     from pipelines.signals.analysis import channel, channel_names
-    from pipelines.signals.labelled import labels
     from pipelines.signals.response import make_response
 
-    run = make_response(outcome.value("simulate"), labels(scene))
-    windows = scene.diagnosis.windows_s or {"whole run": (0.0, scene.simulation.end_s)}
+    run = make_response(outcome.value("simulate"), plant.labels)
+    windows = plant.looked_for.windows or {"whole run": (0.0, plant.motion.end)}
     values = []
     for window, (start, end) in windows.items():
         piece = run.sel(time=slice(start, end))
@@ -132,16 +118,14 @@ def _signals(scene: Scene, outcome: Outcome) -> list[Value]:
     return values
 
 
-def _lines(scene: Scene, outcome: Outcome) -> list[Value]:
-    from pipelines.plant.looked_for import diagnosis_settings
+def _lines(plant: Plant, outcome: Outcome) -> list[Value]:
     from pipelines.signals.analysis import analyse
-    from pipelines.signals.labelled import labels
     from pipelines.signals.response import make_response
 
-    settings = diagnosis_settings(scene)
-    if settings is None or not scene.faults:
+    settings = plant.diagnosis
+    if settings is None or not plant.faults:
         return []
-    found = analyse(make_response(outcome.value("simulate"), labels(scene)), settings, stream=1)
+    found = analyse(make_response(outcome.value("simulate"), plant.labels), settings, stream=1)
     orders = np.arange(1, settings.envelope_harmonics + 1)
     values = []
     for window, envelope in found.envelopes.items():
@@ -161,10 +145,10 @@ def _lines(scene: Scene, outcome: Outcome) -> list[Value]:
 
 
 PROBES = {
-    "gears": Probe(_laws, _gears),
+    "gears": Probe(lambda plant: plant.law_names, _gears),
     "casing": Probe(lambda _: ["casing"], _casing),
     "frf": Probe(lambda _: ["casing"], _frf),
-    "machine": Probe(lambda scene: [*_laws(scene), "casing"], _machine),
+    "machine": Probe(lambda plant: [*plant.law_names, "casing"], _machine),
     "signals": Probe(lambda _: ["simulate"], _signals),
     "lines": Probe(lambda _: ["simulate"], _lines),
 }

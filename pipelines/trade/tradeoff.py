@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from pipelines.border.errors import SceneError
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import Observer
+from pipelines.plant.plant import motion_settings
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.trade.choices import PRESET, Choice, choices
 from pipelines.trade.probes import DECIBEL, PROBES, Value
-from pipelines.trade.variants import Measured, measure, step_costs, time_steps
+from pipelines.trade.variants import Measured, measure, step_costs
 
 JUDGE = "signals"  # the probe whose error ranks the choices
 LINES = "lines"  # the probe whose levels, where a scene has a fault, count for the front, too
@@ -77,7 +78,8 @@ def trade(
     first, best = next(iter(scenes.items()))
     whole = measure({first: best}, list(PROBES), cache, observer=observer, processes=processes)[first].total_seconds
     for name, variant in list(scenes.items())[1:]:
-        motion = costs[variant.scene.simulation.integrator] * time_steps(variant.scene)
+        settings = motion_settings(variant.scene)
+        motion = costs[settings.integrator] * settings.steps
         if motion > whole:
             del scenes[name]
             refused[name] = f"its motion alone would take some {motion:.0f} s, the reference takes {whole:.0f} s in all"

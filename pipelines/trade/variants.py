@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import Observer, Outcome, run_graph
 from pipelines.engine.step import Graph, Stage
+from pipelines.plant.checks.validity import checked_plant
+from pipelines.plant.plant import Plant, motion_settings
 from pipelines.scene.file import LoadedScene, changed
-from pipelines.scene.scene import Scene
 from pipelines.signals.motion_warnings import log_warnings
-from pipelines.steps.graph import scene_stages
+from pipelines.steps.graph import plant_stages
 from pipelines.steps.study import add_stages
 from pipelines.trade.probes import PROBES, Value
 
@@ -52,11 +53,12 @@ def measure(
     SceneError, InputError, WorkError : a scene cannot be used, or a stage failed
     """
     stages: list[Stage] = []
-    names, wanted = {}, {}
+    names, wanted, plants = {}, {}, {}
     for variant, loaded in scenes.items():
-        new = scene_stages(loaded.scene, loaded.source.shown)
+        plants[variant] = plant = checked_plant(loaded.scene, loaded.source.shown)
+        new = plant_stages(plant)
         names[variant] = add_stages(stages, new, f"{variant}: ")
-        needed = [name for probe in probes for name in PROBES[probe].stages(loaded.scene)]
+        needed = [name for probe in probes for name in PROBES[probe].stages(plant)]
         wanted[variant] = Graph(new).needed(needed).stages
     graph = Graph(stages)
     every = dict.fromkeys(names[variant][stage] for variant, needed in wanted.items() for stage in needed)
@@ -64,8 +66,8 @@ def measure(
     motions = [outcome.value(stage.name) for stage in graph if stage.name in every and stage.kind == "simulate"]
     log_warnings(motions, ("repeat",))  # the others are errors that the comparison itself shows
     return {
-        variant: _measured(loaded, probes, {stage: names[variant][stage] for stage in wanted[variant]}, outcome)
-        for variant, loaded in scenes.items()
+        variant: _measured(plant, probes, {stage: names[variant][stage] for stage in wanted[variant]}, outcome)
+        for variant, plant in plants.items()
     }
 
 
@@ -86,21 +88,16 @@ def step_costs(
             name = f"first {end:g} s, {integrator}"
             found = measure({name: short}, ["signals"], cache, observer=observer, processes=processes)
             seconds.append(found[name].seconds["simulate"])
-        steps = (SHORT_SECONDS[-1] - SHORT_SECONDS[-2]) / (loaded.scene.simulation.step_us * 1e-6)
+        steps = (SHORT_SECONDS[-1] - SHORT_SECONDS[-2]) / motion_settings(loaded.scene).step
         costs[integrator] = max(seconds[-1] - seconds[-2], 0.0) / steps
     return costs
 
 
-def time_steps(scene: Scene) -> float:
-    """Number of time steps of a scene, as far as none is cut."""
-    return scene.simulation.end_s / (scene.simulation.step_us * 1e-6)
-
-
-def _measured(loaded: LoadedScene, probes: Sequence[str], names: Mapping[str, str], outcome: Outcome) -> Measured:
+def _measured(plant: Plant, probes: Sequence[str], names: Mapping[str, str], outcome: Outcome) -> Measured:
     own = Outcome({stage: outcome.results[name] for stage, name in names.items()})
     distinct = {record.key: (stage, record) for stage, record in zip(own.results, own.records, strict=True)}
     return Measured(
-        by_probe={probe: tuple(PROBES[probe].read(loaded.scene, own)) for probe in probes},
+        by_probe={probe: tuple(PROBES[probe].read(plant, own)) for probe in probes},
         seconds={stage: record.seconds for stage, record in distinct.values()},
         peak_bytes=max(record.peak_bytes for _, record in distinct.values()),
     )

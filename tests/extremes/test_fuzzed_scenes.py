@@ -12,7 +12,7 @@ import pytest
 from scenes import mutated, shipped_tree, simulated, unexplained
 
 from pipelines.border.errors import InputError
-from pipelines.plant.checks.validity import checked_layout
+from pipelines.plant.checks.validity import checked_plant
 from pipelines.scene.file import LoadedScene, Source, validate
 from pipelines.scene.merge import Merged
 from pipelines.scene.scene import Scene
@@ -47,7 +47,7 @@ def outcome(tree, cache) -> str:
     """ "refused" or "moved"; anything else is an exception."""
     try:
         scene, merged = validate(Merged(tree), Scene, "fuzzed")
-        checked_layout(scene, "fuzzed")
+        checked_plant(scene, "fuzzed")
     except InputError as error:
         return said("refused", error)
     if scene.casing.model not in ("none", "rigid") or any(stage.mesh.model != "iso" for stage in scene.stages):

@@ -39,3 +39,15 @@ class MeshModel(ABC):
     def doubts(self, modifications: PairModifications) -> Iterable[str]:
         """What a user should know before trusting the model with these flanks; none for most models."""
         return ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawSpec:
+    """A gear pair without its play, and the model of its laws."""
+
+    pair: GearPair
+    mesh: MeshModel
+
+    def laws(self) -> tuple[MeshLaw, MeshLaw]:
+        """The laws of drive and coast flank."""
+        return self.mesh.laws(self.pair)

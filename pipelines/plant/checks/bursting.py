@@ -21,7 +21,7 @@ RIM_SPEED = math.sqrt(8 * STRENGTH / ((3 + STEEL.poisson_ratio) * STEEL.density)
 
 def bursting(scene: Scene, layout: Layout) -> Iterator[Problem]:
     """The first stage with a gear whose tips run faster than a solid disc of the strongest steel bears."""
-    speed = motor_speed(scene)
+    speed = motor_speed(layout)
     for number, (pair, shafts) in enumerate(zip(layout.pairs, layout.pair_shafts, strict=True), 1):
         for name, gear, shaft in zip(("pinion", "wheel"), (pair.pinion, pair.wheel), shafts, strict=True):
             ratio = abs(layout.shaft_ratios[shaft])

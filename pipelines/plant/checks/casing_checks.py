@@ -15,8 +15,8 @@ from fem.casing.meshing.mesh import MeshError
 from fem.casing.meshing.source import Geometry
 from mbd.coordinates.layout import BEARING_PLACE_TOLERANCE
 from pipelines.border.errors import Problem, SceneError
-from pipelines.plant.casing_sizes import element_sizes
-from pipelines.plant.facts import bearing_names, bearing_points
+from pipelines.plant.bearings import bearing_names, bearing_points
+from pipelines.plant.casing import element_sizes
 from pipelines.plant.layout import Layout, material
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import FlexibleBase, RigidCasingTable

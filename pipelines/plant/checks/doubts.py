@@ -17,7 +17,7 @@ HARMONICS = 5  # of the fastest mesh that a good record holds
 
 def doubts(scene: Scene, layout: Layout) -> tuple[str, ...]:
     """All warnings, in the order of the scene's tables."""
-    stages = stage_facts(scene, layout)
+    stages = stage_facts(layout)
     return (
         *_gears(scene, layout, stages),
         *flank_warnings(scene, layout, stages),

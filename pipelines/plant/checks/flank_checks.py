@@ -12,7 +12,7 @@ from fem.gears.rack import GeometryError
 from pipelines.border.errors import Problem
 from pipelines.plant.flanks import GEARS, damage, lifting_sense
 from pipelines.plant.layout import Layout
-from pipelines.plant.mesh_models import mesh_models
+from pipelines.plant.plant import law_specs
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.faults import FaultTable
 
@@ -45,8 +45,8 @@ def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
 
 def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Iterator[str]:
     """What a gear designer would frown at, and what hides a fault."""
-    for number, (mesh, pair, modification) in enumerate(
-        zip(mesh_models(scene, layout), layout.pairs, layout.modifications, strict=True), 1
+    for number, (spec, pair, modification) in enumerate(
+        zip(law_specs(scene, layout), layout.pairs, layout.modifications, strict=True), 1
     ):
         place = f"stages.{number}"
         for name, short in zip(GEARS, pair.shortened_by_undercut, strict=True):
@@ -66,7 +66,7 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
                     f"{place}.{name}.web_offset_mm: the mesh models see the web in the section only; its offset "
                     "changes nothing there"
                 )
-        yield from (f"{place}: {doubt}" for doubt in mesh.doubts(modification))
+        yield from (f"{place}: {doubt}" for doubt in spec.mesh.doubts(modification))
     for number, fault in enumerate(scene.faults, 1):
         stage, pair = scene.stages[fault.stage - 1], layout.pairs[fault.stage - 1]
         width = pair.face_width / stage.mesh.slices

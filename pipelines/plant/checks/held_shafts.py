@@ -10,8 +10,7 @@ import numpy as np
 from mbd.parts.bearings import BEARING_AXES
 from mbd.parts.gear_mesh import contact_rows
 from pipelines.border.errors import Problem
-from pipelines.plant.bearings import rolling_elements
-from pipelines.plant.facts import bearing_names
+from pipelines.plant.bearings import bearing_names, rolling_elements
 from pipelines.plant.layout import Layout
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.bearings import HertzBearings, LinearBearings, RigidBearings

@@ -22,7 +22,7 @@ from fem.elements.materials import STEEL
 from fem.gears.geometry import GearPair
 from pipelines.border.errors import Problem
 from pipelines.plant.checks.flank_checks import TYPICAL_STIFFNESS
-from pipelines.plant.facts import StageFacts, input_torque, output_torque, power_flows, stage_facts
+from pipelines.plant.facts import StageFacts, input_torque, power_flows, stage_facts
 from pipelines.plant.hoist import drums, shaft_ends
 from pipelines.plant.layout import Layout
 from pipelines.scene.scene import Scene
@@ -67,13 +67,13 @@ def contact_pressure(pair: GearPair, pinion_torque: float) -> float:
 def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]]]:
     """By shaft: places y (m) and the torques (N m, lifting positive) that enter there, without losses."""
     entering: list[list[tuple[float, float]]] = [[] for _ in scene.shafts]
-    torque, speeds = input_torque(scene, layout), layout.shaft_ratios
+    torque, speeds = input_torque(layout), layout.shaft_ratios
 
     def flow(giver: tuple[int, float], taker: tuple[int, float], share: float) -> None:
         for (shaft, y), sign in ((giver, -1), (taker, 1)):
             entering[shaft].append((y, sign * share * torque / speeds[shaft]))
 
-    shares = power_flows(scene, layout)
+    shares = power_flows(layout)
     for stage, (pinion, wheel), share in zip(scene.stages, layout.pair_shafts, shares, strict=False):
         y = stage.position_mm / 1000
         flow((pinion, y), (wheel, y), share)
@@ -83,7 +83,7 @@ def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]
     motors = shaft_ends(scene, layout.driven)[: scene.drive.motors]
     entering[layout.driven] += [(y, torque / len(motors)) for y in motors]
     places = drums(scene, layout)
-    entering[layout.loaded] += [(y, -output_torque(scene) / len(places)) for y in places]
+    entering[layout.loaded] += [(y, -layout.hanging_torque / len(places)) for y in places]
     return entering
 
 
@@ -110,7 +110,7 @@ def torsions(scene: Scene, layout: Layout) -> list[Torsion]:
 
 def overloaded(scene: Scene, layout: Layout) -> Iterator[Problem]:
     """Teeth and shafts that no steel could make strong enough for the hanging load."""
-    for number, (pair, facts) in enumerate(zip(layout.pairs, stage_facts(scene, layout), strict=True), 1):
+    for number, (pair, facts) in enumerate(zip(layout.pairs, stage_facts(layout), strict=True), 1):
         yield from _overloaded_teeth(number, pair, facts)
     for worst in torsions(scene, layout):
         if not worst.stress <= TORSION_STRENGTH:

@@ -14,6 +14,7 @@ from pipelines.plant.checks.machine_checks import bad_laws, bad_machine
 from pipelines.plant.checks.strength import overloaded
 from pipelines.plant.checks.window_checks import bad_windows
 from pipelines.plant.layout import Layout, lay_out
+from pipelines.plant.plant import Plant, make_plant
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import FlexibleBase
 from pipelines.scene.tables.housing import HousingTable, ImportedTable
@@ -21,8 +22,8 @@ from pipelines.scene.tables.housing import HousingTable, ImportedTable
 FARTHEST_SENSOR_MM = 50.0  # a sensor farther from the housing is a mistake in the scene
 
 
-def checked_layout(scene: Scene, source: str) -> Layout:
-    """The layout of a scene after every check that needs no computation.
+def checked_plant(scene: Scene, source: str) -> Plant:
+    """The plant of a scene after every check that needs no computation.
 
     Raises
     ------
@@ -44,7 +45,7 @@ def checked_layout(scene: Scene, source: str) -> Layout:
         problems += bad_windows(scene, layout)
     if problems:
         raise SceneError(source, problems)
-    return layout
+    return make_plant(scene, source, layout)
 
 
 def _bad_housing(scene: Scene, table: HousingTable | ImportedTable, layout: Layout, source: str) -> Iterator[Problem]:

@@ -9,8 +9,12 @@ import numpy as np
 
 from mbd.parts.drive import SpeedProfile
 from pipelines.border.errors import Problem
+from pipelines.plant.bearings import rolling_bearings
+from pipelines.plant.flanks import tooth_faults
+from pipelines.plant.hoist import hoist
 from pipelines.plant.layout import Layout
-from pipelines.plant.looked_for import diagnosis_settings
+from pipelines.plant.looked_for import diagnosis_settings, looked_for
+from pipelines.plant.machine import speed_profile
 from pipelines.scene.scene import Scene
 from pipelines.signals.analysis import SPEED_TOLERANCE, DiagnosisError, DiagnosisSettings, envelope_band
 from pipelines.signals.spectrum import FEWEST_REVOLUTIONS, SpectrumError, whole_revolutions
@@ -25,7 +29,9 @@ def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
             "drive.speeds_rpm", "the motors stand: no shaft turns, there is nothing to diagnose", "Let them turn"
         )
         return
-    settings, rate = diagnosis_settings(scene, layout), scene.simulation.output_rate_Hz
+    rate, drive = scene.simulation.output_rate_Hz, speed_profile(scene)
+    rolling, faults = rolling_bearings(scene), tooth_faults(scene)
+    settings = diagnosis_settings(looked_for(scene), layout, hoist(scene), drive, rolling, faults)
     if settings is None:
         return
     profile = SpeedProfile(times=np.array(scene.drive.times_s), speeds=np.array(scene.drive.speeds_rpm))

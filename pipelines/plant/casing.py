@@ -1,0 +1,113 @@
+"""The casing of a scene, in SI: its housing, how it is meshed, what holds it, how it is reduced."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem.casing.geometry.housing import Housing
+from fem.casing.meshing.sizes import Sizes, bending_wavelength
+from fem.casing.meshing.source import Geometry
+from fem.elements.materials import Material
+from pipelines.border.errors import Problem, SceneError
+from pipelines.plant.housing import housing
+from pipelines.plant.layout import Layout, material
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.casing import (
+    CraigBamptonCasingTable,
+    FlexibleBase,
+    NoCasingTable,
+    RigidCasingTable,
+)
+
+if TYPE_CHECKING:
+    from fem.casing.reduced.damping import DampingRatio
+    from fem.casing.reduced.grounded import Coupling, Ground
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidBox:
+    """A plain box as a rigid casing on its mounts (N/m each); formulas give its mass."""
+
+    geometry: Housing
+    material: Material
+    mount_stiffness: float
+    damping: DampingRatio
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidMeshed:
+    """A rigid casing on its mounts (N/m each) whose mass comes from a mesh of it."""
+
+    geometry: Geometry
+    material: Material
+    sizes: Sizes
+    mount_stiffness: float
+    damping: DampingRatio
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElasticPart:
+    """A casing of finite elements, reduced by `model`, "static" or "craig-bampton".
+
+    `band` (Hz) is 0 for the rung static; `mounts` in N/m, a row for all feet or one per foot, None on fixed ground.
+    """
+
+    model: str
+    geometry: Geometry
+    material: Material
+    sizes: Sizes
+    damping: DampingRatio
+    ground: Ground
+    coupling: Coupling
+    mounts: tuple[tuple[float, float, float], ...] | None
+    band: float
+    frequency_error: float | None
+    extrapolated: bool
+
+
+CasingPart = RigidBox | RigidMeshed | ElasticPart
+
+
+def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
+    """The casing with its sensors; None where the bearings stand on the ground. SceneError if it does not fit."""
+    table = scene.casing
+    if isinstance(table, NoCasingTable):
+        return None
+    box, iron = housing(scene, table.housing, layout, source), material("casing", table.material)
+    if isinstance(table, RigidCasingTable):
+        mount = table.mount_stiffness_N_per_um * 1e6
+        if isinstance(box, Housing) and box.plain:
+            return RigidBox(geometry=box, material=iron, mount_stiffness=mount, damping=table.damping_ratio)
+        sizes = element_sizes(table, box, iron, source)
+        return RigidMeshed(geometry=box, material=iron, sizes=sizes, mount_stiffness=mount, damping=table.damping_ratio)
+    fixed = table.ground == "fixed"
+    return ElasticPart(
+        model=table.model,
+        geometry=box,
+        material=iron,
+        sizes=element_sizes(table, box, iron, source),
+        damping=table.damping_ratio,
+        ground=table.ground,
+        coupling=table.coupling,
+        mounts=None if fixed else tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um),
+        band=table.band_Hz if isinstance(table, CraigBamptonCasingTable) else 0.0,
+        frequency_error=getattr(table, "frequency_error", None),
+        extrapolated=table.extrapolated,
+    )
+
+
+def element_sizes(table: FlexibleBase, box: Geometry, iron: Material, source: str) -> Sizes:
+    """Element sizes of a casing; at most a share of the bending wavelength of its thinnest wall where that is asked."""
+    size = table.element_size_mm / 1000
+    if isinstance(table, CraigBamptonCasingTable) and table.elements_per_wavelength is not None:
+        if isinstance(box, Housing):
+            wall = box.thinnest_wall
+        elif table.housing.wall_thickness_mm is not None:
+            wall = table.housing.wall_thickness_mm / 1000
+        else:
+            problem = "is needed for casing.elements_per_wavelength of a housing from a file"
+            raise SceneError(source, [Problem("casing.housing.wall_thickness_mm", problem, "Give its thinnest wall.")])
+        size = min(size, bending_wavelength(iron, wall, table.band_Hz) / table.elements_per_wavelength)
+    bore, foot = table.bore_element_size_mm, table.foot_element_size_mm
+    return Sizes(element=size, bore=None if bore is None else bore / 1000, foot=None if foot is None else foot / 1000)

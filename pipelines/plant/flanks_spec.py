@@ -1,0 +1,33 @@
+"""What is added to the mesh law of a sound, unmodified gear pair."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fem.contact.faults.tooth_fault import ToothFault
+from fem.gears.geometry import GearPair
+from fem.gears.modifications import PairModifications
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlanksSpec:
+    """Everything that is added to the law of a sound, unmodified pair, by gear: damage, one entry for each damaged
+    tooth, and faults that all teeth have."""
+
+    pair: GearPair
+    modifications: PairModifications
+    pinion_damage: tuple[tuple[ToothFault, ...], ...] = ()
+    wheel_damage: tuple[tuple[ToothFault, ...], ...] = ()
+    pinion_wear: tuple[ToothFault, ...] = ()
+    wheel_wear: tuple[ToothFault, ...] = ()
+
+    @property
+    def faults(self) -> tuple[ToothFault, ...]:
+        """All faults."""
+        teeth = (*self.pinion_damage, *self.wheel_damage)
+        return (*(fault for tooth in teeth for fault in tooth), *self.pinion_wear, *self.wheel_wear)
+
+    @property
+    def empty(self) -> bool:
+        """True when nothing is added."""
+        return self.modifications.none and not self.faults

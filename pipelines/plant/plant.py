@@ -1,0 +1,185 @@
+"""Plant: a scene in SI, made once; every step of the pipeline and everything that tells of results takes its parts.
+
+The scene stays what users wrote, in their units; it is read here, and by the checks, and nowhere behind them.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, TypedDict
+
+from fem.casing.geometry.dimensions import Sensor
+from fem.contact.models.mesh_model import LawSpec
+from fem.contact.models.registry import mesh_model
+from pipelines.plant.bearings import RollingBearing, bearing_points, rolling_bearings
+from pipelines.plant.casing import CasingPart, casing
+from pipelines.plant.facts import Facts, derive, stage_facts
+from pipelines.plant.flanks import Fault, flanks_spec, tooth_faults
+from pipelines.plant.flanks_spec import FlanksSpec
+from pipelines.plant.hoist import Hoist, hoist
+from pipelines.plant.layout import Layout, lay_out
+from pipelines.plant.looked_for import LookedFor, diagnosis_settings, looked_for
+from pipelines.plant.machine import machine_parts
+from pipelines.plant.parts import MachineParts, MotionSettings, Recorded
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.casing import NoCasingTable
+from pipelines.signals.analysis import DiagnosisSettings
+
+
+class Rungs(TypedDict):
+    """Which model describes what, in the words of the scene."""
+
+    mesh: list[str]
+    casing: str
+    shafts: str
+    bearings: str
+    load: str
+    integrator: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Drivetrain:
+    """Everything but the casing, which may need a file. Tuples `laws` and `flanks` by stage.
+
+    `title`, `labels` (attributes of every response) and `rungs` are words about the scene.
+    """
+
+    title: str
+    labels: Mapping[str, Any]
+    rungs: Rungs
+    layout: Layout
+    laws: tuple[LawSpec, ...]
+    flanks: tuple[FlanksSpec, ...]
+    machine: MachineParts
+    hoist: Hoist
+    rolling: tuple[RollingBearing, ...]
+    faults: tuple[Fault, ...]
+    bearing_points: tuple[tuple[float, float, float], ...]  # of bearing_1, ..., those that the casing carries (m)
+    recorded: Recorded
+    motion: MotionSettings
+    looked_for: LookedFor
+
+    @property
+    def law_names(self) -> tuple[str, ...]:
+        """Names of the steps that hold the mesh laws, by stage."""
+        return tuple(f"law_{number}" for number in range(1, len(self.laws) + 1))
+
+    @property
+    def facts(self) -> Facts:
+        """What follows from it before anything is computed."""
+        return derive(self.layout, self.hoist)
+
+    @property
+    def diagnosis(self) -> DiagnosisSettings | None:
+        """What a diagnosis looks for; None without windows or sensors."""
+        return diagnosis_settings(
+            self.looked_for, self.layout, self.hoist, self.machine.drive, self.rolling, self.faults
+        )
+
+    def faults_of(self, stage: int) -> tuple[Fault, ...]:
+        """The faults of a stage (from 1)."""
+        return tuple(fault for fault in self.faults if fault.stage == stage)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Plant(Drivetrain):
+    """The drivetrain in its casing, with the sensors on it; `casing` is None where the bearings stand on the ground."""
+
+    casing: CasingPart | None
+
+    @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """The accelerometers on the casing."""
+        return () if self.casing is None else self.casing.geometry.sensors
+
+
+def make_plant(scene: Scene, source: str = "scene", layout: Layout | None = None) -> Plant:
+    """The plant of a scene that fits together, see `pipelines.plant.checks.validity.checked_plant`.
+
+    Raises
+    ------
+    SceneError : gears that do not work, a housing that does not fit; `source` names the scene in it
+    MachineError : a part of the machine refuses its values
+    """
+    layout = layout or lay_out(scene, source)
+    return Plant(**vars(make_drivetrain(scene, source, layout)), casing=casing(scene, layout, source))
+
+
+def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None = None) -> Drivetrain:
+    """Everything but the casing. SceneError and MachineError as `make_plant`."""
+    layout = layout or lay_out(scene, source)
+    faults = tooth_faults(scene)
+    return Drivetrain(
+        title=scene.title,
+        labels=_labels(scene),
+        rungs=_rungs(scene),
+        layout=layout,
+        laws=tuple(law_specs(scene, layout)),
+        flanks=tuple(
+            flanks_spec(pair, modifications, faults, number)
+            for number, (pair, modifications) in enumerate(zip(layout.pairs, layout.modifications, strict=True), 1)
+        ),
+        machine=machine_parts(scene, layout, faults),
+        hoist=hoist(scene),
+        rolling=rolling_bearings(scene),
+        faults=faults,
+        bearing_points=bearing_points(scene, layout),
+        recorded=Recorded(
+            sensors=tuple(sensor.name for sensor in scene.sensors), journals=isinstance(scene.casing, NoCasingTable)
+        ),
+        motion=motion_settings(scene),
+        looked_for=looked_for(scene),
+    )
+
+
+def law_specs(scene: Scene, layout: Layout) -> list[LawSpec]:
+    """The mesh laws that a scene asks for, by stage, before its flanks are modified or damaged."""
+    loads = [facts.line_load for facts in stage_facts(layout)]
+    return [
+        LawSpec(
+            pair=replace(pair, backlash_allowance=0.0),
+            mesh=mesh_model(stage.mesh.model, line_load=load, **stage.mesh.model_dump(exclude={"model"})),
+        )
+        for stage, pair, load in zip(scene.stages, layout.pairs, loads, strict=True)
+    ]
+
+
+def motion_settings(scene: Scene) -> MotionSettings:
+    """How the motion of a scene is computed."""
+    table = scene.simulation
+    return MotionSettings(
+        end=table.end_s,
+        output_rate=table.output_rate_Hz,
+        step=table.step_us / 1_000_000,
+        integrator=table.integrator,
+        start=table.start,
+        band=table.band_Hz,
+    )
+
+
+def _labels(scene: Scene) -> dict[str, Any]:
+    """What is known of a run without its motion: the attributes that say what was run."""
+    deviations = scene.deviations
+    return {
+        "title": scene.title,
+        "state": "+".join(sorted({fault.kind for fault in scene.faults})) or "healthy",
+        "load": scene.load.model,
+        "faults": json.dumps([fault.model_dump() for fault in scene.faults]),
+        "seed": deviations.seed if deviations.enabled else "none",
+        "iso_grade": deviations.iso_grade if deviations.enabled else "none",
+        "sensor_noise_m_s2": scene.diagnosis.noise_m_s2,
+        "teeth": json.dumps([[stage.pinion_teeth, stage.wheel_teeth] for stage in scene.stages]),
+    }
+
+
+def _rungs(scene: Scene) -> Rungs:
+    return Rungs(
+        mesh=[stage.mesh.model for stage in scene.stages],
+        casing=scene.casing.model,
+        shafts=scene.shaft_model.model,
+        bearings=scene.bearings.model,
+        load=scene.load.model,
+        integrator=scene.simulation.integrator,
+    )

@@ -1,0 +1,98 @@
+"""One plant: a scene is converted in one place, and what lies behind it knows neither scenes nor their units."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from pipelines.engine.code_version import reachable
+from pipelines.engine.storage import class_modules, digest
+from pipelines.plant.plant import make_plant
+from pipelines.scene.file import load_scene
+from pipelines.steps.graph import plant_stages
+
+ROOT = Path(__file__).resolve().parent.parent
+BEHIND = ("engine", "figures", "report", "runs", "signals", "steps", "trade", "commands")  # rooms behind the plant
+UNITS = ("_mm", "_um", "_GPa", "_per_um", "_deg", "_rpm", "_us", "_kg", "_s", "_Hz", "_m", "_kg_m3", "_kg_m2")
+
+
+def motion(**settings):
+    return plant_stages(make_plant(load_scene("minimal", settings).scene))[-1]
+
+
+def files_behind():
+    return [path for room in BEHIND for path in sorted((ROOT / "pipelines" / room).glob("*.py"))]
+
+
+def scene_values(node):
+    return [n.attr for n in ast.walk(node) if isinstance(n, ast.Attribute) and n.attr.endswith(UNITS)]
+
+
+def converted(tree):
+    """Values with a unit in their name that are multiplied or divided by a number, or turned into radians."""
+    for node in ast.walk(tree):
+        number = isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div)
+        number = number and any(isinstance(side, ast.Constant | ast.UnaryOp) for side in (node.left, node.right))
+        angle = isinstance(node, ast.Call) and ast.unparse(node.func).endswith("radians")
+        if number or angle:
+            yield from scene_values(node)
+
+
+@pytest.mark.parametrize("line", ["1e6 * table.mount_N_per_um", "math.radians(t.a_deg)", "s.step_us / 1_000_000"])
+def test_a_conversion_is_recognised(line):
+    assert list(converted(ast.parse(line)))
+
+
+@pytest.mark.parametrize("path", files_behind(), ids=lambda path: f"{path.parent.name}/{path.name}")
+def test_no_unit_of_a_scene_is_converted_behind_the_plant(path):
+    assert list(converted(ast.parse(path.read_text(encoding="utf-8")))) == []
+
+
+def test_behind_the_plant_only_what_makes_other_scenes_names_the_class():
+    naming = {
+        f"{path.parent.name}/{path.name}"
+        for path in files_behind()
+        if any(
+            isinstance(node, ast.ImportFrom) and node.module == "pipelines.scene.scene"
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        )
+    }
+    assert naming == {"steps/study.py", "trade/axes.py", "trade/choices.py"}
+
+
+@pytest.mark.parametrize("step", ["laws", "modified_laws", "stress", "casing_mesh", "casing_modes", "motion"])
+def test_a_result_hangs_on_no_code_that_reads_scenes(step):
+    found = reachable(f"pipelines.steps.{step}")
+    assert [name for name in found if name.startswith(("pipelines.scene", "pipelines.plant.plant"))] == []
+
+
+def test_a_motion_hangs_on_the_code_of_the_load_and_bearings_it_has():
+    def modules(name, **settings):
+        return class_modules(plant_stages(make_plant(load_scene(name, settings).scene))[-1].spec)
+
+    hertz = {"bearings": {"model": "hertz", "designation": "6205"}}
+    assert "mbd.forces.rolling_bearing" in modules("minimal", **hertz)
+    assert "mbd.forces.rope" in modules("rig-healthy")
+    assert not {"mbd.forces.rolling_bearing", "mbd.forces.rope"} & modules("minimal")
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"title": "another"},
+        {"casing.housing.wall_thickness_mm": 12.0},
+        {"casing.material.density_kg_m3": 7000.0},
+        {"casing.mount_stiffness_N_per_um": 100.0},
+        {"sensors.1.position_mm": [70.0, -80.0, 35.5]},
+        {"stages.1.mesh": {"model": "energy"}},
+        {"diagnosis.noise_m_s2": 0.1},
+    ],
+    ids=lambda settings: next(iter(settings)),
+)
+def test_the_motion_shares_its_spec_where_only_laws_casing_or_words_differ(settings):
+    assert digest(motion(**settings).spec) == digest(motion().spec)
+
+
+@pytest.mark.parametrize("settings", [{"deviations.include": []}, {"load.container_kg": 80.0}, {"sensors": []}])
+def test_the_motion_has_a_spec_of_its_own_where_the_machine_or_its_channels_differ(settings):
+    assert digest(motion(**settings).spec) != digest(motion().spec)
