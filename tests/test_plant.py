@@ -5,9 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from pipelines.border.errors import SceneError
 from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules, digest
-from pipelines.plant.plant import make_plant
+from pipelines.plant.plant import make_drivetrain, make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_stages
 
@@ -96,3 +97,12 @@ def test_the_motion_shares_its_spec_where_only_laws_casing_or_words_differ(setti
 @pytest.mark.parametrize("settings", [{"deviations.include": []}, {"load.container_kg": 80.0}, {"sensors": []}])
 def test_the_motion_has_a_spec_of_its_own_where_the_machine_or_its_channels_differ(settings):
     assert digest(motion(**settings).spec) != digest(motion().spec)
+
+
+def test_a_diagnosis_can_be_repeated_where_the_file_of_the_housing_is_gone():
+    scene = load_scene("rig-step").scene
+    gone = scene.casing.housing.model_copy(update={"file": "gone.step"})
+    scene = scene.model_copy(update={"casing": scene.casing.model_copy(update={"housing": gone})})
+    assert make_drivetrain(scene).diagnosis.mesh_frequency == pytest.approx(300.0)
+    with pytest.raises(SceneError, match=r"gone\.step"):
+        make_plant(scene)

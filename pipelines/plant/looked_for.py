@@ -13,7 +13,6 @@ from pipelines.plant.facts import stage_facts
 from pipelines.plant.flanks import Fault
 from pipelines.plant.hoist import Hoist
 from pipelines.plant.layout import Layout
-from pipelines.scene.scene import Scene
 from pipelines.signals.analysis import DiagnosisSettings
 
 
@@ -32,21 +31,6 @@ class LookedFor:
     band: str | tuple[float, float]
     noise: float
     possible: bool
-
-
-def looked_for(scene: Scene) -> LookedFor:
-    """What a scene asks of its diagnosis."""
-    table = scene.diagnosis
-    return LookedFor(
-        sensor=table.sensor,
-        axis=table.axis,
-        stage=table.stage,
-        gear=table.gear,
-        windows=dict(table.windows_s),
-        band=table.envelope_band_Hz,
-        noise=table.noise_m_s2,
-        possible=bool(table.windows_s and scene.sensors),
-    )
 
 
 def diagnosis_settings(

@@ -20,7 +20,7 @@ from pipelines.plant.flanks import Fault, flanks_spec, tooth_faults
 from pipelines.plant.flanks_spec import FlanksSpec
 from pipelines.plant.hoist import Hoist, hoist
 from pipelines.plant.layout import Layout, lay_out
-from pipelines.plant.looked_for import LookedFor, diagnosis_settings, looked_for
+from pipelines.plant.looked_for import LookedFor, diagnosis_settings
 from pipelines.plant.machine import machine_parts
 from pipelines.plant.parts import MachineParts, MotionSettings, Recorded
 from pipelines.scene.scene import Scene
@@ -156,6 +156,21 @@ def motion_settings(scene: Scene) -> MotionSettings:
         integrator=table.integrator,
         start=table.start,
         band=table.band_Hz,
+    )
+
+
+def looked_for(scene: Scene) -> LookedFor:
+    """What a scene asks of its diagnosis."""
+    table = scene.diagnosis
+    return LookedFor(
+        sensor=table.sensor,
+        axis=table.axis,
+        stage=table.stage,
+        gear=table.gear,
+        windows=dict(table.windows_s),
+        band=table.envelope_band_Hz,
+        noise=table.noise_m_s2,
+        possible=bool(table.windows_s and scene.sensors),
     )
 
 

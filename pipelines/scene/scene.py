@@ -1,8 +1,8 @@
 """Scene: the whole input of a run, as engineers write it (units are key suffixes), validated at the border.
 
 Every class is one TOML table; they stand in `pipelines.scene.tables` by subject. Field descriptions are the reference
-for users: docs/scene-keys.md is generated from them. Values are kept as written; `pipelines.plant.layout` converts them
-to SI.
+for users: docs/scene-keys.md is generated from them. Values are kept as written; `pipelines.plant` converts them to
+SI, once.
 """
 
 from __future__ import annotations

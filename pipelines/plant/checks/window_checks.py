@@ -13,8 +13,9 @@ from pipelines.plant.bearings import rolling_bearings
 from pipelines.plant.flanks import tooth_faults
 from pipelines.plant.hoist import hoist
 from pipelines.plant.layout import Layout
-from pipelines.plant.looked_for import diagnosis_settings, looked_for
+from pipelines.plant.looked_for import diagnosis_settings
 from pipelines.plant.machine import speed_profile
+from pipelines.plant.plant import looked_for
 from pipelines.scene.scene import Scene
 from pipelines.signals.analysis import SPEED_TOLERANCE, DiagnosisError, DiagnosisSettings, envelope_band
 from pipelines.signals.spectrum import FEWEST_REVOLUTIONS, SpectrumError, whole_revolutions
