@@ -9,7 +9,6 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("fem", "mbd", "pipelines")
 MOST_FILES = 15
-TYPES_COUNT = {"fem", "mbd"}  # packages whose imports for types alone go down the list, too, and make no circle
 ROOMS = (  # from the ground up: a room imports from itself and from what stands above it in this list
     "fem.storage",
     "fem.numerics",
@@ -59,24 +58,13 @@ def module_name(path):
 FILES = {module_name(path): path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))}
 
 
-def statements(tree, for_types):
-    """All imports of a file, those inside functions too; those for types alone only where they count."""
-    for node in ast.iter_child_nodes(tree):
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING" and not for_types:
-            continue
-        if isinstance(node, ast.Import | ast.ImportFrom):
-            yield node
-        yield from statements(node, for_types)
-
-
 def imported(name):
-    """Modules of ours that a module imports."""
+    """Modules of ours that a module imports, inside functions and for types alone too."""
     found = set()
-    counts = name.partition(".")[0] in TYPES_COUNT
-    for node in statements(ast.parse(FILES[name].read_text(encoding="utf-8")), counts):
+    for node in ast.walk(ast.parse(FILES[name].read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
-        else:
+        elif isinstance(node, ast.ImportFrom):
             full = {alias.name: f"{node.module}.{alias.name}" for alias in node.names}
             found |= {one if one in FILES else node.module for one in full.values()}
     return (found & FILES.keys()) - {name}
