@@ -7,9 +7,11 @@ from typing import Any
 
 from benchmarks.clock import timed
 from benchmarks.rig import casing_parts, casing_rung, keep, kept, read
+from fem.casing.models.craig_bampton import CraigBamptonCasing
+from fem.casing.models.static_casing import StaticCasing
+from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.casing.reduced.checkup import check_up
 from fem.casing.reduced.grounded import ground_casing
-from fem.casing.reduced.models import MODES_OVER_BAND, CraigBamptonCasing, StaticCasing
 from fem.casing.reduced.modes import casing_modes
 from fem.casing.reduced.reduction import count_fixed_modes, reduce_body
 from fem.elements.tetrahedra import assemble

@@ -59,8 +59,9 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
 
     from benchmarks.clock import peak_megabytes
     from benchmarks.rig import casing_parts, read
+    from fem.casing.models.craig_bampton import CraigBamptonCasing
+    from fem.casing.reduced.body import MODES_OVER_BAND
     from fem.casing.reduced.checkup import check_up
-    from fem.casing.reduced.models import MODES_OVER_BAND, CraigBamptonCasing
     from fem.casing.reduced.modes import casing_modes
     from fem.casing.reduced.reduction import reduced_and_counted
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from fem.casing.geometry.housing import Housing
+from fem.casing.models.elastic_casing import ElasticCasing
+from fem.casing.models.no_casing import NoCasing
+from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.reduced.body import ReducedBody
-from fem.casing.reduced.models import CraigBamptonCasing, NoCasing, RigidCasing, StaticCasing
 from fem.contact.law import MeshLaw
 from fem.contact.models.plane import Plane
 from fem.elements.materials import Material
@@ -56,15 +59,13 @@ def casing_parts(plant: Plant) -> tuple[Housing, Material]:
     return box, plant.casing.material
 
 
-def casing_rung(plant: Plant) -> RigidCasing | StaticCasing | CraigBamptonCasing:
+def casing_rung(plant: Plant) -> RigidCasing | ElasticCasing:
     """The rung of a plant with a housing."""
     part = plant.casing
     assert part is not None
     if not isinstance(part, ElasticPart):
         return RigidCasing(mount_stiffness=part.mount_stiffness, damping_ratio=part.damping)
-    if part.model == "static":
-        return StaticCasing(element_size=part.sizes.element, damping=part.damping)
-    return CraigBamptonCasing(band=part.band, element_size=part.sizes.element, damping=part.damping)
+    return replace(part.model, element_size=part.sizes.element, damping=part.damping)
 
 
 def casing_body(plant: Plant) -> ReducedBody:

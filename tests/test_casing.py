@@ -12,10 +12,13 @@ from housings import housing_for_shafts, small_housing
 from fem.casing.geometry.dimensions import HousingError, Sensor
 from fem.casing.meshing.mesh import CasingMesh, MeshError
 from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.models.craig_bampton import CraigBamptonCasing
+from fem.casing.models.no_casing import NoCasing
+from fem.casing.models.rigid_casing import RigidCasing
+from fem.casing.models.static_casing import StaticCasing
+from fem.casing.reduced.attachment import AttachmentError, surface_weights
 from fem.casing.reduced.checkup import _asymmetry, check_up
-from fem.casing.reduced.coupling import CouplingError, surface_weights
 from fem.casing.reduced.grounded import BEARING_AXES, ground_casing
-from fem.casing.reduced.models import CraigBamptonCasing, NoCasing, RigidCasing, StaticCasing
 from fem.casing.reduced.modes import CasingModes, casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.rigid import housing_mass
@@ -190,7 +193,7 @@ def test_every_mode_has_the_damping_ratio_asked(modes):
 
 
 def test_a_sensor_away_from_the_casing_is_refused(modes):
-    with pytest.raises(CouplingError, match="from the casing surface"):
+    with pytest.raises(AttachmentError, match="from the casing surface"):
         reduced_body(modes, sensors=[Sensor(name="sensor_1", position=(0.0, 1.0, 0.0))])
 
 

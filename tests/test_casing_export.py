@@ -13,9 +13,9 @@ from rendering import drawn
 from test_casing_ground import SMALL
 
 from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.reduced.body import ReducedBody
 from fem.casing.reduced.grounded import ground_casing
-from fem.casing.reduced.models import RigidCasing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON

@@ -11,8 +11,8 @@ from scipy.sparse.linalg import splu
 
 from fem.casing.meshing.mesher import mesh_housing
 from fem.casing.reduced.accuracy import full_response, reduced_response, sensor_rows, state_error, third_octaves
+from fem.casing.reduced.attachment import AttachmentError
 from fem.casing.reduced.checkup import check_up
-from fem.casing.reduced.coupling import CouplingError
 from fem.casing.reduced.damping import damping_ratios
 from fem.casing.reduced.grounded import BEARING_AXES, ground_casing
 from fem.casing.reduced.lanczos import EigenError, block_lanczos
@@ -108,7 +108,7 @@ def test_mounts_change_without_finite_elements_and_agree_with_the_full_model(spr
 
 
 def test_soft_mounts_give_the_rigid_rung_and_stiff_ones_lift_the_frequencies(sprung, housing):
-    from fem.casing.reduced.models import RigidCasing
+    from fem.casing.models.rigid_casing import RigidCasing
 
     _, _, modes = sprung
     soft = frequencies(reduced_body(modes, mounts=((1e4, 1e4, 1e4),)))[:6]
@@ -132,7 +132,7 @@ def test_rigid_patches_leave_a_floor_that_modes_do_not_remove(mesh, fixed):
     """Against the full model without any patch: mean motion (RBE3) converges to it, rigid patches (RBE2) stay above."""
     casing = fixed[0]
     full = full_frequencies(casing, casing.springs, BAND)
-    stiff = ground_casing(mesh, CAST_IRON, coupling="rigid")
+    stiff = ground_casing(mesh, CAST_IRON, attachment="rigid")
     error = {}
     for name, held in (("mean", casing), ("rigid", stiff)):
         for factor in (1.5, 3.0):
@@ -146,7 +146,7 @@ def test_rigid_patches_leave_a_floor_that_modes_do_not_remove(mesh, fixed):
 
 def test_rigid_patches_move_as_rigid_bodies_and_pass_the_check_up(mesh):
     for ground in ("fixed", "springs"):
-        casing = ground_casing(mesh, CAST_IRON, coupling="rigid", ground=ground)
+        casing = ground_casing(mesh, CAST_IRON, attachment="rigid", ground=ground)
         reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=5)
         assert check_up(casing, reduction).failures == ()
     unit = casing.expanded(casing.interface.rows.T.toarray()[:, -5:]).reshape(-1, 3, 5)
@@ -365,8 +365,8 @@ def test_rigid_patches_that_touch_are_refused(mesh):
     touching = np.array(shared.facet_patch)
     half = np.flatnonzero(touching == 6)[:3]
     touching[half] = 7
-    with pytest.raises(CouplingError, match="cannot both be rigid"):
-        ground_casing(replace(mesh, facet_patch=touching), CAST_IRON, coupling="rigid")
+    with pytest.raises(AttachmentError, match="cannot both be rigid"):
+        ground_casing(replace(mesh, facet_patch=touching), CAST_IRON, attachment="rigid")
 
 
 def test_frequencies_of_a_smooth_body_converge_with_fourth_order():

@@ -40,7 +40,7 @@ def touched(scene, *settings):
         ("casing.frequency_error=0.001", {"casing"}),
         ("casing.damping_ratio=[[0, 0.01], [1000, 0.02]]", {"casing"}),
         ("casing.mounts_N_per_um=[[1, 1, 1]]", set()),
-        ("casing.coupling=rigid", {"casing modes"}),
+        ("casing.attachment=rigid", {"casing modes"}),
         ("casing.material.density_kg_m3=7300", {"casing modes"}),
         ("casing.housing.wall_thickness_mm=11", {"casing mesh"}),
         ("casing.element_size_mm=30", {"casing mesh"}),

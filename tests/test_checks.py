@@ -237,7 +237,7 @@ def test_the_channels_counted_are_those_recorded(scene):
         shafts=[SimpleNamespace(name=f"shaft_{n}") for n in range(len(loaded.shafts))],
         meshes=[SimpleNamespace(name=f"mesh_{n}") for n in range(len(loaded.stages))],
         bearings=bearing_specs(loaded),
-        load=load_spec(loaded, lay_out(loaded)),
+        load=load_spec(loaded, lay_out(loaded).loaded),
     )
     names = channel_names(recorded, tuple(sensor.name for sensor in loaded.sensors))
     assert cost.cost(loaded).channels == len(names)

@@ -15,7 +15,8 @@ from fem.casing.meshing.mesh import MeshError
 from fem.casing.meshing.mesher import mesh_housing, session
 from fem.casing.meshing.sizes import Sizes, bending_wavelength
 from fem.casing.meshing.solid import build_solid
-from fem.casing.reduced.models import CraigBamptonCasing, RigidCasing
+from fem.casing.models.craig_bampton import CraigBamptonCasing
+from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.reduced.rigid import housing_mass
 from fem.elements.materials import CAST_IRON, Material
 from fem.elements.tetrahedra import mass_properties

@@ -15,7 +15,7 @@ from fem.casing.meshing.mesher import mesh_housing, session, write_step
 from fem.casing.meshing.quality import measure
 from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.source import mesh_geometry
-from fem.casing.reduced.coupling import surface_weights
+from fem.casing.reduced.attachment import surface_weights
 from fem.casing.reduced.rigid import rigid_body, rigid_from_mesh
 from fem.elements.tetrahedra import EDGES, mass_properties
 

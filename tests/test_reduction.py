@@ -6,7 +6,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from solids import box_mesh, facets_on, unknowns
 
-from fem.casing.reduced.coupling import CouplingError, mean_motion_rows, nearest_surface_point
+from fem.casing.reduced.attachment import AttachmentError, mean_motion_rows, nearest_surface_point
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.reduction import ReductionError, craig_bampton, held_interface, reduce_body
 from fem.elements.tetrahedra import assemble, rigid_body_modes
@@ -185,7 +185,7 @@ def test_mean_motion_weighs_by_area():
 
 
 def test_a_patch_without_facets_is_refused(bar):
-    with pytest.raises(CouplingError, match="no facet"):
+    with pytest.raises(AttachmentError, match="no facet"):
         mean_motion_rows(bar.nodes, np.zeros((0, 6), int), np.zeros(3))
 
 
@@ -197,7 +197,7 @@ def test_sensor_point_is_the_nearest_of_the_surface(bar):
     assert weights.sum() == pytest.approx(1.0)
     beyond = nearest_surface_point(bar.nodes, bar.patches[0][0], np.array([0.41, 0.07, 0.07]))[2]
     assert beyond == pytest.approx([0.4, 0.06, 0.05])  # the corner
-    with pytest.raises(CouplingError, match="600 mm from the casing surface"):
+    with pytest.raises(AttachmentError, match="600 mm from the casing surface"):
         nearest_surface_point(bar.nodes, facets, np.array([1.0, 0.03, 0.025]))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from gear_pairs import gear_pair
 
+from fem.casing.models.registry import CASINGS, elastic_casing
 from fem.contact.faults.registry import FAULTS, tooth_fault
 from fem.contact.frame import RungError
 from fem.contact.models.registry import MODELS, mesh_model
@@ -111,3 +112,16 @@ def test_a_fault_adds_compliance_and_gaps_that_are_not_negative(kind):
     added = np.isinf(fault.clearance) or compliance.any() or gap.any()
     assert added
     assert fault.changes_flank == (not np.isinf(fault.clearance))
+
+
+@pytest.mark.parametrize("name", CASINGS)
+def test_the_key_of_casing_modes_takes_the_code_of_its_own_model_alone(name):
+    scene = load_scene("rig-healthy", [f"casing.model={name}"]).scene
+    stage = next(stage for stage in plant_stages(make_plant(scene)) if stage.kind == "casing-modes")
+    code = set(reachable(stage.build.__module__, *stage.modules))
+    assert {CASINGS[name][0]} == code & {module for module, _ in CASINGS.values()}
+
+
+def test_an_unknown_casing_is_refused_with_those_that_are_known():
+    with pytest.raises(ValueError, match="'foam' is unknown; known: static, craig-bampton"):
+        elastic_casing("foam")

@@ -22,6 +22,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "fem.casing.geometry",
     "fem.casing.meshing",
     "fem.casing.reduced",
+    "fem.casing.models",
     "mbd.elements",
     "mbd.parts",
     "mbd.coordinates",

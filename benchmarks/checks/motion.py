@@ -133,7 +133,7 @@ def _hoist() -> tuple[np.ndarray, np.ndarray]:
 
 
 def _no_casing(machine: Machine) -> ReducedBody:
-    from fem.casing.reduced.models import NoCasing
+    from fem.casing.models.no_casing import NoCasing
 
     return NoCasing().reduce({b.name: (0.0, b.y, 0.0) for b in machine.bearings})
 

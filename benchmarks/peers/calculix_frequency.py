@@ -20,8 +20,8 @@ from benchmarks.clock import conditions, timed
 from benchmarks.peers import ccx
 from benchmarks.rig import casing_parts, casing_rung, read
 from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.reduced.grounded import ground_casing
-from fem.casing.reduced.models import CraigBamptonCasing
 from fem.casing.reduced.reduction import Reduction, reduce_body
 from fem.elements.materials import Material
 from fem.elements.tetrahedra import EDGES

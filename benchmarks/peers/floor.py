@@ -100,8 +100,8 @@ def column_counts(matrix: Any) -> np.ndarray:
 def measure() -> dict[str, Any]:
     """Counts, rates and the seconds that follow."""
     from benchmarks.rig import casing_parts, casing_rung, read
+    from fem.casing.models.craig_bampton import CraigBamptonCasing
     from fem.casing.reduced.grounded import ground_casing
-    from fem.casing.reduced.models import CraigBamptonCasing
 
     plant = read()
     box, iron = casing_parts(plant)

@@ -68,7 +68,7 @@ def main(options: argparse.Namespace) -> int:
 
 def describe(modes: CasingModes) -> str:
     """Size, solver, ground and coupling, and how it is known that no mode is missed."""
-    text = f"{modes.unknowns} unknowns, solver {modes.solver}, ground {modes.ground}, coupling {modes.coupling}"
+    text = f"{modes.unknowns} unknowns, solver {modes.solver}, ground {modes.ground}, attachment {modes.attachment}"
     fixed = modes.mode_set.n_fixed
     if not modes.band_limit:
         return text

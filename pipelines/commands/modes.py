@@ -64,6 +64,7 @@ def mode_table(title: str, modes: LinearModes) -> Grid:
 
 def notes(plant: Plant, modes: LinearModes, up_to: float) -> list[str]:
     """What the table was made with, and what bounds it."""
+    from fem.casing.reduced.body import MODES_OVER_BAND
     from pipelines.plant.casing import ElasticPart
 
     casing = plant.casing
@@ -73,8 +74,9 @@ def notes(plant: Plant, modes: LinearModes, up_to: float) -> list[str]:
     ]
     if modes.overdamped:
         found.append(f"{modes.overdamped} overdamped motions do not oscillate and are not listed.")
-    if isinstance(casing, ElasticPart) and 0.0 < casing.band < up_to:
-        found.append(f"The casing is resolved to {casing.band:g} Hz; its modes above are indicative only.")
+    limit = casing.model.limit if isinstance(casing, ElasticPart) else None
+    if limit is not None and limit / MODES_OVER_BAND < up_to:
+        found.append(f"The casing is resolved to {limit / MODES_OVER_BAND:g} Hz; its modes above are indicative only.")
     if not len(modes.frequencies):
         found.append(f"No mode up to {up_to:g} Hz; raise --up-to.")
     return found

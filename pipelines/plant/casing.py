@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fem.casing.geometry.housing import Housing
 from fem.casing.meshing.sizes import Sizes, bending_wavelength
 from fem.casing.meshing.source import Geometry
+from fem.casing.models.elastic_casing import ElasticCasing
+from fem.casing.models.registry import elastic_casing
 from fem.elements.materials import Material
 from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.housing import housing
 from pipelines.plant.layout import Layout, material
+from pipelines.plant.units import si_options
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import (
     CraigBamptonCasingTable,
+    ElasticBase,
     FlexibleBase,
     NoCasingTable,
     RigidCasingTable,
@@ -22,7 +26,8 @@ from pipelines.scene.tables.casing import (
 
 if TYPE_CHECKING:
     from fem.casing.reduced.damping import DampingRatio
-    from fem.casing.reduced.grounded import Coupling, Ground
+
+_NOT_REDUCED = ("model", "frequency_error", "elements_per_wavelength")  # keys of a model's table: of its body, its mesh
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,20 +53,17 @@ class RigidMeshed:
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticPart:
-    """A casing of finite elements, reduced by `model`, "static" or "craig-bampton".
+    """A casing of finite elements, reduced by its `model`.
 
-    `band` (Hz) is 0 for the rung static; `mounts` in N/m, a row for all feet or one per foot, None on fixed ground.
+    `mounts` in N/m, a row for all feet or one per foot, None on fixed ground.
     """
 
-    model: str
+    model: ElasticCasing
     geometry: Geometry
     material: Material
     sizes: Sizes
     damping: DampingRatio
-    ground: Ground
-    coupling: Coupling
     mounts: tuple[tuple[float, float, float], ...] | None
-    band: float
     frequency_error: float | None
     extrapolated: bool
 
@@ -83,18 +85,20 @@ def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
         return RigidMeshed(geometry=box, material=iron, sizes=sizes, mount_stiffness=mount, damping=table.damping_ratio)
     fixed = table.ground == "fixed"
     return ElasticPart(
-        model=table.model,
+        model=elastic_casing(table.model, ground=table.ground, attachment=table.attachment, **_options(table)),
         geometry=box,
         material=iron,
         sizes=element_sizes(table, box, iron, source),
         damping=table.damping_ratio,
-        ground=table.ground,
-        coupling=table.coupling,
         mounts=None if fixed else tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um),
-        band=table.band_Hz if isinstance(table, CraigBamptonCasingTable) else 0.0,
         frequency_error=getattr(table, "frequency_error", None),
         extrapolated=table.extrapolated,
     )
+
+
+def _options(table: ElasticBase) -> dict[str, Any]:
+    """The options that a casing model has of its own; what is no option of the reduction is read elsewhere."""
+    return {key: value for key, value in si_options(table, without=ElasticBase).items() if key not in _NOT_REDUCED}
 
 
 def element_sizes(table: FlexibleBase, box: Geometry, iron: Material, source: str) -> Sizes:

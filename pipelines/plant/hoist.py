@@ -18,7 +18,6 @@ from pipelines.scene.tables.motion import RopePendulumTable, RopeTable
 
 if TYPE_CHECKING:
     from mbd.parts.drive import SpeedProfile
-    from pipelines.plant.layout import Layout
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,10 +77,10 @@ def _rope_strength(load: RopeTable) -> float:
     return load.rope_modulus_GPa * 1e9 * area
 
 
-def drums(scene: Scene, layout: Layout) -> tuple[float, ...]:
-    """y of the drums (m)."""
+def drums(scene: Scene, loaded: int) -> tuple[float, ...]:
+    """y of the drums (m) on their shaft (0-based)."""
     given = tuple(y / 1000 for y in scene.load.drum_positions_mm)
-    return given or shaft_ends(scene, layout.loaded)
+    return given or shaft_ends(scene, loaded)
 
 
 def shaft_ends(scene: Scene, shaft: int) -> tuple[float, float]:
@@ -90,13 +89,13 @@ def shaft_ends(scene: Scene, shaft: int) -> tuple[float, float]:
     return sections[0].start_mm / 1000, sections[-1].end_mm / 1000
 
 
-def load_spec(scene: Scene, layout: Layout) -> Load:
-    """The load on the drums."""
-    table, shaft, places = scene.load, f"shaft_{layout.loaded + 1}", drums(scene, layout)
+def load_spec(scene: Scene, loaded: int) -> Load:
+    """The load on the drums of a shaft (0-based)."""
+    table, shaft, places = scene.load, f"shaft_{loaded + 1}", drums(scene, loaded)
     radius = table.drum_radius_mm / 1000
     direction = None if table.rope_direction_deg is None else math.radians(table.rope_direction_deg)
     if not isinstance(table, RopeTable) or table.container_kg == 0:
-        torque = layout.hanging_torque / len(places)
+        torque = output_torque(scene) / len(places)
         return StaticTorque(shaft=shaft, drums=places, torque=torque, direction=direction, drum_radius=radius)
     ground = None
     if table.ground_level_m is not None:

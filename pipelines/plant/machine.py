@@ -63,7 +63,7 @@ def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
     if shaft == layout.loaded:
         load = scene.load
         radius = load.drum_radius_mm / 1000
-        for number, y in enumerate(drums(scene, layout), 1):
+        for number, y in enumerate(drums(scene, layout.loaded), 1):
             # a drum is a thin shell: diametral inertia half the polar one, its length neglected
             found.append(
                 Disk(
@@ -194,7 +194,7 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> Mach
             for number, y in enumerate(ends, 1)
         ),
         drive=speed_profile(scene),
-        load=load_spec(scene, layout),
+        load=load_spec(scene, layout.loaded),
         couplings=coupling_specs(scene),
         forces=tuple(table.spec(number) for number, table in enumerate(scene.forces, 1)),
         losses=losses_spec(scene),

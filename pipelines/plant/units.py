@@ -12,6 +12,7 @@ UNITS: dict[str, Callable[[float], float]] = {  # divisions by exact integers: 4
     "mm": lambda value: value / 1000,
     "um": lambda value: value / 1_000_000,
     "deg": math.radians,
+    "Hz": lambda value: value,
 }
 
 

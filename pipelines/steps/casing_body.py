@@ -65,14 +65,14 @@ class ElasticSpec:
 
 def build_ground(spec: GroundSpec) -> Built:
     """A body without coordinates."""
-    from fem.casing.reduced.models import NoCasing
+    from fem.casing.models.no_casing import NoCasing
 
     return _built(NoCasing().reduce(spec.points))
 
 
 def build_rigid(spec: RigidSpec) -> Built:
     """Six coordinates."""
-    from fem.casing.reduced.models import RigidCasing
+    from fem.casing.models.rigid_casing import RigidCasing
 
     rung = RigidCasing(mount_stiffness=spec.mount_stiffness, damping_ratio=spec.damping_ratio)
     return _built(rung.reduce(spec.housing, spec.material))

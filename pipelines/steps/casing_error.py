@@ -33,11 +33,10 @@ def build(
 ) -> ErrorStatement:
     """The error statement; both casings with the stiffness factor of the body."""
     from fem.casing.reduced.accuracy import state_error
-    from fem.casing.reduced.grounded import ground_casing
 
     given = spec.modes
     iron = replace(given.material, elastic_modulus=body.stiffness_factor * given.material.elastic_modulus)
-    casing = ground_casing(mesh, iron, interfaces=given.interfaces, ground=given.ground, coupling=given.coupling)
+    casing = given.model.casing(mesh, iron)
     return state_error(
         casing,
         body,

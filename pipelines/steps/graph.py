@@ -10,11 +10,10 @@ Plants that are run together (`pipelines.steps.study`) share the stages that do 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from fem.casing.reduced.body import MODES_OVER_BAND
 from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from pipelines.engine.step import Graph, Stage
 from pipelines.plant.casing import RigidBox, RigidMeshed
@@ -114,15 +113,9 @@ def _casing_stages(plant: Plant) -> list[Stage]:
         )
         takes = ("casing mesh",)
         return [mesh, Stage(name="casing", kind="casing", build=body.build_rigid_mesh, spec=meshed, takes=takes)]
-    reduced = casing_modes.CasingModesSpec(
-        material=part.material,
-        model=part.model,
-        band=part.band,
-        ground=part.ground,
-        coupling=part.coupling,
-        interfaces=loaded_axes(plant.machine.bearings),
-    )
-    coarser = _coarser_stages(mesh, reduced) if part.extrapolated else []
+    interfaces = loaded_axes(plant.machine.bearings)
+    reduced = casing_modes.CasingModesSpec(material=part.material, model=replace(part.model, interfaces=interfaces))
+    coarser = _coarser_stages(mesh, reduced, interfaces) if part.extrapolated else []
     return [
         mesh,
         *coarser,
@@ -132,9 +125,10 @@ def _casing_stages(plant: Plant) -> list[Stage]:
             build=casing_modes.build,
             spec=reduced,
             takes=("casing mesh",),
+            modules=(type(part.model).__module__,),
             libraries=("numpy", "scipy", "pymetis"),
             seconds=30.0,
-            enough="band" if part.band else "",
+            enough="model.band" if part.model.limit else "",
         ),
         Stage(
             name="casing",
@@ -144,7 +138,7 @@ def _casing_stages(plant: Plant) -> list[Stage]:
                 sensors=plant.sensors,
                 damping=part.damping,
                 mounts=part.mounts,
-                limit=MODES_OVER_BAND * part.band if part.band else None,
+                limit=part.model.limit,
                 frequency_error=part.frequency_error,
             ),
             takes=("casing modes", *(stage.name for stage in coarser[1:])),
@@ -152,7 +146,7 @@ def _casing_stages(plant: Plant) -> list[Stage]:
     ]
 
 
-def _coarser_stages(mesh: Stage, reduced: CasingModesSpec) -> list[Stage]:
+def _coarser_stages(mesh: Stage, reduced: CasingModesSpec, interfaces: Mapping[str, tuple[str, ...]]) -> list[Stage]:
     """A second mesh with larger elements, and its lowest frequencies."""
     from fem.casing.reduced.extrapolation import RATIO
     from pipelines.steps import coarser_casing
@@ -164,7 +158,13 @@ def _coarser_stages(mesh: Stage, reduced: CasingModesSpec) -> list[Stage]:
             name="coarser casing",
             kind="casing-coarser",
             build=coarser_casing.build,
-            spec=replace(reduced, band=0.0),
+            spec=coarser_casing.CoarserSpec(
+                material=reduced.material,
+                static=reduced.model.limit is None,
+                interfaces=interfaces,
+                ground=reduced.model.ground,
+                attachment=reduced.model.attachment,
+            ),
             takes=("coarser casing mesh",),
             libraries=("numpy", "scipy", "pymetis"),
             seconds=8.0,

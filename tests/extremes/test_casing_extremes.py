@@ -9,9 +9,9 @@ from housings import small_housing
 
 from fem.casing.geometry.dimensions import HousingError, Sensor
 from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.accuracy import reduced_response
 from fem.casing.reduced.grounded import ground_casing
-from fem.casing.reduced.models import StaticCasing
 from fem.casing.reduced.modes import casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.rigid import housing_mass, rigid_from_mesh

@@ -25,8 +25,8 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from fem.casing.geometry.dimensions import Sensor
+from fem.casing.reduced.attachment import nearest_surface_point
 from fem.casing.reduced.body import MODES_OVER_BAND, ReducedBody
-from fem.casing.reduced.coupling import nearest_surface_point
 from fem.casing.reduced.damping import DampingRatio, damping_ratios
 from fem.casing.reduced.grounded import GroundedCasing
 from fem.casing.reduced.lanczos import block_lanczos

@@ -39,7 +39,7 @@ _LIMITS = {
     "reduced_mass_definite": 1.0,
     "reduced_stiffness_definite": 1.0,
     "modal_mass_identity": 1e-8,
-    "modal_coupling": 1e-6,
+    "interface_to_modes": 1e-6,
     "static_response": 1e-8,
 }
 _MEANING = {
@@ -55,7 +55,7 @@ _MEANING = {
     "reduced_mass_definite": "number of eigenvalues of the reduced mass that are not positive",
     "reduced_stiffness_definite": "number of eigenvalues of the reduced stiffness that are not positive",
     "modal_mass_identity": "modal block of the mass, largest deviation from identity",
-    "modal_coupling": "coupling block of the stiffness between interface and modes, relative",
+    "interface_to_modes": "block of the stiffness between interface and modes, relative",
     "static_response": "interface response to unit loads, reduced against full model",
 }
 
@@ -76,7 +76,7 @@ class CheckUp(Record):
     reduced_mass_definite: float = scalar(units="1")
     reduced_stiffness_definite: float = scalar(units="1")
     modal_mass_identity: float = scalar(units="1")
-    modal_coupling: float = scalar(units="1")
+    interface_to_modes: float = scalar(units="1")
     static_response: float = scalar(units="1")
     mass: float = scalar(units="kg")
     centre: np.ndarray = array("axis", units="m")
@@ -247,7 +247,7 @@ def _reduced_items(casing: GroundedCasing, reduction: Reduction, held: np.ndarra
 
     b = reduction.constraint.shape[1]
     interface = casing.interface
-    coupling = product(casing.K_free, reduction.constraint).T @ reduction.modes
+    between = product(casing.K_free, reduction.constraint).T @ reduction.modes
     scale = np.sqrt(np.outer(np.diag(interface.stiffness), np.maximum((2 * math.pi * reduction.frequencies) ** 2, 1.0)))
     identity = reduction.modes.T @ product(casing.M_free, reduction.modes)
     static = 0.0
@@ -260,7 +260,7 @@ def _reduced_items(casing: GroundedCasing, reduction: Reduction, held: np.ndarra
         "reduced_mass_definite": float((_scaled_eigenvalues(reduction.mass) <= 0.0).sum()),
         "reduced_stiffness_definite": float((_scaled_eigenvalues(held) <= 0.0).sum()),
         "modal_mass_identity": float(abs(identity - np.eye(len(identity))).max(initial=0.0)),
-        "modal_coupling": float((abs(coupling) / scale).max(initial=0.0)),
+        "interface_to_modes": float((abs(between) / scale).max(initial=0.0)),
         "static_response": static,
     }
 

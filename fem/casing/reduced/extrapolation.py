@@ -31,7 +31,7 @@ from threadpoolctl import threadpool_limits
 
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.reduced.body import MODES_OVER_BAND
-from fem.casing.reduced.grounded import Coupling, Ground, ground_casing
+from fem.casing.reduced.grounded import Attachment, Ground, ground_casing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.modes import CasingModes
 from fem.casing.reduced.reduction import reduce_body
@@ -62,7 +62,7 @@ def lowest_frequencies(
     static: bool,
     interfaces: Mapping[str, Sequence[str]] | None = None,
     ground: Ground = "fixed",
-    coupling: Coupling = "mean",
+    attachment: Attachment = "mean",
 ) -> LowestFrequencies:
     """The frequencies of a coarser mesh; `static`: of its matrices condensed to the interface, as the rung static has.
 
@@ -71,7 +71,7 @@ def lowest_frequencies(
     as `ground_casing` and `reduce_body`
     """
     with threadpool_limits(1):  # the heavy steps run in two halves side by side
-        casing = ground_casing(mesh, material, interfaces=interfaces, ground=ground, coupling=coupling)
+        casing = ground_casing(mesh, material, interfaces=interfaces, ground=ground, attachment=attachment)
         if ground == "fixed" and not static:  # definite as it stands: no interface needs to be held
             theta, _ = block_lanczos(casing.interface.factor.solve, casing.M_free, count=MODES)
             return LowestFrequencies(frequencies=1.0 / (2.0 * np.pi * np.sqrt(theta)))

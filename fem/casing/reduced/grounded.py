@@ -4,7 +4,7 @@ Ground. `fixed` clamps every node under the feet. `springs` leaves the body free
 foot becomes an interface, to which mount springs are added afterwards without finite elements; only for the
 factorisation the feet stand on reference springs D, which the reduced matrices do not contain.
 
-Coupling of the points to their patches. `mean` (RBE3) adds no stiffness. `rigid` (RBE2) makes the patch move as a rigid
+Attachment of points to their patches: `mean` (RBE3) adds no stiffness. `rigid` (RBE2) makes the patch move as a rigid
 body, as a stiff outer ring pressed into its seat does: u = E [other unknowns, six per patch], K -> E^T K E.
 """
 
@@ -18,7 +18,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem.casing.meshing.mesh import CasingMesh
-from fem.casing.reduced.coupling import AXES, CouplingError, mean_motion_rows
+from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows
 from fem.casing.reduced.reduction import Interface, held_interface
 from fem.elements.materials import Material
 from fem.elements.tetrahedra import assemble, rigid_body_modes
@@ -28,7 +28,7 @@ BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")  # the rotation ry about the shaft
 GROUND_AXES = ("ux", "uy", "uz")
 
 Ground = Literal["fixed", "springs"]
-Coupling = Literal["mean", "rigid"]
+Attachment = Literal["mean", "rigid"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class GroundedCasing:
     mesh: CasingMesh
     material: Material
     ground: Ground
-    coupling: Coupling
+    attachment: Attachment
     K: sp.csr_matrix  # (3 node, 3 node), the free body
     M: sp.csr_matrix
     expansion: sp.csr_matrix  # E (3 node, n)
@@ -72,7 +72,7 @@ def ground_casing(
     *,
     interfaces: Mapping[str, Sequence[str]] | None = None,
     ground: Ground = "fixed",
-    coupling: Coupling = "mean",
+    attachment: Attachment = "mean",
     solver: Solver = "auto",
 ) -> GroundedCasing:
     """Assemble, hold or free the feet, tie the points, and factorise.
@@ -83,7 +83,7 @@ def ground_casing(
 
     Raises
     ------
-    CouplingError : no ground patch, an interface that touches the clamped nodes, rigid patches that share nodes
+    AttachmentError : no ground patch, an interface that touches the clamped nodes, rigid patches that share nodes
     MeshError : unknown patch
     SingularMatrixError : a part of the mesh hangs loose
     """
@@ -96,7 +96,7 @@ def ground_casing(
     )
     feet = mesh.patches("ground_")
     if not feet:
-        raise CouplingError("casing mesh has no patch ground_1, ...; name at least one foot")
+        raise AttachmentError("casing mesh has no patch ground_1, ...; name at least one foot")
     if interfaces is None:
         interfaces = dict.fromkeys(mesh.patches("bearing_"), BEARING_AXES)
     on_springs = ground == "springs"
@@ -104,9 +104,9 @@ def ground_casing(
     held = np.unique(np.concatenate([mesh.patch(name).ravel() for name in feet]))
     for name in interfaces:
         if np.isin(mesh.patch(name), held).any():
-            raise CouplingError(f"{name} shares nodes with a foot; move the foot or the bore")
+            raise AttachmentError(f"{name} shares nodes with a foot; move the foot or the bore")
     clamped_nodes = held[:0] if on_springs else held
-    if coupling == "rigid":
+    if attachment == "rigid":
         expansion, rows = _rigid_patches(mesh, points, clamped_nodes)
     else:
         expansion, rows = _mean_patches(mesh, points, clamped_nodes)
@@ -118,7 +118,7 @@ def ground_casing(
         mesh=mesh,
         material=material,
         ground=ground,
-        coupling=coupling,
+        attachment=attachment,
         K=K,
         M=M,
         expansion=expansion,
@@ -155,7 +155,7 @@ def _rigid_patches(
         nodes = np.unique(mesh.patch(name))
         if (taken := owner[nodes] >= 0).any():
             other = list(points)[int(owner[nodes][taken][0])]
-            raise CouplingError(f"{name} and {other} share nodes and cannot both be rigid; take coupling 'mean'")
+            raise AttachmentError(f"{name} and {other} share nodes and cannot both be rigid; take attachment 'mean'")
         owner[nodes] = number
     free = _unknowns(np.flatnonzero(owner < 0))
     size = len(free) + 6 * len(points)

@@ -15,8 +15,8 @@ import numpy as np
 import scipy.linalg as la
 
 from fem.casing.geometry.dimensions import Sensor
+from fem.casing.reduced.attachment import nearest_surface_point
 from fem.casing.reduced.body import ReducedBody
-from fem.casing.reduced.coupling import nearest_surface_point
 from fem.casing.reduced.damping import DampingRatio, modal_damping
 from fem.casing.reduced.grounded import BEARING_AXES, GROUND_AXES, GroundedCasing
 from fem.casing.reduced.reduction import Reduction
@@ -37,7 +37,7 @@ class CasingModes(Record):
     model: str = text()  # "static" | "craig-bampton"
     solver: str = text()  # which code factorised the stiffness
     ground: str = text()  # "fixed" | "springs"
-    coupling: str = text()  # "mean" | "rigid"
+    attachment: str = text()  # "mean" | "rigid"
     mass: np.ndarray = array("coordinate", "coordinate", units="SI")
     stiffness: np.ndarray = array("coordinate", "coordinate", units="SI")
     coordinate_names: tuple[str, ...] = names("coordinate")  # interface, "mode_1", ..., "inertia_1", ...
@@ -108,7 +108,7 @@ def casing_modes(
         model=model,
         solver=casing.interface.factor.name,
         ground=casing.ground,
-        coupling=casing.coupling,
+        attachment=casing.attachment,
         mass=reduction.mass,
         stiffness=reduction.stiffness,
         coordinate_names=casing.coordinate_names + tuple(mode_names),
@@ -181,7 +181,7 @@ def reduced_body(
 
     Raises
     ------
-    CouplingError : a sensor far from the surface
+    AttachmentError : a sensor far from the surface
     ValueError : damping ratio out of range, mounts that do not fit, more modes than are known
     """
     springs = modes.springs(mounts)

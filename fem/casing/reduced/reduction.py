@@ -134,8 +134,8 @@ def reduce_body(
         value, vector = la.eigh(_symmetric(extra.T @ (K @ extra)))
         modes = np.hstack([modes, extra @ vector])
         frequencies = np.concatenate([frequencies, np.sqrt(value) / (2.0 * math.pi)])
-    coupling = M_Psi.T @ modes
-    mass = np.block([[_symmetric(M_Psi.T @ Psi), coupling], [coupling.T, np.eye(modes.shape[1])]])
+    between = M_Psi.T @ modes
+    mass = np.block([[_symmetric(M_Psi.T @ Psi), between], [between.T, np.eye(modes.shape[1])]])
     stiffness = la.block_diag(interface.stiffness, np.diag((2.0 * math.pi * frequencies) ** 2))
     return Reduction(Psi, modes, frequencies, n_fixed, stiffness, mass)
 

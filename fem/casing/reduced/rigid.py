@@ -15,8 +15,8 @@ import numpy as np
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.geometry.housing import Housing
 from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.reduced.attachment import AXES, nearest_surface_point
 from fem.casing.reduced.body import ReducedBody
-from fem.casing.reduced.coupling import AXES, nearest_surface_point
 from fem.casing.reduced.damping import DampingRatio, modal_damping
 from fem.casing.reduced.grounded import BEARING_AXES
 from fem.elements.tetrahedra import mass_properties, rigid_body_modes
@@ -98,7 +98,7 @@ def rigid_from_mesh(
     Raises
     ------
     ValueError : mount stiffness or density not positive, damping ratio out of range
-    CouplingError : a sensor far from the surface
+    AttachmentError : a sensor far from the surface
     """
     mass = mass_properties(mesh.nodes, mesh.elements, _positive("density", density))
     grounds, bearings = ({n: mesh.point(n) for n in mesh.patches(kind)} for kind in ("ground_", "bearing_"))

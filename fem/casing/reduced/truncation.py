@@ -1,6 +1,6 @@
 """Fewer modes of a finished reduction, without finite elements.
 
-A reduction with modes Phi, inertia corrections E (mass-orthonormal, K-orthogonal) and coupling c = Psi^T M [Phi, E]
+A reduction with modes Phi, inertia corrections E (mass-orthonormal, K-orthogonal) and c = Psi^T M [Phi, E]
 knows the whole correction P M Psi = [Phi, E] diag(1/omega^2) c^T. Leaving modes out therefore means: keep the wanted
 columns of Phi, and replace the others with E by what the correction has in their span. The result is the reduction that
 a computation to the lower limit would have found.

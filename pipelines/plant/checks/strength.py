@@ -82,7 +82,7 @@ def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]
         flow((one[0] - 1, one[1] / 1000), (other[0] - 1, other[1] / 1000), share)
     motors = shaft_ends(scene, layout.driven)[: scene.drive.motors]
     entering[layout.driven] += [(y, torque / len(motors)) for y in motors]
-    places = drums(scene, layout)
+    places = drums(scene, layout.loaded)
     entering[layout.loaded] += [(y, -layout.hanging_torque / len(places)) for y in places]
     return entering
 

@@ -61,7 +61,7 @@ class ElasticBase(FlexibleBase):
         tuple[tuple[Spring, Spring, Spring], ...],
         Field(min_length=1, description="ground = springs: rows [x, y, z], one for all mounts or one per foot"),
     ] = ((200.0, 200.0, 200.0),)
-    coupling: Annotated[
+    attachment: Annotated[
         Literal["mean", "rigid"],
         Field(description="of bearing and mount points to their faces: mean motion (RBE3) or rigid (RBE2)"),
     ] = "mean"

@@ -21,7 +21,7 @@ AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 FARTHEST_SENSOR = 0.05  # m: a sensor farther than this from the surface is a mistake in the scene
 
 
-class CouplingError(ValueError):
+class AttachmentError(ValueError):
     """A point cannot be tied to the mesh."""
 
 
@@ -69,17 +69,17 @@ def mean_motion_rows(nodes: np.ndarray, facets: np.ndarray, centre: np.ndarray) 
 
     Raises
     ------
-    CouplingError : the patch is empty or too small to define a rotation (a line or a point)
+    AttachmentError : the patch is empty or too small to define a rotation (a line or a point)
     """
     if not len(facets):
-        raise CouplingError(f"patch at {_place(centre)} has no facet; refine the mesh")
+        raise AttachmentError(f"patch at {_place(centre)} has no facet; refine the mesh")
     values, places, area = surface_weights(nodes, facets)
     motion = rigid_body_modes(places.reshape(-1, 3), centre).reshape(*area.shape, 3, 6)
     gram = np.einsum("fq,fqdi,fqdj->ij", area, motion, motion, optimize=True)
     size = np.sqrt(np.trace(gram[3:, 3:]) / gram[0, 0])  # length that makes rotations comparable
     scale = np.array([1.0, 1.0, 1.0, size, size, size])
     if not (size > 0.0 and np.linalg.cond(gram / np.outer(scale, scale)) < 1e10):
-        raise CouplingError(f"patch at {_place(centre)} is too small to define its rotation; refine the mesh")
+        raise AttachmentError(f"patch at {_place(centre)} is too small to define its rotation; refine the mesh")
     load = np.einsum("fq,qa,fqdi->ifad", area, values, motion, optimize=True)
     weights = np.linalg.solve(gram, load.reshape(6, -1))
     columns = (3 * facets[:, :, None].astype(np.int64) + np.arange(3)).ravel()
@@ -100,7 +100,7 @@ def nearest_surface_point(
 
     Raises
     ------
-    CouplingError : the surface is farther away than `FARTHEST_SENSOR`
+    AttachmentError : the surface is farther away than `FARTHEST_SENSOR`
     """
     position = np.asarray(position, float)
     local = _nearest_in_triangles(nodes[facets[:, :3]], position)
@@ -109,7 +109,7 @@ def nearest_surface_point(
     distance = np.linalg.norm(points - position, axis=1)
     best = int(distance.argmin())
     if distance[best] > FARTHEST_SENSOR:
-        raise CouplingError(
+        raise AttachmentError(
             f"sensor at {_place(position)} is {1000 * distance[best]:.4g} mm from the casing surface "
             f"(limit {1000 * FARTHEST_SENSOR:g} mm); the nearest surface point is {_place(points[best])}"
         )

@@ -1,0 +1,1 @@
+"""The casing models, one file each: none, rigid, static, craig-bampton."""
