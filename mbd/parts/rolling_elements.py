@@ -130,17 +130,6 @@ def pass_frequencies(elements: RollingElements) -> PassFrequencies:
     return PassFrequencies(z / 2 * (1 - g), z / 2 * (1 + g), spin, (1 - g) / 2)
 
 
-def element_values(elements: RollingElements, rate: float, damping_time: float) -> np.ndarray:
-    """Constants for `ball_forces` or `roller_forces`; ``rate`` is the cage angle (about +y) per motor angle."""
-    e, a = elements, elements.contact_angle
-    half = e.clearance / 2
-    common = [e.count, e.stiffness, e.pitch_diameter / 2, rate, e.cage_start, damping_time]
-    if e.kind == "ball":
-        centre = (e.inner_conformity + e.outer_conformity - 1) * e.diameter
-        return np.array([*common, centre, centre * math.cos(a) - half, centre * math.sin(a) + e.preload])
-    return np.array([*common, e.length, math.cos(a), math.sin(a), half * math.cos(a) - e.preload * math.sin(a)])
-
-
 def reference_load(elements: RollingElements) -> float:
     """Radial load (N), a small share of the static capacity: 12 MPa Z D^2 of balls, 44 MPa Z D l of rollers."""
     across = elements.diameter if elements.kind == "ball" else elements.length
