@@ -15,7 +15,6 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
 from scipy import optimize, special
 
 from mbd.parts.checks import MachineError, finite, not_negative, positive
