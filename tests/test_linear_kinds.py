@@ -10,10 +10,13 @@ import pytest
 from mbd_rigs import rigid_casing, train
 
 import mbd
-from mbd.elements.linear import LinearElement
+from mbd.elements.linear import LinearElement, part_on_rows
+from mbd.elements.mode_words import ModeWords
 from mbd.forces.pendulum import RopePendulum
-from mbd.parts.couplings import ShaftCoupling
+from mbd.parts.checks import MachineError
+from mbd.parts.couplings import CouplingSprings, ShaftCoupling
 from mbd.parts.drive import SpeedProfile
+from mbd.parts.load import OutsideForce
 from mbd.simulate import Settings, simulate
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
@@ -143,6 +146,37 @@ def test_rolling_costs_no_elastic_energy_but_against_standing_motors(system):
             assert stored > 0.0
         else:
             assert stored <= ROUND_OFF * 0.5 * own @ abs(part.stiffness) @ own
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class GroundSpring(OutsideForce):
+    """A spring to ground on one displacement (axis 0..5 = ux uy uz rx ry rz) of a shaft."""
+
+    axis: int
+
+    def parts(self, lay):
+        element = CouplingSprings(at=(0,), springs=np.array([1e4]), damping_time=1e-5)
+        yield part_on_rows(
+            lay.axis_row(self.shaft, self.y, self.axis)[None], name=self.name,
+            words=ModeWords("ground spring", "ground springs"), elements=(element,),
+        )  # fmt: skip
+
+
+def test_an_outside_part_that_nothing_else_knows_runs_and_its_energy_is_balanced():
+    profile = SpeedProfile(times=np.array([0.002, 0.01]), speeds=np.array([0.0, 94.0]))
+    springs = tuple(GroundSpring(name=f"spring_{a}", shaft="shaft_1", y=0.0, axis=a) for a in (2, 3))
+    machine = dataclasses.replace(hoisting(), forces=springs, profile=profile)
+    run = simulate(assemble(machine, rigid_casing(machine), ()), Settings(end=0.02, output_rate=5e3, step=1e-5))
+    assert not run.open_parts()
+    assert run.book("spring_2", "dissipated") > 0.0
+    assert "spring_3" in linear_modes(assemble(machine, rigid_casing(machine), ())).part_names
+
+
+def test_a_spring_to_ground_that_rolling_would_wind_up_is_refused():
+    spring = GroundSpring(name="spring", shaft="shaft_1", y=0.0, axis=4)
+    machine = dataclasses.replace(hoisting(), forces=(spring,))
+    with pytest.raises(MachineError, match="spring: the rolling of the train strains it"):
+        assemble(machine, rigid_casing(machine), ())
 
 
 @pytest.mark.parametrize("axis", range(6))

@@ -1,1 +1,1 @@
-"""Coordinates of the assembled machine, rows that read its parts, channels, modal basis."""
+"""Coordinates of the assembled machine, rows that read its parts, channels."""

@@ -35,7 +35,7 @@ from scipy import optimize
 from fem.numerics.compiled import inner
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, evaluated, rule
 from mbd.parts.bearings import BEARING_AXES, BearingSpec, bearing_force
-from mbd.parts.rolling_elements import RollingElements, element_values, pass_frequencies, reference_load
+from mbd.parts.rolling_elements import RollingElements, pass_frequencies, reference_load
 
 if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
@@ -188,6 +188,17 @@ def _mirror(matrix):
     for i in range(5):
         for j in range(i):
             matrix[i, j] = matrix[j, i]
+
+
+def element_values(elements: RollingElements, rate: float, damping_time: float) -> np.ndarray:
+    """Numbers of `ball_rule` or `roller_rule`; ``rate`` is the cage angle (about +y) per motor angle."""
+    e, a = elements, elements.contact_angle
+    half = e.clearance / 2
+    common = [e.count, e.stiffness, e.pitch_diameter / 2, rate, e.cage_start, damping_time]
+    if e.kind == "ball":
+        centre = (e.inner_conformity + e.outer_conformity - 1) * e.diameter
+        return np.array([*common, centre, centre * math.cos(a) - half, centre * math.sin(a) + e.preload])
+    return np.array([*common, e.length, math.cos(a), math.sin(a), half * math.cos(a) - e.preload * math.sin(a)])
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,7 +15,6 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
 from scipy import optimize, special
 
 from mbd.parts.checks import MachineError, finite, not_negative, positive
@@ -128,17 +127,6 @@ def pass_frequencies(elements: RollingElements) -> PassFrequencies:
     z, g = elements.count, elements.gamma
     spin = elements.pitch_diameter / (2 * elements.diameter) * (1 - g * g)
     return PassFrequencies(z / 2 * (1 - g), z / 2 * (1 + g), spin, (1 - g) / 2)
-
-
-def element_values(elements: RollingElements, rate: float, damping_time: float) -> np.ndarray:
-    """Constants for `ball_forces` or `roller_forces`; ``rate`` is the cage angle (about +y) per motor angle."""
-    e, a = elements, elements.contact_angle
-    half = e.clearance / 2
-    common = [e.count, e.stiffness, e.pitch_diameter / 2, rate, e.cage_start, damping_time]
-    if e.kind == "ball":
-        centre = (e.inner_conformity + e.outer_conformity - 1) * e.diameter
-        return np.array([*common, centre, centre * math.cos(a) - half, centre * math.sin(a) + e.preload])
-    return np.array([*common, e.length, math.cos(a), math.sin(a), half * math.cos(a) - e.preload * math.sin(a)])
 
 
 def reference_load(elements: RollingElements) -> float:

@@ -20,10 +20,12 @@ from mbd.elements.element import Element
 from mbd.elements.linear import Part
 from mbd.elements.table import Table, element_table
 from mbd.forces.registry import SOURCES_OF_FORCE
+from mbd.parts.checks import MachineError
 from mbd.parts.machine import Machine
 from mbd.reference.assembly import Assembly
 
 DEFAULT_BAND = 20e3  # Hz
+ROLLS_FREELY = 1e-6  # force by rolling over the largest that the matrix could give: round-off
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -103,6 +105,7 @@ def assemble(
     lay = layout(machine, casing)
     parts = tuple(part for component in lay.components for part in component.parts(lay))
     assembly = Assembly(lay, parts, band)
+    _check_rolling(parts, assembly.rolling)
     for elements in SOURCES_OF_FORCE.values():
         assembly.add(elements(assembly))
     rows, (basis, frequencies) = assembly.rows, assembly.modes
@@ -136,6 +139,19 @@ def _rolls(assembly: Assembly) -> np.ndarray:
     rolling[abs(rolling) < 1e-12 * abs(rolling).max(initial=0.0)] = 0.0
     counts = [len(element.rows) for element in assembly.elements]
     return np.where(np.repeat([element.rolls for element in assembly.elements], counts), rolling, 0.0)
+
+
+def _check_rolling(parts: tuple[Part, ...], rolling: np.ndarray) -> None:
+    """Raise MachineError if rolling strains a part that does not state how its far ends turn."""
+    for part in parts:
+        own = rolling[part.index]
+        force, size = part.stiffness @ own, abs(part.stiffness) @ abs(own)
+        if not len(part.driven) and abs(force).max(initial=0.0) > ROLLS_FREELY * size.max(initial=0.0):
+            raise MachineError(
+                f"{part.name}: the rolling of the train strains it by {abs(force).max():.3g} N m per radian of the "
+                "motor, which no constant matrix describes. State the motion of its far ends (``driven``) if they turn "
+                "with the motors, else make it a nonlinear element."
+            )
 
 
 def _motor_torque(parts: tuple[Part, ...], size: int) -> np.ndarray:
