@@ -36,7 +36,7 @@ def test_extends_merges_tables_and_replaces_values(tmp_path):
     base = load_scene("minimal").scene
     path = write(tmp_path, 'extends = "minimal"\n[drive]\ncoupling_stiffness_N_m_per_rad = 5000.0\n')
     changed = load_scene(path).scene
-    assert changed.drive.cross_stiffness_N_m_per_rad == 5000.0
+    assert changed.drive.coupling_stiffness_N_m_per_rad == 5000.0
     assert changed.drive.times_s == base.drive.times_s
     assert changed.model_copy(update={"drive": base.drive}) == base
 

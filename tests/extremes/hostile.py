@@ -35,7 +35,7 @@ UNUSABLE = (
     ("load.container_kg", (0.0, 1e-6, 1.0, 5e3, 1e9)),
     ("load.drum_radius_mm", (1e-3, 1.0, 1e5)),
     ("drive.speeds_rpm", ([0.0, 1e-9, 1e-9], [0.0, 1e5, 1e5], [0.0, 1e9, -1e9])),
-    ("drive.cross_stiffness_N_m_per_rad", (1e-9, 1e15)),
+    ("drive.coupling_stiffness_N_m_per_rad", (1e-9, 1e15)),
     ("stages.1.face_width_mm", (1e-3, 0.1, 300.0)),
     ("stages.1.backlash_um", (0.0, 1e4)),
     ("stages.1.module_mm", (1e-3, 0.05, 50.0)),

@@ -19,7 +19,6 @@ from pipelines.scene.scene import Scene
 MOST_STEPS = 1e9  # of one simulation: half a day
 MOST_VALUES = 1e9  # samples times channels of one simulation: 8 GB
 _STEP_SECONDS, _MODE_SECONDS = 4e-6, 0.06e-6
-_CASING_MODES = {"none": 0, "rigid": 6, "static": 40, "craig-bampton": 280}
 _WRITTEN = 2  # responses in a result folder: the scene's own and that of its control
 _PACKED = 0.5  # size of a response file against the motion that the cache holds
 _MEMORY = 5e8  # bytes: program, libraries and one block; signals go to a file, so a long run takes no more
@@ -128,7 +127,7 @@ def _modes(scene: Scene) -> float:
         stretch = shaft.sections[-1].end_mm - shaft.sections[0].start_mm
         nodes += min(333.0, stretch / length) + len(shaft.sections) + len(shaft.bearing_positions_mm) + 2
     per_node = 3.0 if scene.shaft_model.model == "timoshenko" else 1.0  # half of the bending modes lie above the band
-    return per_node * nodes + _CASING_MODES[scene.casing.model]
+    return per_node * nodes + scene.casing.modes
 
 
 def _channels(scene: Scene) -> int:
@@ -136,7 +135,7 @@ def _channels(scene: Scene) -> int:
     bearings = sum(len(shaft.bearing_positions_mm) for shaft in scene.shafts)
     count = 3 * scene.drive.motors + 2 * len(scene.shafts) + 4 * len(scene.stages) + 3 * bearings
     count += 3 * (bearings if scene.casing.model == "none" else len(scene.sensors))
-    return count + {"static-torque": 0, "rope": 3, "rope-pendulum": 5}[scene.load.model]
+    return count + scene.load.channels
 
 
 def _existing(folder: Path) -> Path:

@@ -10,10 +10,9 @@ import numpy as np
 from mbd.parts.bearings import BEARING_AXES
 from mbd.parts.gear_mesh import contact_rows
 from pipelines.border.errors import Problem
-from pipelines.plant.bearings import bearing_names, rolling_elements
+from pipelines.plant.bearings import bearing_names, bearing_specs
 from pipelines.plant.layout import Layout
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.bearings import HertzBearings, LinearBearings, RigidBearings
 
 _AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 _WORDS = {"uy": "along its axis", "ry": "in its rotation", "rx": "against tilting", "rz": "against tilting"}
@@ -52,11 +51,11 @@ def _springs(scene: Scene, layout: Layout) -> Iterator[np.ndarray]:
         found[6 * shaft : 6 * shaft + 6] = coefficients + [0.0, 0.0, 0.0, y * z, 0.0, -y * x]
         return found
 
-    for _, shaft, place in bearing_names(scene):
-        table = scene.shafts[shaft].bearings[place] if scene.shafts[shaft].bearings else scene.bearings
-        y = scene.shafts[shaft].bearing_positions_mm[place] / 1000
-        for axis in _held(table):
-            yield row(shaft, y, np.eye(6)[_AXES.index(axis)])
+    shafts = (shaft for _, shaft, _ in bearing_names(scene))
+    for shaft, bearing in zip(shafts, bearing_specs(scene), strict=True):
+        for axis, stiffness in zip(BEARING_AXES, bearing.stiffness, strict=True):
+            if stiffness > 0.0:
+                yield row(shaft, bearing.y, np.eye(6)[_AXES.index(axis)])
     yield row(layout.driven, 0.0, np.eye(6)[4])
     for joint in scene.couplings:
         (one, other), (first, second) = joint.shafts, joint.positions_mm
@@ -73,14 +72,3 @@ def _springs(scene: Scene, layout: Layout) -> Iterator[np.ndarray]:
         flank = contact_rows(line, radii, pair.working_pressure_angle, lead, layout.senses[driving])
         for contact in flank[: 2 if stage.mesh.slices > 1 else 1]:
             yield row(driving, y, contact[:6]) + row(driven, y, contact[6:])
-
-
-def _held(table: RigidBearings | LinearBearings | HertzBearings) -> tuple[str, ...]:
-    """Axes that a bearing holds."""
-    if isinstance(table, RigidBearings):
-        return "ux", "uy", "uz"
-    if isinstance(table, LinearBearings):
-        return BEARING_AXES if table.tilt_stiffness_N_m_per_rad else BEARING_AXES[:3]
-    inside = rolling_elements(table)
-    carries = inside.kind == "ball" or inside.contact_angle != 0.0
-    return tuple(axis for axis in BEARING_AXES if axis != "uy" or carries)

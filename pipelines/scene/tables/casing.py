@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -16,6 +16,7 @@ Spring = Annotated[Number, Field(gt=0, le=1e7)]
 class NoCasingTable(Table):
     """Bearings to ground. Casing sensors are refused; channels are bearing forces and shaft motion."""
 
+    modes: ClassVar[int] = 0  # that it adds to the machine, about
     model: Literal["none"] = "none"
 
 
@@ -46,6 +47,7 @@ class FlexibleBase(Table):
 class RigidCasingTable(FlexibleBase):
     """A rigid body on six mount springs, one per foot: 6 coordinates, no finite elements."""
 
+    modes: ClassVar[int] = 6
     model: Literal["rigid"] = "rigid"
     mount_stiffness_N_per_um: Annotated[Number, Field(gt=0, le=1e7, description="of each foot, in x, y and z")] = 200.0
 
@@ -79,12 +81,14 @@ class ElasticBase(FlexibleBase):
 class StaticCasingTable(ElasticBase):
     """Finite elements condensed statically (Guyan) to the bearing points."""
 
+    modes: ClassVar[int] = 40
     model: Literal["static"] = "static"
 
 
 class CraigBamptonCasingTable(ElasticBase):
     """Finite elements reduced to the bearing points and the fixed-interface modes."""
 
+    modes: ClassVar[int] = 280
     model: Literal["craig-bampton"] = "craig-bampton"
     band_Hz: Annotated[Number, Field(gt=0, le=20000, description="wanted band; modes are kept to 1.5 times it")] = (
         5000.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -36,7 +36,9 @@ class DriveTable(Table):
 
 
 class LoadBase(Table):
-    """What every load has: a weight on two drums."""
+    """What every load has: a weight on two drums. `channels` of its own are recorded."""
+
+    channels: ClassVar[int] = 0
 
     container_kg: Annotated[Number, Field(ge=0, description="hanging mass")]
     drum_radius_mm: Annotated[Number, Field(gt=0, description="to the middle of the rope")]
@@ -69,6 +71,7 @@ class StaticTorqueTable(LoadBase):
 class RopeTable(LoadBase):
     """Container on elastic rope: stiffness of the current length, tension only."""
 
+    channels: ClassVar[int] = 3
     model: Literal["rope"] = "rope"
     rope_diameter_mm: Annotated[Number, Field(gt=0, description="nominal diameter")] = 10.0
     rope_modulus_GPa: Annotated[Number, Field(gt=0, description="on the metallic area")] = 100.0
@@ -90,6 +93,7 @@ class RopeTable(LoadBase):
 class RopePendulumTable(RopeTable):
     """The same, and the container swings below a trolley at rest."""
 
+    channels: ClassVar[int] = 5
     model: Literal["rope-pendulum"] = "rope-pendulum"  # type: ignore[assignment]
     sway_x_deg: Annotated[
         Number, Field(gt=-60, lt=60, description="angle of the ropes at t = 0, released from rest")
