@@ -9,7 +9,7 @@ from mbd_rigs import no_casing, train
 
 from fem.casing.meshing.imported import Seat
 from fem.casing.meshing.locate import ByCylinder
-from mbd.coordinates.channels import channel_names
+from mbd.coordinates.channels import channel_names, mesh_channels, motor_channels, shaft_channels
 from mbd.parts.checks import MachineError
 from mbd.system.system import assemble
 from pipelines.border.errors import SceneError
@@ -230,13 +230,11 @@ def test_the_channels_counted_are_those_recorded(scene):
     from pipelines.plant.machine import bearing_specs
 
     loaded = load_scene(scene).scene
-    recorded = SimpleNamespace(
-        couplings=[SimpleNamespace(name=f"motor_{n}") for n in range(loaded.drive.motors)],
-        shafts=[SimpleNamespace(name=f"shaft_{n}") for n in range(len(loaded.shafts))],
-        meshes=[SimpleNamespace(name=f"mesh_{n}") for n in range(len(loaded.stages))],
-        bearings=bearing_specs(loaded),
-        load=load_spec(loaded, lay_out(loaded)),
-    )
+    motors = [name for n in range(loaded.drive.motors) for name in motor_channels(f"motor_{n}")]
+    shafts = [name for n in range(len(loaded.shafts)) for name in shaft_channels(f"shaft_{n}")]
+    meshes = [name for n in range(len(loaded.stages)) for name in mesh_channels(f"mesh_{n}")]
+    others = SimpleNamespace(channel_names=(*motors, *shafts, *meshes))
+    recorded = SimpleNamespace(components=(others, *bearing_specs(loaded), load_spec(loaded, lay_out(loaded))))
     names = channel_names(recorded, tuple(sensor.name for sensor in loaded.sensors))
     assert cost.cost(loaded).channels == len(names)
 
