@@ -17,6 +17,8 @@ from collections.abc import Sequence
 from typing import NoReturn, TextIO
 
 from pipelines.border.argument_types import count, days, number, path, picture, positive, seconds, several, share
+from pipelines.scene.presets import PRESETS
+from pipelines.trade.axes import AXES
 
 PROLOGUE = """\
 From gearbox geometry to sensor signals: finite-element mesh stiffness, reduced casing, multibody run, diagnosis.
@@ -112,7 +114,7 @@ def _scene(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument(
         "--preset",
-        choices=("draft", "standard", "reference"),  # as in pipelines.scene.presets
+        choices=PRESETS,
         help="how finely it is computed; --set counts more (default: as the scene says)",
     )
 
@@ -186,9 +188,7 @@ def _modes(sub: argparse.ArgumentParser) -> None:
 
 def _converge(sub: argparse.ArgumentParser) -> None:
     _work(sub)
-    # as in pipelines.trade.axes
-    axes = ("gear-mesh", "slices", "positions", "casing-mesh", "modes", "shaft-elements", "step")
-    sub.add_argument("--over", choices=axes, required=True, help="what is refined")
+    sub.add_argument("--over", choices=tuple(AXES), required=True, help="what is refined")
     sub.add_argument("--levels", type=count, metavar="N", default=3, help="levels, one finer than in use (default 3)")
     sub.add_argument("--error", type=share, metavar="E", default=0.01, help="wanted error, as in 1%% (default)")
     sub.add_argument("--out", type=picture, metavar="FILE", help="plot to write (convergence-<scene>-<what>.png here)")
@@ -354,8 +354,10 @@ def _guarded(options: argparse.Namespace) -> int:
         sys.stderr.write("gearcase: interrupted. Finished stages are kept; the same command goes on from there.\n")
         return 130
     except BrokenPipeError:
-        sys.stdout = sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - who read us is gone
-        return 1
+        nowhere = os.open(os.devnull, os.O_WRONLY)  # what is still to be written, at the end of the interpreter, too
+        for stream in (sys.stdout, sys.stderr):
+            os.dup2(nowhere, stream.fileno())
+        return 0  # who reads us, as `head` does, has enough
     except Exception as error:
         if options.verbose:
             sys.stderr.write("".join(f"{shown(line, 500)}\n" for line in traceback.format_exc().splitlines()))

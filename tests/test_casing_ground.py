@@ -14,7 +14,8 @@ from fem.casing.reduced.accuracy import full_response, reduced_response, sensor_
 from fem.casing.reduced.checkup import check_up
 from fem.casing.reduced.coupling import CouplingError
 from fem.casing.reduced.damping import damping_ratios
-from fem.casing.reduced.grounded import BEARING_AXES, ground_casing
+from fem.casing.reduced.body import BEARING_AXES
+from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.lanczos import EigenError, block_lanczos
 from fem.casing.reduced.modes import casing_modes, kept_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import count_fixed_modes, reduce_body, reduced_and_counted

@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
+from fem.casing.reduced.body import BEARING_AXES
 from mbd.parts.checks import MachineError, finite, not_negative
 
 if TYPE_CHECKING:
     from mbd.forces.assembly import Assembly
     from mbd.forces.element import Element
 
-BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")
 RIGID_STIFFNESS = 1e12  # N/m
 LINEAR_MODELS = ("rigid", "linear")
 

@@ -20,7 +20,8 @@ from mbd.forces.assembly import Assembly
 from mbd.forces.element import Element
 from mbd.forces.registry import SOURCES_OF_FORCE
 from mbd.forces.table import Table, element_table
-from mbd.parts.bearings import BEARING_AXES, springs
+from fem.casing.reduced.body import BEARING_AXES
+from mbd.parts.bearings import springs
 from mbd.parts.gyroscopic import planes, rolling_matrix
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import shaft_matrices

@@ -15,24 +15,14 @@ if TYPE_CHECKING:
 
 def main(options: argparse.Namespace) -> int:
     """Print ratios, frequencies, torques, cost and warnings; SceneError lists everything that does not fit."""
-    from pipelines.plant.checks.cost import estimate
-    from pipelines.plant.checks.doubts import doubts
-    from pipelines.plant.facts import derive
-    from pipelines.plant.layout import lay_out
-    from pipelines.scene.file import control_differences
+    from pipelines.runs.checked import check_scene
     from pipelines.scene.presets import load_asked
-    from pipelines.steps.study import plan_study
 
     loaded = load_asked(options)
-    study = plan_study(loaded)  # as `run` begins: what is refused there is refused here
-    layout = lay_out(loaded.scene, loaded.source.shown)
-    sys.stdout.write("".join(f"{line}\n" for line in _lines(loaded, derive(loaded.scene, layout))))
-    sys.stdout.write(f"  {estimate(loaded.scene, len(study.motions))}\n")
-    for text in doubts(loaded.scene, layout):
-        sys.stdout.write(f"warning: {text}\n")
-    if study.control is not None:
-        for line in control_differences(loaded, study.control):
-            sys.stdout.write(f"warning: the control {study.control.name} differs in more than the fault: {line}\n")
+    found = check_scene(loaded)
+    sys.stdout.write("".join(f"{line}\n" for line in _lines(loaded, found.facts)))
+    sys.stdout.write(f"  {found.cost}\n")
+    sys.stdout.write("".join(f"warning: {text}\n" for text in found.warnings))
     return 0
 
 

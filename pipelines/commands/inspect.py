@@ -20,31 +20,30 @@ def main(options: argparse.Namespace) -> int:
     """Write gears_<n>.png and, for a meshed casing, casing.png; say what could not be rendered."""
     from pipelines.border.errors import InputError
     from pipelines.border.user_files import writable_folder
-    from pipelines.engine.cache import Cache
-    from pipelines.engine.progress import shown_progress
-    from pipelines.engine.run_graph import run_graph
+    from pipelines.engine.working import Work
     from pipelines.figures.callouts import casing_figure, gear_figure
+    from pipelines.figures.film import save_figure
     from pipelines.figures.mesh_pictures import show_mesh, write_mesh
     from pipelines.figures.render import Picture
-    from pipelines.plant.facts import derive
     from pipelines.plant.layout import lay_out
     from pipelines.scene.presets import load_asked
+    from pipelines.runs.built import law_names, scene_graph
     from pipelines.steps import reporting
-    from pipelines.steps.study import plan_study
+    from pipelines.steps.pair_curves import pair_laws
 
     folder = writable_folder(options.out)
     loaded = load_asked(options)
     scene, stage = loaded.scene, options.stage
     if stage > len(scene.stages):
         raise InputError(f"--stage {stage}: the scene has {len(scene.stages)} stages. Count from 1.")
-    graph = plan_study(loaded, with_control=False, both_loads=False).graph
+    graph, work = scene_graph(loaded), Work(processes=options.processes, quiet=options.quiet)
     if options.stress or options.mesh is not None:
         from pipelines.runs.inspect_stress import stress_files
 
-        stressed = stress_files(scene, lay_out(scene), graph, options)
+        stressed = stress_files(scene, lay_out(scene), graph, options, work)
         sys.stdout.write(_listed(stressed))
         return 0
-    laws = [f"law_{number}" for number in range(1, len(scene.stages) + 1)]
+    laws = law_names(scene)
     meshed = "casing mesh" in graph.stages
     elastic = "casing modes" in graph.stages
     wanted = [*laws, *(["casing"] if meshed else [])]
@@ -52,8 +51,7 @@ def main(options: argparse.Namespace) -> int:
         wanted = [f"law_{stage}"]
     elif options.casing_mode:
         wanted = ["casing", *(["casing modes", "casing mesh"] if elastic else [])]
-    with shown_progress(len(graph.needed(wanted).stages), quiet=options.quiet) as observer:
-        outcome = run_graph(graph, Cache(), wanted, observer=observer, processes=options.processes)
+    outcome = work.build(graph, wanted)
     folder.mkdir(parents=True, exist_ok=True)
     if options.casing_mode:
         if not elastic:
@@ -64,7 +62,7 @@ def main(options: argparse.Namespace) -> int:
     if options.screen:
         show_mesh(mesh_view(scene, layout, stage, outcome, options))
         return 0
-    curves = reporting.stiffness_plots(scene, layout, derive(scene, layout), [outcome.value(name) for name in laws])
+    curves = reporting.stiffness_plots(pair_laws(scene, layout, [outcome.value(name) for name in laws]))
     gears = reporting.gear_picture(scene, layout, stage)
     pictures: dict[str, Picture | LeftOut | None] = {f"gears_{stage}.png": gears}
     if meshed:
@@ -78,7 +76,7 @@ def main(options: argparse.Namespace) -> int:
         else:
             title = gears_title(scene, layout, stage)
             figure = gear_figure(picture, curves[stage - 1], reporting.gear_names(scene, stage), title)
-        figure.savefig(folder / name, dpi=115)
+        save_figure(figure, folder / name, dpi=115)
         sys.stdout.write(f"{folder / name}\n")
     mesh = write_mesh(mesh_view(loaded.scene, layout, stage, outcome, options), folder / f"mesh_{stage}.png")
     sys.stdout.write(_listed(mesh))
@@ -96,11 +94,12 @@ def gears_title(scene: Scene, layout: Layout, stage: int) -> str:
     from pipelines.figures.shapes import shown_cycle
     from pipelines.plant.facts import derive
     from pipelines.plant.flanks import first_tooth_fault
+    from pipelines.steps.pair_curves import load_shown
 
     pair, fault = layout.pairs[stage - 1], first_tooth_fault(scene, stage)
     cycle = shown_cycle(pair, None if fault is None else (fault.gear, fault.tooth or 0))
     meshes = "" if fault is None else f" (damaged tooth in mesh at {fault.tooth})"
-    load = derive(scene, layout).stages[stage - 1].mesh_force or 100e3 * pair.face_width
+    load = load_shown(derive(scene, layout).stages[stage - 1], pair)
     size = f"centre distance {1000 * pair.axis_distance:.4g} mm, face width {1000 * pair.face_width:.4g} mm"
     return f"{scene.title}: stage {stage}\nmesh cycle {cycle}{meshes}, load {load:.4g} N; {size}"
 
@@ -115,10 +114,11 @@ def mesh_view(scene: Scene, layout: Layout, stage: int, outcome: Outcome, option
     from pipelines.plant.facts import derive
     from pipelines.plant.flanks import fault_name, first_tooth_fault
     from pipelines.plant.teeth import fault_terms
+    from pipelines.steps.pair_curves import load_shown
 
     pair, table = layout.pairs[stage - 1], scene.stages[stage - 1]
     law = outcome.value(f"law_{stage}")[0]
-    load = derive(scene, layout).stages[stage - 1].mesh_force or 100e3 * pair.face_width
+    load = load_shown(derive(scene, layout).stages[stage - 1], pair)
     faults = [fault for fault in scene.faults if fault.stage == stage]
     first = first_tooth_fault(scene, stage)
     middle = float(first.tooth) if first is not None and first.tooth is not None else 0.0

@@ -12,11 +12,14 @@ from pipelines.figures.render import LeftOut
 if TYPE_CHECKING:
     from fem.contact.models.solid import Solid
     from pipelines.engine.step import Graph, Stage
+    from pipelines.engine.working import Work
     from pipelines.plant.layout import Layout
     from pipelines.scene.scene import Scene
 
 
-def stress_files(scene: Scene, layout: Layout, graph: Graph, options: argparse.Namespace) -> list[Path] | LeftOut:
+def stress_files(
+    scene: Scene, layout: Layout, graph: Graph, options: argparse.Namespace, work: Work
+) -> list[Path] | LeftOut:
     """stress_<n>.png with `--stress` and the mesh file of `--mesh`; the reason if the picture cannot be rendered.
 
     The mesh holds the damaged state where there is one.
@@ -25,9 +28,6 @@ def stress_files(scene: Scene, layout: Layout, graph: Graph, options: argparse.N
     ------
     InputError : unknown ending of the mesh file
     """
-    from pipelines.engine.cache import Cache
-    from pipelines.engine.progress import shown_progress
-    from pipelines.engine.run_graph import run_graph
     from pipelines.engine.step import Graph
     from pipelines.figures.shapes import gear_view
     from pipelines.figures.stress_pictures import (
@@ -39,6 +39,7 @@ def stress_files(scene: Scene, layout: Layout, graph: Graph, options: argparse.N
     )
     from pipelines.plant.facts import derive
     from pipelines.plant.flanks import fault_name, first_tooth_fault
+    from pipelines.steps.pair_curves import load_shown
 
     stage = options.stage
     target = None if options.mesh is None else checked_mesh_file(options.mesh)
@@ -46,12 +47,11 @@ def stress_files(scene: Scene, layout: Layout, graph: Graph, options: argparse.N
     first = first_tooth_fault(scene, stage)
     cycle = float(first.tooth or 0) if first is not None else 0.0
     index = round((cycle if options.position is None else options.position) * rung.positions)
-    force = derive(scene, layout).stages[stage - 1].mesh_force or 100e3 * pair.face_width
+    force = load_shown(derive(scene, layout).stages[stage - 1], pair)
     added = stress_stages(scene, layout, stage, index, force)
     full = Graph([*graph.needed([f"law_{stage}"]), *added])
     wanted = [one.name for one in added[1:]]
-    with shown_progress(len(full.stages), quiet=options.quiet) as observer:
-        outcome = run_graph(full, Cache(), wanted, observer=observer, processes=options.processes)
+    outcome = work.build(full, wanted)
     states = tuple(teeth_in_mesh(pair, outcome.value(name)) for name in wanted)
     folder, written = Path(options.out), []
     if target is not None:

@@ -17,6 +17,7 @@ from pipelines.scene.scene import Scene
 from pipelines.scene.tables.faults import MissingToothTable
 from pipelines.signals.motion_warnings import gathered, told
 from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
+from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, pair_laws
 
 if TYPE_CHECKING:
     import xarray
@@ -25,13 +26,11 @@ if TYPE_CHECKING:
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.modes import CasingModes
-    from fem.contact.law import MeshLaw
     from pipelines.figures.plots import StiffnessPlot
     from pipelines.figures.render import LeftOut, Picture
     from pipelines.plant.facts import Facts
     from pipelines.plant.layout import Layout
 
-_PITCHES_SHOWN = 3.0  # to each side of a missing tooth
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +75,7 @@ def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
     found = diagnoses(spec.diagnosing.cases, responses) if spec.diagnosing and possible else []
     shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing and possible else []
     gears, casing = gear_picture(scene, layout, scene.diagnosis.stage), casing_picture(mesh, body)
-    curves = stiffness_plots(scene, layout, facts, laws)
+    curves = stiffness_plots(pair_laws(scene, layout, laws))
     looked_at = scene.diagnosis.stage - 1
     contents = ReportContents(
         title=scene.title,
@@ -159,30 +158,18 @@ def gear_rows(scene: Scene, layout: Layout, facts: Facts) -> list[dict[str, Any]
     return rows
 
 
-def stiffness_plots(
-    scene: Scene, layout: Layout, facts: Facts, laws: Sequence[tuple[MeshLaw, MeshLaw]]
-) -> list[StiffnessPlot]:
+def stiffness_plots(pairs: Sequence[PairLaws]) -> list[StiffnessPlot]:
     """Secant stiffness of every stage at its load, without deviations; with faults around the passage of the first."""
-    from fem.contact.evaluation.curves import stiffness_curve
     from pipelines.figures.plots import StiffnessPlot
-    from pipelines.plant.teeth import fault_terms
 
     plots = []
-    for number, (law, pair, stage) in enumerate(zip(laws, layout.pairs, facts.stages, strict=True), 1):
-        faults = [fault for fault in scene.faults if fault.stage == number and fault.tooth is not None]
-        middle = float(faults[0].tooth or 0) if faults else 0.0
-        cycle = middle + np.linspace(-_PITCHES_SHOWN, _PITCHES_SHOWN, 241)
-        load = stage.mesh_force or 100.0 * pair.face_width * 1000  # without a load, at 100 N/mm
-        one = np.linspace(0.0, 1.0, 80, endpoint=False)
-        single = stiffness_curve(law[0], load, one)
-        healthy = np.interp(cycle % 1.0, np.append(one, 1.0), np.append(single.secant, single.secant[0]))
-        faulty, label = None, ""
-        if faults:
-            pinion, wheel = (fault_terms(scene, pair, number - 1, gear) for gear in ("pinion", "wheel"))
-            faulty = stiffness_curve(law[0], load, cycle, clearance_pinion=pinion, clearance_wheel=wheel).secant
-            label = ", ".join(dict.fromkeys(fault.kind.replace("-", " ") for fault in faults))
-        title = f"Stage {number}, {law[0].model}, {load:.4g} N, counted from the bores"
-        plots.append(StiffnessPlot(title=title, cycle=cycle, healthy=healthy, faulty=faulty, label=label))
+    for found in pairs:
+        curve = found.curve(found.cycle + np.linspace(-PITCHES_SHOWN, PITCHES_SHOWN, POSITIONS))
+        faulty = curve.secant.sel(state="faulty").values if found.faults else None
+        title = f"Stage {found.stage}, {found.drive.model}, {found.force:.4g} N, counted from the bores"
+        healthy = curve.secant.sel(state="healthy").values
+        cycle = curve.cycle.values
+        plots.append(StiffnessPlot(title=title, cycle=cycle, healthy=healthy, faulty=faulty, label=found.faults))
     return plots
 
 

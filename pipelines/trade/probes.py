@@ -16,12 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipelines.engine.run_graph import Outcome
-from pipelines.plant.facts import derive
 from pipelines.plant.layout import lay_out
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import NoCasingTable
 
-LEAST_LINE_LOAD = 100e3  # N/m, where the scene loads a pair with nothing
 FREQUENCIES = 10  # lowest ones that are compared
 OCTAVE_POINTS = 8  # frequencies per third octave
 DECIBEL = "dB"
@@ -53,12 +51,11 @@ def _laws(scene: Scene) -> list[str]:
 
 
 def _gears(scene: Scene, outcome: Outcome) -> list[Value]:
-    from fem.contact.evaluation.curves import stiffness_curve
+    from pipelines.steps.pair_curves import pair_laws
 
-    layout, values = lay_out(scene), []
-    facts = derive(scene, layout).stages
-    for number, (name, pair, fact) in enumerate(zip(_laws(scene), layout.pairs, facts, strict=True), 1):
-        curve = stiffness_curve(outcome.value(name)[0], fact.mesh_force or LEAST_LINE_LOAD * pair.face_width)
+    values = []
+    for found in pair_laws(scene, lay_out(scene), [outcome.value(name) for name in _laws(scene)]):
+        number, curve = found.stage, found.stiffness()
         ripple = float(np.ptp(curve.transmission_error))
         values.append(Value(name=f"stage {number} stiffness", unit="N/um", value=float(curve.secant.mean()) / 1e6))
         values.append(Value(name=f"stage {number} TE peak-to-peak", unit="um", value=ripple * 1e6))

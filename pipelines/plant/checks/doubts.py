@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from fem.contact.models.iso import LOW_LINE_LOAD
 from pipelines.plant.checks.flank_checks import flank_warnings
 from pipelines.plant.checks.strength import strength_warnings
 from pipelines.plant.checks.window_checks import bad_windows
@@ -12,8 +13,6 @@ from pipelines.plant.facts import StageFacts, stage_facts
 from pipelines.plant.layout import Layout
 from pipelines.scene.scene import Scene
 
-# ISO 6336-1:2019: the stiffness formula is meant for at least this line load; below, it is reduced
-LOW_LINE_LOAD = 100e3  # N/m
 HARMONICS = 5  # of the fastest mesh that a good record holds
 
 
@@ -53,7 +52,7 @@ def _gears(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[s
             )
         if 0 < facts.line_load < LOW_LINE_LOAD and stage.mesh.model == "iso":
             yield (
-                f"{place}: line load {facts.line_load / 1000:.1f} N/mm is below 100 N/mm; the iso rung applies the "
+                f"{place}: line load {facts.line_load / 1000:.1f} N/mm is below {LOW_LINE_LOAD / 1000:g} N/mm; the iso rung applies the "
                 "low-load reduction of ISO 6336-1"
             )
         if facts.backlash < 0.02e-3 and scene.load.container_kg > 0:
