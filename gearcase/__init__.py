@@ -49,7 +49,7 @@ _PLACES = {
     "working": ("Step",),
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
-__all__ = sorted(_PLACE_OF)  # noqa: PLE0605 - made from the table above
+__all__ = sorted(_PLACE_OF)
 
 refuse_hidden()
 for _package in ("fem", "mbd", "pipelines"):

@@ -32,6 +32,6 @@ def casing(
     >>> import gearcase
     >>> found = gearcase.casing(gearcase.Scene.from_file("minimal"))
     >>> print(f"{len(found.frequencies)} modes, the lowest at {found.frequencies[0]:.0f} Hz")
-    6 modes, the lowest at 616 Hz
+    6 modes, the lowest at 647 Hz
     """
     return build_casing(scene.loaded, Work(processes=processes, progress=progress), error_check=error_check)

@@ -78,7 +78,7 @@ class Scene:
         Traceback (most recent call last):
         ...
         pipelines.border.errors.SceneError: scene minimal: 1 problem
-          stages.1.face_width_mm = -1: must be greater than 0. Give a larger number.
+          stages.1.face_width_mm = -1: must be greater than 0. Give a number greater than 0 in mm.
         """
         base = self.loaded if preset is None else preset_on(self.loaded, preset)
         return Scene(changed(base, settings, tables))
@@ -115,6 +115,6 @@ def check(scene: Scene) -> Checked:
     >>> import gearcase
     >>> found = gearcase.check(gearcase.Scene.from_file("minimal"))
     >>> print(f"{found.facts.stages[0].mesh_frequency:.1f} Hz, {found.facts.stages[0].mesh_force:.0f} N")
-    300.0 Hz, 1027 N
+    300.0 Hz, 1061 N
     """
     return check_scene(scene.loaded)

@@ -12,9 +12,9 @@ from housings import housing_for_shafts, small_housing
 from fem.casing.geometry.dimensions import HousingError, Sensor
 from fem.casing.meshing.mesh import CasingMesh, MeshError
 from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.checkup import _asymmetry, check_up
 from fem.casing.reduced.coupling import CouplingError, surface_weights
-from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.models import CraigBamptonCasing, NoCasing, RigidCasing, StaticCasing
 from fem.casing.reduced.modes import CasingModes, casing_modes, reduced_body

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbd.coordinates.layout import Layout
 from fem.casing.reduced.body import BEARING_AXES
+from mbd.coordinates.layout import Layout
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.checks import MachineError
 from mbd.parts.machine import Machine

@@ -13,14 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.body import BEARING_AXES, ReducedBody
 from mbd.coordinates.channels import ChannelRows, bearing_row, channel_names, channel_rows
 from mbd.coordinates.layout import Layout, layout
 from mbd.forces.assembly import Assembly
 from mbd.forces.element import Element
 from mbd.forces.registry import SOURCES_OF_FORCE
 from mbd.forces.table import Table, element_table
-from fem.casing.reduced.body import BEARING_AXES
 from mbd.parts.bearings import springs
 from mbd.parts.gyroscopic import planes, rolling_matrix
 from mbd.parts.machine import Machine

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from fem.casing.reduced.modes import CasingModes, NaturalModes
 
+
 def main(options: argparse.Namespace) -> int:
     """Build the casing; print check-up, modes and error (elastic rungs) and the coordinates; write the files asked."""
     from pipelines.border.errors import InputError

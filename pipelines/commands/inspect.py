@@ -26,8 +26,8 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.figures.mesh_pictures import show_mesh, write_mesh
     from pipelines.figures.render import Picture
     from pipelines.plant.layout import lay_out
-    from pipelines.scene.presets import load_asked
     from pipelines.runs.built import law_names, scene_graph
+    from pipelines.scene.presets import load_asked
     from pipelines.steps import reporting
     from pipelines.steps.pair_curves import pair_laws
 

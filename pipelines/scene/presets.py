@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     import argparse
 
     from pipelines.scene.file import LoadedScene
-    from pipelines.scene.file import Settings as Given
     from pipelines.scene.scene import Scene
 
 Settings = dict[str, object]

@@ -14,8 +14,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from fem.casing.geometry.housing import Housing
-from fem.casing.reduced.body import MODES_OVER_BAND
-from fem.casing.reduced.body import BEARING_AXES
+from fem.casing.reduced.body import BEARING_AXES, MODES_OVER_BAND
 from pipelines.engine.step import Graph, Stage
 from pipelines.plant.casing_sizes import element_sizes
 from pipelines.plant.checks.validity import checked_layout

@@ -57,8 +57,13 @@ class PairLaws:
         """The curves of the drive flank in one state, over 200 positions of one mesh cycle by default."""
         from fem.contact.evaluation.curves import stiffness_curve
 
-        teeth = {"clearance_pinion": self.pinion_faults, "clearance_wheel": self.wheel_faults} if faulty else {}
-        return stiffness_curve(self.drive, self.force if force is None else force, cycle, **teeth)
+        return stiffness_curve(
+            self.drive,
+            self.force if force is None else force,
+            cycle,
+            clearance_pinion=self.pinion_faults if faulty else None,
+            clearance_wheel=self.wheel_faults if faulty else None,
+        )
 
     def curve(self, cycle: np.ndarray | None = None, *, force: float | None = None) -> xarray.Dataset:
         """Stiffness over the mesh cycle k(c), healthy and, where the scene has faults, faulty.

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from pipelines.plant.layout import Layout
 
 
-
 @dataclass(frozen=True, kw_only=True)
 class ReportSpec:
     """The scene with what the report says about the run, and how many results of each kind it takes, in this order:

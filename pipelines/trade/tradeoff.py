@@ -115,9 +115,7 @@ def _variants(loaded: LoadedScene) -> tuple[dict[str, Choice], dict[str, LoadedS
     return found, scenes, refused
 
 
-def _measured(
-    scenes: dict[str, LoadedScene], work: Work
-) -> tuple[dict[str, Measured], dict[str, str]]:
+def _measured(scenes: dict[str, LoadedScene], work: Work) -> tuple[dict[str, Measured], dict[str, str]]:
     """All at once; if a stage refuses its scene, one by one on what is built, with the reasons of those that failed."""
     probes = list(PROBES)
     try:
