@@ -10,22 +10,20 @@ from fem.casing.geometry.housing import Housing
 from fem.casing.reduced.body import ReducedBody
 from fem.casing.reduced.models import CraigBamptonCasing, NoCasing, RigidCasing, StaticCasing
 from fem.contact.law import MeshLaw
-from fem.contact.models.energy import Energy
-from fem.contact.models.iso import Iso
 from fem.contact.models.plane import Plane
 from fem.elements.materials import Material
 from fem.gears.geometry import GearPair
 from mbd.system.system import System, assemble
 from pipelines.plant.channels import wanted_channels
-from pipelines.plant.facts import bearing_points, derive
+from pipelines.plant.facts import bearing_points
 from pipelines.plant.housing import housing
 from pipelines.plant.layout import Layout, lay_out, material
 from pipelines.plant.machine import machine
+from pipelines.plant.mesh_models import mesh_models
 from pipelines.plant.teeth import mesh_inputs
 from pipelines.scene.file import load_scene
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import NoCasingTable, RigidCasingTable
-from pipelines.scene.tables.gears import EnergyMesh, IsoMesh
 
 SCENE = "rig-healthy"
 RAMP = {"drive.times_s": [0.0, 0.05, 5.0], "drive.speeds_rpm": [0.0, 900.0, 900.0]}  # so that a short run moves
@@ -49,18 +47,12 @@ def moving(name: str = SCENE, **settings: Any) -> tuple[Scene, Layout]:
 
 def stage_law(scene: Scene, layout: Layout, stage: int) -> Laws:
     """The laws of one stage (0-based) by the rung of the scene."""
-    table, pair = scene.stages[stage].mesh, layout.pairs[stage]
-    if isinstance(table, IsoMesh):
-        rung = Iso(n_slices=table.slices, line_load=derive(scene, layout).stages[stage].line_load or None)
-        return rung.law(pair, "drive"), rung.law(pair, "coast")
-    if isinstance(table, EnergyMesh):
-        return Energy(n_slices=table.slices).laws(pair)
-    return plane_law(pair, table.slices, table.refinement)
+    return mesh_models(scene, layout)[stage].laws(layout.pairs[stage])
 
 
 def plane_law(pair: GearPair, slices: int = 15, refinement: float = 1.0) -> Laws:
     """The laws of rung plane."""
-    return Plane(n_slices=slices, refinement=refinement).laws(pair)
+    return Plane(slices=slices, refinement=refinement).laws(pair)
 
 
 def casing_parts(scene: Scene, layout: Layout) -> tuple[Housing, Material]:

@@ -57,7 +57,7 @@ def extrapolated(values: list[float]) -> tuple[float, float]:
 def level(beta: float, face: float, refinement: float, slices: int) -> dict[str, float]:
     """Both quantities of one pair at one level, and the seconds of processor time."""
     start = time.process_time()
-    record = Solid(n_slices=slices, refinement=refinement).compliance(pair_of(math.radians(beta), face))
+    record = Solid(slices=slices, refinement=refinement).compliance(pair_of(math.radians(beta), face))
     state = solve(record, force=LINE_LOAD * face)
     return {
         "mean_N_per_m": float((state.force / state.approach).mean()),

@@ -21,9 +21,9 @@ TRANSVERSE_ANGLE = math.radians(20.5)
 def mesh_law(flank="drive", *, module=0.002, helix=0.2, width=0.012, teeth=(20, 55), ripple=0.3, hand=1, hertz=True):
     """Law with two or one pairs in mesh, softer at the tips; ``ripple`` 0 gives one pair and a constant stiffness."""
     sign = 1 if flank == "drive" else -1
-    n_slices = 7 if helix else 5
-    width_s = width / n_slices
-    y = (np.arange(n_slices) - 0.5 * (n_slices - 1)) * width_s
+    slices = 7 if helix else 5
+    width_s = width / slices
+    y = (np.arange(slices) - 0.5 * (slices - 1)) * width_s
     pitch = math.pi * module * math.cos(TRANSVERSE_ANGLE)
     xi = np.linspace(-1.2, 1.2, 121)
     stiffness = 14e9  # N/m per m of face
@@ -42,7 +42,7 @@ def mesh_law(flank="drive", *, module=0.002, helix=0.2, width=0.012, teeth=(20, 
         model="test",
         flank=flank,
         face_coordinate=y,
-        slice_width=np.full(n_slices, width_s),
+        slice_width=np.full(slices, width_s),
         cycle_shift=sign * hand * y * math.tan(helix) / pitch,
         cycle_sign=sign,
         cycle_offset=0.0 if sign == 1 else 0.5,

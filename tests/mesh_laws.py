@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fem.contact.faults.missing_tooth import MissingTooth
 from fem.contact.law import MeshLaw
 
 
@@ -35,3 +36,10 @@ def made_up_law(*, hertz=4e-12, neighbours=2, slices=7, helix=1.0, n=201, **chan
         "wheel_tooth_offset": 0,
     }
     return MeshLaw(**(data | changes))
+
+
+def missing_tooth(clearance, tooth):
+    """The clearances (tooth,) with one tooth broken off."""
+    broken = np.array(clearance, dtype=float)
+    broken[tooth] = MissingTooth.clearance
+    return broken

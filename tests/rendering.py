@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from pipelines.figures.render import LeftOut
 from pipelines.figures.render_failures import PACKAGES
+from pipelines.figures.views import LeftOut
 
 
 def drawn(found):

@@ -1,4 +1,4 @@
-"""Pitch deviations: ISO 1328-1 tolerances by hand, samples inside them, seeds, eccentricity, missing teeth."""
+"""Pitch deviations: ISO 1328-1 tolerances by hand, samples inside them, seeds, eccentricity."""
 
 import math
 
@@ -7,7 +7,6 @@ import pytest
 from gear_pairs import gear_pair
 
 from fem.gears.deviations import PitchDeviations, pitch_tolerance, sample_pitch_deviations
-from fem.gears.faults import missing_tooth
 from fem.gears.geometry import GeometryError
 
 PAIR = gear_pair((20, 55), 2, 12, 12)
@@ -78,12 +77,3 @@ def test_a_record_survives_the_file(tmp_path):
 def test_outside_the_standard_is_refused(grade, use, message):
     with pytest.raises(GeometryError, match=message):
         sample_pitch_deviations(PAIR.pinion, grade, 1, use=use)
-
-
-def test_missing_tooth_is_infinite_clearance_in_a_new_array():
-    clearance = np.zeros(55)
-    broken = missing_tooth(clearance, 7)
-    assert np.flatnonzero(np.isinf(broken)).tolist() == [7]
-    assert (clearance == 0.0).all()
-    with pytest.raises(GeometryError, match="0 to 54"):
-        missing_tooth(clearance, 55)

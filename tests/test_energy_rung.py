@@ -84,8 +84,8 @@ def test_double_contact_is_too_stiff():
     """The known bias: without coupling the two pairs of a spur gear add up, FE finds less."""
     pair = gear_pair((20, 55), 2, 0, 10, bores_mm=(12.5, 17.5))
     cycle = np.array([0.0, 0.5])
-    energy = stiffness_curve(Energy(n_slices=1).laws(pair)[0], 1000.0, cycle).secant
-    plane = stiffness_curve(Plane(n_slices=1).laws(pair)[0], 1000.0, cycle).secant
+    energy = stiffness_curve(Energy(slices=1).laws(pair)[0], 1000.0, cycle).secant
+    plane = stiffness_curve(Plane(slices=1).laws(pair)[0], 1000.0, cycle).secant
     bias = energy / plane - 1
     assert bias[1] > bias[0] + 0.05
 
@@ -97,7 +97,7 @@ def test_spur_limit_and_shape():
     spur = evaluate_law(Energy().laws(gear_pair((20, 55), 2, 0, 12, bores_mm=(12.5, 17.5)))[0], cycle, 5e-6)
     assert slim.force == pytest.approx(spur.force, rel=1e-4)
     pair = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
-    k = evaluate_law(Energy(n_slices=61).laws(pair)[0], cycle, 1e-7).stiffness
+    k = evaluate_law(Energy(slices=61).laws(pair)[0], cycle, 1e-7).stiffness
     assert np.corrcoef(k, line_length(pair, cycle))[0, 1] > 0.97
 
 
@@ -110,7 +110,7 @@ def test_coast_flank_is_the_mirror_image():
     )
 
 
-@pytest.mark.parametrize("options", [{"n_slices": 0}, {"positions": 8}, {"largest_gap": 0.5}])
+@pytest.mark.parametrize("options", [{"slices": 0}, {"positions": 8}, {"largest_gap": 0.5}])
 def test_refused_options(options):
     with pytest.raises(RungError, match=next(iter(options))):
         Energy(**options)

@@ -5,16 +5,20 @@ import math
 import numpy as np
 import pytest
 from gear_pairs import gear_pair
+from mesh_laws import missing_tooth
 from rings import POISSON, YOUNG, whole_ring_response
 from scipy.integrate import quad
 
 from fem.contact.evaluation.curves import no_load_error, stiffness_curve
 from fem.contact.evaluation.evaluator import evaluate_law, shares
+from fem.contact.faults.changed_law import damaged_law
+from fem.contact.faults.chipped_tooth import ChippedTooth
+from fem.contact.faults.cracked_tooth import CrackedTooth, crack_compliance
+from fem.contact.faults.worn_tooth import WornTooth
+from fem.contact.frame import law_points
 from fem.contact.models.plane import Plane
 from fem.contact.teeth import tooth_terms
 from fem.contact.wheels import ring
-from fem.contact.wheels.damage import crack_compliance, damaged_law, law_points
-from fem.gears.faults import ChippedTooth, CrackedTooth, WornTooth, missing_tooth
 from fem.gears.gear import GeometryError
 from fem.gears.path import path_points
 from fem.gears.sector import Slit, root_chord, sector_mesh
@@ -106,7 +110,7 @@ def test_crack_compliance_converges():
 
 def test_a_crack_softens_its_own_flank_in_its_slices_only(laws):
     crack = CrackedTooth(depth=1.5e-3, extent=4e-3, end="-y")
-    drive, coast = (damaged_law(law, PAIR, "wheel", [crack], refinement=0.5) for law in laws)
+    drive, coast = (damaged_law(law, PAIR, "wheel", [crack]) for law in laws)
     cracked = drive.wheel_variant_compliance[0]
     assert (cracked[drive.face_coordinate < -2e-3] > 0).all()
     assert (cracked[drive.face_coordinate > -2e-3] == 0).all()
@@ -133,7 +137,7 @@ def test_a_chip_over_the_whole_face_and_height_is_a_missing_tooth(laws):
 
 
 def test_a_chip_cuts_the_path_short_where_the_tip_is_lost():
-    law = Plane(refinement=0.5, n_slices=12).laws(SPUR)[0]
+    law = Plane(refinement=0.5, slices=12).laws(SPUR)[0]
     law = damaged_law(law, SPUR, "pinion", [ChippedTooth(extent=3e-3, depth=1e-3, end="+y")])
     gap = law.pinion_variant_gap[0]
     lost = law.face_coordinate > 3e-3
@@ -180,7 +184,7 @@ def test_local_wear_stays_in_its_place(laws):
 
 def test_without_a_tooth_spur_gears_drop_onto_the_tip_edges_of_the_neighbours():
     """No contact for 2 - eps_alpha pitches on the line of action: there delta_0 is the gap of the nearer tip edge."""
-    law = Plane(refinement=0.5, n_slices=1).laws(SPUR)[0]
+    law = Plane(refinement=0.5, slices=1).laws(SPUR)[0]
     gone = missing_tooth(np.zeros(20), 0)
     cycle = np.linspace(-1, 1, 401)
     error = no_load_error(law, cycle, clearance_pinion=gone)
@@ -227,7 +231,7 @@ def test_a_crack_towards_a_thin_rim_is_refused():
 
 
 def test_stiffness_falls_while_a_cracked_tooth_carries(laws):
-    law = damaged_law(laws[0], PAIR, "pinion", [CrackedTooth(depth=2e-3)], refinement=0.5)
+    law = damaged_law(laws[0], PAIR, "pinion", [CrackedTooth(depth=2e-3)])
     cycle = np.linspace(-2.5, 2.5, 101)
     sound = stiffness_curve(law, 1000.0, cycle).secant
     soft = stiffness_curve(law, 1000.0, cycle, clearance_pinion=one_variant(20, 0)).secant

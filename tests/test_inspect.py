@@ -25,7 +25,7 @@ from pipelines.figures.colours import GONE
 from pipelines.figures.mesh_frames import mesh_frames, passage
 from pipelines.figures.mesh_pictures import MeshView, mesh_figure, show_mesh, write_mesh
 from pipelines.figures.plots import StiffnessPlot
-from pipelines.figures.render import Picture, render_gears, render_mesh, render_stress
+from pipelines.figures.render import render_gears, render_mesh, render_stress
 from pipelines.figures.shapes import gear_view
 from pipelines.figures.stress_pictures import (
     StressView,
@@ -34,11 +34,12 @@ from pipelines.figures.stress_pictures import (
     teeth_in_mesh,
     write_teeth,
 )
+from pipelines.figures.views import Picture
 from pipelines.steps import stress
 from pipelines.steps.modified_laws import FlanksSpec
 
 LOAD = 1200.0
-COARSE = Solid(n_slices=5, refinement=0.6, positions=8)
+COARSE = Solid(slices=5, refinement=0.6, positions=8)
 
 
 def state_of(pair, record, law, wheel, index=24):
@@ -56,7 +57,7 @@ def state_of(pair, record, law, wheel, index=24):
 def solved(request):
     """Pair, healthy state, and (right hand alone) the state without wheel tooth 3."""
     pair = pair_of(12.0, hand=request.param)
-    record, law = COARSE.compliance(pair), Iso(n_slices=5).law(pair, "drive")
+    record, law = COARSE.compliance(pair), Iso(slices=5).law(pair, "drive")
     gone = np.where(np.arange(55) == 3, np.inf, 0.0)
     healthy = state_of(pair, record, law, np.zeros(55))
     return pair, healthy, state_of(pair, record, law, gone) if request.param == "right" else None
@@ -109,7 +110,7 @@ def test_a_missing_tooth_leaves_its_rim_and_loads_its_neighbours(solved):
     assert np.isfinite(whole.line_load[healthy.pair == 3]).any()
     assert teeth.von_mises.max() > 1.3 * whole.von_mises.max()
     for state in (healthy, faulty):
-        assert state.line_load.sum() * pair.face_width / COARSE.n_slices == pytest.approx(LOAD, rel=1e-9)
+        assert state.line_load.sum() * pair.face_width / COARSE.slices == pytest.approx(LOAD, rel=1e-9)
 
 
 @pytest.mark.parametrize("ending", [".vtu", ".inp", ".msh", ".bdf"])
@@ -167,7 +168,7 @@ PLACES = {
 def mesh_view():
     """Three frames around the passage of the missing wheel tooth 3."""
     pair = pair_of(12.0)
-    law = Iso(n_slices=5).law(pair, "drive")
+    law = Iso(slices=5).law(pair, "drive")
     cycles = passage(3.0, 3)
     gone = np.where(np.arange(55) == 3, np.inf, 0.0)
     even = np.zeros(20), np.zeros(55)

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur
+from mesh_laws import missing_tooth
 
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import evaluate_law
 from fem.contact.frame import RungError, flank_frame
 from fem.contact.models.iso import Iso, blank_factor, rack_factor
 from fem.elements.materials import CAST_IRON, STEEL, Material, MaterialError
-from fem.gears.faults import missing_tooth
 from fem.gears.path import line_length
 
 PER_MM_UM = 1e9
@@ -105,7 +105,7 @@ def test_stiffness_responds_to_the_helix():
 def test_tilt_stiffness_of_a_full_line():
     """With a pair in contact over the whole face dM/d psi = k b^2 / 12 (slices: less by 1 / n^2)."""
     pair = gear_pair((20, 55), 2, 0, 12)
-    r = evaluate_law(Iso(n_slices=20).law(pair), 0.0, 5e-6)
+    r = evaluate_law(Iso(slices=20).law(pair), 0.0, 5e-6)
     assert r.tilt_stiffness == pytest.approx(r.stiffness * 0.012**2 / 12 * (1 - 1 / 400), rel=1e-9)
     assert r.coupling_stiffness == pytest.approx(0.0, abs=1e-9 * float(r.stiffness))
 
@@ -144,7 +144,7 @@ def test_outside_the_standard_is_refused(pair, message):
         Iso().law(pair)
 
 
-@pytest.mark.parametrize("option", [{"n_slices": 0}, {"line_load": -1.0}, {"edge_onset": 1.0}, {"blank_factor": 0.0}])
+@pytest.mark.parametrize("option", [{"slices": 0}, {"line_load": -1.0}, {"edge_onset": 1.0}, {"blank_factor": 0.0}])
 def test_bad_options_are_refused(option):
     with pytest.raises(RungError, match=next(iter(option))):
         Iso(**option)

@@ -18,7 +18,7 @@ def pair():
     return gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
 
 
-@pytest.mark.parametrize("rung", [Iso(), Plane(n_slices=9, refinement=0.6)], ids=["iso", "plane"])
+@pytest.mark.parametrize("rung", [Iso(), Plane(slices=9, refinement=0.6)], ids=["iso", "plane"])
 @pytest.mark.parametrize("flank", ["drive", "coast"])
 def test_loads_sum_to_the_forces_of_the_pairs_and_to_the_moment(pair, rung, flank):
     law = rung.law(pair, flank)
@@ -39,7 +39,7 @@ def test_a_missing_tooth_carries_nothing(pair):
 
 
 def test_pressure_at_the_pitch_point_is_that_of_two_cylinders(pair):
-    law = Iso(n_slices=1).law(pair)
+    law = Iso(slices=1).law(pair)
     load = 100e3 * pair.face_width
     curve = stiffness_curve(law, load, np.array([0.0]))
     pairs, loads = line_loads(law, 0.0, float(curve.transmission_error[0]))

@@ -5,14 +5,13 @@ import math
 
 import numpy as np
 import pytest
-from mesh_laws import made_up_law
+from mesh_laws import made_up_law, missing_tooth
 from scipy.integrate import trapezoid
 from scipy.optimize import root
 
 from fem.contact.evaluation.curves import no_load_error, stiffness_curve
 from fem.contact.evaluation.evaluator import LawError, evaluate, evaluate_law, law_tables, shares
 from fem.contact.teeth import tooth_terms
-from fem.gears.faults import missing_tooth
 
 LAWS = {
     "linear": made_up_law(hertz=0.0, neighbours=0),

@@ -9,9 +9,10 @@ from gear_pairs import gear_pair
 
 from fem.contact.evaluation.curves import no_load_error, stiffness_curve
 from fem.contact.evaluation.evaluator import evaluate_law
+from fem.contact.faults.changed_law import modified_law
+from fem.contact.frame import law_points
 from fem.contact.models.iso import Iso
 from fem.contact.models.plane import Plane
-from fem.contact.wheels.damage import law_points, modified_law
 from fem.gears.gear import GeometryError
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import (

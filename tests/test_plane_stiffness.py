@@ -38,12 +38,12 @@ def pair_of(beta_deg=0.0, face=30e-3):
 
 @pytest.fixture(scope="module")
 def spur():
-    return Plane(n_slices=1).law(pair_of(), "drive")
+    return Plane(slices=1).law(pair_of(), "drive")
 
 
 @pytest.fixture(scope="module")
 def helical():
-    return Plane(n_slices=11).laws(pair_of(12.0, 12e-3))
+    return Plane(slices=11).laws(pair_of(12.0, 12e-3))
 
 
 def approach(law, line_load, xi=0.0):
@@ -186,7 +186,7 @@ def test_single_pair_stiffness_against_a_contact_solution(spur):
 
 
 def test_result_is_independent_of_the_patch_and_of_the_mesh(spur):
-    variants = [Plane(n_slices=1, refinement=2.0, patch=patch).law(pair_of(), "drive") for patch in (0.04, 0.08)]
+    variants = [Plane(slices=1, refinement=2.0, patch=patch).law(pair_of(), "drive") for patch in (0.04, 0.08)]
     for xi in (-0.6, -0.3, 0.0, 0.3, 0.6):
         values = [approach(law, 100e3, xi) for law in (spur, *variants)]
         assert np.ptp(values) < 0.002 * values[0]
@@ -194,7 +194,7 @@ def test_result_is_independent_of_the_patch_and_of_the_mesh(spur):
 
 def test_compliance_converges_with_refinement():
     reference, *others = [
-        approach(Plane(n_slices=1, refinement=r, patch=0.1).law(pair_of(), "drive"), 100e3) for r in (2.0, 0.5, 1.0)
+        approach(Plane(slices=1, refinement=r, patch=0.1).law(pair_of(), "drive"), 100e3) for r in (2.0, 0.5, 1.0)
     ]
     errors = [abs(value / reference - 1) for value in others]
     assert errors[0] < 0.005
@@ -213,7 +213,7 @@ def test_helical_approach_against_a_contact_solution_in_space():
         centre_distance=31.925333e-3,
     )
     force = 2.0 / pair.pinion.base_radius
-    delta = loaded(Plane(n_slices=31).law(pair, "drive"), 0.1325, force)
+    delta = loaded(Plane(slices=31).law(pair, "drive"), 0.1325, force)
     assert delta * math.cos(pair.base_helix_angle) == pytest.approx(1.222e-6, rel=0.03)
     assert force / delta == pytest.approx(183.7e6, rel=0.03)
 
@@ -222,7 +222,7 @@ def test_helical_approach_against_a_contact_solution_in_space():
 
 
 def test_no_helix_gives_the_spur_law(spur):
-    nearly = Plane(n_slices=1).law(pair_of(0.01), "drive")
+    nearly = Plane(slices=1).law(pair_of(0.01), "drive")
     assert nearly.compliance == pytest.approx(spur.compliance, rel=1e-4)
     assert nearly.coupling == pytest.approx(spur.coupling, rel=2e-4)
     assert nearly.contact_slope == pytest.approx(spur.contact_slope, rel=1e-6)
@@ -236,7 +236,7 @@ def test_stiffness_responds_to_the_helix(spur, helical):
         flexibility = 0.04723 + 0.15551 / pair.pinion.virtual_teeth + 0.25791 / pair.wheel.virtual_teeth
         return math.cos(math.radians(beta_deg)) / flexibility
 
-    for beta_deg, law in ((12.0, helical[0]), (25.0, Plane(n_slices=1).law(pair_of(25.0), "drive"))):
+    for beta_deg, law in ((12.0, helical[0]), (25.0, Plane(slices=1).law(pair_of(25.0), "drive"))):
         found = approach(spur, 100e3) / approach(law, 100e3)
         assert found < 1
         assert found == pytest.approx(iso(beta_deg) / iso(0.0), rel=0.012)
@@ -276,7 +276,7 @@ def test_number_of_slices_is_converged():
     force = 87e3 * 12e-3
     curves = []
     for n in (15, 90):
-        law = Plane(n_slices=n).law(pair, "drive")
+        law = Plane(slices=n).law(pair, "drive")
         curves.append([loaded(law, c, force) for c in np.arange(32) / 32])
     assert np.mean(curves[0]) == pytest.approx(np.mean(curves[1]), rel=0.002)
     assert np.ptp(curves[0]) == pytest.approx(np.ptp(curves[1]), rel=0.02)
@@ -299,8 +299,8 @@ def test_undercut_large_and_thick_gears_are_meshed(pinion):
 
 
 def test_bad_options_are_refused():
-    with pytest.raises(PlaneError, match="n_slices is 0"):
-        Plane(n_slices=0)
+    with pytest.raises(PlaneError, match="slices is 0"):
+        Plane(slices=0)
     with pytest.raises(PlaneError, match="not resolved"):
         Plane(patch=0.02)
     with pytest.raises(PlaneError, match="'drive' or 'coast'"):

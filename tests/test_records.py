@@ -1,5 +1,6 @@
 """Records: write -> read -> equal; wrong kind, wrong shape, NaN refused."""
 
+import tracemalloc
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,5 +61,19 @@ def test_the_caller_cannot_edit_a_record():
     record = curve(position=source)
     source[0] = 7.0
     assert record.position[0] == 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        record.position[0] = 1.0
+
+
+def test_reading_holds_an_array_once(tmp_path):
+    count = 200_000
+    curve(position=np.arange(count), value=np.ones((count, 2))).save(tmp_path / "curve.h5")
+    tracemalloc.start()
+    try:
+        record = Curve.load(tmp_path / "curve.h5")
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 1.4 * (record.position.nbytes + record.value.nbytes)
     with pytest.raises(ValueError, match="read-only"):
         record.position[0] = 1.0

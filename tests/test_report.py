@@ -11,7 +11,7 @@ from synthetic import MESH, WHEEL, response
 
 from pipelines.border.grid import Grid, GridError
 from pipelines.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
-from pipelines.figures.render import LeftOut
+from pipelines.figures.views import LeftOut
 from pipelines.report.contents import cell, grid
 from pipelines.report.page import typeset
 from pipelines.report.report import ReportContents, write_report

@@ -17,6 +17,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "fem.contact",
     "fem.contact.evaluation",
     "fem.contact.wheels",
+    "fem.contact.faults",
     "fem.contact.models",
     "fem.casing.geometry",
     "fem.casing.meshing",

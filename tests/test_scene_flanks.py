@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from fem.contact.evaluation.evaluator import evaluate_law
-from fem.gears.faults import ChippedTooth, CrackedTooth, WornTooth
+from fem.contact.faults.chipped_tooth import ChippedTooth
+from fem.contact.faults.cracked_tooth import CrackedTooth
+from fem.contact.faults.worn_tooth import WornTooth
 from pipelines.border.errors import SceneError
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph

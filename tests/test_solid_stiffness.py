@@ -34,7 +34,7 @@ def pair_of(beta_deg=0.0, face=12e-3, teeth=(20, 55), hand="right"):
     )
 
 
-QUICK = Solid(n_slices=9, refinement=0.8, positions=16)
+QUICK = Solid(slices=9, refinement=0.8, positions=16)
 LOAD = 100e3 * 12e-3
 
 
@@ -190,7 +190,7 @@ def test_stress_field_is_held_at_the_bore_and_highest_in_loaded_teeth(helical):
 
 
 def test_bad_options_and_impossible_loads_are_refused(spur):
-    with pytest.raises(RungError, match="n_slices is 1"):
-        Solid(n_slices=1)
+    with pytest.raises(RungError, match="slices is 1"):
+        Solid(slices=1)
     with pytest.raises(RungError, match="no tooth pair can touch"):
         solve(spur, np.array([0]), force=1.0, clearance=dict.fromkeys(range(-3, 4), np.inf))

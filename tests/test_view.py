@@ -15,9 +15,10 @@ from fem.gears.geometry import GearPair
 from pipelines.figures import render, render_failures
 from pipelines.figures.callouts import casing_figure, gear_figure, spread
 from pipelines.figures.plots import StiffnessPlot
-from pipelines.figures.render import CasingView, GearPairView, LeftOut, Picture, render_casing, render_gears
+from pipelines.figures.render import render_casing, render_gears
 from pipelines.figures.shapes import casing_view, gear_view
 from pipelines.figures.solids import enclosed_volume, gear_surface, prism_surface, without_tooth
+from pipelines.figures.views import CasingView, GearPairView, LeftOut, Picture
 
 
 def area(outline):

@@ -40,7 +40,7 @@ def _gear(
 @cache
 def _spur_law() -> MeshLaw:
     pair = GearPair(pinion=_gear(20, 2e-3), wheel=_gear(55, 2e-3, hand="left"))
-    return Plane(n_slices=1).law(pair, "drive")
+    return Plane(slices=1).law(pair, "drive")
 
 
 def _single_pair(line_load: float) -> Callable[[], Values]:
@@ -65,7 +65,7 @@ def _helical_state() -> tuple[float, float]:
         centre_distance=31.925333e-3,
     )
     force = 2.0 / pair.pinion.base_radius
-    curve = stiffness_curve(Plane(n_slices=31).law(pair, "drive"), force, np.array([0.1325]))
+    curve = stiffness_curve(Plane(slices=31).law(pair, "drive"), force, np.array([0.1325]))
     return float(curve.transmission_error[0]) * math.cos(pair.base_helix_angle) * 1e6, float(curve.secant[0]) / 1e6
 
 

@@ -56,7 +56,7 @@ def ours() -> dict[str, dict[str, float]]:
     pair = GearPair(pinion=gear, wheel=gear, pinion_material=steel, wheel_material=steel)
     cycle = np.arange(POINTS) / POINTS
     rows = {}
-    for name, rung in (("energy", Energy(n_slices=1)), ("plane", Plane(n_slices=1))):
+    for name, rung in (("energy", Energy(slices=1)), ("plane", Plane(slices=1))):
         stiffness_curve(rung.laws(pair)[0], FORCE, cycle)  # compiled code is loaded beforehand
         taken, curve = timed(lambda r=rung: stiffness_curve(r.laws(pair)[0], FORCE, cycle))
         found = curve.secant

@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
+from fem.gears.path import PathPoints, path_points
 
 FLANKS = ("drive", "coast")
 
@@ -16,7 +18,7 @@ class RungError(ValueError):
     """A rung is asked for something outside its valid range."""
 
 
-def flank_frame(pair: GearPair, flank: str, n_slices: int) -> dict[str, Any]:
+def flank_frame(pair: GearPair, flank: str, slices: int) -> dict[str, Any]:
     """Fields of `MeshLaw` that follow from the pair, the flank and equal slices.
 
     The drive flank has c' = c. The coast flank of a pinion tooth lags its drive flank by tau = s_w1 / p_wt and is
@@ -31,16 +33,16 @@ def flank_frame(pair: GearPair, flank: str, n_slices: int) -> dict[str, Any]:
     """
     if flank not in FLANKS:
         raise RungError(f"{pair.label}: flank is {flank!r}; choose one of {', '.join(FLANKS)}")
-    if n_slices < 1:
-        raise RungError(f"{pair.label}: n_slices is {n_slices!r}; give a whole number >= 1")
+    if slices < 1:
+        raise RungError(f"{pair.label}: slices is {slices!r}; give a whole number >= 1")
     sign = 1 if flank == "drive" else -1
-    width = pair.face_width / n_slices
-    face = (np.arange(n_slices) + 0.5) * width - pair.face_width / 2.0
+    width = pair.face_width / slices
+    face = (np.arange(slices) + 0.5) * width - pair.face_width / 2.0
     lead = math.tan(pair.base_helix_angle) / pair.base_pitch
     return {
         "flank": flank,
         "face_coordinate": face,
-        "slice_width": np.full(n_slices, width),
+        "slice_width": np.full(slices, width),
         "cycle_shift": sign * pair.pinion.hand_sign * lead * face,
         "cycle_sign": sign,
         "cycle_offset": 0.0 if flank == "drive" else pair.thickness_cycle,
@@ -49,6 +51,12 @@ def flank_frame(pair: GearPair, flank: str, n_slices: int) -> dict[str, Any]:
         "wheel_teeth": pair.wheel.teeth,
         "wheel_tooth_offset": 0 if flank == "drive" else 1,
     }
+
+
+def law_points(law: MeshLaw, pair: GearPair) -> PathPoints:
+    """The contact points of the pair at the positions of the law."""
+    xi = law.position_start + law.position_step * np.arange(law.compliance.size)
+    return path_points(pair, xi, pair.pinion.normal_module, (np.inf, np.inf))
 
 
 def window_fraction(gap: np.ndarray) -> np.ndarray:

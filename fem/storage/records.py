@@ -79,7 +79,7 @@ class Record:
             raise RecordError(f"{where}: declare the field with array(), scalar(), integer(), text() or names()")
         stored = isinstance(value, StoredArray)
         if not stored:
-            value = np.array(value, dtype=meta["dtype"])  # a copy, so that the caller cannot edit the record
+            value = _own(value, meta["dtype"])
         if value.ndim != len(meta["dims"]):
             raise RecordError(f"{where}: shape {value.shape} does not fit the dimensions {meta['dims']}")
         _same_size(where, meta["dims"], value.shape, sizes)
@@ -154,7 +154,8 @@ class Record:
                 elif field.metadata["kind"] == "names":
                     values[field.name] = [v.decode() for v in file[field.name][()]]
                 else:
-                    values[field.name] = file[field.name][()]
+                    values[field.name] = read = file[field.name][()]
+                    read.flags.writeable = False
         return cls(**values)
 
     def digest(self) -> str:
@@ -171,6 +172,12 @@ class Record:
             else:
                 total.update(repr(value).encode())
         return total.hexdigest()
+
+
+def _own(value: Any, dtype: Any) -> np.ndarray:
+    """The value as an array that its caller cannot edit: a copy, unless it is such an array already."""
+    sealed = isinstance(value, np.ndarray) and value.flags.owndata and not value.flags.writeable
+    return np.asarray(value, dtype) if sealed else np.array(value, dtype)
 
 
 def _same_size(where: str, dims: tuple[str, ...], shape: tuple[int, ...], sizes: dict[str, int]) -> None:

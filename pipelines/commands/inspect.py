@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.figures.render import LeftOut
+from pipelines.figures.views import LeftOut
 
 if TYPE_CHECKING:
     from pipelines.engine.run_graph import Outcome
@@ -24,7 +24,7 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.figures.callouts import casing_figure, gear_figure
     from pipelines.figures.film import save_figure
     from pipelines.figures.mesh_pictures import show_mesh, write_mesh
-    from pipelines.figures.render import Picture
+    from pipelines.figures.views import Picture
     from pipelines.plant.layout import lay_out
     from pipelines.runs.built import law_names, scene_graph
     from pipelines.scene.presets import load_asked

@@ -11,7 +11,8 @@ from matplotlib.lines import Line2D
 
 from pipelines.figures.colours import POINTS
 from pipelines.figures.plots import FAULTY, StiffnessPlot, draw_stiffness, new_figure, plain
-from pipelines.figures.render import KINDS, Picture
+from pipelines.figures.render import KINDS
+from pipelines.figures.views import Picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,7 +12,8 @@ import numpy as np
 from pipelines.border.user_files import write_whole
 from pipelines.figures.film import film_page, png, save_figure, write_gif
 from pipelines.figures.mesh_frames import MeshFrames
-from pipelines.figures.render import GearPairView, LeftOut, Picture, render_mesh, show_window
+from pipelines.figures.render import render_mesh, show_window
+from pipelines.figures.views import GearPairView, LeftOut, Picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,7 +10,8 @@ import numpy as np
 
 from pipelines.border.user_files import write_whole
 from pipelines.figures.film import film_page, png, write_gif
-from pipelines.figures.render import LeftOut, Picture, render_mode
+from pipelines.figures.render import render_mode
+from pipelines.figures.views import LeftOut, Picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -12,9 +12,8 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -23,9 +22,7 @@ from pipelines.engine.child import command, environment
 from pipelines.figures.mesh_frames import MeshFrames
 from pipelines.figures.render_failures import Failure, ended, no_picture, too_slow
 from pipelines.figures.solids import gear_surface, prism_surface, without_tooth
-
-if TYPE_CHECKING:
-    from pipelines.figures.stress_pictures import Teeth
+from pipelines.figures.views import CasingView, GearPairView, LeftOut, Picture, Teeth
 
 log = logging.getLogger(__name__)
 
@@ -33,55 +30,6 @@ KINDS = ("ground", "bearing", "sensor")
 TIMEOUT = 900.0  # s, against a renderer that hangs; a software renderer on a busy machine takes minutes
 MESH_DIRECTION = (-0.55, -0.35, 1.0)
 RENDERER = "pipelines.figures.view"
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class GearPairView:
-    """Two gears in the transverse section at mid face, each about its own centre, turned as they mesh.
-
-    The wheel's centre lies at (centre_distance, 0) from the pinion's. Outlines float (n, 2), counter-clockwise, m,
-    with all teeth; twists rad per m of face width. `marked_gear` "pinion" | "wheel" | "" and `marked_angle` (rad,
-    polar angle of the middle of the tooth about its own centre) draw one tooth red, see-through if it is
-    `missing`.
-    """
-
-    pinion_outline: np.ndarray
-    wheel_outline: np.ndarray
-    pinion_teeth: int
-    wheel_teeth: int
-    pinion_bore: float
-    wheel_bore: float
-    pinion_twist: float
-    wheel_twist: float
-    face_width: float
-    centre_distance: float
-    marked_gear: str = ""
-    marked_angle: float = 0.0
-    missing: bool = True
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class CasingView:
-    """Surface of a casing, nodes float (n, 3) m, triangles int (m, 3), and its key points name -> (3,) m."""
-
-    nodes: np.ndarray
-    triangles: np.ndarray
-    points: Mapping[str, np.ndarray]
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Picture:
-    """A rendered picture: image (rows, columns, 3) in 0..255, and the pixel (column, row) of every named place."""
-
-    image: np.ndarray
-    places: Mapping[str, tuple[float, float]]
-
-
-@dataclass(frozen=True, kw_only=True)
-class LeftOut:
-    """A picture that could not be made: what is missing and what to install."""
-
-    reason: str
 
 
 def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Picture | LeftOut:

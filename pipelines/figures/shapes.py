@@ -10,7 +10,7 @@ import numpy as np
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.profile import half_tooth_profile
-from pipelines.figures.render import CasingView, GearPairView
+from pipelines.figures.views import CasingView, GearPairView
 
 VISIBLE = 1 / 7  # of a turn before it meshes: there a damaged tooth is not hidden by the other gear
 

@@ -16,7 +16,8 @@ from pipelines.border.shown import shown
 from pipelines.border.user_files import whole_file, writable_file
 from pipelines.figures.film import save_figure
 from pipelines.figures.mesh_frames import contact_places
-from pipelines.figures.render import GearPairView, LeftOut, Picture, render_stress
+from pipelines.figures.render import render_stress
+from pipelines.figures.views import GearPairView, LeftOut, Picture, Teeth
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,20 +27,6 @@ if TYPE_CHECKING:
     from fem.gears.geometry import GearPair
 
 FORMATS = (".vtu", ".inp", ".msh", ".bdf")
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Teeth:
-    """Loaded teeth of both gears in the frame of `mesh_frames`, one mesh; nodes of neighbours coincide."""
-
-    points: np.ndarray  # (node, 3), m
-    cells: np.ndarray  # (cell, 8), hexahedra in the order of VTK
-    gear: np.ndarray  # (cell,), 1 pinion, 2 wheel
-    tooth_pair: np.ndarray  # (cell,), number of the tooth pair
-    displacement: np.ndarray  # (node, 3), m
-    von_mises: np.ndarray  # (node,), Pa
-    line_points: np.ndarray  # (pair, slice, 3), m
-    line_load: np.ndarray  # (pair, slice), N/m, nan where nothing touches
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

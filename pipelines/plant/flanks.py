@@ -6,12 +6,12 @@ the driving gear in lifting, so where its lifting sense is -1 the ends change pl
 
 from __future__ import annotations
 
-import math
-
-from fem.gears.faults import ChippedTooth, CrackedTooth, Damage, WornTooth
+from fem.contact.faults.registry import tooth_fault
+from fem.contact.faults.tooth_fault import ToothFault
 from fem.gears.modifications import EndRelief, FlankModifications, Misalignment, PairModifications, Relief
+from pipelines.plant.units import si_options
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.faults import ChippedToothTable, CrackedToothTable, FaultTable, WornToothTable
+from pipelines.scene.tables.faults import FaultBase, FaultTable
 from pipelines.scene.tables.gear_details import EndReliefTable, GearTable, ReliefTable
 from pipelines.scene.tables.gears import StageTable
 from pipelines.scene.train import shaft_senses, stage_shafts
@@ -70,44 +70,32 @@ def _end_relief(table: EndReliefTable | None) -> EndRelief | None:
     return EndRelief(amount=table.amount_um / 1_000_000, length=table.length_mm / 1000, shape=table.shape)
 
 
-def damage(fault: FaultTable, sense: int) -> Damage | None:
-    """The damage of a fault in SI; None for a missing tooth, which is a clearance."""
-    if isinstance(fault, ChippedToothTable):
-        return ChippedTooth(
-            extent=fault.extent_mm / 1000, depth=fault.depth_mm / 1000, end=_end(fault.end, sense), corner=fault.corner
-        )
-    if isinstance(fault, CrackedToothTable):
-        return CrackedTooth(
-            depth=fault.depth_mm / 1000,
-            angle=math.radians(fault.angle_deg),
-            extent=None if fault.extent_mm is None else fault.extent_mm / 1000,
-            end=_end(fault.end, sense),
-            flank=fault.flank,
-        )
-    if isinstance(fault, WornToothTable):
-        width = None if fault.width_mm is None else fault.width_mm / 1000
-        return WornTooth(depth=fault.depth_um / 1_000_000, place=fault.place, width=width)
-    return None
+def damage(fault: FaultTable, sense: int) -> ToothFault:
+    """The fault in SI; its end of the face is that of the mesh law."""
+    options = si_options(fault, without=FaultBase)
+    if sense < 0 and "end" in options:
+        options["end"] = {"-y": "+y", "+y": "-y"}[options["end"]]
+    return tooth_fault(fault.kind, **options)
 
 
-def _end(end: str, sense: int) -> str:
-    return end if sense > 0 else {"-y": "+y", "+y": "-y"}[end]
-
-
-def damaged_teeth(scene: Scene, stage: int, gear: str) -> dict[int, tuple[Damage, ...]]:
+def damaged_teeth(scene: Scene, stage: int, gear: str) -> dict[int, tuple[ToothFault, ...]]:
     """Damage by tooth number of a gear of a stage (1-based); the n-th entry is variant n + 1 of its mesh law."""
-    found: dict[int, tuple[Damage, ...]] = {}
-    for fault in scene.faults:
+    found: dict[int, tuple[ToothFault, ...]] = {}
+    for fault in _faults_of(scene, stage, gear):
         one = damage(fault, lifting_sense(scene, stage))
-        if fault.stage == stage and fault.gear == gear and fault.tooth is not None and one is not None:
+        if fault.tooth is not None and one.changes_flank:
             found[fault.tooth] = (*found.get(fault.tooth, ()), one)
     return found
 
 
-def common_wear(scene: Scene, stage: int, gear: str) -> tuple[WornTooth, ...]:
-    """Wear of all teeth of a gear of a stage (1-based)."""
-    on_all = (f for f in scene.faults if f.stage == stage and f.gear == gear and f.tooth is None)
-    return tuple(one for one in (damage(f, lifting_sense(scene, stage)) for f in on_all) if isinstance(one, WornTooth))
+def common_wear(scene: Scene, stage: int, gear: str) -> tuple[ToothFault, ...]:
+    """What all teeth of a gear of a stage (1-based) have."""
+    sense = lifting_sense(scene, stage)
+    return tuple(damage(fault, sense) for fault in _faults_of(scene, stage, gear) if fault.tooth is None)
+
+
+def _faults_of(scene: Scene, stage: int, gear: str) -> list[FaultTable]:
+    return [fault for fault in scene.faults if fault.stage == stage and fault.gear == gear]
 
 
 def first_tooth_fault(scene: Scene, stage: int) -> FaultTable | None:

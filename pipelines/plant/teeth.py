@@ -7,10 +7,9 @@ import numpy as np
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import tooth_terms
 from fem.gears.deviations import sample_pitch_deviations
-from fem.gears.faults import missing_tooth
 from fem.gears.flank_deviations import sample_flank_deviations
 from fem.gears.geometry import GearPair
-from pipelines.plant.flanks import damaged_teeth
+from pipelines.plant.flanks import damage, damaged_teeth
 from pipelines.plant.layout import Layout
 from pipelines.plant.machine import MeshInput
 from pipelines.scene.scene import Scene
@@ -54,8 +53,8 @@ def fault_terms(scene: Scene, pair: GearPair, stage: int, gear: str) -> np.ndarr
     teeth = getattr(pair, gear).teeth
     clearance, variant = np.zeros(teeth), np.zeros(teeth)
     for fault in scene.faults:
-        if fault.stage == stage + 1 and fault.gear == gear and fault.kind == "missing-tooth":
-            clearance = missing_tooth(clearance, fault.tooth)
+        if fault.stage == stage + 1 and fault.gear == gear and fault.tooth is not None:
+            clearance[fault.tooth] += damage(fault, +1).clearance
     damaged = damaged_teeth(scene, stage + 1, gear)
     if not damaged:
         return clearance

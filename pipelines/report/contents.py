@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from pipelines.border.grid import Grid
 from pipelines.figures.plots import StiffnessPlot
-from pipelines.figures.render import LeftOut, Picture
+from pipelines.figures.views import LeftOut, Picture
 from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.signals.diagnosis import Diagnosis
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from pipelines.border.grid import Grid
 from pipelines.figures.callouts import casing_figure, gear_figure
 from pipelines.figures.plots import bars_figure, drive_figure, stiffness_figure, waveform_figure
-from pipelines.figures.render import LeftOut
+from pipelines.figures.views import LeftOut
 from pipelines.report import page, spectra
 from pipelines.report.contents import ReportContents, cell, grid
 from pipelines.signals.analysis import channel_names

@@ -30,7 +30,7 @@ STATIC_BAND = 1000.0  # Hz, to which a casing without a band of its own is compa
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Casing:
-    """The casing of a scene: what the machine stands in, and for an elastic one its mesh, its modes and its check-up."""
+    """The casing of a scene: what the machine stands in; of an elastic one its mesh, modes and check-up, too."""
 
     body: ReducedBody  # mass, stiffness, damping, rows of bearings and sensors; SI
     mesh: CasingMesh | None

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.figures.render import LeftOut
+from pipelines.figures.views import LeftOut
 
 if TYPE_CHECKING:
     from fem.contact.models.solid import Solid
@@ -69,7 +69,7 @@ def stress_files(
         damaged=None if first is None else gear_view(pair, (first.gear, first.tooth or 0), missing=gone, in_mesh=True),
         marked="" if first is None else f"{fault_name(first).replace('-', ' ')} of the {first.gear}",
         note="the crack itself is not in the finite elements" if "cracked-tooth" in kinds else "",
-        rung=f"rung solid, refinement {rung.refinement:g}, {rung.n_slices} slices along the face",
+        rung=f"rung solid, refinement {rung.refinement:g}, {rung.slices} slices along the face",
         force=force,
         cycle=index / rung.positions,
         names=("healthy", ", ".join(kind.replace("-", " ") for kind in kinds))[: len(states)],
@@ -86,7 +86,7 @@ def stress_rung(scene: Scene, stage: int) -> Solid:
 
     mesh = scene.stages[stage - 1].mesh
     options = mesh if isinstance(mesh, SolidMesh) else SolidMesh()
-    return Solid(n_slices=options.slices, refinement=options.refinement)
+    return Solid(slices=options.slices, refinement=options.refinement)
 
 
 def stress_stages(scene: Scene, layout: Layout, stage: int, index: int, force: float) -> list[Stage]:
@@ -99,14 +99,7 @@ def stress_stages(scene: Scene, layout: Layout, stage: int, index: int, force: f
     from pipelines.steps import modified_laws, stress
 
     pair, rung = replace(layout.pairs[stage - 1], backlash_allowance=0.0), stress_rung(scene, stage)
-    sound = modified_laws.FlanksSpec(
-        pair=pair,
-        modifications=layout.modifications[stage - 1],
-        pinion_damage=(),
-        wheel_damage=(),
-        pinion_wear=(),
-        wheel_wear=(),
-    )
+    sound = modified_laws.FlanksSpec(pair=pair, modifications=layout.modifications[stage - 1])
     worn = replace(
         sound,
         pinion_wear=common_wear(scene, stage, "pinion"),

@@ -82,13 +82,14 @@ def scene_stages(scene: Scene, source: str) -> list[Stage]:
 
 
 def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
-    from pipelines.plant.law_specs import law_specs
+    from pipelines.plant.mesh_models import mesh_models
     from pipelines.steps import laws, modified_laws
 
     stages = []
-    for number, (pair, spec) in enumerate(zip(layout.pairs, law_specs(scene, layout), strict=True), 1):
+    for number, (pair, mesh) in enumerate(zip(layout.pairs, mesh_models(scene, layout), strict=True), 1):
+        unloaded = replace(pair, backlash_allowance=0.0)
         added = modified_laws.FlanksSpec(
-            pair=replace(pair, backlash_allowance=0.0),
+            pair=unloaded,
             modifications=layout.modifications[number - 1],
             pinion_damage=tuple(damaged_teeth(scene, number, "pinion").values()),
             wheel_damage=tuple(damaged_teeth(scene, number, "wheel").values()),
@@ -100,10 +101,10 @@ def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
                 name=f"law_{number}" if added.empty else f"sound_law_{number}",
                 kind="law",
                 build=laws.build,
-                spec=spec,
-                modules=(f"fem.contact.models.{spec.model}",),
+                spec=laws.LawSpec(pair=unloaded, mesh=mesh),
+                modules=(type(mesh).__module__,),
                 libraries=("numpy", "scipy"),
-                seconds=8.0 if spec.model in ("plane", "solid") else 0.0,
+                seconds=mesh.seconds,
             )
         )
         if not added.empty:
@@ -114,6 +115,7 @@ def _law_stages(scene: Scene, layout: Layout) -> list[Stage]:
                     build=modified_laws.build,
                     spec=added,
                     takes=(f"sound_law_{number}",),
+                    modules=tuple(sorted({type(fault).__module__ for fault in added.faults})),
                     libraries=("numpy", "scipy"),
                 )
             )

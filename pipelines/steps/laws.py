@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from fem.contact.law import MeshLaw
-from pipelines.plant.mesh_laws import LawSpec, mesh_laws
+from fem.contact.models.mesh_model import MeshModel
+from fem.gears.geometry import GearPair
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawSpec:
+    """A gear pair without its play, and the model of its law."""
+
+    pair: GearPair
+    mesh: MeshModel
 
 
 def build(spec: LawSpec) -> tuple[MeshLaw, MeshLaw]:
     """The laws of drive and coast flank."""
-    return mesh_laws(spec)
+    return spec.mesh.laws(spec.pair)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.modes import CasingModes
     from pipelines.figures.plots import StiffnessPlot
-    from pipelines.figures.render import LeftOut, Picture
+    from pipelines.figures.views import LeftOut, Picture
     from pipelines.plant.facts import Facts
     from pipelines.plant.layout import Layout
 
@@ -54,7 +54,7 @@ class ReportSpec:
 
 def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
     """The page as text, and the reasons of pictures that were left out."""
-    from pipelines.figures.render import LeftOut
+    from pipelines.figures.views import LeftOut
     from pipelines.plant.checks.doubts import doubts
     from pipelines.plant.facts import derive
     from pipelines.plant.layout import lay_out

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
 from fem.contact.models.solid import Solid
 from fem.contact.models.solid_stress import LoadedTeeth, stress_field
 from fem.contact.teeth import checked_terms
 from fem.contact.wheels.compliance import ContactCompliance
 from fem.contact.wheels.contact import solve
-from fem.contact.wheels.damage import law_points, wear_gap
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import lead_gap, profile_gap
 from pipelines.steps.modified_laws import FlanksSpec
@@ -87,9 +87,9 @@ def _gaps(
     y = record.hand * record.face
     grid = law.position_start + law.position_step * np.arange(law.compliance.size)
     shape = profile_gap(spec.pair, spec.modifications, law_points(law, spec.pair))
-    for gear, wears in (("pinion", spec.pinion_wear), ("wheel", spec.wheel_wear)):
-        for wear in wears:
-            shape = shape + wear_gap(law, spec.pair, gear, wear)
+    for gear, common in (("pinion", spec.pinion_wear), ("wheel", spec.wheel_wear)):
+        for fault in common:
+            shape = shape + fault.gap(law, spec.pair, gear)
     total = np.interp(xi, grid, shape) + lead_gap(spec.pair, spec.modifications, "drive", y)
     slices = np.abs(law.face_coordinate[:, None] - y).argmin(axis=0)
     places = np.clip(np.rint((xi - grid[0]) / law.position_step).astype(int), 0, grid.size - 1)

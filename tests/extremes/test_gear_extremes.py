@@ -34,10 +34,10 @@ PAIRS = {
     "usual": gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5)),
 }
 RUNGS = {
-    "iso": Iso(n_slices=5, line_load=NOMINAL),
-    "energy": Energy(n_slices=5),
-    "plane": Plane(refinement=0.5, n_slices=5, patch=0.08),
-    "solid": Solid(refinement=0.6, n_slices=5, positions=16),
+    "iso": Iso(slices=5, line_load=NOMINAL),
+    "energy": Energy(slices=5),
+    "plane": Plane(refinement=0.5, slices=5, patch=0.08),
+    "solid": Solid(refinement=0.6, slices=5, positions=16),
 }
 FAST = ("iso", "energy", "plane")
 EVERY_RUNG = pytest.mark.parametrize("rung", [*FAST, pytest.param("solid", marks=pytest.mark.slow)])

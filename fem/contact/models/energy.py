@@ -36,6 +36,7 @@ import numpy as np
 
 from fem.contact.frame import FLANKS, RungError, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
+from fem.contact.models.mesh_model import MeshModel
 from fem.elements.materials import Material
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
@@ -156,20 +157,19 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Energy:
+class Energy(MeshModel):
     """Potential-energy method as a mesh law, for comparison with the literature.
 
-    n_slices over the face; positions: grid points per base pitch; largest_gap: no-load gap up to which tip-edge contact
+    slices over the face; positions: grid points per base pitch; largest_gap: no-load gap up to which tip-edge contact
     is followed, in m_n.
     """
 
     model: Literal["energy"] = "energy"
-    n_slices: int = 15
     positions: int = 64
     largest_gap: float = 0.05
 
     def __post_init__(self) -> None:
-        for name, low, high in (("n_slices", 1, 1000), ("positions", 16, 1024), ("largest_gap", 0.001, 0.08)):
+        for name, low, high in (("slices", 1, 1000), ("positions", 16, 1024), ("largest_gap", 0.001, 0.08)):
             value = getattr(self, name)
             if not low <= value <= high:
                 raise RungError(f"rung energy: {name} is {value!r}; give a value in [{low}, {high}]")
@@ -197,7 +197,7 @@ class Energy:
         drive, coast = (
             MeshLaw(
                 model=self.model,
-                **flank_frame(pair, flank, self.n_slices),
+                **flank_frame(pair, flank, self.slices),
                 position_start=float(grid[0]),
                 position_step=1.0 / self.positions,
                 compliance=compliance,

@@ -18,6 +18,7 @@ approach and still catches the teeth when one is missing.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -25,8 +26,10 @@ import numpy as np
 
 from fem.contact.frame import RungError, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
+from fem.contact.models.mesh_model import MeshModel
 from fem.elements.materials import STEEL
 from fem.gears.geometry import Gear, GearPair
+from fem.gears.modifications import PairModifications
 from fem.gears.path import contact_window, path_points, slice_fraction
 
 COEFFICIENTS = (0.04723, 0.15551, 0.25791, -0.00635, -0.11654, -0.00193, -0.24188, 0.00529, 0.00182)
@@ -68,10 +71,10 @@ def rack_factor(gear: Gear) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Iso:
+class Iso(MeshModel):
     """ISO 6336-1 method B as a mesh law.
 
-    n_slices over the face; mean_factor C_M (0.8: theoretical stiffness against measurements); blank_factor C_R, None:
+    slices over the face; mean_factor C_M (0.8: theoretical stiffness against measurements); blank_factor C_R, None:
     the mean of what rims and webs of both gears give (a web offset does not count); line_load F_t K_A / b (N/m) or None
     for a load in the linear range; edge_onset (m): least approach at which tip edges carry, followed to the gap
     largest_gap (m).
@@ -80,7 +83,6 @@ class Iso:
     """
 
     model: Literal["iso"] = "iso"
-    n_slices: int = 15
     mean_factor: float = 0.8
     blank_factor: float | None = None
     line_load: float | None = None
@@ -89,7 +91,7 @@ class Iso:
 
     def __post_init__(self) -> None:
         for name, low, high in (
-            ("n_slices", 1, 1000),
+            ("slices", 1, 1000),
             ("mean_factor", 0.1, 2.0),
             ("edge_onset", 0.0, self.largest_gap),
             ("largest_gap", 1e-9, 1.0),
@@ -137,8 +139,8 @@ class Iso:
 
     def law(self, pair: GearPair, flank: str = "drive") -> MeshLaw:
         """The mesh law of one flank; mean of dF/d delta over a pitch = c_gamma_alpha b."""
-        frame = flank_frame(pair, flank, self.n_slices)
-        ramp = pair.overlap_ratio / self.n_slices
+        frame = flank_frame(pair, flank, self.slices)
+        ramp = pair.overlap_ratio / self.slices
         step, ramp = _grid_step(pair.transverse_contact_ratio, ramp)
         first, last = contact_window(pair, self.largest_gap)
         below = math.ceil((pair.xi_start - first) / step) + 2
@@ -161,6 +163,16 @@ class Iso:
     def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
         """The laws of drive and coast flank."""
         return self.law(pair, "drive"), self.law(pair, "coast")
+
+    def doubts(self, modifications: PairModifications) -> Iterator[str]:
+        """The low-load reduction where it acts, and relief, whose effect on the load sharing is not modelled."""
+        if self.line_load is not None and self.line_load < LOW_LINE_LOAD:
+            yield (
+                f"line load {self.line_load / 1000:.1f} N/mm is below {LOW_LINE_LOAD / 1000:g} N/mm; the iso rung "
+                "applies the low-load reduction of ISO 6336-1"
+            )
+        if modifications.pinion.tip_relief or modifications.wheel.tip_relief:
+            yield "tip relief under the rung iso acts on a stiffness that knows no load sharing; prefer plane"
 
     def _contact(self, pair: GearPair, xi: np.ndarray, step: float, ramp: float) -> tuple[np.ndarray, np.ndarray]:
         """Gap and fraction: the path of contact with its ramps, beyond it tip edges from the onset on."""

@@ -6,28 +6,33 @@ The slices take the compliances of one section (`fem.contact.wheels.plane_sectio
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from fem.contact.frame import FLANKS, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
+from fem.contact.models.mesh_model import MeshModel
 from fem.contact.wheels.plane_section import PlaneError, PlaneSection
 from fem.gears.geometry import GearPair
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plane(PlaneSection):
+class Plane(PlaneSection, MeshModel):
     """2-D FE of both toothed rings, sliced along the face; its cost hardly depends on the number of slices.
 
-    n_slices : slices of equal width over the face; the other options are those of the section
+    slices : slices of equal width over the face; the other options are those of the section
     """
 
+    seconds: ClassVar[float] = 8.0
     model: Literal["plane"] = "plane"
-    n_slices: int = 15
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not 1 <= self.n_slices <= 1000:
-            raise PlaneError(f"rung plane: n_slices is {self.n_slices!r}; give a value in [1, 1000]")
+        if not 1 <= self.slices <= 1000:
+            raise PlaneError(f"rung plane: slices is {self.slices!r}; give a value in [1, 1000]")
+
+    def check(self, pair: GearPair) -> None:
+        """Refuse a pair without a path of contact."""
+        self.path(pair)
 
     def law(self, pair: GearPair, flank: str) -> MeshLaw:
         """The law of one flank, "drive" or "coast"; the coast flank is the mirror image of the drive flank."""
@@ -40,7 +45,7 @@ class Plane(PlaneSection):
         drive, coast = (
             MeshLaw(
                 model=self.model,
-                **flank_frame(pair, flank, self.n_slices),
+                **flank_frame(pair, flank, self.slices),
                 position_start=float(path.xi[0]),
                 position_step=1.0 / self.positions,
                 compliance=tables.compliance,

@@ -14,10 +14,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from fem.contact.frame import RungError
 from fem.contact.law import MeshLaw
+from fem.contact.models.mesh_model import MeshModel
 from fem.contact.models.solid_condensation import condense
 from fem.contact.wheels.compliance import ContactCompliance, contact_compliance
 from fem.contact.wheels.plane_section import PlaneSection
@@ -28,26 +29,27 @@ PATCH = 0.2  # half-width of the patches, in m_n
 
 
 @dataclass(frozen=True, kw_only=True)
-class Solid:
+class Solid(MeshModel):
     """3-D FE of both toothed wheels and contact along the whole face.
 
     Parameters
     ----------
-    n_slices : slices of equal width over the face
+    slices : slices of equal width over the face
     refinement : divides all element sizes of section and face and the patches (1: 0.2 m_n along the flank, 8 elements
         along the face)
     positions : mesh positions per cycle
     largest_gap : no-load gap up to which tip-edge contact is followed, in m_n, see `PlaneSection`
     """
 
+    seconds: ClassVar[float] = 8.0
     model: Literal["solid"] = "solid"
-    n_slices: int = 31
+    slices: int = 31
     refinement: float = 1.0
     positions: int = 32
     largest_gap: float = 0.05
 
     def __post_init__(self) -> None:
-        limits = {"n_slices": (3, 101), "refinement": (0.6, 3.0), "positions": (8, 512), "largest_gap": (0.001, 0.08)}
+        limits = {"slices": (3, 101), "refinement": (0.6, 3.0), "positions": (8, 512), "largest_gap": (0.001, 0.08)}
         for name, (low, high) in limits.items():
             value = getattr(self, name)
             if not low <= value <= high:
@@ -65,6 +67,10 @@ class Solid:
             refinement=max(1.0, self.refinement), positions=2 * self.positions, largest_gap=self.largest_gap
         )
 
+    def check(self, pair: GearPair) -> None:
+        """Refuse a pair without a path of contact."""
+        self.plane.path(pair)
+
     def law(self, pair: GearPair, flank: str) -> MeshLaw:
         """The law of one flank, "drive" or "coast"."""
         return condense(self.compliance(pair), pair, flank, self.plane, self.model)
@@ -81,7 +87,7 @@ class Solid:
         """Compliances between all contact places of the pair, for both flanks."""
         return contact_compliance(
             pair,
-            n_slices=self.n_slices,
+            slices=self.slices,
             positions=self.positions,
             section_refinement=SECTION * self.refinement,
             axial_elements=self.axial_elements(pair),

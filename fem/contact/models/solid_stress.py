@@ -67,7 +67,7 @@ def stress_field(
     xi = state.cycle[index] - state.pair[index][:, None] + record.cycle_shift
     loads = np.where(touching, state.line_load[index] * record.slice_width, 0.0)
     points = path_points(pair, xi.ravel(), 0.4 * pair.pinion.normal_module)
-    bounds = np.linspace(-pair.face_width / 2, pair.face_width / 2, rung.n_slices + 1)
+    bounds = np.linspace(-pair.face_width / 2, pair.face_width / 2, rung.slices + 1)
     ends = axial_ends(pair.face_width, rung.axial_elements(pair))
     out = []
     for gear, material, radius, turn in (

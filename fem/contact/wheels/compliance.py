@@ -148,7 +148,7 @@ def _add_ring(out: np.ndarray, at: _Contacts, body: _Body, means: np.ndarray, tu
 def contact_compliance(
     pair: GearPair,
     *,
-    n_slices: int,
+    slices: int,
     positions: int,
     section_refinement: float,
     axial_elements: int,
@@ -159,18 +159,18 @@ def contact_compliance(
 
     Parameters
     ----------
-    n_slices : slices of equal width over the face;  positions : grid points per mesh cycle
+    slices : slices of equal width over the face;  positions : grid points per mesh cycle
     section_refinement, axial_elements : mesh of the rings in space, see `sector_mesh`
     plane : the rung that gives C_fine, A, B and the reach of tip-edge contact
     patch : half-width of the patches on the coarse section, in m_n
     """
-    width, module = pair.face_width / n_slices, pair.pinion.normal_module
-    zeta = (np.arange(n_slices) + 0.5) * width - pair.face_width / 2
+    width, module = pair.face_width / slices, pair.pinion.normal_module
+    zeta = (np.arange(slices) + 0.5) * width - pair.face_width / 2
     shift = zeta * math.tan(pair.base_helix_angle) / pair.base_pitch
     position = np.arange(positions) / positions
     at, numbers = _contacts(pair, position, shift, plane)
     ends = axial_ends(pair.face_width, axial_elements)
-    means = slice_means(ends, np.linspace(-pair.face_width / 2, pair.face_width / 2, n_slices + 1))
+    means = slice_means(ends, np.linspace(-pair.face_width / 2, pair.face_width / 2, slices + 1))
     common = (patch * module, section_refinement, ends, len(numbers) - 1)
     with threadpool_limits(1), ThreadPoolExecutor(2) as pool:  # the rings are independent of one another
         bodies = [
@@ -178,7 +178,7 @@ def contact_compliance(
             pool.submit(_body, pair.wheel, pair.wheel_material, at.path.wheel_radius, *common),
         ]
         pinion, wheel = (body.result() for body in bodies)
-    out = np.zeros((positions, len(numbers), n_slices, len(numbers), n_slices))
+    out = np.zeros((positions, len(numbers), slices, len(numbers), slices))
     _add_ring(out, at, pinion, means, 1)
     _add_ring(out, at, wheel, means[:, ::-1], -1)
     slope, offset = plane.contact_terms(pair, at.path)
@@ -194,7 +194,7 @@ def contact_compliance(
         position=position,
         pair=numbers,
         face=zeta,
-        slice_width=np.full(n_slices, width),
+        slice_width=np.full(slices, width),
         cycle_shift=shift,
         compliance=out,
         contact_slope=slope,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from fem.contact.models.iso import LOW_LINE_LOAD
 from pipelines.plant.checks.flank_checks import flank_warnings
 from pipelines.plant.checks.strength import strength_warnings
 from pipelines.plant.checks.window_checks import bad_windows
@@ -49,11 +48,6 @@ def _gears(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[s
             yield (
                 f"{place}: {stage.pinion_teeth} and {stage.wheel_teeth} teeth share the divisor {divisor}; the same "
                 "teeth meet often and wear in a pattern"
-            )
-        if 0 < facts.line_load < LOW_LINE_LOAD and stage.mesh.model == "iso":
-            yield (
-                f"{place}: line load {facts.line_load / 1000:.1f} N/mm is below {LOW_LINE_LOAD / 1000:g} N/mm; the iso rung applies the "
-                "low-load reduction of ISO 6336-1"
             )
         if facts.backlash < 0.02e-3 and scene.load.container_kg > 0:
             yield f"{place}: backlash {facts.backlash * 1e6:.1f} um is small; both flanks may touch under deviations"

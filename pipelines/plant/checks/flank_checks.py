@@ -12,8 +12,9 @@ from fem.gears.rack import GeometryError
 from pipelines.border.errors import Problem
 from pipelines.plant.flanks import GEARS, damage, lifting_sense
 from pipelines.plant.layout import Layout
+from pipelines.plant.mesh_models import mesh_models
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.faults import ChippedToothTable, CrackedToothTable, FaultTable, WornToothTable
+from pipelines.scene.tables.faults import FaultTable
 
 if TYPE_CHECKING:
     from pipelines.plant.facts import StageFacts
@@ -26,11 +27,10 @@ def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
     """Faults that do not fit on their teeth, deviations outside ISO 1328-1."""
     for number, fault in enumerate(scene.faults, 1):
         one = damage(fault, lifting_sense(scene, fault.stage))
-        if one is not None:
-            try:
-                one.check(getattr(layout.pairs[fault.stage - 1], fault.gear))
-            except GeometryError as error:
-                yield Problem(f"faults.{number}", str(error))
+        try:
+            one.check(getattr(layout.pairs[fault.stage - 1], fault.gear))
+        except GeometryError as error:
+            yield Problem(f"faults.{number}", str(error))
     if not scene.deviations.enabled:
         return
     for number, pair in enumerate(layout.pairs, 1):
@@ -45,8 +45,8 @@ def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
 
 def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Iterator[str]:
     """What a gear designer would frown at, and what hides a fault."""
-    for number, (stage, pair, modification) in enumerate(
-        zip(scene.stages, layout.pairs, layout.modifications, strict=True), 1
+    for number, (mesh, pair, modification) in enumerate(
+        zip(mesh_models(scene, layout), layout.pairs, layout.modifications, strict=True), 1
     ):
         place = f"stages.{number}"
         for name, short in zip(GEARS, pair.shortened_by_undercut, strict=True):
@@ -61,14 +61,12 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
                     f"{place}: the {name} is nearly pointed, its tip is {gear.tip_thickness * 1000:.3f} mm thick "
                     f"({gear.tip_thickness / gear.normal_module:.2f} m_n; usual at least {THIN_TIP} m_n)"
                 )
-            if gear.web_offset and stage.mesh.model in ("plane", "iso", "energy", "solid"):
+            if gear.web_offset:
                 yield (
-                    f"{place}.{name}.web_offset_mm: the rung {stage.mesh.model} sees the web in the section only; its "
-                    "offset changes nothing there"
+                    f"{place}.{name}.web_offset_mm: the mesh models see the web in the section only; its offset "
+                    "changes nothing there"
                 )
-        relieved = (modification.pinion.tip_relief, modification.wheel.tip_relief)
-        if stage.mesh.model == "iso" and any(relieved):
-            yield f"{place}: tip relief under the rung iso acts on a stiffness that knows no load sharing; prefer plane"
+        yield from (f"{place}: {doubt}" for doubt in mesh.doubts(modification))
     for number, fault in enumerate(scene.faults, 1):
         stage, pair = scene.stages[fault.stage - 1], layout.pairs[fault.stage - 1]
         width = pair.face_width / stage.mesh.slices
@@ -84,21 +82,15 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
 def _hidden(scene: Scene, fault: FaultTable, number: int, pair: GearPair, facts: StageFacts) -> Iterator[str]:
     """Compares the change that a fault makes in the transmission error with the single pitch tolerance.
 
-    A missing tooth takes 1/max(eps_alpha, eps_beta) of the mean contact line (at least where lines are complete), wear
-    its depth, a chip its part of the line. Of cracks nothing is estimated.
+    Of faults whose change depends on more than their size nothing is estimated.
     """
-    if not scene.deviations.enabled or isinstance(fault, CrackedToothTable):
+    if not scene.deviations.enabled:
         return
-    delta = facts.mesh_force / pair.face_width / TYPICAL_STIFFNESS
-    lost = min(0.95, 1 / max(pair.transverse_contact_ratio, pair.overlap_ratio))
-    if isinstance(fault, WornToothTable):
-        change = fault.depth_um / 1e6
-        if fault.tooth is not None:
-            change = min(change, delta * lost / (1 - lost))
-    else:
-        if isinstance(fault, ChippedToothTable):
-            lost *= fault.extent_mm / 1000 / pair.face_width
-        change = delta * lost / (1 - lost)
+    approach = facts.mesh_force / pair.face_width / TYPICAL_STIFFNESS
+    one = damage(fault, lifting_sense(scene, fault.stage))
+    change = one.movement(pair, approach, alone=fault.tooth is not None)
+    if change is None:
+        return
     tolerance = pitch_tolerance(getattr(pair, fault.gear), scene.deviations.iso_grade).single
     if change < tolerance:
         yield (

@@ -5,9 +5,11 @@ from __future__ import annotations
 import difflib
 import functools
 from collections.abc import Iterator
+from dataclasses import replace
 
 from fem.contact.frame import RungError
-from fem.gears.geometry import GeometryError
+from fem.contact.models.mesh_model import MeshModel
+from fem.gears.geometry import GearPair, GeometryError
 from mbd.parts.checks import MachineError
 from mbd.parts.rolling_catalogue import designations
 from mbd.parts.shafts import shaft_nodes
@@ -15,10 +17,9 @@ from pipelines.border.errors import Problem
 from pipelines.plant.bearings import linear_bearing, rolling_elements
 from pipelines.plant.checks.held_shafts import unheld
 from pipelines.plant.hoist import drums, load_spec
-from pipelines.plant.law_specs import law_specs
 from pipelines.plant.layout import Layout
 from pipelines.plant.machine import losses_spec, shaft_specs, speed_profile
-from pipelines.plant.mesh_laws import LawSpec, contact_path, mesh_laws
+from pipelines.plant.mesh_models import mesh_models
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.bearings import HertzBearings, LinearBearings, RigidBearings
 
@@ -121,19 +122,16 @@ def _bad_load(scene: Scene, layout: Layout) -> Iterator[Problem]:
 
 def bad_laws(scene: Scene, layout: Layout) -> Iterator[Problem]:
     """Mesh rungs that refuse their pair; those of finite elements are asked for their settings and path of contact."""
-    for number, spec in enumerate(law_specs(scene, layout), 1):
-        if reason := _law_refusal(spec):
+    for number, (mesh, pair) in enumerate(zip(mesh_models(scene, layout), layout.pairs, strict=True), 1):
+        if reason := _law_refusal(mesh, replace(pair, backlash_allowance=0.0)):
             yield Problem(f"stages.{number}.mesh", reason)
 
 
 @functools.lru_cache(maxsize=64)
-def _law_refusal(spec: LawSpec) -> str:
+def _law_refusal(mesh: MeshModel, pair: GearPair) -> str:
     """Why a law cannot be built, "" where nothing is known against it."""
     try:
-        if spec.model in ("iso", "energy"):
-            mesh_laws(spec)
-        else:
-            contact_path(spec)
+        mesh.check(pair)
     except (RungError, GeometryError) as error:
         return str(error)
     return ""

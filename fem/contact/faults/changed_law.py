@@ -1,0 +1,51 @@
+"""What modifications and faults do to a mesh law: gaps and compliances, added to the tables of a sound pair."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fem.contact.faults.tooth_fault import ToothFault
+from fem.contact.frame import law_points
+from fem.contact.law import MeshLaw
+from fem.contact.teeth import with_variants
+from fem.gears.geometry import GearPair
+from fem.gears.modifications import PairModifications, check_modifications, lead_gap, profile_gap
+
+
+def modified_law(law: MeshLaw, pair: GearPair, modifications: PairModifications) -> MeshLaw:
+    """The law of the pair with its flanks modified and its axes misaligned; its compliances stay.
+
+    Raises
+    ------
+    GeometryError : a modification that does not fit on the flanks
+    """
+    if modifications.none:
+        return law
+    check_modifications(pair, modifications)
+    return law.replaced(
+        gap=law.gap + profile_gap(pair, modifications, law_points(law, pair)),
+        lead_gap=law.lead_gap + lead_gap(pair, modifications, law.flank, law.face_coordinate),
+    )
+
+
+def damaged_law(law: MeshLaw, pair: GearPair, gear: str, faults: Sequence[ToothFault]) -> MeshLaw:
+    """The law with a variant of the teeth of "pinion" or "wheel" that carries all of `faults` at once.
+
+    Raises
+    ------
+    GeometryError : a fault that does not fit on the tooth
+    """
+    compliance = np.zeros((law.face_coordinate.size, law.compliance.size))
+    gap = np.zeros_like(compliance)
+    for fault in faults:
+        fault.check(getattr(pair, gear))
+        compliance = compliance + fault.compliance(law, pair, gear)
+        gap = gap + fault.gap(law, pair, gear)
+    return with_variants(law, gear, compliance, gap)
+
+
+def evenly_damaged_law(law: MeshLaw, pair: GearPair, gear: str, fault: ToothFault) -> MeshLaw:
+    """The law of a pair all of whose teeth of "pinion" or "wheel" have a fault that is the same along the face."""
+    return law.replaced(gap=law.gap + fault.gap(law, pair, gear))

@@ -1,0 +1,73 @@
+"""A piece broken off a tooth: beyond it the pair goes on with the tip-edge contact of the short tooth, slice by slice.
+
+Slices are whole: the extent along the face is rounded to slices, an error of half a slice at most.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.contact.faults.tooth_fault import ToothFault, check_end, from_end, lost_share
+from fem.contact.law import MeshLaw
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
+from fem.gears.path import path_points
+from fem.gears.rack import require
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChippedTooth(ToothFault):
+    """A piece broken off a tooth: `depth` from the tip (m) over `extent` of the face (m) from one end.
+
+    corner: the depth falls evenly to nothing over the extent (a broken tip corner); otherwise it is the same over it.
+    """
+
+    extent: float
+    depth: float
+    end: str = "+y"
+    corner: bool = False
+
+    def check(self, gear: Gear) -> None:
+        """Raises GeometryError for a chip that does not fit on the tooth."""
+        label = f"chipped tooth of gear z={gear.teeth}"
+        check_end(label, self.end)
+        require(
+            0.0 < self.extent <= gear.face_width,
+            f"{label}: extent is {self.extent:.4g} m; give a value in (0, {gear.face_width:.4g}] m, the face width",
+        )
+        height = gear.tip_radius - gear.root_radius
+        require(
+            0.0 < self.depth <= height * (1 + 1e-9),
+            f"{label}: depth is {self.depth:.4g} m; give a value in (0, {height:.4g}] m, the tooth height",
+        )
+
+    def depth_at(self, face: np.ndarray, face_width: float) -> np.ndarray:
+        """Depth (m) of the chip below the tip circle at the face coordinates (slice,)."""
+        inwards = from_end(face, face_width, self.end)
+        if self.corner:
+            return self.depth * np.clip(1.0 - inwards / self.extent, 0.0, None)
+        return np.where(inwards < self.extent, self.depth, 0.0)
+
+    def gap(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
+        """Gap (slice, position), m: 0 where the flank is left, inf where nothing can touch."""
+        own = getattr(pair, gear)
+        xi = law.position_start + law.position_step * np.arange(law.compliance.size)
+        largest = 0.5 * pair.pinion.normal_module
+        sound = path_points(pair, xi, largest, (np.inf, np.inf)).gap
+        depths = self.depth_at(law.face_coordinate, pair.face_width)
+        added = np.zeros((depths.size, xi.size))
+        for depth in np.unique(depths[depths > 0.0]):
+            left = own.tip_radius - depth
+            tips = (left, np.inf) if gear == "pinion" else (np.inf, left)
+            short = path_points(pair, xi, largest, tips).gap
+            with np.errstate(invalid="ignore"):
+                more = np.where(np.isfinite(sound), short - sound, 0.0)
+            added[depths == depth] = np.maximum(more, 0.0)
+        return added
+
+    def movement(self, pair: GearPair, approach: float, *, alone: bool) -> float:
+        """Its part of the contact line is lost."""
+        lost = lost_share(pair) * self.extent / pair.face_width
+        return approach * lost / (1 - lost)

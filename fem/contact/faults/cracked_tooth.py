@@ -1,0 +1,116 @@
+"""A crack in the root fillet: it adds the compliance that finite elements find between the slit and the welded section.
+
+Slices are whole: the extent along the face is rounded to slices, an error of half a slice at most.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.contact.faults.tooth_fault import ToothFault, check_end, from_end
+from fem.contact.frame import law_points
+from fem.contact.law import MeshLaw
+from fem.contact.wheels.ring import FlankCompliance, changed_tooth, flank_loads, reduce_sector, ring_response
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
+from fem.gears.path import PathPoints
+from fem.gears.rack import require
+from fem.gears.sector import Slit, root_chord, sector_mesh
+from fem.storage.ledger import count
+
+DEEPEST = 0.8  # of the tooth's root chord
+ANGLES = (math.radians(40.0), math.radians(90.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CrackedTooth(ToothFault):
+    """A crack in the root fillet of one flank: `depth` (m) along it, `angle` to the tooth's centre line (rad).
+
+    It starts where the fillet runs at 45 degrees to the radius; angle pi/2 goes straight across the tooth, less goes
+    down into the rim. `extent` (m) of the face from `end`, None: the whole face. flank "drive" or "coast": the side of
+    the mouth. Under load on the other flank the crack is pressed shut and does nothing.
+    """
+
+    depth: float
+    angle: float = math.radians(70.0)
+    extent: float | None = None
+    end: str = "+y"
+    flank: str = "drive"
+
+    def check(self, gear: Gear) -> None:
+        """Raises GeometryError for a crack that is none or nearly cuts the tooth or the rim off."""
+        label = f"cracked tooth of gear z={gear.teeth}"
+        check_end(label, self.end)
+        require(self.flank in ("drive", "coast"), f"{label}: flank is {self.flank!r}; choose 'drive' or 'coast'")
+        low, high = ANGLES
+        require(
+            low - 1e-9 <= self.angle <= high + 1e-9,
+            f"{label}: angle is {math.degrees(self.angle):.4g} deg to the centre line; give a value in "
+            f"[{math.degrees(low):.0f}, {math.degrees(high):.0f}] deg",
+        )
+        radius, chord = root_chord(gear)
+        require(
+            0.0 < self.depth <= DEEPEST * chord,
+            f"{label}: depth is {self.depth:.4g} m; give a value in (0, {DEEPEST * chord:.4g}] m, "
+            f"{DEEPEST} of the tooth root thickness {chord:.4g} m; cut through, it is a missing tooth",
+        )
+        mouth = math.asin(chord / 2 / radius)
+        tip = math.hypot(
+            radius * math.cos(mouth) - self.depth * math.cos(self.angle), chord / 2 - self.depth * math.sin(self.angle)
+        )
+        floor = gear.rim_inner_radius + 0.3 * (gear.root_radius - gear.rim_inner_radius)
+        require(
+            tip >= floor,
+            f"{label}: the crack ends at radius {tip:.6g} m; it must stay above {floor:.6g} m, 30 % of the rim: reduce "
+            "depth or raise angle",
+        )
+        require(
+            self.extent is None or 0.0 < self.extent <= gear.face_width,
+            f"{label}: extent is {self.extent!r} m; give a value in (0, {gear.face_width:.4g}] m or leave it out",
+        )
+
+    def covers(self, face: np.ndarray, face_width: float) -> np.ndarray:
+        """Which face coordinates (slice,) lie on the cracked part."""
+        if self.extent is None:
+            return np.ones(np.shape(face), dtype=bool)
+        return np.asarray(from_end(face, face_width, self.end) < self.extent)
+
+    def compliance(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
+        """Compliance (slice, position), m2/N, in the slices that the crack reaches, on the flank of its mouth."""
+        added = super().compliance(law, pair, gear)
+        if self.flank == law.flank:
+            reached = self.covers(law.face_coordinate, pair.face_width)
+            added[reached] += crack_compliance(pair, gear, self, law_points(law, pair))
+        return added
+
+    def movement(self, pair: GearPair, approach: float, *, alone: bool) -> None:
+        """Not estimated: it depends on the depth far from evenly."""
+
+
+def crack_compliance(
+    pair: GearPair, gear: str, crack: CrackedTooth, points: PathPoints, refinement: float = 1.0, patch: float = 0.08
+) -> np.ndarray:
+    """Compliance (position,), m2/N, that a root crack adds at the contact points, per unit face width.
+
+    Difference between a ring with the cracked tooth and the sound ring, both of the plane rung and on one mesh, so that
+    it vanishes with the crack. `patch` is the half-width of the loads in m_n, which cancels.
+    """
+    from threadpoolctl import threadpool_limits
+
+    own, material = getattr(pair, gear), getattr(pair, f"{gear}_material")
+    young, poisson = material.elastic_modulus, material.poisson_ratio
+    mesh = sector_mesh(own, refinement, Slit(depth=crack.depth, angle=crack.angle))
+    whole = mesh.closed()
+    count("gear_meshes")
+    with threadpool_limits(1):
+        sound = reduce_sector(whole, young, poisson, flank_loads(whole))
+        split = reduce_sector(mesh, young, poisson, flank_loads(mesh))
+        added = changed_tooth(sound, split) - ring_response(sound, 0)[0]
+    ring = FlankCompliance(arc=mesh.flank_arc, tip_arc=mesh.tip_arc, matrix={0: added})
+    radius = points.pinion_radius if gear == "pinion" else points.wheel_radius
+    centre = (radius**2 - own.base_radius**2).clip(0.0) / (2 * own.base_radius)
+    weight, _ = ring.patches(centre, patch * own.normal_module)
+    return np.maximum(np.einsum("pi,ij,pj->p", weight, added, weight), 0.0)

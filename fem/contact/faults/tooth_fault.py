@@ -1,0 +1,64 @@
+"""What a fault of a tooth is: a frozen class of what an inspection report would state, in m and rad.
+
+Face coordinates are those of the gear pair: y from mid face, ends "-y" and "+y".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from fem.contact.law import MeshLaw
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
+from fem.gears.rack import require
+
+ENDS = ("-y", "+y")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToothFault:
+    """A fault of a single tooth; it checks itself against a gear and says what it adds to the laws of a pair.
+
+    changes_flank : the tooth stays and has compliance and gap of its own: it becomes a variant of the mesh law
+    clearance : of the tooth on either flank, m
+    """
+
+    changes_flank: ClassVar[bool] = True
+    clearance: ClassVar[float] = 0.0
+
+    def check(self, gear: Gear) -> None:
+        """Raises GeometryError for a fault that does not fit on the tooth."""
+
+    def compliance(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
+        """Compliance (slice, position), m2/N, that the fault of "pinion" or "wheel" adds on the flank of the law."""
+        return np.zeros((law.face_coordinate.size, law.compliance.size))
+
+    def gap(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
+        """Gap, m, that the fault adds: (slice, position), or (position,) where it is the same along the face."""
+        return np.zeros(law.compliance.size)
+
+    def movement(self, pair: GearPair, approach: float, *, alone: bool) -> float | None:
+        """About how far the fault moves the mesh (m) that approaches by `approach` under load; None: not estimated.
+
+        `alone` is False where all teeth have it. Here: one tooth pair carries nothing, and the others its share of the
+        mean contact line, 1/max(eps_alpha, eps_beta), at least where lines are complete.
+        """
+        return approach * lost_share(pair) / (1 - lost_share(pair))
+
+
+def lost_share(pair: GearPair) -> float:
+    """Part of the mean contact line that is lost with a tooth pair."""
+    return min(0.95, 1 / max(pair.transverse_contact_ratio, pair.overlap_ratio))
+
+
+def from_end(face: np.ndarray, face_width: float, end: str) -> np.ndarray:
+    """Distance (slice,) of the face coordinates from an end of the face."""
+    return face_width / 2 - face if end == "+y" else face_width / 2 + face
+
+
+def check_end(label: str, end: str) -> None:
+    """Raises GeometryError for an end that is none."""
+    require(end in ENDS, f"{label}: end is {end!r}; choose one of {', '.join(ENDS)}")

@@ -1,0 +1,41 @@
+"""What a mesh model is: a frozen class of options that makes the mesh laws of a gear pair."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import ClassVar
+
+from fem.contact.law import MeshLaw
+from fem.gears.geometry import GearPair
+from fem.gears.modifications import PairModifications
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeshModel(ABC):
+    """Options of a mesh model as fields, checked when it is made.
+
+    A field ``line_load`` (N/m) or None is filled in from the load that the pair carries; all others are options of the
+    user. `seconds` is what the laws of one pair take from nothing, about.
+    """
+
+    seconds: ClassVar[float] = 0.0
+    slices: int = 15
+
+    @abstractmethod
+    def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
+        """The laws of drive and coast flank.
+
+        Raises
+        ------
+        RungError, GeometryError : the pair is outside the range of the model
+        """
+
+    def check(self, pair: GearPair) -> None:
+        """Refuse what `laws` would refuse, before anything expensive is computed."""
+        self.laws(pair)
+
+    def doubts(self, modifications: PairModifications) -> Iterable[str]:
+        """What a user should know before trusting the model with these flanks; none for most models."""
+        return ()

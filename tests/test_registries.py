@@ -1,0 +1,112 @@
+"""Mesh models and faults of teeth by name: scene tables fit them, unknown names are refused, each has its own key."""
+
+from typing import Literal, get_args, get_origin
+
+import numpy as np
+import pytest
+from gear_pairs import gear_pair
+
+from fem.contact.faults.registry import FAULTS, tooth_fault
+from fem.contact.frame import RungError
+from fem.contact.models.registry import MODELS, mesh_model
+from fem.gears.rack import GeometryError
+from pipelines.engine.code_version import reachable
+from pipelines.plant.units import si_options
+from pipelines.scene.file import load_scene
+from pipelines.scene.tables.faults import FaultBase, FaultTable, WornToothTable
+from pipelines.scene.tables.gears import MeshModel
+from pipelines.steps.graph import scene_stages
+
+PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
+
+
+def tables(union, discriminator):
+    """Scene tables by name."""
+    found = {}
+    for member in get_args(get_args(union)[0]):
+        literal = member.model_fields[discriminator].annotation
+        assert get_origin(literal) is Literal
+        found |= dict.fromkeys(get_args(literal), member)
+    return found
+
+
+MESHES = tables(MeshModel, "model")
+
+
+def extremes(table):
+    """Least and greatest values that a table takes, by key."""
+    for key, field in table.model_fields.items():
+        for limit in field.metadata:
+            for bound in ("ge", "le"):
+                if hasattr(limit, bound):
+                    yield key, getattr(limit, bound)
+
+
+def test_every_scene_table_has_a_model_and_every_model_a_table():
+    assert set(MESHES) == set(MODELS)
+    assert set(tables(FaultTable, "kind")) == set(FAULTS)
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_a_model_takes_all_that_its_table_lets_through(name):
+    table = MESHES[name]()
+    options = table.model_dump(exclude={"model"})
+    assert mesh_model(name, line_load=0.0, **options).slices == table.slices
+    for key, bound in extremes(MESHES[name]):
+        mesh_model(name, line_load=1e5, **(options | {key: bound}))
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_the_laws_of_both_flanks_carry_the_name_of_their_model(name):
+    model = mesh_model(name, line_load=1e5, slices=5)
+    model.check(PAIR)
+    if model.seconds == 0.0:
+        assert [(law.model, law.flank) for law in model.laws(PAIR)] == [(name, "drive"), (name, "coast")]
+
+
+def test_an_unknown_name_is_refused_with_those_that_are_known():
+    with pytest.raises(RungError, match="'shell' is unknown; known: iso, energy, plane, solid"):
+        mesh_model("shell", line_load=0.0)
+    with pytest.raises(GeometryError, match="'bent-tooth' is unknown; known: missing-tooth"):
+        tooth_fault("bent-tooth")
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_the_key_of_a_law_takes_the_code_of_its_own_model_alone(name):
+    stage = scene_stages(load_scene("minimal", [f"stages.1.mesh.model={name}"]).scene, "minimal")[0]
+    code = set(reachable(stage.build.__module__, *stage.modules))
+    assert MODELS[name][0] in code
+    assert not code & {module for other, (module, _) in MODELS.items() if other != name}
+
+
+def test_the_key_of_a_damaged_law_takes_the_code_of_its_own_faults_alone():
+    fault = {"kind": "chipped-tooth", "stage": 1, "gear": "wheel", "tooth": 3, "extent_mm": 4.0, "depth_mm": 1.0}
+    scene = load_scene("minimal", {"faults": [fault]}).scene
+    stage = next(stage for stage in scene_stages(scene, "minimal") if stage.kind == "flanks")
+    code = set(reachable(stage.build.__module__, *stage.modules))
+    assert {FAULTS["chipped-tooth"][0]} == code & {module for module, _ in FAULTS.values()}
+
+
+def test_units_are_the_ends_of_keys():
+    worn = WornToothTable(kind="worn-tooth", stage=1, gear="wheel", tooth=3, depth_um=4.0, place="pitch", width_mm=2.0)
+    assert si_options(worn, without=FaultBase) == {"depth": 4e-6, "place": "pitch", "width": 2e-3}
+
+
+@pytest.mark.parametrize("kind", FAULTS)
+def test_a_fault_adds_compliance_and_gaps_that_are_not_negative(kind):
+    options = {
+        "missing-tooth": {},
+        "chipped-tooth": {"extent": 4e-3, "depth": 1e-3},
+        "cracked-tooth": {"depth": 1e-3},
+        "worn-tooth": {"depth": 5e-6},
+    }[kind]
+    fault = tooth_fault(kind, **options)
+    fault.check(PAIR.wheel)
+    law = mesh_model("iso", line_load=0.0, slices=6).laws(PAIR)[0]
+    compliance, gap = fault.compliance(law, PAIR, "wheel"), fault.gap(law, PAIR, "wheel")
+    assert compliance.shape == (6, law.compliance.size)
+    assert (compliance >= 0.0).all()
+    assert (gap >= 0.0).all()
+    added = np.isinf(fault.clearance) or compliance.any() or gap.any()
+    assert added
+    assert fault.changes_flank == (not np.isinf(fault.clearance))
