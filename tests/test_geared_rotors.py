@@ -8,8 +8,7 @@ import pytest
 from mbd_rigs import mesh_law, no_casing
 from scipy import linalg
 
-from fem.casing.reduced.body import BEARING_AXES
-from mbd.parts.bearings import BearingSpec
+from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.gyroscopic import gyroscopic_matrix, planes

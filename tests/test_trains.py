@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
-from fem.casing.reduced.body import BEARING_AXES
-from mbd.parts.bearings import BearingSpec, rigid_bearing, springs
+from mbd.parts.bearings import BEARING_AXES, BearingSpec, rigid_bearing, springs
 from mbd.parts.checks import MachineError
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.mesh_reference import nominal_forces

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.casing.reduced.body import BEARING_AXES
 from mbd.coordinates.layout import Layout
-from mbd.parts.bearings import BearingSpec
+from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from mbd.parts.checks import MachineError
 from mbd.parts.machine import Machine
 

@@ -7,11 +7,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from fem.casing.reduced.body import BEARING_AXES
 from mbd.coordinates.channels import bearing_row
 from mbd.coordinates.layout import Layout
 from mbd.coordinates.modal_basis import modal_basis
 from mbd.forces.element import Element
+from mbd.parts.bearings import BEARING_AXES
 from mbd.parts.checks import MachineError
 from mbd.parts.machine import Machine
 from mbd.parts.mesh_reference import nominal_forces, reference_load

@@ -32,11 +32,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from scipy import optimize
 
-from fem.casing.reduced.body import BEARING_AXES
 from fem.numerics.compiled import inner
 from mbd.coordinates.channels import bearing_force, bearing_row
 from mbd.forces.element import BY_ANGLE, ENERGY, Element, Signal, evaluated, rule
-from mbd.parts.bearings import BearingSpec
+from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from mbd.parts.rolling_elements import RollingElements, element_values, pass_frequencies, reference_load
 
 if TYPE_CHECKING:

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.casing.reduced.body import BEARING_AXES, ReducedBody
+from fem.casing.reduced.body import ReducedBody
 from mbd.coordinates.channels import ChannelRows, bearing_row, channel_names, channel_rows
 from mbd.coordinates.layout import Layout, layout
 from mbd.forces.assembly import Assembly
 from mbd.forces.element import Element
 from mbd.forces.registry import SOURCES_OF_FORCE
 from mbd.forces.table import Table, element_table
-from mbd.parts.bearings import springs
+from mbd.parts.bearings import BEARING_AXES, springs
 from mbd.parts.gyroscopic import planes, rolling_matrix
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import shaft_matrices

@@ -14,7 +14,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from fem.casing.geometry.housing import Housing
-from fem.casing.reduced.body import BEARING_AXES, MODES_OVER_BAND
+from fem.casing.reduced.body import MODES_OVER_BAND
+from mbd.parts.bearings import BEARING_AXES
 from pipelines.engine.step import Graph, Stage
 from pipelines.plant.casing_sizes import element_sizes
 from pipelines.plant.checks.validity import checked_layout

@@ -136,7 +136,7 @@ def _channels(scene: Scene) -> int:
     bearings = sum(len(shaft.bearing_positions_mm) for shaft in scene.shafts)
     count = 3 * scene.drive.motors + 2 * len(scene.shafts) + 4 * len(scene.stages) + 3 * bearings
     count += 3 * (bearings if scene.casing.model == "none" else len(scene.sensors))
-    return count + {"static-torque": 0, "rope": 3, "rope-pendulum": 5}[scene.load.model]
+    return count + {"rope": 3, "rope-pendulum": 5}.get(scene.load.model, 0)
 
 
 def _existing(folder: Path) -> Path:

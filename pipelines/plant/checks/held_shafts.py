@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fem.casing.reduced.body import BEARING_AXES
+from mbd.parts.bearings import BEARING_AXES
 from mbd.parts.gear_mesh import contact_rows
 from pipelines.border.errors import Problem
 from pipelines.plant.bearings import rolling_elements
