@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipelines.cli import parser
+from pipelines.command_line import parser
 from pipelines.engine.working import Work
 from pipelines.scene.file import load_scene
 from pipelines.trade.axes import AXES, AxisError

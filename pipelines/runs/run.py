@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from pipelines.scene.scene import Scene
 
 _LOG = logging.getLogger(__name__)
-LIBRARIES = ("gearcase", "numpy", "scipy", "numba", "h5py", "xarray", "scikit-fem", "gmsh", "scikit-sparse", "pymetis")
+WRITERS = ("h5py", "h5netcdf", "xarray")  # of the signals
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -222,19 +222,12 @@ def _cost_row(record: StageRecord) -> dict[str, Any]:
 
 
 def provenance(loaded: LoadedScene, outcome: Outcome) -> dict[str, Any]:
-    """Versions, rungs and keys: the same for the same result."""
-    scene = loaded.scene
+    """Versions of what the stages say they use, rungs and keys: the same for the same result."""
+    used = {name: version for record in outcome.records for name, version in record.libraries.items()}
     return {
         "scene": loaded.name,
-        "versions": {"python": platform.python_version(), **library_versions(*LIBRARIES)},
-        "rungs": {
-            "mesh": [stage.mesh.model for stage in scene.stages],
-            "casing": scene.casing.model,
-            "shafts": scene.shaft_model.model,
-            "bearings": scene.bearings.model,
-            "load": scene.load.model,
-            "integrator": scene.simulation.integrator,
-        },
+        "versions": {"python": platform.python_version(), **library_versions("gearcase", *WRITERS), **used},
+        "rungs": loaded.scene.models(),
         "threads per process": 1,
         "keys": {record.name: record.key[:32] for record in outcome.records},
     }

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pipelines.engine.step import Built
 from pipelines.plant.flanks import fault_name, first_tooth_fault
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.faults import MissingToothTable
@@ -52,8 +53,8 @@ class ReportSpec:
     failure: str = ""  # why no diagnosis was possible
 
 
-def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
-    """The page as text, and the reasons of pictures that were left out."""
+def build(spec: ReportSpec, *taken: Any) -> Built:
+    """The page as text, and the reasons of pictures that were left out; kept if there are none."""
     from pipelines.figures.views import LeftOut
     from pipelines.plant.checks.doubts import doubts
     from pipelines.plant.facts import derive
@@ -103,7 +104,7 @@ def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         page = write_report(Path(folder) / "report.html", contents).read_text(encoding="utf-8")
     left_out = [p.reason for p in (gears, casing) if isinstance(p, LeftOut)]
-    return {"page": page, "left_out": left_out}
+    return Built({"page": page, "left_out": left_out}, kept=not left_out)
 
 
 def _runs(spec: ReportSpec, responses: Sequence[xarray.Dataset]) -> dict[str, xarray.Dataset]:
