@@ -17,6 +17,7 @@ ONLY_IN = {  # package: modules or packages that may import it
     "skfem": {"fem"},
     "pydantic": {"pipelines"},
     "rich": {"pipelines"},
+    "tomlkit": {"pipelines.scene.new"},
     "meshio": {"fem"},
     "matplotlib": {"pipelines"},
 }
