@@ -10,7 +10,7 @@ from benchmarks.page import filled
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "modules.md"
-PACKAGES = ("fem", "mbd", "pipelines")
+PACKAGES = ("fem", "mbd", "pipelines", "gearcase")
 
 
 def modules() -> dict[str, Path]:

@@ -13,6 +13,7 @@ from typing import Any
 
 from pipelines.engine.cache import Cache
 from pipelines.engine.child import command, environment
+from pipelines.engine.working import Work
 from pipelines.scene.file import LoadedScene, changed, load_scene
 from pipelines.scene.presets import PRESETS, preset_settings
 from pipelines.trade.probes import PROBES
@@ -37,7 +38,7 @@ def presets(folder: Path) -> list[dict[str, Any]]:
     asked |= {f"{preset}, laws of {REFERENCE}": asked[preset] | laws for preset in PRESETS if preset != REFERENCE}
     scenes: dict[str, LoadedScene] = {AS_WRITTEN: loaded}
     scenes |= {name: changed(loaded, settings) for name, settings in asked.items()}
-    found = measure(scenes, list(PROBES), Cache(cold))
+    found = measure(scenes, list(PROBES), Work(cache=Cache(cold)))
     return [row(name, one, found[REFERENCE], walls.get(name)) for name, one in found.items()]
 
 

@@ -1,12 +1,10 @@
-"""The command `gearcase`: arguments, and errors turned into one message and an exit code.
+"""The command `gearcase`: one command run, errors turned into one message and an exit code.
 
-Only the standard library is imported before a command is chosen, so that help appears at once.
 Exit codes: 0 success, 1 the work failed, 2 the input cannot be used, 130 interrupted.
 """
 
 from __future__ import annotations
 
-import argparse
 import importlib
 import logging
 import os
@@ -14,285 +12,12 @@ import sys
 import traceback
 import warnings
 from collections.abc import Sequence
-from typing import NoReturn, TextIO
+from typing import TYPE_CHECKING, TextIO
 
-from pipelines.border.argument_types import count, days, number, path, picture, positive, seconds, several, share
+from pipelines.command_line import parser
 
-PROLOGUE = """\
-From gearbox geometry to sensor signals: finite-element mesh stiffness, reduced casing, multibody run, diagnosis.
-
-A SCENE is the name of a shipped scene (minimal, rig-healthy, rig-missing-tooth, ...) or a path ending in .toml.
-A RUN is a result folder, or the name of a scene whose newest result under ./runs is meant.
-"""
-EPILOGUE = """\
-first steps:
-  gearcase run minimal                        a whole run in seconds; opens nothing, names the report
-  gearcase new my.toml --from rig-healthy     a commented scene to change
-  gearcase check my.toml                      what follows from it, before anything is computed
-  gearcase run my.toml                        signals, diagnosis and report under ./runs/my
-
-More on a command: gearcase COMMAND --help
-"""
-# command, module, one line, example
-COMMANDS = (
-    ("new", "write a commented scene file to change", "gearcase new my.toml --from rig-healthy"),
-    ("check", "validate a scene and print what follows from it", "gearcase check rig-missing-tooth"),
-    ("explain", "say what a run would build, reuse, and why", "gearcase explain minimal --set load.container_kg=80"),
-    ("gears", "build the mesh laws and print the stiffness of each pair", "gearcase gears rig-healthy"),
-    ("casing", "build the casing and print its check-up", "gearcase casing rig-healthy"),
-    ("modes", "linearise the loaded machine and print its frequencies", "gearcase modes rig-healthy --up-to 5000"),
-    (
-        "converge",
-        "refine one thing and say how far the answer is off",
-        "gearcase converge minimal --over step",
-    ),
-    ("tradeoff", "measure what every rung and setting costs and gains", "gearcase tradeoff minimal --error 2%"),
-    ("starts", "repeat a motion from other starts; mean and spread of levels", "gearcase starts minimal --starts 8"),
-    ("simulate", "run the machine and write response.nc, no control, no report", "gearcase simulate minimal"),
-    ("diagnose", "print the lines of a fault in a finished run", "gearcase diagnose rig-missing-tooth"),
-    ("run", "everything: simulation, healthy control, diagnosis, report", "gearcase run rig-missing-tooth"),
-    ("inspect", "write pictures of a gear pair with its curve and of the casing", "gearcase inspect rig-healthy"),
-    ("export", "write the signals of a run as CSV or MATLAB file", "gearcase export rig-missing-tooth --to mat"),
-    ("cache", "show, verify or clear the store of finished stages", "gearcase cache info"),
-)
-
-
-class Parser(argparse.ArgumentParser):
-    """Says what is wrong with an argument without printing the argument raw or at length."""
-
-    def error(self, message: str) -> NoReturn:
-        """Usage and the message on standard error; exit code 2."""
-        from pipelines.border.shown import shown
-
-        head, tail = message[:_MESSAGE_END], message[_MESSAGE_END:]
-        if len(tail) > _MESSAGE_END:
-            tail = f"...{tail[-_MESSAGE_END:]}"
-        self.print_usage(sys.stderr)
-        self.exit(2, f"{self.prog}: error: {shown(head)}{shown(tail)}\n")
-
-
-_MESSAGE_END = 180  # characters at the front and at the end of a message on arguments: choices stand at its end
-
-
-class Formatter(argparse.RawDescriptionHelpFormatter):
-    """Keeps the line breaks of examples; a little wider than the default."""
-
-    def __init__(self, prog: str) -> None:
-        super().__init__(prog, max_help_position=30, width=110)
-
-
-def parser() -> argparse.ArgumentParser:
-    """The whole command line."""
-    top = Parser(prog="gearcase", description=PROLOGUE, epilog=EPILOGUE, formatter_class=Formatter, allow_abbrev=False)
-    top.add_argument("--version", action="store_true", help="print the version and end")
-    commands = top.add_subparsers(dest="command", metavar="COMMAND", title="commands")
-    for name, words, example in COMMANDS:
-        sub = commands.add_parser(
-            name,
-            help=words,
-            description=f"{words[0].upper()}{words[1:]}.",
-            epilog=f"example:\n  {example}",
-            formatter_class=Formatter,
-            allow_abbrev=False,
-        )
-        _ARGUMENTS[name](sub)
-        sub.add_argument("-v", "--verbose", action="store_true", help="log what is done; tracebacks of failures")
-    return top
-
-
-def _scene(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("scene", metavar="SCENE", type=path, help="name of a shipped scene, or a path ending in .toml")
-    sub.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        dest="settings",
-        action="append",
-        default=[],
-        help="change one value, as in --set stages.1.face_width_mm=32; repeatable; items count from 1",
-    )
-    sub.add_argument(
-        "--preset",
-        choices=("draft", "standard", "reference"),  # as in pipelines.scene.presets
-        help="how finely it is computed; --set counts more (default: as the scene says)",
-    )
-
-
-def _work(sub: argparse.ArgumentParser) -> None:
-    _scene(sub)
-    sub.add_argument("--processes", type=count, metavar="N", help="long stages built side by side (default 2)")
-    sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
-
-
-def _casing(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
-    sub.add_argument(
-        "--error-check",
-        action="store_true",
-        help="compare frequencies and responses with the full model; costs about as much as the reduction",
-    )
-    sub.add_argument(
-        "--export",
-        metavar="FILE",
-        type=path,
-        action="append",
-        default=[],
-        help="write the reduced casing as .h5, .mat or .uff (modal test), or its modes as .vtu; repeatable",
-    )
-    sub.add_argument("--modes", metavar="N", type=count, default=20, help="rows of the table of modes (default 20)")
-
-
-def _out(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder instead of ./runs/<scene>/<timestamp>")
-
-
-def _new(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("file", metavar="FILE", type=path, help="file to write, ending in .toml; never overwritten")
-    sub.add_argument(
-        "--from",
-        metavar="SCENE",
-        type=path,
-        dest="source",
-        default="rig-healthy",
-        help="default: rig-healthy",
-    )
-
-
-def _run(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
-    _out(sub)
-    sub.add_argument("--no-control", action="store_true", help="leave out the healthy control and the diagnosis")
-    sub.add_argument("--one-load", action="store_true", help="with a rope, leave out the equivalent constant torque")
-    sub.add_argument(
-        "--seeds",
-        metavar="N",
-        type=count,
-        default=0,
-        help="compare seeds 1 to N of the deviations and error-free gears",
-    )
-
-
-def _modes(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
-    sub.add_argument("--up-to", metavar="HZ", type=positive, default=10e3, help="highest frequency (default 10000)")
-    sub.add_argument("--cycle", metavar="C", type=number, help="mesh cycle of stage 1 (default: that of the start)")
-    sub.add_argument(
-        "--speed",
-        type=number,
-        default=0.0,
-        metavar="RPM",
-        help="motor speed: losses, gyroscopic moments (default 0)",
-    )
-
-
-def _converge(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
-    # as in pipelines.trade.axes
-    axes = ("gear-mesh", "slices", "positions", "casing-mesh", "modes", "shaft-elements", "step")
-    sub.add_argument("--over", choices=axes, required=True, help="what is refined")
-    sub.add_argument("--levels", type=count, metavar="N", default=3, help="levels, one finer than in use (default 3)")
-    sub.add_argument("--error", type=share, metavar="E", default=0.01, help="wanted error, as in 1%% (default)")
-    sub.add_argument("--out", type=picture, metavar="FILE", help="plot to write (convergence-<scene>-<what>.png here)")
-
-
-def _tradeoff(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
-    sub.add_argument("--error", type=share, metavar="E", default=0.02, help="name the cheapest within it (2%%)")
-    sub.add_argument("--time", type=seconds, metavar="T", default=10.0, help="name the most accurate within it (10s)")
-    sub.add_argument("--out", type=picture, metavar="FILE", help="plot to write (default: tradeoff-<scene>.png here)")
-
-
-def _starts(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
-    sub.add_argument("--starts", type=several, metavar="N", default=8, help="motions, from 2 (default 8)")
-
-
-def _simulate(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
-    _out(sub)
-
-
-def _diagnose(sub: argparse.ArgumentParser) -> None:
-    _run_folder(sub)
-    sub.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        dest="settings",
-        action="append",
-        default=[],
-        help="look elsewhere, as in --set diagnosis.sensor=sensor_5; repeatable",
-    )
-
-
-def _run_folder(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "run",
-        metavar="RUN",
-        type=path,
-        help="result folder, or the name of a scene for its newest result",
-    )
-
-
-def _inspect(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
-    sub.add_argument("--out", metavar="FOLDER", type=path, default=".", help="folder for the pictures (default: here)")
-    sub.add_argument("--stage", type=count, metavar="N", default=1, help="gear stage to show (default 1)")
-    sub.add_argument("--position", type=number, metavar="C", help="one mesh cycle to show instead of a film")
-    sub.add_argument("--frames", type=count, metavar="N", default=25, help="pictures of the film (25; 1: a still)")
-    sub.add_argument("--stress", action="store_true", help="instead, von Mises stress of the loaded teeth: PNG")
-    sub.add_argument(
-        "--mesh",
-        metavar="FILE",
-        type=path,
-        help="instead, hexahedra of the loaded teeth: .vtu, .inp, .msh or .bdf",
-    )
-    sub.add_argument("--screen", action="store_true", help="instead, a window with a slider for the position")
-    sub.add_argument(
-        "--casing-mode",
-        type=count,
-        metavar="N",
-        help="instead, natural mode N of the casing: PNG, GIF and HTML",
-    )
-
-
-def _export(sub: argparse.ArgumentParser) -> None:
-    _run_folder(sub)
-    sub.add_argument("--to", dest="form", choices=("csv", "mat"), required=True, help="file format")
-    sub.add_argument(
-        "--out",
-        metavar="FILE",
-        type=path,
-        help="file to write (default: response.csv or .mat in the run folder)",
-    )
-
-
-def _cache(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("action", choices=("info", "verify", "clear"), nargs="?", default="info", help="default: info")
-    sub.add_argument(
-        "--older-than",
-        metavar="DAYS",
-        type=days,
-        default=0.0,
-        help="clear only what was not used lately",
-    )
-
-
-_ARGUMENTS = {
-    "new": _new,
-    "check": _scene,
-    "explain": _scene,
-    "gears": _work,
-    "casing": _casing,
-    "modes": _modes,
-    "converge": _converge,
-    "tradeoff": _tradeoff,
-    "starts": _starts,
-    "simulate": _simulate,
-    "diagnose": _diagnose,
-    "run": _run,
-    "inspect": _inspect,
-    "export": _export,
-    "cache": _cache,
-}
+if TYPE_CHECKING:
+    import argparse
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -354,8 +79,10 @@ def _guarded(options: argparse.Namespace) -> int:
         sys.stderr.write("gearcase: interrupted. Finished stages are kept; the same command goes on from there.\n")
         return 130
     except BrokenPipeError:
-        sys.stdout = sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - who read us is gone
-        return 1
+        nowhere = os.open(os.devnull, os.O_WRONLY)  # what is still to be written, at the end of the interpreter, too
+        for stream in (sys.stdout, sys.stderr):
+            os.dup2(nowhere, stream.fileno())
+        return 0  # who reads us, as `head` does, has enough
     except Exception as error:
         if options.verbose:
             sys.stderr.write("".join(f"{shown(line, 500)}\n" for line in traceback.format_exc().splitlines()))

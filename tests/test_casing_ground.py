@@ -12,9 +12,10 @@ from scipy.sparse.linalg import splu
 from fem.casing.meshing.mesher import mesh_housing
 from fem.casing.reduced.accuracy import full_response, reduced_response, sensor_rows, state_error, third_octaves
 from fem.casing.reduced.attachment import AttachmentError
+from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.checkup import check_up
 from fem.casing.reduced.damping import damping_ratios
-from fem.casing.reduced.grounded import BEARING_AXES, ground_casing
+from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.lanczos import EigenError, block_lanczos
 from fem.casing.reduced.modes import casing_modes, kept_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import count_fixed_modes, reduce_body, reduced_and_counted

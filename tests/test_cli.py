@@ -8,7 +8,8 @@ import time
 
 import pytest
 
-from pipelines.cli import COMMANDS, main, parser
+from pipelines.cli import main
+from pipelines.command_line import COMMANDS, parser
 from pipelines.scene.file import load_scene
 
 
@@ -26,6 +27,24 @@ def gearcase(capsys, *arguments):
 def here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+def command(*words, stdout=subprocess.PIPE, **environment):
+    return subprocess.Popen(
+        [sys.executable, "-m", "pipelines.cli", *words], stdout=stdout, stderr=subprocess.PIPE,
+        env={**os.environ, **environment},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("buffered", ["", "1"])
+def test_a_reader_that_has_enough_ends_the_command_quietly(buffered):
+    """As in `gearcase check rig-healthy | head -1`: it ended with exit code 1."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    with command("check", "rig-healthy", stdout=writing, PYTHONUNBUFFERED=buffered) as process:
+        os.close(writing)
+        assert process.stderr.read() == b""
+    assert process.returncode == 0
 
 
 def test_help_appears_at_once():
@@ -179,6 +198,23 @@ SHORT = (
 )  # fmt: skip
 
 
+def test_a_killed_export_leaves_the_old_file(capsys, here, monkeypatch):
+    """Nothing of a file is to be seen before it is whole: not the first half of a table, nor an empty picture."""
+    gearcase(capsys, "simulate", "minimal", *SHORT, "--out", "mine")
+    target = here / "signals.csv"
+    target.write_text("old", encoding="utf-8")
+
+    def killed(run, path, form):
+        path.write_text("time", encoding="utf-8")
+        assert target.read_text(encoding="utf-8") == "old"
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("pipelines.signals.export.export", killed)
+    assert gearcase(capsys, "export", "mine", "--to", "csv", "--out", "signals.csv")[0] == 130
+    assert target.read_text(encoding="utf-8") == "old"
+    assert sorted(path.name for path in here.iterdir()) == ["mine", "signals.csv"]
+
+
 def test_simulate_then_export(capsys, here):
     code, out, err = gearcase(capsys, "simulate", "minimal", *SHORT, "--out", "mine")
     assert (code, err) == (0, "")
@@ -229,15 +265,3 @@ def test_a_repeated_run_builds_nothing_and_takes_at_most_2_s(capsys, here):
     newest = (here / "runs" / "minimal" / "latest.txt").read_text(encoding="utf-8").strip()
     facts = json.loads((here / "runs" / "minimal" / newest / "run.json").read_text(encoding="utf-8"))
     assert all(stage["reused"] for stage in facts["stages"])
-
-
-def test_from_python_the_same_as_a_dataset(here):
-    from pipelines import run
-
-    settings = dict(s.split("=") for s in SHORT[1::2])
-    settings = {path: json.loads(value) for path, value in settings.items()}
-    data = run("minimal", set=settings, out=here / "out")
-    signal = data.acceleration.sel(sensor="sensor_3", axis="z")
-    assert signal.sizes == {"time": 500}
-    assert signal.attrs["units"] == "m/s2"
-    assert (here / "out" / "report.html").is_file()

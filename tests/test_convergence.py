@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipelines.cli import parser
-from pipelines.engine.cache import Cache
+from pipelines.command_line import parser
+from pipelines.engine.working import Work
 from pipelines.scene.file import load_scene
 from pipelines.trade.axes import AXES, AxisError
 from pipelines.trade.convergence import CAUTION, ConvergenceError, study
@@ -80,7 +80,7 @@ def test_a_time_step_study_of_a_scene_finds_the_order_of_the_integrator(tmp_path
     monkeypatch.setenv("GEARCASE_CACHE", str(tmp_path))
     short = {"simulation.end_s": 0.2, "diagnosis.windows_s": {"whole": [0.05, 0.2]}}
     loaded = load_scene("minimal", {**short, "simulation.integrator": "trapezoidal", "simulation.step_us": 10.0})
-    found = refine(loaded, "step", 3, Cache())
+    found = refine(loaded, "step", 3, Work())
     (rms,) = found.quantities.values()
     assert rms.order == pytest.approx(2.0, abs=0.4)
     assert rms.relative_bands[found.in_use] > rms.errors[found.in_use]
@@ -93,7 +93,7 @@ def test_a_time_step_study_of_a_scene_finds_the_order_of_the_integrator(tmp_path
 
 def test_an_axis_that_a_scene_does_not_have_is_refused_with_the_remedy():
     with pytest.raises(AxisError, match=r"casing\.model = 'rigid'.*craig-bampton"):
-        refine(load_scene("minimal"), "casing-mesh", 3, Cache())
+        refine(load_scene("minimal"), "casing-mesh", 3, Work())
 
 
 def test_the_command_offers_the_axes_that_exist():

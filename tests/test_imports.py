@@ -1,4 +1,4 @@
-"""The import rule: fem -> mbd -> pipelines, heavy and licensed packages in one module each, light package files."""
+"""Imports: fem -> mbd -> pipelines -> gearcase, heavy and licensed packages in one module each, light package files."""
 
 import ast
 import subprocess
@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-FILES = sorted(path for package in ("fem", "mbd", "pipelines") for path in (ROOT / package).rglob("*.py"))
+FILES = sorted(path for package in ("fem", "mbd", "pipelines", "gearcase") for path in (ROOT / package).rglob("*.py"))
 ONLY_IN = {  # package: modules or packages that may import it
     "gmsh": {"fem.casing.meshing.mesher"},
     "pyvista": {"pipelines.figures.view"},
@@ -17,6 +17,7 @@ ONLY_IN = {  # package: modules or packages that may import it
     "skfem": {"fem"},
     "pydantic": {"pipelines"},
     "rich": {"pipelines"},
+    "tomlkit": {"pipelines.scene.new"},
     "meshio": {"fem"},
     "matplotlib": {"pipelines"},
 }
@@ -59,10 +60,12 @@ def test_a_file_imports_only_what_it_may(path):
     for imported in imports(path):
         top = imported.partition(".")[0]
         if layer == "fem":
-            assert top not in ("mbd", "pipelines"), f"{name} imports {imported}"
+            assert top not in ("mbd", "pipelines", "gearcase"), f"{name} imports {imported}"
         if layer == "mbd":
-            assert top != "pipelines", f"{name} imports {imported}"
+            assert top not in ("pipelines", "gearcase"), f"{name} imports {imported}"
             assert top != "fem" or within(imported, MBD_TAKES), f"{name} imports {imported}"
+        if layer == "pipelines":
+            assert top != "gearcase", f"{name} imports {imported}"
         assert top not in ONLY_IN or within(name, ONLY_IN[top]), f"{name} imports {imported}"
 
 
@@ -74,7 +77,8 @@ def test_a_file_has_at_most_400_lines(path):
 @pytest.mark.parametrize("path", [p for p in FILES if p.name == "__init__.py"], ids=module_name)
 def test_package_files_are_light(path):
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    assert len(path.read_text(encoding="utf-8").splitlines()) <= 20
+    most = 80 if module_name(path) == "gearcase" else 20  # the list of public names
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= most
     at_import = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
     names = {alias.name for node in at_import for alias in node.names} | {getattr(n, "module", "") for n in at_import}
     assert not {name.partition(".")[0] for name in names} & (HEAVY | {"fem", "mbd", "pipelines"})
@@ -107,6 +111,6 @@ def test_what_runs_without_the_mesher():
 
 
 def test_the_parser_imports_nothing_heavy():
-    code = "import sys, pipelines, pipelines.cli\npipelines.cli.parser().format_help()\n"
+    code = "import sys, pipelines.cli\npipelines.cli.parser().format_help()\n"
     done = run_python(code + f"print(sorted(set(sys.modules) & {HEAVY!r}))")
     assert done.stdout.strip() == "[]", done.stderr

@@ -1,6 +1,7 @@
 """The wheel: everything is in it, and it works in another environment, started from another folder."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -13,7 +14,7 @@ import pytest
 from lowest_versions import lowest_versions
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGES = ("fem", "mbd", "pipelines", "meshes")
+PACKAGES = ("fem", "mbd", "pipelines", "meshes", "gearcase")
 
 
 def run(*command, **options):
@@ -64,13 +65,45 @@ def elsewhere(**changes):
 
 def test_every_module_scene_and_mesh_is_in_the_wheel(wheel):
     inside = set(zipfile.ZipFile(wheel).namelist())
-    patterns = ("*.py", "*.toml", "*.msh", "*.step")
+    patterns = ("*.py", "py.typed", "*.toml", "*.msh", "*.step")
     wanted = {
         p.relative_to(ROOT).as_posix() for package in PACKAGES for q in patterns for p in (ROOT / package).rglob(q)
     }
     assert wanted <= inside
     assert not [name for name in inside if name.startswith(("tests", "benchmarks"))]
     assert any(name.endswith("licenses/LICENSE") for name in inside)
+    assert {f"{package}/py.typed" for package in PACKAGES} <= inside
+
+
+def test_every_list_of_our_packages_is_the_same():
+    from gearcase import hidden
+    from pipelines.engine import child, code_version
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]
+    packed = {name.removesuffix("*") for name in project["setuptools"]["packages"]["find"]["include"]}
+    assert packed == set(PACKAGES) == set(project["setuptools"]["package-data"])
+    assert packed == set(project["ruff"]["lint"]["isort"]["known-first-party"])
+    assert packed == {*project["mypy"]["packages"], "meshes"}
+    assert (
+        set(hidden.PACKAGES) == set(child.PACKAGES) == packed - {"gearcase"} == {*code_version.OWN_PACKAGES, "meshes"}
+    )
+
+
+def test_a_type_checker_reads_the_readmes_page_outside_the_checkout(installed, tmp_path):
+    """Strictly, against the installed wheel: names, arguments and results of the door have types."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    (page,) = re.findall(r"^```python\n(.*?)^```", readme, re.M | re.S)
+    wrong = page + "\nscene.changed(3)\ngearcase.laws(scene, procceses=2)\nlines.nothing_like_this_exists + 1\n"
+    for name, text in (("page.py", page), ("wrong.py", wrong)):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    words = ["-m", "mypy", "--strict", "--python-executable", installed[1], "--cache-dir", tmp_path / "cache"]
+    run(sys.executable, *words, "page.py", cwd=tmp_path, env=elsewhere())
+    told = subprocess.run(
+        [sys.executable, *map(str, words), "wrong.py"], cwd=tmp_path, env=elsewhere(), capture_output=True, text=True,
+        check=False,
+    ).stdout  # fmt: skip
+    assert 'Argument 1 to "changed" of "Scene" has incompatible type "int"' in told
+    assert 'Unexpected keyword argument "procceses" for "laws"' in told
 
 
 def test_requirements_have_a_lowest_version_and_only_the_compiler_has_a_highest():

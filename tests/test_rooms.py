@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGES = ("fem", "mbd", "pipelines")
+PACKAGES = ("fem", "mbd", "pipelines", "gearcase")
 MOST_FILES = 15
 ROOMS = (  # from the ground up: a room imports from itself and from what stands above it in this list
     "fem.storage",
@@ -48,6 +48,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "pipelines.trade",
     "pipelines.commands",
     "pipelines",
+    "gearcase",
 )
 
 

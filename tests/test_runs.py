@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from pipelines.cli import main
+from pipelines.engine.cache import Cache
 from pipelines.figures import render
 from pipelines.runs import run_folder
 
@@ -85,3 +86,20 @@ def test_three_runs_started_together_leave_three_results(here):
     assert len(folders) == 3
     assert run_folder.find_run("mine") in [path.relative_to(here) for path in folders]
     assert all((path / run_folder.RESPONSE).is_file() for path in folders)
+
+
+def test_a_report_whose_pictures_were_left_out_is_made_again(here):
+    """The reason may be gone next time; a page without its pictures was kept for good."""
+    assert main(RUN) == 0
+    assert not list(Cache().entries("report"))
+    assert list(Cache().entries("diagnose"))
+
+
+def test_provenance_is_what_the_stages_say_of_themselves(here):
+    """The list by hand named scikit-fem, which no stage uses, gmsh for a casing without a mesh, and left out losses."""
+    assert main(RUN) == 0
+    facts = json.loads((run_folder.find_run("mine") / run_folder.RUN).read_text(encoding="utf-8"))
+    assert facts["rungs"]["losses"] == "none"
+    assert facts["rungs"] | {"mesh": ["iso"], "casing": "rigid", "integrator": "exponential"} == facts["rungs"]
+    assert {"python", "gearcase", "numpy", "scipy", "numba", "xarray", "matplotlib"} <= facts["versions"].keys()
+    assert not {"scikit-fem", "gmsh", "pymetis"} & facts["versions"].keys()

@@ -5,7 +5,7 @@ import tomllib
 import pytest
 
 from pipelines.border.errors import InputError, SceneError
-from pipelines.border.toml_text import format_document, statements
+from pipelines.border.toml_text import format_document
 from pipelines.plant.checks.validity import checked_plant
 from pipelines.scene.file import control_differences, control_of, load_scene, shipped_names
 from pipelines.scene.merge import settings_tree
@@ -218,10 +218,25 @@ def test_a_control_that_differs_in_more_than_the_fault_is_told(tmp_path):
     assert control_differences(loaded, control_of(loaded)) == ["stages.1.face_width_mm: 13.0 -> 12.0"]
 
 
-@pytest.mark.parametrize("name", SHIPPED)
-def test_cutting_text_into_statements_loses_nothing(name):
-    text = load_scene(name).source.text
-    assert "".join(statement.text for statement in statements(text)) == text
+def test_a_copy_of_a_variant_keeps_the_comments_of_both_and_the_values_of_the_variant(tmp_path):
+    write(
+        tmp_path,
+        """# lighter
+extends = "rig-healthy"
+[load]
+container_kg = 500.0   # half a load
+[stages.1]
+mesh = { model = "iso" }  # quick
+""",
+    )
+    text = new_scene(tmp_path / "copy.toml", str(tmp_path / "my.toml")).read_text(encoding="utf-8")
+    assert text.startswith("# lighter\n# The 1:4 test rig")
+    assert "# half a load" in text
+    assert 'mesh = { model = "iso" }' in text
+    assert "# quick" in text
+    assert "[gear_material]                       # case-hardened steel" in text
+    assert load_scene(tmp_path / "copy.toml").scene.stages[0].mesh.model == "iso"
+    assert load_scene(tmp_path / "copy.toml").scene.load.container_kg == 500.0
 
 
 def test_what_is_written_as_toml_reads_back_equal():

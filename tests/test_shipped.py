@@ -7,7 +7,7 @@ import pytest
 import xarray
 from coarse import coarse, diagnosable
 
-from pipelines import run
+import gearcase
 from pipelines.border.errors import SceneError
 from pipelines.runs import run_folder
 from pipelines.runs.run import Options, run_scene
@@ -43,7 +43,8 @@ def test_one_sensor_means_three_recovery_rows(tmp_path):
 def whole_run(tmp_path_factory):
     """A faulty scene with its control, both loads, diagnosis and report."""
     folder = tmp_path_factory.mktemp("whole") / "run"
-    return run("rig-missing-tooth", set=diagnosable("rig-missing-tooth"), out=folder), folder
+    scene = gearcase.Scene.from_file("rig-missing-tooth").changed(diagnosable("rig-missing-tooth"))
+    return gearcase.run(scene, out=folder), folder
 
 
 def test_a_whole_run_leaves_everything_in_its_folder(whole_run):

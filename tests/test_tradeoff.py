@@ -9,9 +9,10 @@ import pytest
 
 from pipelines.border.errors import SceneError
 from pipelines.engine.cache import Cache
+from pipelines.engine.working import Work
 from pipelines.scene import presets
 from pipelines.scene.file import load_scene
-from pipelines.scene.presets import LEVELS, PRESETS, load_preset
+from pipelines.scene.presets import LEVELS, PRESETS, preset_on
 from pipelines.trade import choices as choices_module
 from pipelines.trade import tradeoff
 from pipelines.trade.choices import choices
@@ -43,7 +44,7 @@ def found(tmp_path_factory):
         patch.setattr(presets, "LEVELS", COARSE)
         patch.setattr(choices_module, "MESHES", {"iso": {"model": "iso"}, "plane": {"model": "plane", "slices": 9}})
         patch.setattr(tradeoff, "step_costs", said)
-        return trade(load_scene("minimal", SHORT), Cache(tmp_path_factory.mktemp("cache")), processes=1)
+        return trade(load_scene("minimal", SHORT), Work(cache=Cache(tmp_path_factory.mktemp("cache")), processes=1))
 
 
 def test_the_reference_has_no_error_and_stands_on_the_front(found):
@@ -103,14 +104,14 @@ def test_the_plot_names_its_axes_every_choice_and_the_front(found):
 
 @pytest.mark.parametrize("preset", PRESETS)
 def test_a_preset_changes_only_how_finely_a_scene_is_computed(preset):
-    plain, fine = load_scene("rig-missing-tooth").scene, load_preset("rig-missing-tooth", (), preset).scene
+    plain, fine = load_scene("rig-missing-tooth").scene, preset_on(load_scene("rig-missing-tooth"), preset).scene
     for part in ("faults", "drive", "load", "shafts", "bearings", "deviations", "sensors"):
         assert getattr(plain, part) == getattr(fine, part)
     assert plain.casing.housing == fine.casing.housing
 
 
 def test_a_setting_counts_more_than_the_preset():
-    asked = load_preset("rig-healthy", ["simulation.step_us=7"], "draft").scene
+    asked = preset_on(load_scene("rig-healthy", ["simulation.step_us=7"]), "draft").scene
     assert asked.simulation.step_us == 7
     assert asked.casing.band_Hz < load_scene("rig-healthy").scene.casing.band_Hz
 

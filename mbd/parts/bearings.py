@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
+from fem.casing.reduced.body import BEARING_AXES
 from mbd.elements.component import Component, Place
 from mbd.elements.linear import LinearElement, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
     from mbd.elements.element import Element
 
-BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")
 DIRECTIONS = ("x", "y", "z")
 RIGID_STIFFNESS = 1e12  # N/m
 LINEAR_MODELS = ("rigid", "linear")

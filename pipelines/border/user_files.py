@@ -6,9 +6,12 @@ hold characters that no file can have. Each is refused in one sentence before an
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import stat
+import uuid
+from collections.abc import Iterator
 from pathlib import Path
 
 from pipelines.border.errors import InputError
@@ -163,6 +166,32 @@ def writable_folder(name: str | Path, option: str = "--out") -> Path:
     except OSError as error:
         raise _not_writable(name, option, error.strerror or "") from error
     return path
+
+
+@contextlib.contextmanager
+def whole_file(path: str | Path) -> Iterator[Path]:
+    """A name beside `path`, with its ending, to write to: it becomes `path` if the block ends without an error.
+
+    So who stops the work, or fills the disk, leaves the file as it was. What is no regular file (a pipe, a device) is
+    written itself; so is a file in a folder that takes no other.
+    """
+    final = Path(os.path.realpath(path))
+    if final.exists() and not (final.is_file() and os.access(final.parent, os.W_OK)):
+        yield final
+        return
+    final.parent.mkdir(parents=True, exist_ok=True)
+    partial = final.with_name(f".{uuid.uuid4().hex}{final.suffix}")
+    try:
+        yield partial
+        os.replace(partial, final)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write a text (UTF-8) or bytes: all of it, or the file stays as it was."""
+    with whole_file(path) as partial:
+        partial.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
 
 
 def _check_folder(path: Path, name: str | Path, option: str) -> None:

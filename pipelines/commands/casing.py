@@ -4,64 +4,43 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from fem.casing.reduced.modes import CasingModes, NaturalModes
-    from pipelines.engine.run_graph import Outcome
-    from pipelines.plant.plant import Plant
-
-_STATIC_BAND = 1000.0  # Hz, to which the rung static is compared and exported
 
 
 def main(options: argparse.Namespace) -> int:
     """Build the casing; print check-up, modes and error (elastic rungs) and the coordinates; write the files asked."""
     from pipelines.border.errors import InputError
-    from pipelines.engine.cache import Cache
-    from pipelines.engine.progress import shown_progress
-    from pipelines.engine.run_graph import run_graph
-    from pipelines.engine.step import Graph
-    from pipelines.runs.casing_export import checked_target
+    from pipelines.engine.working import Work
+    from pipelines.runs.built import build_casing, no_full_model, scene_graph
+    from pipelines.runs.casing_export import checked_target, write_casing
     from pipelines.scene.presets import load_asked
-    from pipelines.steps.graph import casing_error_stage
-    from pipelines.steps.study import plan_study
 
     targets = [checked_target(name) for name in options.export]
     loaded = load_asked(options)
-    study = plan_study(loaded, with_control=False, both_loads=False)
-    graph, plant = study.graph, study.plant
-    elastic = "casing modes" in graph.stages
-    if not elastic and (options.error_check or any(t.suffix == ".vtu" for t in targets)):
-        raise InputError(f"a {plant.rungs['casing']} casing has no full model; choose casing.model craig-bampton")
-    wanted = ["casing", *(["casing mesh", "casing modes"] if elastic else [])]
-    if options.error_check:
-        graph = Graph([*graph, casing_error_stage(graph, _band(plant))])
-        wanted.append("casing error")
-    with shown_progress(len(graph.needed(wanted).stages), quiet=options.quiet) as observer:
-        outcome = run_graph(graph, Cache(), wanted, observer=observer, processes=options.processes)
-    body = outcome.value("casing")
-    natural = None
-    if elastic:
-        from fem.casing.reduced.modes import natural_modes
-
-        modes, check = outcome.value("casing modes")
-        limit = None if modes.band_limit == 0.0 else 1.5 * _band(plant)
+    graph, plant = scene_graph(loaded)
+    if "casing modes" not in graph.stages and any(t.suffix == ".vtu" for t in targets):
+        raise InputError(no_full_model(plant))
+    work = Work(processes=options.processes, quiet=options.quiet)
+    casing = build_casing(loaded, work, error_check=options.error_check)
+    body = casing.body
+    if casing.modes is not None and casing.natural is not None and casing.checkup is not None:
         factor = body.stiffness_factor
-        natural = natural_modes(modes, graph.stages["casing"].spec.mounts, limit=limit, stiffness_factor=factor)
         extrapolated = f"stiffness times {factor:.4f}, extrapolated to elements of size zero\n" if factor != 1.0 else ""
-        sys.stdout.write(f"{describe(modes)}\n{extrapolated}{check.report(0)}\n{mode_table(natural, options.modes)}\n")
-    if options.error_check:
-        sys.stdout.write(f"{outcome.value('casing error').report()}\n")
+        table = mode_table(casing.natural, options.modes)
+        sys.stdout.write(f"{describe(casing.modes)}\n{extrapolated}{casing.checkup.report(0)}\n{table}\n")
+    if casing.error is not None:
+        sys.stdout.write(f"{casing.error.report()}\n")
     sys.stdout.write(f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} rows\n")
     for name, (x, y, z) in zip(body.point_names, body.point_positions * 1000, strict=True):
         sys.stdout.write(f"  {name:10} x {x:8.2f}  y {y:8.2f}  z {z:8.2f} mm\n")
-    for record in outcome.records:
-        if "casing" in record.name:
-            reused = ", taken from the cache" if record.reused else ""
-            sys.stdout.write(f"  {record.name:19} {record.seconds:7.1f} s {record.peak_bytes / 1e6:6.0f} MB{reused}\n")
+    for record in casing.records:
+        reused = ", taken from the cache" if record.reused else ""
+        sys.stdout.write(f"  {record.name:19} {record.seconds:7.1f} s {record.peak_bytes / 1e6:6.0f} MB{reused}\n")
     for target in targets:
-        _write(target, outcome, plant, natural)
+        write_casing(casing, plant.title, target)
         sys.stdout.write(f"{target}\n")
     return 0
 
@@ -88,26 +67,3 @@ def mode_table(natural: NaturalModes, count: int) -> str:
     ]
     rows.append(("all", f"{len(share)} modes", *(f"{v:.2f}" for v in share.sum(axis=0))))
     return Grid(title="Natural modes in the ground, effective mass", headers=headers, rows=tuple(rows)).to_text()
-
-
-def _band(plant: Plant) -> float:
-    return getattr(plant.casing, "band", 0.0) or _STATIC_BAND
-
-
-def _write(target: Path, outcome: Outcome, plant: Plant, natural: NaturalModes | None) -> None:
-    from pipelines.border.errors import InputError
-    from pipelines.runs import casing_export
-
-    body = outcome.value("casing")
-    try:
-        if target.suffix == ".h5":
-            body.save(target)
-        elif target.suffix == ".mat":
-            casing_export.write_mat(body, target)
-        elif target.suffix == ".uff":
-            casing_export.write_uff(body, target, title=plant.title, band=_band(plant))
-        elif natural is not None:
-            mesh, modes = outcome.value("casing mesh"), outcome.value("casing modes")[0]
-            casing_export.write_vtu(mesh, modes, natural, target, band=_band(plant))
-    except OSError as error:
-        raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --export.") from error

@@ -14,22 +14,14 @@ if TYPE_CHECKING:
 
 def main(options: argparse.Namespace) -> int:
     """Print ratios, frequencies, torques, cost and warnings; SceneError lists everything that does not fit."""
-    from pipelines.plant.checks.cost import estimate
-    from pipelines.plant.checks.doubts import doubts
-    from pipelines.scene.file import control_differences
+    from pipelines.runs.checked import check_scene
     from pipelines.scene.presets import load_asked
-    from pipelines.steps.study import plan_study
 
     loaded = load_asked(options)
-    study = plan_study(loaded)  # as `run` begins: what is refused there is refused here
-    plant = study.plant
-    sys.stdout.write("".join(f"{line}\n" for line in _lines(plant, loaded.scene.control or "none")))
-    sys.stdout.write(f"  {estimate(loaded.scene, len(study.motions))}\n")
-    for text in doubts(loaded.scene, plant.layout):
-        sys.stdout.write(f"warning: {text}\n")
-    if study.control is not None:
-        for line in control_differences(loaded, study.control):
-            sys.stdout.write(f"warning: the control {study.control.name} differs in more than the fault: {line}\n")
+    found = check_scene(loaded)
+    sys.stdout.write("".join(f"{line}\n" for line in _lines(found.plant, loaded.scene.control or "none")))
+    sys.stdout.write(f"  {found.cost}\n")
+    sys.stdout.write("".join(f"warning: {text}\n" for text in found.warnings))
     return 0
 
 
@@ -55,7 +47,7 @@ def _lines(plant: Plant, control: str) -> Iterator[str]:
         yield f"  bearing_{number} at x {x:.2f}, y {y:.2f}, z {z:.2f} mm"
     rungs = plant.rungs
     models = [f"mesh {'/'.join(dict.fromkeys(rungs['mesh']))}"]
-    models += [f"casing {rungs['casing']}", f"shafts {rungs['shafts']}", f"load {rungs['load']}"]
+    models += [f"casing {rungs['casing']}", f"shafts {rungs['shaft_model']}", f"load {rungs['load']}"]
     yield f"  rungs: {', '.join(models)}, integrator {rungs['integrator']}"
     if plant.faults:
         yield "  faults: " + ", ".join(

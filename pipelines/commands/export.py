@@ -9,7 +9,7 @@ import sys
 def main(options: argparse.Namespace) -> int:
     """Write response.csv or response.mat."""
     from pipelines.border.errors import InputError
-    from pipelines.border.user_files import writable_file
+    from pipelines.border.user_files import whole_file, writable_file
     from pipelines.runs import run_folder
     from pipelines.signals.export import export
 
@@ -17,8 +17,9 @@ def main(options: argparse.Namespace) -> int:
     target = writable_file(options.out or folder / f"response.{options.form}")
     with run_folder.opened_run(folder / run_folder.RESPONSE) as run:
         try:
-            path = export(run, target, options.form)
+            with whole_file(target) as partial:
+                export(run, partial, options.form)
         except OSError as error:
             raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --out.") from error
-    sys.stdout.write(f"{path}\n")
+    sys.stdout.write(f"{target}\n")
     return 0

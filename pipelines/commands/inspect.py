@@ -20,26 +20,25 @@ def main(options: argparse.Namespace) -> int:
     """Write gears_<n>.png and, for a meshed casing, casing.png; say what could not be rendered."""
     from pipelines.border.errors import InputError
     from pipelines.border.user_files import writable_folder
-    from pipelines.engine.cache import Cache
-    from pipelines.engine.progress import shown_progress
-    from pipelines.engine.run_graph import run_graph
+    from pipelines.engine.working import Work
     from pipelines.figures.callouts import casing_figure, gear_figure
+    from pipelines.figures.film import save_figure
     from pipelines.figures.mesh_pictures import show_mesh, write_mesh
     from pipelines.figures.views import Picture
+    from pipelines.runs.built import scene_graph
     from pipelines.scene.presets import load_asked
     from pipelines.steps import reporting
-    from pipelines.steps.study import plan_study
+    from pipelines.steps.pair_curves import pair_laws
 
     folder = writable_folder(options.out)
     loaded, stage = load_asked(options), options.stage
     if stage > len(loaded.scene.stages):
         raise InputError(f"--stage {stage}: the scene has {len(loaded.scene.stages)} stages. Count from 1.")
-    study = plan_study(loaded, with_control=False, both_loads=False)
-    graph, plant = study.graph, study.plant
+    (graph, plant), work = scene_graph(loaded), Work(processes=options.processes, quiet=options.quiet)
     if options.stress or options.mesh is not None:
         from pipelines.runs.inspect_stress import stress_files
 
-        stressed = stress_files(plant, graph, options)
+        stressed = stress_files(plant, graph, options, work)
         sys.stdout.write(_listed(stressed))
         return 0
     meshed = "casing mesh" in graph.stages
@@ -49,8 +48,7 @@ def main(options: argparse.Namespace) -> int:
         wanted = [f"law_{stage}"]
     elif options.casing_mode:
         wanted = ["casing", *(["casing modes", "casing mesh"] if elastic else [])]
-    with shown_progress(len(graph.needed(wanted).stages), quiet=options.quiet) as observer:
-        outcome = run_graph(graph, Cache(), wanted, observer=observer, processes=options.processes)
+    outcome = work.build(graph, wanted)
     folder.mkdir(parents=True, exist_ok=True)
     if options.casing_mode:
         if not elastic:
@@ -60,7 +58,7 @@ def main(options: argparse.Namespace) -> int:
     if options.screen:
         show_mesh(mesh_view(plant, stage, outcome, options))
         return 0
-    curves = reporting.stiffness_plots(plant, [outcome.value(name) for name in plant.law_names])
+    curves = reporting.stiffness_plots(pair_laws(plant, [outcome.value(name) for name in plant.law_names]))
     gears = reporting.gear_picture(plant, stage)
     pictures: dict[str, Picture | LeftOut | None] = {f"gears_{stage}.png": gears}
     if meshed:
@@ -74,7 +72,7 @@ def main(options: argparse.Namespace) -> int:
         else:
             title = gears_title(plant, stage)
             figure = gear_figure(picture, curves[stage - 1], reporting.gear_names(plant, stage), title)
-        figure.savefig(folder / name, dpi=115)
+        save_figure(figure, folder / name, dpi=115)
         sys.stdout.write(f"{folder / name}\n")
     mesh = write_mesh(mesh_view(plant, stage, outcome, options), folder / f"mesh_{stage}.png")
     sys.stdout.write(_listed(mesh))

@@ -17,29 +17,19 @@ KINDS = {"shaft": "shafts", "bearing": "bearings", "casing": "casing", "rope": "
 
 def main(options: argparse.Namespace) -> int:
     """Build laws and casing, linearise the machine at rest under its load, print its modes."""
-    from mbd.system.linearised import linear_modes, turned
-    from mbd.system.system import DEFAULT_BAND
-    from pipelines.engine.cache import Cache
-    from pipelines.engine.progress import shown_progress
-    from pipelines.engine.run_graph import run_graph
-    from pipelines.plant.assembly import assemble_machine, assemble_system
+    from pipelines.engine.working import Work
+    from pipelines.runs.built import build_machine_modes, scene_graph
     from pipelines.scene.presets import load_asked
-    from pipelines.steps.study import plan_study
 
     loaded = load_asked(options)
-    study = plan_study(loaded, with_control=False, both_loads=False)
-    graph, plant = study.graph, study.plant
-    wanted = [*plant.law_names, "casing"]
-    with shown_progress(len(graph.needed(wanted).stages), quiet=options.quiet) as observer:
-        outcome = run_graph(graph, Cache(), wanted, observer=observer, processes=options.processes)
-    train = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
-    first = train.meshes[0]
-    angle = 0.0 if options.cycle is None else (options.cycle - first.cycle_at_start) / first.cycles_per_radian
-    train = turned(train, angle)
-    band = max(DEFAULT_BAND, 2 * options.up_to)
-    system = assemble_system(train, outcome.value("casing"), plant.recorded, band)
-    modes = linear_modes(system, up_to=options.up_to, speed=options.speed / 60 * 2 * math.pi)
-    cycle = train.meshes[0].cycle_at_start
+    modes, cycle = build_machine_modes(
+        loaded,
+        Work(processes=options.processes, quiet=options.quiet),
+        up_to=options.up_to,
+        cycle=options.cycle,
+        speed=options.speed / 60 * 2 * math.pi,
+    )
+    _, plant = scene_graph(loaded)
     title = f"{loaded.name}: small motion about the loaded rest, mesh cycle {cycle:.4g} of stage 1"
     sys.stdout.write(mode_table(title, modes).to_text() + "\n")
     sys.stdout.write("".join(f"{line}\n" for line in notes(plant, modes, options.up_to)))

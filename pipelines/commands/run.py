@@ -8,6 +8,7 @@ import sys
 
 def main(options: argparse.Namespace) -> int:
     """Run the scene; print the verdict and where the report is."""
+    from pipelines.engine.working import Work
     from pipelines.runs.run import Options, run_scene
     from pipelines.scene.presets import load_asked
 
@@ -18,8 +19,7 @@ def main(options: argparse.Namespace) -> int:
             with_control=not options.no_control,
             both_loads=not options.one_load,
             seeds=options.seeds,
-            processes=options.processes,
-            quiet=options.quiet,
+            work=Work(processes=options.processes, quiet=options.quiet),
         ),
     )
     built = [record for record in finished.records if not record.reused]

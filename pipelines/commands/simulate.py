@@ -8,6 +8,7 @@ import sys
 
 def main(options: argparse.Namespace) -> int:
     """Run the machine and write response.nc; no control, diagnosis or report."""
+    from pipelines.engine.working import Work
     from pipelines.runs.run import Options, run_scene
     from pipelines.runs.run_folder import RESPONSE
     from pipelines.scene.presets import load_asked
@@ -15,7 +16,10 @@ def main(options: argparse.Namespace) -> int:
     finished = run_scene(
         load_asked(options),
         Options(
-            out=options.out, with_control=False, with_report=False, processes=options.processes, quiet=options.quiet
+            out=options.out,
+            with_control=False,
+            with_report=False,
+            work=Work(processes=options.processes, quiet=options.quiet),
         ),
     )
     sys.stdout.write(f"signals: {finished.folder / RESPONSE}\n")

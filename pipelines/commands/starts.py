@@ -8,8 +8,7 @@ import sys
 
 def main(options: argparse.Namespace) -> int:
     """Run the machine from slightly different states of rest; print what a level is worth."""
-    from pipelines.engine.cache import Cache
-    from pipelines.engine.progress import shown_progress
+    from pipelines.engine.working import Work
     from pipelines.scene.file import changed
     from pipelines.scene.presets import load_asked
     from pipelines.trade.spread import spread_table
@@ -17,7 +16,6 @@ def main(options: argparse.Namespace) -> int:
 
     loaded = load_asked(options)
     scenes = {f"start {n}": changed(loaded, {"simulation.start": n}) for n in range(1, options.starts + 1)}
-    with shown_progress(0, quiet=options.quiet) as observer:
-        found = measure(scenes, ("signals", "lines"), Cache(), observer=observer, processes=options.processes)
+    found = measure(scenes, ("signals", "lines"), Work(processes=options.processes, quiet=options.quiet))
     sys.stdout.write(spread_table([one.values for one in found.values()]).to_text() + "\n")
     return 0

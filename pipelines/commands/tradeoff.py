@@ -9,19 +9,17 @@ import sys
 def main(options: argparse.Namespace) -> int:
     """Measure every choice against the reference; print the table and the answers, write the plot."""
     from pipelines.border.user_files import writable_file
-    from pipelines.engine.cache import Cache
-    from pipelines.engine.progress import shown_progress
+    from pipelines.engine.working import Work
+    from pipelines.figures.film import save_figure
     from pipelines.scene.presets import load_asked
     from pipelines.trade.tradeoff import trade
     from pipelines.trade.tradeoff_page import answers, trade_figure, trade_table
 
     loaded = load_asked(options)
     path = writable_file(options.out or f"tradeoff-{loaded.name}.png")
-    with shown_progress(0, quiet=options.quiet) as observer:
-        found = trade(loaded, Cache(), observer=observer, processes=options.processes)
+    found = trade(loaded, Work(processes=options.processes, quiet=options.quiet))
     sys.stdout.write(trade_table(found).to_text() + "\n")
     sys.stdout.write("".join(f"{line}\n" for line in answers(found, options.error, options.time)))
-    path.parent.mkdir(parents=True, exist_ok=True)
-    trade_figure(found).savefig(path, dpi=130)
+    save_figure(trade_figure(found), path, dpi=130)
     sys.stdout.write(f"plot: {path}\n")
     return 0

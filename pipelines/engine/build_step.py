@@ -87,8 +87,10 @@ def _built(
         "ledger": {**book, **built.ledger},
         "stage": stage.name,
     }
+    entry = None
     try:
-        entry = cache.store(stage.kind, key, lambda folder: save_payload(folder, built.value), facts)
+        if built.kept:
+            entry = cache.store(stage.kind, key, lambda folder: save_payload(folder, built.value), facts)
     except PayloadError as error:
         raise WorkError(f"stage {stage.name}: its result cannot be stored: {error}") from error
     return Result(stage_record(stage, key, facts, reused=False), entry, built.value)
@@ -105,6 +107,7 @@ def stage_record(stage: Stage, key: str, facts: Mapping[str, Any], *, reused: bo
         seconds=facts["seconds"],
         peak_bytes=facts["peak_bytes"],
         ledger=facts["ledger"],
+        libraries=facts["libraries"],
     )
 
 

@@ -4,16 +4,45 @@ from __future__ import annotations
 
 import contextlib
 import logging
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
-from pipelines.engine.run_graph import Observer, Silent
+from pipelines.engine.run_graph import Observer
 from pipelines.engine.step import Stage, StageRecord
 
 if TYPE_CHECKING:
     from rich.progress import Progress
 
 _LOG = logging.getLogger("pipelines.engine.step")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """What a progress function is told: a step of the work was started, built (in `seconds`) or reused."""
+
+    name: str
+    state: Literal["started", "built", "reused"]
+    seconds: float = 0.0
+
+
+ProgressFunction = Callable[[Step], None]
+
+
+class Telling:
+    """Tells a function."""
+
+    def __init__(self, told: ProgressFunction) -> None:
+        self._told = told
+
+    def started(self, stage: Stage) -> None:
+        """A step is at work."""
+        self._told(Step(name=stage.name, state="started"))
+
+    def finished(self, stage: Stage, record: StageRecord) -> None:
+        """A step is done."""
+        state: Literal["built", "reused"] = "reused" if record.reused else "built"
+        self._told(Step(name=stage.name, state=state, seconds=record.seconds))
 
 
 class Logging:
@@ -73,12 +102,14 @@ class Several:
 
 
 @contextlib.contextmanager
-def shown_progress(total: int, *, quiet: bool) -> Iterator[Observer]:
-    """An observer that logs, and shows progress on standard error if that is a terminal and `quiet` is off."""
+def shown_progress(total: int, *, quiet: bool, told: ProgressFunction | None = None) -> Iterator[Observer]:
+    """An observer that logs, tells a function, and shows progress on standard error if that is a terminal and `quiet`
+    is off."""
     import sys
 
+    listeners: list[Observer] = [Logging()] if told is None else [Logging(), Telling(told)]
     if quiet or not sys.stderr.isatty():
-        yield Several(Silent(), Logging())
+        yield Several(*listeners)
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
@@ -91,4 +122,4 @@ def shown_progress(total: int, *, quiet: bool) -> Iterator[Observer]:
         TextColumn("{task.description}", markup=False),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        yield Several(Bar(progress, total), Logging())
+        yield Several(Bar(progress, total), *listeners)

@@ -165,4 +165,4 @@ def _upstream(stage: Stage, results: Mapping[str, Result]) -> dict[str, Result]:
 
 
 def _facts_of(record: StageRecord) -> dict[str, Any]:
-    return {name: getattr(record, name) for name in ("content", "seconds", "peak_bytes", "ledger")}
+    return {name: getattr(record, name) for name in ("content", "seconds", "peak_bytes", "ledger", "libraries")}

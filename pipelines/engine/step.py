@@ -82,15 +82,22 @@ class Stage:
 
 @dataclass(frozen=True)
 class Built:
-    """What a stage may return instead of the bare value: the value with counts for the build ledger."""
+    """What a stage may return instead of the bare value: the value with counts for the build ledger.
+
+    A value that is not to be `kept` lacks something that another attempt may have, a picture for want of memory say.
+    """
 
     value: Any
     ledger: Mapping[str, int] = field(default_factory=dict)
+    kept: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)
 class StageRecord:
-    """What happened to a stage in a run. Seconds, memory and ledger are those of the time it was built."""
+    """What happened to a stage in a run. Seconds, memory and ledger are those of the time it was built.
+
+    `libraries` are the versions of those that its result depends on.
+    """
 
     name: str
     kind: str
@@ -100,6 +107,7 @@ class StageRecord:
     seconds: float
     peak_bytes: int
     ledger: Mapping[str, int]
+    libraries: Mapping[str, str]
 
 
 @dataclass(frozen=True)

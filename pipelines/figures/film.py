@@ -1,4 +1,4 @@
-"""Frames as a GIF and as a page with a slider that needs nothing but itself."""
+"""Figures and frames in files: a picture, a GIF, a page with a slider that needs nothing but itself."""
 
 from __future__ import annotations
 
@@ -10,8 +10,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pipelines.border.user_files import whole_file
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+def save_figure(figure: Figure, path: Path, *, dpi: int) -> None:
+    """Write a figure in the format of the ending; the file is whole or not there."""
+    with whole_file(path) as partial:
+        figure.savefig(partial, dpi=dpi)
 
 
 def png(figure: Figure, dpi: int = 80) -> bytes:
@@ -26,7 +34,8 @@ def write_gif(frames: Sequence[bytes], path: Path, milliseconds: int) -> None:
     from PIL import Image
 
     images = [Image.open(io.BytesIO(frame)).convert("RGB").quantize(128) for frame in frames]
-    images[0].save(path, save_all=True, append_images=images[1:], duration=milliseconds, loop=0)
+    with whole_file(path) as partial:
+        images[0].save(partial, save_all=True, append_images=images[1:], duration=milliseconds, loop=0)
 
 
 def film_page(title: str, frames: Sequence[bytes], what: str, labels: Sequence[str], milliseconds: int) -> str:

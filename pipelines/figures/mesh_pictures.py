@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipelines.figures.film import film_page, png, write_gif
+from pipelines.border.user_files import write_whole
+from pipelines.figures.film import film_page, png, save_figure, write_gif
 from pipelines.figures.mesh_frames import MeshFrames
 from pipelines.figures.render import render_mesh, show_window
 from pipelines.figures.views import GearPairView, LeftOut, Picture
@@ -50,14 +51,14 @@ def write_mesh(view: MeshView, stem: Path) -> list[Path] | LeftOut:
         rendered.append(pictures)
     middle, count = len(view.cycles) // 2, len(view.cycles)
     still = stem.with_suffix(".png")
-    mesh_figure(view, [pictures[middle] for pictures in rendered], middle, most).savefig(still, dpi=115)
+    save_figure(mesh_figure(view, [pictures[middle] for pictures in rendered], middle, most), still, dpi=115)
     if count == 1:
         return [still]
     frames = [png(mesh_figure(view, [pictures[n] for pictures in rendered], n, most)) for n in range(count)]
     film, page = stem.with_suffix(".gif"), stem.with_suffix(".html")
     write_gif(frames, film, MILLISECONDS)
     labels = [f"mesh cycle {cycle:.3f}" for cycle in view.cycles]
-    page.write_text(film_page(view.title, frames, "position", labels, MILLISECONDS), encoding="utf-8")
+    write_whole(page, film_page(view.title, frames, "position", labels, MILLISECONDS))
     return [still, film, page]
 
 

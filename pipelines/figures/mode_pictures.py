@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pipelines.border.user_files import write_whole
 from pipelines.figures.film import film_page, png, write_gif
 from pipelines.figures.render import render_mode
 from pipelines.figures.views import LeftOut, Picture
@@ -42,11 +43,11 @@ def write_mode(view: ModeView, folder: Path) -> list[Path] | LeftOut:
     frames = [png(mode_figure(view, picture, size)) for picture in pictures]
     stem = folder / f"casing_mode_{view.number}"
     still, film, page = (stem.with_suffix(ending) for ending in (".png", ".gif", ".html"))
-    still.write_bytes(frames[FRAMES // 4])  # the largest deflection
+    write_whole(still, frames[FRAMES // 4])  # the largest deflection
     write_gif(frames, film, _MILLISECONDS)
     title = f"{view.title}: mode {view.number}, {view.frequency:.1f} Hz"
     degrees = [f"{360 * n / FRAMES:.0f}\u00b0" for n in range(FRAMES)]
-    page.write_text(film_page(title, frames, "phase", degrees, _MILLISECONDS), encoding="utf-8")
+    write_whole(page, film_page(title, frames, "phase", degrees, _MILLISECONDS))
     return [still, film, page]
 
 

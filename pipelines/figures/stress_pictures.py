@@ -13,7 +13,8 @@ import numpy as np
 from fem.contact.models.solid_stress import LoadedTeeth
 from pipelines.border.errors import InputError
 from pipelines.border.shown import shown
-from pipelines.border.user_files import writable_file
+from pipelines.border.user_files import whole_file, writable_file
+from pipelines.figures.film import save_figure
 from pipelines.figures.mesh_frames import contact_places
 from pipelines.figures.render import render_stress
 from pipelines.figures.views import GearPairView, LeftOut, Picture, Teeth
@@ -97,7 +98,8 @@ def write_teeth(teeth: Teeth, path: Path) -> None:
     used, cells = np.unique(teeth.cells, return_inverse=True)
     fields = {"displacement, m": teeth.displacement[used], "von Mises stress, Pa": teeth.von_mises[used]}
     groups = {"pinion": teeth.gear == 1, "wheel": teeth.gear == 2}
-    write_hexahedra(teeth.points[used], cells.reshape(teeth.cells.shape), fields, groups, path)
+    with whole_file(path) as partial:
+        write_hexahedra(teeth.points[used], cells.reshape(teeth.cells.shape), fields, groups, partial)
 
 
 def write_stress(view: StressView, path: Path) -> Path | LeftOut:
@@ -110,7 +112,7 @@ def write_stress(view: StressView, path: Path) -> Path | LeftOut:
         if isinstance(picture, LeftOut):
             return picture
         pictures.append(picture)
-    stress_figure(view, pictures, most).savefig(path, dpi=115)
+    save_figure(stress_figure(view, pictures, most), path, dpi=115)
     return path
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, TypedDict
+from typing import Any
 
 from fem.casing.geometry.dimensions import Sensor
 from fem.contact.models.mesh_model import LawSpec
@@ -28,27 +28,16 @@ from pipelines.scene.tables.casing import NoCasingTable
 from pipelines.signals.analysis import DiagnosisSettings
 
 
-class Rungs(TypedDict):
-    """Which model describes what, in the words of the scene."""
-
-    mesh: list[str]
-    casing: str
-    shafts: str
-    bearings: str
-    load: str
-    integrator: str
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Drivetrain:
     """Everything but the casing, which may need a file. Tuples `laws` and `flanks` by stage.
 
-    `title`, `labels` (attributes of every response) and `rungs` are words about the scene.
+    `title`, `labels` (attributes of every response) and `rungs` (the model of every effect) are words of the scene.
     """
 
     title: str
     labels: Mapping[str, Any]
-    rungs: Rungs
+    rungs: Mapping[str, Any]
     layout: Layout
     laws: tuple[LawSpec, ...]
     flanks: tuple[FlanksSpec, ...]
@@ -114,7 +103,7 @@ def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None =
     return Drivetrain(
         title=scene.title,
         labels=_labels(scene),
-        rungs=_rungs(scene),
+        rungs=scene.models(),
         layout=layout,
         laws=tuple(law_specs(scene, layout)),
         flanks=tuple(
@@ -187,14 +176,3 @@ def _labels(scene: Scene) -> dict[str, Any]:
         "sensor_noise_m_s2": scene.diagnosis.noise_m_s2,
         "teeth": json.dumps([[stage.pinion_teeth, stage.wheel_teeth] for stage in scene.stages]),
     }
-
-
-def _rungs(scene: Scene) -> Rungs:
-    return Rungs(
-        mesh=[stage.mesh.model for stage in scene.stages],
-        casing=scene.casing.model,
-        shafts=scene.shaft_model.model,
-        bearings=scene.bearings.model,
-        load=scene.load.model,
-        integrator=scene.simulation.integrator,
-    )

@@ -17,12 +17,13 @@ import numpy as np
 
 from pipelines.border.errors import InputError
 from pipelines.border.shown import shown
-from pipelines.border.user_files import writable_file
+from pipelines.border.user_files import whole_file, writable_file
 
 if TYPE_CHECKING:
     from fem.casing.meshing.mesh import CasingMesh
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.modes import CasingModes, NaturalModes
+    from pipelines.runs.built import Casing
 
 FORMATS = (".h5", ".mat", ".uff", ".vtu")
 _LINES = 1000  # frequencies of an accelerance
@@ -34,6 +35,28 @@ def checked_target(name: str) -> Path:
     if path.suffix.lower() not in FORMATS:
         raise InputError(f"--export {shown(name)}: the ending must be one of {', '.join(FORMATS)}")
     return path
+
+
+def write_casing(casing: Casing, title: str, target: Path) -> None:
+    """Write a casing in the format that the ending of `target` names; the file is whole or not there.
+
+    Raises
+    ------
+    InputError : the file cannot be written
+    """
+    body = casing.body
+    try:
+        with whole_file(target) as path:
+            if target.suffix == ".h5":
+                body.save(path)
+            elif target.suffix == ".mat":
+                write_mat(body, path)
+            elif target.suffix == ".uff":
+                write_uff(body, path, title=title, band=casing.band)
+            elif casing.mesh is not None and casing.modes is not None and casing.natural is not None:
+                write_vtu(casing.mesh, casing.modes, casing.natural, path, band=casing.band)
+    except OSError as error:
+        raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --export.") from error
 
 
 def write_mat(body: ReducedBody, path: Path) -> None:

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 from pipelines.figures.views import LeftOut
 
 if TYPE_CHECKING:
+    from fem.contact.models.mesh_model import LawSpec
     from fem.contact.models.solid import Solid
     from pipelines.engine.step import Graph, Stage
-    from pipelines.plant.mesh_laws import LawSpec
+    from pipelines.engine.working import Work
     from pipelines.plant.plant import Plant
 
 
-def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace) -> list[Path] | LeftOut:
+def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: Work) -> list[Path] | LeftOut:
     """stress_<n>.png with `--stress` and the mesh file of `--mesh`; the reason if the picture cannot be rendered.
 
     The mesh holds the damaged state where there is one.
@@ -25,9 +26,6 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace) -> lis
     ------
     InputError : unknown ending of the mesh file
     """
-    from pipelines.engine.cache import Cache
-    from pipelines.engine.progress import shown_progress
-    from pipelines.engine.run_graph import run_graph
     from pipelines.engine.step import Graph
     from pipelines.figures.shapes import gear_view
     from pipelines.figures.stress_pictures import (
@@ -49,8 +47,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace) -> lis
     added = stress_stages(plant, stage, index, force)
     full = Graph([*graph.needed([f"law_{stage}"]), *added])
     wanted = [one.name for one in added[1:]]
-    with shown_progress(len(full.stages), quiet=options.quiet) as observer:
-        outcome = run_graph(full, Cache(), wanted, observer=observer, processes=options.processes)
+    outcome = work.build(full, wanted)
     states = tuple(teeth_in_mesh(pair, outcome.value(name)) for name in wanted)
     folder, written = Path(options.out), []
     if target is not None:

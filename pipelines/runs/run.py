@@ -1,4 +1,4 @@
-"""Run a scene: ``run("rig-missing-tooth", set={"load.container_kg": 800})`` returns its response as a dataset."""
+"""Run a scene with its control, diagnose it, and write the result folder."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import json
 import logging
 import platform
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from traceback import format_exception
 from typing import TYPE_CHECKING, Any
@@ -14,24 +14,21 @@ from typing import TYPE_CHECKING, Any
 from pipelines.border.errors import WorkError
 from pipelines.engine.cache import Cache
 from pipelines.engine.code_version import library_versions
-from pipelines.engine.progress import shown_progress
 from pipelines.engine.run_graph import Observer, Outcome, run_graph
 from pipelines.engine.step import Graph, Stage, StageRecord
+from pipelines.engine.working import Work
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
 from pipelines.scene.file import LoadedScene, control_differences
-from pipelines.scene.presets import load_preset
 from pipelines.signals.motion_warnings import log_warnings
 from pipelines.steps.study import Study, plan_study
 
 if TYPE_CHECKING:
-    import xarray
-
     from mbd.output.trajectory import Trajectory
     from pipelines.plant.plant import Plant
 
 _LOG = logging.getLogger(__name__)
-LIBRARIES = ("gearcase", "numpy", "scipy", "numba", "h5py", "xarray", "scikit-fem", "gmsh", "scikit-sparse", "pymetis")
+WRITERS = ("h5py", "h5netcdf", "xarray")  # of the signals
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,8 +40,7 @@ class Options:
     with_report: bool = True  # diagnosis and report; without them only the signals
     both_loads: bool = True
     seeds: int = 0
-    processes: int | None = None
-    quiet: bool = True
+    work: Work = field(default_factory=Work)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,47 +52,6 @@ class Finished:
     records: tuple[StageRecord, ...]
     ledger: Mapping[str, int]
     left_out: tuple[str, ...]
-
-
-def run(
-    scene: str | Path,
-    set: Mapping[str, Any] | Iterable[str] = (),
-    *,
-    preset: str | None = None,
-    out: str | Path | None = None,
-    control: bool = True,
-    both_loads: bool = True,
-    seeds: int = 0,
-    processes: int | None = None,
-) -> xarray.Dataset:
-    """Run a scene with its control, diagnose it, write the result folder, and return the response.
-
-    Parameters
-    ----------
-    scene : name of a shipped scene, or a path ending in .toml
-    set : changed values, ``{"load.container_kg": 800}`` or ``["load.container_kg=800"]``
-    preset : "draft", "standard" or "reference": how finely it is computed; `set` counts more
-    out : result folder instead of ./runs/<scene>/<timestamp>
-    control : run the healthy control, too, and diagnose against it
-    both_loads : with a rope, run the equivalent constant torque as well
-    seeds : compare this many further seeds of the deviations, and error-free gears
-    processes : long stages built side by side, 2 by default
-
-    Returns
-    -------
-    the content of response.nc; `attrs["folder"]` names the result folder
-
-    Raises
-    ------
-    SceneError, InputError : the scene cannot be used
-    WorkError : a stage failed
-    """
-    import xarray
-
-    options = Options(out=out, with_control=control, both_loads=both_loads, seeds=seeds, processes=processes)
-    finished = run_scene(load_preset(str(scene), set, preset), options)
-    with xarray.open_dataset(finished.folder / run_folder.RESPONSE, engine="h5netcdf") as data:
-        return data.load().assign_attrs(folder=str(finished.folder))
 
 
 def run_scene(loaded: LoadedScene, options: Options) -> Finished:
@@ -123,10 +78,10 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
     with (
         claimed(loaded.name, options.out) as claim,
         run_folder.logged_to(claim.folder / "log.jsonl"),
-        shown_progress(count, quiet=options.quiet) as observer,
+        options.work.observed(count) as observer,
     ):
-        cache = Cache()
-        outcome = run_graph(graph, cache, wanted, observer=observer, processes=options.processes)
+        cache = options.work.cache
+        outcome = run_graph(graph, cache, wanted, observer=observer, processes=options.work.processes)
         log_warnings(outcome.value(name) for name in study.motions if name in outcome.results)
         _write_signals(claim.folder, loaded, study, outcome)
         try:
@@ -268,10 +223,11 @@ def _cost_row(record: StageRecord) -> dict[str, Any]:
 
 
 def provenance(name: str, plant: Plant, outcome: Outcome) -> dict[str, Any]:
-    """Versions, rungs and keys: the same for the same result; `name` is that of the scene."""
+    """Versions of what the stages say they use, rungs and keys: the same for the same result; `name` of the scene."""
+    used = {library: version for record in outcome.records for library, version in record.libraries.items()}
     return {
         "scene": name,
-        "versions": {"python": platform.python_version(), **library_versions(*LIBRARIES)},
+        "versions": {"python": platform.python_version(), **library_versions("gearcase", *WRITERS), **used},
         "rungs": plant.rungs,
         "threads per process": 1,
         "keys": {record.name: record.key[:32] for record in outcome.records},

@@ -5,15 +5,13 @@ from __future__ import annotations
 import contextlib
 import json
 import logging
-import os
-import uuid
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipelines.border.errors import InputError, WorkError
 from pipelines.border.shown import shown
-from pipelines.border.user_files import folder_name, is_regular_file, read_text, regular_file
+from pipelines.border.user_files import folder_name, is_regular_file, read_text, regular_file, write_whole
 
 if TYPE_CHECKING:
     import xarray
@@ -32,7 +30,7 @@ def note_latest(folder: Path) -> None:
     """Name the newest result of its scene. WorkError if it cannot be noted."""
     latest = folder.parent / LATEST
     try:
-        _write_whole(latest, f"{folder.name}\n")
+        write_whole(latest, f"{folder.name}\n")
     except OSError as error:
         raise WorkError(
             f"{latest}: cannot be written ({error.strerror}). The results are whole: name their folder, {folder}."
@@ -86,18 +84,20 @@ def opened_run(path: Path) -> Iterator[xarray.Dataset]:
         raise InputError(f"{shown(path)}: cannot be read as signals ({error}). Run the scene again.") from error
 
 
+def loaded_run(folder: Path) -> xarray.Dataset:
+    """All signals of a result folder in memory; `attrs["folder"]` names it.
+
+    Raises
+    ------
+    InputError : as `opened_run`
+    """
+    with opened_run(folder / RESPONSE) as data:
+        return data.load().assign_attrs(folder=str(folder))
+
+
 def write_json(path: Path, content: Any) -> None:
     """Write readable JSON, UTF-8: all of it, or the file stays as it was."""
-    _write_whole(path, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
-
-
-def _write_whole(path: Path, text: str) -> None:
-    partial = path.with_name(f".{path.name}-{uuid.uuid4().hex}")
-    try:
-        partial.write_text(text, encoding="utf-8")
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
+    write_whole(path, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
 
 
 class JsonLines(logging.Handler):

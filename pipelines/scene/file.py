@@ -14,7 +14,7 @@ from pipelines.border.shown import nearest_name, shown
 from pipelines.border.toml_text import TomlError, format_document, read_toml
 from pipelines.border.user_files import checked_path, folder_name, names_beside, read_text
 from pipelines.scene.limits import LONGEST_CHAIN, MOST_BYTES, over_limits
-from pipelines.scene.merge import Merged, differences, merge, settings_tree, without
+from pipelines.scene.merge import Merged, Whole, differences, merge, settings_tree, without
 from pipelines.scene.shipped_files import anchored
 
 if TYPE_CHECKING:
@@ -82,18 +82,30 @@ def load_scene(source: str | Path, settings: Settings = ()) -> LoadedScene:
     InputError : the file is missing, not UTF-8 or not TOML, its ``extends`` go in a circle, or its name is no name for
         a folder of results
     """
+    return _loaded(find_source(source), *settings_tree(settings))
+
+
+def scene_of_tree(tree: Mapping[str, Any], name: str = "scene") -> LoadedScene:
+    """The scene of tables that are given in Python, as if they stood in a file of that name in the working folder.
+
+    Raises
+    ------
+    SceneError, InputError : as `load_scene`
+    """
+    source = Source(name, format_document(plain(tree)), Path.cwd(), f"scene {shown(name)}")
+    return _loaded(source, {}, [])
+
+
+def _loaded(source: Source, change: Mapping[str, Any], problems: list[Problem]) -> LoadedScene:
     from pipelines.scene.scene import Scene
 
-    found = find_source(source)
-    name = folder_name(found.name)
-    change, problems = settings_tree(settings)
-    merged = merge(read_tree(found), change)
-    scene, tree = validate(merged, Scene, found.shown, problems)
-    return LoadedScene(name, found, change, tree, scene)
+    name = folder_name(source.name)
+    scene, tree = validate(merge(read_tree(source), change), Scene, source.shown, problems)
+    return LoadedScene(name, source, change, tree, scene)
 
 
-def changed(loaded: LoadedScene, settings: Settings) -> LoadedScene:
-    """The same scene with further settings on top.
+def changed(loaded: LoadedScene, settings: Settings, tables: Mapping[str, Any] | None = None) -> LoadedScene:
+    """The same scene with further settings on top, as paths with values, or `tables` that are merged key by key.
 
     Raises
     ------
@@ -102,9 +114,24 @@ def changed(loaded: LoadedScene, settings: Settings) -> LoadedScene:
     from pipelines.scene.scene import Scene
 
     change, problems = settings_tree(settings)
+    if tables:
+        problems += over_limits(plain(tables))
+        change = merge(Merged(change), plain(tables)).tree
     scene, tree = validate(merge(Merged(dict(loaded.tree)), change), Scene, loaded.source.shown, problems)
     both = merge(Merged(dict(loaded.settings)), change).tree
     return LoadedScene(loaded.name, loaded.source, both, tree, scene)
+
+
+def plain(value: Any) -> Any:
+    """A value of Python and NumPy as TOML has it: text keys, lists, numbers."""
+    if isinstance(value, Mapping):
+        kind = Whole if isinstance(value, Whole) else dict
+        return kind((str(key), plain(item)) for key, item in value.items())
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def control_of(loaded: LoadedScene) -> LoadedScene | None:

@@ -54,7 +54,7 @@ def _merged_table(
 
 def _merged(base: Any, change: Any, path: Path, offers: set[Path], problems: list[Problem]) -> Any:
     if isinstance(change, Whole):
-        return dict(change)
+        return change
     if not isinstance(change, Mapping):
         return change
     if isinstance(base, Mapping):

@@ -5,18 +5,21 @@ from __future__ import annotations
 import itertools
 import logging
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, MutableMapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pipelines.border.errors import InputError
 from pipelines.border.shown import shown
-from pipelines.border.toml_text import Statement, TomlError, equals_place, format_document, read_toml, statements
+from pipelines.border.toml_text import TomlError, format_document, read_toml
 from pipelines.border.user_files import checked_path
-from pipelines.scene.file import WITHOUT_FAULTS, Source, find_source, load_scene, parse, read_tree
-from pipelines.scene.merge import leaves
+from pipelines.scene.file import WITHOUT_FAULTS, Source, find_source, load_scene
+
+if TYPE_CHECKING:
+    from tomlkit import TOMLDocument
 
 _LOG = logging.getLogger(__name__)
+_MOST_COMMENTED = 100_000  # characters of a text whose comments are kept: it takes some 10 us for each
 
 
 def new_scene(target: str | Path, source: str = "rig-healthy") -> Path:
@@ -31,7 +34,7 @@ def new_scene(target: str | Path, source: str = "rig-healthy") -> Path:
     if path.suffix != ".toml":
         raise InputError(f"{name}: a scene file ends in .toml. Write gearcase new {path.stem or 'my'}.toml.")
     loaded = load_scene(source)
-    text = _own_control(standalone_text(loaded.source, loaded.tree))
+    text = standalone_text(loaded.source, loaded.tree)
     try:
         with open(path, "x", encoding="utf-8", newline="\n") as file:
             file.write(text)
@@ -43,71 +46,76 @@ def new_scene(target: str | Path, source: str = "rig-healthy") -> Path:
 
 
 def standalone_text(source: Source, tree: Mapping[str, Any]) -> str:
-    """The text of `source` without ``extends``; it reads as `tree`, the merged tree after validation.
+    """The text of `source` without ``extends``; it reads as `tree`, the merged tree after validation, but its control
+    is the scene itself without faults: the copy is meant to be changed, and its healthy twin must follow it.
 
     If the comments cannot be kept in their places (a whole array of tables is replaced by a variant), the values
     win and the text is written without comments.
     """
-    text = _flattened(source, tree)
-    try:
-        if read_toml(text) == tree:
-            return text
-    except TomlError as error:
-        _LOG.debug("%s: merging texts failed: %s", source.shown, error)
-    return format_document(tree)
+    wanted = {**tree, "control": WITHOUT_FAULTS} if "control" in tree else dict(tree)
+    if len(source.text) <= _MOST_COMMENTED:
+        try:
+            text = _commented(source, wanted)
+            if read_toml(text) == wanted:
+                return text
+        except (TomlError, ValueError, TypeError, KeyError, IndexError) as error:
+            _LOG.debug("%s: its comments cannot be kept: %r", source.shown, error)
+    return format_document(wanted)
 
 
-def _flattened(source: Source, tree: Mapping[str, Any]) -> str:
-    base = parse(source).get("extends")
-    if not isinstance(base, str):
-        return source.text
-    below = find_source(base, source.folder)
-    return _laid_over(_flattened(below, read_tree(below).tree), source, tree)
+def _commented(source: Source, wanted: Mapping[str, Any]) -> str:
+    """What `source` extends, with its own values and comments laid over it."""
+    import tomlkit
+
+    document, heads = _flattened(source)
+    _prune(document, wanted)
+    if "control" in wanted:
+        document["control"] = tomlkit.item(WITHOUT_FAULTS).comment("healthy twin: this scene without its faults")
+    return "".join(heads) + tomlkit.dumps(document).lstrip("\n")
 
 
-def _laid_over(base_text: str, source: Source, tree: Mapping[str, Any]) -> str:
-    """The text below with the values of a variant put in place, their comments included."""
-    below, above = list(statements(base_text)), list(statements(source.text))
-    changes = {(*s.table, *s.key): s for s in above if s.key and s.key != ("extends",)}
-    kept = leaves(tree)
-    out: list[Statement] = []
-    for statement in below:
-        path = (*statement.table, *statement.key)
-        if statement.key and path in changes:
-            text = statement.text[: equals_place(statement.text)] + _right_side(changes.pop(path))
-            out.append(Statement(text, statement.table, statement.key))
-        elif not statement.key or any(leaf[: len(path)] == path for leaf in kept):
-            out.append(statement)
-    for statement in changes.values():
-        _insert(out, statement)
-    present = {s.table for s in out}
-    added = [s for s in above if s.table and s.table not in present]
-    head = itertools.takewhile(lambda s: s.text.lstrip().startswith("#"), above)
-    text = "".join(s.text for s in (*head, *out))
-    if added:
-        text = text.rstrip("\n") + "\n\n" + "".join(s.text for s in added).strip("\n") + "\n"
-    return text
+def _flattened(source: Source) -> tuple[TOMLDocument, list[str]]:
+    """The document, and the comments at the head of each text that was laid over another."""
+    import tomlkit
+
+    document = tomlkit.parse(source.text)
+    base = document.pop("extends", None)
+    if base is None:
+        return document, []
+    below, heads = _flattened(find_source(str(base), source.folder))
+    _lay_over(below, document)
+    lines = source.text.splitlines(keepends=True)
+    head = itertools.takewhile(lambda line: line.startswith("#") or not line.strip(), lines)
+    return below, ["".join(head).rstrip("\n") + "\n", *heads]
 
 
-def _insert(out: list[Statement], statement: Statement) -> None:
-    """After the last key of the same table; a table that `out` does not have is added later as a whole."""
-    same = [n for n, s in enumerate(out) if s.table == statement.table and (s.key or s.text.lstrip().startswith("["))]
-    if same:
-        out.insert(same[-1] + 1, statement)
-    elif not statement.table:
-        out.insert(0, statement)
+def _lay_over(below: Any, above: Any) -> None:
+    """Put the values of `above` in the places of those below, with their comments; see `pipelines.scene.merge`."""
+    for key, value in above.items():
+        old = below.get(key)
+        if isinstance(value, Mapping) and isinstance(old, list) and all(str(number).isdecimal() for number in value):
+            for number, item in value.items():
+                _lay_over(old[int(number) - 1], item)
+        elif isinstance(value, Mapping) and isinstance(old, Mapping):
+            _lay_over(old, value)
+            _take_comment(old, value)
+        else:
+            below[key] = value
 
 
-def _right_side(statement: Statement) -> str:
-    return statement.text[equals_place(statement.text) :]
+def _take_comment(old: Any, new: Any) -> None:
+    if new.trivia.comment:
+        old.trivia.comment_ws, old.trivia.comment = new.trivia.comment_ws, new.trivia.comment
 
 
-def _own_control(text: str) -> str:
-    """The copy is meant to be changed, so its healthy twin must follow it."""
-    parts = [
-        Statement(f'control = "{WITHOUT_FAULTS}"    # healthy twin: this scene without its faults\n', (), s.key)
-        if (s.table, s.key) == ((), ("control",))
-        else s
-        for s in statements(text)
-    ]
-    return "".join(part.text for part in parts)
+def _prune(document: MutableMapping[str, Any], wanted: Mapping[str, Any]) -> None:
+    """Take out what a model that was switched to does not know."""
+    for key in list(document):
+        if key not in wanted:
+            del document[key]
+        elif isinstance(document[key], Mapping):
+            _prune(document[key], wanted[key])
+        elif isinstance(document[key], list):
+            for item, other in zip(document[key], wanted[key], strict=True):
+                if isinstance(item, MutableMapping):
+                    _prune(item, other)

@@ -13,14 +13,14 @@ stiffness of the casing is extrapolated from two meshes: without it, twice as fi
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from pipelines.scene.file import LoadedScene, changed, load_scene
-from pipelines.scene.file import Settings as Given
-from pipelines.scene.scene import Scene
-from pipelines.scene.tables.casing import CraigBamptonCasingTable, ElasticBase
-from pipelines.scene.tables.housing import MeshHousingTable
+if TYPE_CHECKING:
+    import argparse
+
+    from pipelines.scene.file import LoadedScene
+    from pipelines.scene.scene import Scene
 
 Settings = dict[str, object]
 
@@ -47,6 +47,9 @@ PRESETS = tuple(LEVELS)
 
 def preset_settings(scene: Scene, preset: str) -> Settings:
     """The values a preset sets, by path."""
+    from pipelines.scene.tables.casing import CraigBamptonCasingTable, ElasticBase
+    from pipelines.scene.tables.housing import MeshHousingTable
+
     level = LEVELS[preset]
     settings: Settings = {"simulation.step_us": level.step_us}
     for number in range(1, len(scene.stages) + 1):
@@ -62,19 +65,31 @@ def preset_settings(scene: Scene, preset: str) -> Settings:
     return settings
 
 
-def load_preset(source: str, settings: Given, preset: str | None) -> LoadedScene:
-    """A scene with its settings, computed as finely as a preset says where the settings say nothing.
+def preset_on(loaded: LoadedScene, preset: str) -> LoadedScene:
+    """A scene computed as finely as a preset says, where its own settings say nothing.
+
+    Raises
+    ------
+    InputError : there is no such preset
+    SceneError : the preset does not fit the scene
+    """
+    from pipelines.border.errors import InputError
+    from pipelines.border.shown import shown
+    from pipelines.scene.file import changed
+
+    if preset not in LEVELS:
+        raise InputError(f"preset {shown(preset)}: give one of {', '.join(LEVELS)}.")
+    return changed(changed(loaded, preset_settings(loaded.scene, preset)), (), loaded.settings)
+
+
+def load_asked(options: argparse.Namespace) -> LoadedScene:
+    """The scene of a command line.
 
     Raises
     ------
     SceneError, InputError : as `pipelines.scene.file.load_scene`
     """
-    loaded = load_scene(source, settings)
-    if preset is None:
-        return loaded
-    return changed(changed(loaded, preset_settings(loaded.scene, preset)), settings)
+    from pipelines.scene.file import load_scene
 
-
-def load_asked(options: argparse.Namespace) -> LoadedScene:
-    """The scene of a command line."""
-    return load_preset(options.scene, options.settings, options.preset)
+    loaded = load_scene(options.scene, options.settings)
+    return loaded if options.preset is None else preset_on(loaded, options.preset)

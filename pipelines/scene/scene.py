@@ -55,6 +55,12 @@ class Scene(Table):
     simulation: SimulationTable
     diagnosis: DiagnosisTable = DiagnosisTable()
 
+    def models(self) -> dict[str, str | list[str]]:
+        """The model that is chosen for every effect."""
+        chosen = {name: getattr(value, "model", None) for name, value in self}
+        found: dict[str, str | list[str]] = {name: model for name, model in chosen.items() if model is not None}
+        return {"mesh": [stage.mesh.model for stage in self.stages], **found, "integrator": self.simulation.integrator}
+
     @model_validator(mode="after")
     def _consistent(self) -> Scene:
         problems = list(self._counts()) + list(self._references())

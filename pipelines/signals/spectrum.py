@@ -202,7 +202,7 @@ def amplitude_spectrum(signal: np.ndarray, segment: Segment, window: str = "hann
     signal : float (segment.samples,) or (segment.samples, axes), m/s2
     """
     signal = _columns(signal, segment)
-    amplitude = np.sqrt(np.sum(_amplitudes(signal, window) ** 2, axis=1))
+    amplitude = np.sqrt(np.sum(amplitudes(signal, window) ** 2, axis=1))
     return _spectrum("spectrum", amplitude, segment, window, (0.0, segment.rate / 2))
 
 
@@ -237,7 +237,7 @@ def envelope_spectrum(
 ) -> Spectrum:
     """Amplitude spectrum of the envelope less its mean; a modulation A (1 + m cos(2 pi f t)) reads A m at f."""
     length = envelope(signal, segment, band)
-    amplitude = _amplitudes((length - length.mean())[:, None], window)[:, 0]
+    amplitude = amplitudes((length - length.mean())[:, None], window)[:, 0]
     return _spectrum("envelope", amplitude, segment, window, band)
 
 
@@ -257,8 +257,8 @@ def _columns(signal: np.ndarray, segment: Segment) -> np.ndarray:
     return signal
 
 
-def _amplitudes(signal: np.ndarray, window: str) -> np.ndarray:
-    """One-sided peak amplitudes (bins, axes) of (samples, axes)."""
+def amplitudes(signal: np.ndarray, window: str) -> np.ndarray:
+    """One-sided peak amplitudes (bins, axes) of (samples, axes), whatever the unit."""
     samples = signal.shape[0]
     if window == "hann":
         weight = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(samples) / samples)

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pipelines.engine.step import Built
 from pipelines.plant.flanks import first_tooth_fault
 from pipelines.plant.plant import Plant
 from pipelines.signals.motion_warnings import gathered, told
 from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
+from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, pair_laws
 
 if TYPE_CHECKING:
     import xarray
@@ -24,11 +26,8 @@ if TYPE_CHECKING:
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.modes import CasingModes
-    from fem.contact.law import MeshLaw
     from pipelines.figures.plots import StiffnessPlot
     from pipelines.figures.views import LeftOut, Picture
-
-_PITCHES_SHOWN = 3.0  # to each side of a missing tooth
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,8 +49,8 @@ class ReportSpec:
     failure: str = ""  # why no diagnosis was possible
 
 
-def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
-    """The page as text, and the reasons of pictures that were left out."""
+def build(spec: ReportSpec, *taken: Any) -> Built:
+    """The page as text, and the reasons of pictures that were left out; kept if there are none."""
     from pipelines.figures.views import LeftOut
     from pipelines.report.contents import ReportContents
     from pipelines.report.report import write_report
@@ -67,7 +66,7 @@ def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
     shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing and possible else []
     asked = plant.looked_for
     gears, casing = gear_picture(plant, asked.stage), casing_picture(mesh, body)
-    curves = stiffness_plots(plant, laws)
+    curves = stiffness_plots(pair_laws(plant, laws))
     contents = ReportContents(
         title=plant.title,
         summary=_summary(plant),
@@ -95,7 +94,7 @@ def build(spec: ReportSpec, *taken: Any) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         page = write_report(Path(folder) / "report.html", contents).read_text(encoding="utf-8")
     left_out = [p.reason for p in (gears, casing) if isinstance(p, LeftOut)]
-    return {"page": page, "left_out": left_out}
+    return Built({"page": page, "left_out": left_out}, kept=not left_out)
 
 
 def _runs(spec: ReportSpec, responses: Sequence[xarray.Dataset]) -> dict[str, xarray.Dataset]:
@@ -111,7 +110,7 @@ def _summary(plant: Plant) -> dict[str, Any]:
         "torque at the drums": f"{facts.output_torque:.4g} N m",
         "mesh stiffness": ", ".join(rungs["mesh"]),
         "casing": rungs["casing"],
-        "shafts": rungs["shafts"],
+        "shafts": rungs["shaft_model"],
         "load": f"{rungs['load']}, {plant.hoist.mass:g} kg",
         "rope mode at the start": f"{facts.rope_frequency:.3g} Hz" if facts.rope_frequency else "no rope",
         "faults": ", ".join(f"{f.name}, stage {f.stage} {f.gear}" for f in plant.faults) or "none",
@@ -148,28 +147,18 @@ def gear_rows(plant: Plant) -> list[dict[str, Any]]:
     return rows
 
 
-def stiffness_plots(plant: Plant, laws: Sequence[tuple[MeshLaw, MeshLaw]]) -> list[StiffnessPlot]:
+def stiffness_plots(pairs: Sequence[PairLaws]) -> list[StiffnessPlot]:
     """Secant stiffness of every stage at its load, without deviations; with faults around the passage of the first."""
-    from fem.contact.evaluation.curves import stiffness_curve
     from pipelines.figures.plots import StiffnessPlot
-    from pipelines.plant.assembly import mesh_faults
 
     plots = []
-    for number, (law, mesh, stage) in enumerate(zip(laws, plant.machine.meshes, plant.facts.stages, strict=True), 1):
-        faults = [fault for fault in plant.faults_of(number) if fault.tooth is not None]
-        middle = float(faults[0].tooth or 0) if faults else 0.0
-        cycle = middle + np.linspace(-_PITCHES_SHOWN, _PITCHES_SHOWN, 241)
-        load = stage.shown_force
-        one = np.linspace(0.0, 1.0, 80, endpoint=False)
-        single = stiffness_curve(law[0], load, one)
-        healthy = np.interp(cycle % 1.0, np.append(one, 1.0), np.append(single.secant, single.secant[0]))
-        faulty, label = None, ""
-        if faults:
-            pinion, wheel = mesh_faults(mesh)
-            faulty = stiffness_curve(law[0], load, cycle, clearance_pinion=pinion, clearance_wheel=wheel).secant
-            label = ", ".join(dict.fromkeys(fault.kind.replace("-", " ") for fault in faults))
-        title = f"Stage {number}, {law[0].model}, {load:.4g} N, counted from the bores"
-        plots.append(StiffnessPlot(title=title, cycle=cycle, healthy=healthy, faulty=faulty, label=label))
+    for found in pairs:
+        curve = found.curve(found.cycle + np.linspace(-PITCHES_SHOWN, PITCHES_SHOWN, POSITIONS))
+        faulty = curve.secant.sel(state="faulty").values if found.faults else None
+        title = f"Stage {found.stage}, {found.drive.model}, {found.force:.4g} N, counted from the bores"
+        healthy = curve.secant.sel(state="healthy").values
+        cycle = curve.cycle.values
+        plots.append(StiffnessPlot(title=title, cycle=cycle, healthy=healthy, faulty=faulty, label=found.faults))
     return plots
 
 

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from pipelines.scene.scene import Scene
-from pipelines.scene.tables.casing import ElasticBase
+if TYPE_CHECKING:
+    from pipelines.scene.scene import Scene
 
 Settings = dict[str, object]
 
@@ -55,6 +56,8 @@ def _positions(scene: Scene, fineness: float) -> Settings:
 
 
 def _casing_mesh(scene: Scene, fineness: float) -> Settings:
+    from pipelines.scene.tables.casing import ElasticBase
+
     if not isinstance(scene.casing, ElasticBase):
         return _nothing("casing-mesh", "casing.model", scene.casing.model, "craig-bampton")
     sizes = {"element_size_mm": scene.casing.element_size_mm, "bore_element_size_mm": scene.casing.bore_element_size_mm}

@@ -45,11 +45,11 @@ class Probe:
 
 
 def _gears(plant: Plant, outcome: Outcome) -> list[Value]:
-    from fem.contact.evaluation.curves import stiffness_curve
+    from pipelines.steps.pair_curves import pair_laws
 
     values = []
-    for number, (name, facts) in enumerate(zip(plant.law_names, plant.facts.stages, strict=True), 1):
-        curve = stiffness_curve(outcome.value(name)[0], facts.shown_force)
+    for found in pair_laws(plant, [outcome.value(name) for name in plant.law_names]):
+        number, curve = found.stage, found.stiffness()
         ripple = float(np.ptp(curve.transmission_error))
         values.append(Value(name=f"stage {number} stiffness", unit="N/um", value=float(curve.secant.mean()) / 1e6))
         values.append(Value(name=f"stage {number} TE peak-to-peak", unit="um", value=ripple * 1e6))

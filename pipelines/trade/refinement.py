@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pipelines.engine.cache import Cache
-from pipelines.engine.run_graph import Observer
+from pipelines.engine.working import Work
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.trade.axes import AXES
 from pipelines.trade.convergence import Convergence, study
@@ -34,15 +33,7 @@ def fineness_levels(ratio: float, count: int) -> tuple[float, ...]:
     return tuple(ratio ** (1 - n) for n in range(count))
 
 
-def refine(
-    loaded: LoadedScene,
-    axis: str,
-    count: int,
-    cache: Cache,
-    *,
-    observer: Observer | None = None,
-    processes: int | None = None,
-) -> RefinementStudy:
+def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> RefinementStudy:
     """Build every level and study every value of the axis' probe.
 
     Raises
@@ -54,7 +45,7 @@ def refine(
     chosen = AXES[axis]
     fineness = fineness_levels(chosen.ratio, count)
     scenes = {_level_name(f): changed(loaded, chosen.settings(loaded.scene, f)) for f in fineness}
-    levels = list(measure(scenes, [chosen.probe], cache, observer=observer, processes=processes).values())
+    levels = list(measure(scenes, [chosen.probe], work).values())
     names = [v.name for v in levels[0].values]
     columns: dict[str, Sequence[float]] = {
         name: [next(v.value for v in level.values if v.name == name) for level in levels] for name in names

@@ -7,8 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from pipelines.border.errors import SceneError
-from pipelines.engine.cache import Cache
-from pipelines.engine.run_graph import Observer
+from pipelines.engine.working import Work
 from pipelines.plant.plant import motion_settings
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.trade.choices import PRESET, Choice, choices
@@ -62,9 +61,7 @@ class Tradeoff:
         return min((p for p in self.front if p.seconds <= seconds), key=lambda p: p.error, default=None)
 
 
-def trade(
-    loaded: LoadedScene, cache: Cache, *, observer: Observer | None = None, processes: int | None = None
-) -> Tradeoff:
+def trade(loaded: LoadedScene, work: Work) -> Tradeoff:
     """Run every choice of a scene and compare it with the reference.
 
     A choice whose motion alone is sure to take longer than all of the reference, which has no error, is not run.
@@ -74,16 +71,16 @@ def trade(
     WorkError : a stage failed
     """
     found, scenes, refused = _variants(loaded)
-    costs = step_costs(scenes.values(), cache, observer=observer, processes=processes)
+    costs = step_costs(scenes.values(), work)
     first, best = next(iter(scenes.items()))
-    whole = measure({first: best}, list(PROBES), cache, observer=observer, processes=processes)[first].total_seconds
+    whole = measure({first: best}, list(PROBES), work)[first].total_seconds
     for name, variant in list(scenes.items())[1:]:
         settings = motion_settings(variant.scene)
         motion = costs[settings.integrator] * settings.steps
         if motion > whole:
             del scenes[name]
             refused[name] = f"its motion alone would take some {motion:.0f} s, the reference takes {whole:.0f} s in all"
-    measured, failed = _measured(scenes, cache, observer, processes)
+    measured, failed = _measured(scenes, work)
     refused |= failed
     reference = measured[first]
     prices = {name: differences(one, reference) for name, one in measured.items()}
@@ -120,19 +117,17 @@ def _variants(loaded: LoadedScene) -> tuple[dict[str, Choice], dict[str, LoadedS
     return found, scenes, refused
 
 
-def _measured(
-    scenes: dict[str, LoadedScene], cache: Cache, observer: Observer | None, processes: int | None
-) -> tuple[dict[str, Measured], dict[str, str]]:
+def _measured(scenes: dict[str, LoadedScene], work: Work) -> tuple[dict[str, Measured], dict[str, str]]:
     """All at once; if a stage refuses its scene, one by one on what is built, with the reasons of those that failed."""
     probes = list(PROBES)
     try:
-        return measure(scenes, probes, cache, observer=observer, processes=processes), {}
+        return measure(scenes, probes, work), {}
     except (ValueError, RuntimeError):
         measured: dict[str, Measured] = {}
         failed: dict[str, str] = {}
         for name, loaded in scenes.items():
             try:
-                measured |= measure({name: loaded}, probes, cache, observer=observer, processes=processes)
+                measured |= measure({name: loaded}, probes, work)
             except (ValueError, RuntimeError) as error:
                 failed[name] = " ".join(str(error).split())
         return measured, failed

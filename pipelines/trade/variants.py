@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from pipelines.engine.cache import Cache
-from pipelines.engine.run_graph import Observer, Outcome, run_graph
+from pipelines.engine.run_graph import Outcome
 from pipelines.engine.step import Graph, Stage
+from pipelines.engine.working import Work
 from pipelines.plant.checks.validity import checked_plant
 from pipelines.plant.plant import Plant, motion_settings
 from pipelines.scene.file import LoadedScene, changed
@@ -41,10 +41,7 @@ class Measured:
 def measure(
     scenes: Mapping[str, LoadedScene],
     probes: Sequence[str],
-    cache: Cache,
-    *,
-    observer: Observer | None = None,
-    processes: int | None = None,
+    work: Work,
 ) -> dict[str, Measured]:
     """Build what the named probes need of every scene, each distinct stage once, and read them; by variant.
 
@@ -62,7 +59,7 @@ def measure(
         wanted[variant] = Graph(new).needed(needed).stages
     graph = Graph(stages)
     every = dict.fromkeys(names[variant][stage] for variant, needed in wanted.items() for stage in needed)
-    outcome = run_graph(graph, cache, every, observer=observer, processes=processes)
+    outcome = work.build(graph, every)
     motions = [outcome.value(stage.name) for stage in graph if stage.name in every and stage.kind == "simulate"]
     log_warnings(motions, ("repeat",))  # the others are errors that the comparison itself shows
     return {
@@ -71,9 +68,7 @@ def measure(
     }
 
 
-def step_costs(
-    scenes: Iterable[LoadedScene], cache: Cache, *, observer: Observer | None = None, processes: int | None = None
-) -> dict[str, float]:
+def step_costs(scenes: Iterable[LoadedScene], work: Work) -> dict[str, float]:
     """Seconds per time step of every integrator of the scenes, from two short runs; compiles what is not yet compiled.
 
     Raises
@@ -86,7 +81,7 @@ def step_costs(
         for end in SHORT_SECONDS:
             short = changed(loaded, {"simulation.end_s": end, "diagnosis.windows_s": {}})
             name = f"first {end:g} s, {integrator}"
-            found = measure({name: short}, ["signals"], cache, observer=observer, processes=processes)
+            found = measure({name: short}, ["signals"], work)
             seconds.append(found[name].seconds["simulate"])
         steps = (SHORT_SECONDS[-1] - SHORT_SECONDS[-2]) / motion_settings(loaded.scene).step
         costs[integrator] = max(seconds[-1] - seconds[-2], 0.0) / steps

@@ -12,7 +12,7 @@ import pytest
 from machine import SHORT, bits, start, whole_results
 from waiting import HANGING
 
-from pipelines.runs.run import run
+import gearcase
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits as POSIX has them")
 
@@ -52,7 +52,8 @@ def runner(tmp_path, own_cache):
     def go() -> str:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            data = run("minimal", SHORT, control=False, processes=1, out=tmp_path / f"out-{time.monotonic_ns()}")
+            scene = gearcase.Scene.from_file("minimal").changed(SHORT)
+            data = gearcase.run(scene, control=False, processes=1, out=tmp_path / f"out-{time.monotonic_ns()}")
         return bits(data)
 
     return go

@@ -9,6 +9,7 @@ import numpy as np
 
 from fem.storage.records import Record, array, names, scalar, text
 
+BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")  # of a bearing; the rotation ry about the shaft is free
 MODES_OVER_BAND = 1.5  # fixed-interface modes are kept to this multiple of the wanted band
 
 

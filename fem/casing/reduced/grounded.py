@@ -19,12 +19,12 @@ import scipy.sparse as sp
 
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows
+from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.reduction import Interface, held_interface
 from fem.elements.materials import Material
 from fem.elements.tetrahedra import assemble, rigid_body_modes
 from fem.numerics.linear_solver import Solver
 
-BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")  # the rotation ry about the shaft is left free
 GROUND_AXES = ("ux", "uy", "uz")
 
 Ground = Literal["fixed", "springs"]

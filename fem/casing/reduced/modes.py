@@ -16,9 +16,9 @@ import scipy.linalg as la
 
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.reduced.attachment import nearest_surface_point
-from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.body import BEARING_AXES, ReducedBody
 from fem.casing.reduced.damping import DampingRatio, modal_damping
-from fem.casing.reduced.grounded import BEARING_AXES, GROUND_AXES, GroundedCasing
+from fem.casing.reduced.grounded import GROUND_AXES, GroundedCasing
 from fem.casing.reduced.reduction import Reduction
 from fem.casing.reduced.truncation import ModeSet, fewest_modes, kept
 from fem.elements.tetrahedra import mass_properties, rigid_body_modes

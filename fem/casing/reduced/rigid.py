@@ -16,9 +16,8 @@ from fem.casing.geometry.dimensions import Sensor
 from fem.casing.geometry.housing import Housing
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.reduced.attachment import AXES, nearest_surface_point
-from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.body import BEARING_AXES, ReducedBody
 from fem.casing.reduced.damping import DampingRatio, modal_damping
-from fem.casing.reduced.grounded import BEARING_AXES
 from fem.elements.tetrahedra import mass_properties, rigid_body_modes
 
 

@@ -1,0 +1,69 @@
+"""gearcase in Python: a `Scene`, and functions that compute from it.
+
+    scene = gearcase.Scene.from_file("minimal")    check laws casing modes simulate run tradeoff converge
+    gearcase.open_run("minimal")                   a finished run; diagnose spectrum
+
+All numbers are SI unless a name ends in a unit. Nothing is printed; `progress=` takes a function that is told of every
+step of the work. What is not named here is internal and may change.
+"""
+
+import importlib
+import logging
+from typing import TYPE_CHECKING, Any
+
+from gearcase.hidden import refuse_hidden
+
+if TYPE_CHECKING:
+    from gearcase.casings import Casing as Casing
+    from gearcase.casings import casing as casing
+    from gearcase.errors import InputError as InputError
+    from gearcase.errors import SceneError as SceneError
+    from gearcase.errors import WorkError as WorkError
+    from gearcase.gears import PairLaws as PairLaws
+    from gearcase.gears import laws as laws
+    from gearcase.machines import LinearModes as LinearModes
+    from gearcase.machines import modes as modes
+    from gearcase.machines import simulate as simulate
+    from gearcase.results import Diagnosis as Diagnosis
+    from gearcase.results import diagnose as diagnose
+    from gearcase.results import open_run as open_run
+    from gearcase.results import run as run
+    from gearcase.results import spectrum as spectrum
+    from gearcase.scenes import Checked as Checked
+    from gearcase.scenes import Scene as Scene
+    from gearcase.scenes import check as check
+    from gearcase.studies import RefinementStudy as RefinementStudy
+    from gearcase.studies import Tradeoff as Tradeoff
+    from gearcase.studies import converge as converge
+    from gearcase.studies import tradeoff as tradeoff
+    from gearcase.working import Step as Step
+
+_PLACES = {
+    "casings": ("Casing", "casing"),
+    "errors": ("InputError", "SceneError", "WorkError"),
+    "gears": ("PairLaws", "laws"),
+    "machines": ("LinearModes", "modes", "simulate"),
+    "results": ("Diagnosis", "diagnose", "open_run", "run", "spectrum"),
+    "scenes": ("Checked", "Scene", "check"),
+    "studies": ("RefinementStudy", "Tradeoff", "converge", "tradeoff"),
+    "working": ("Step",),
+}
+_PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
+__all__ = sorted(_PLACE_OF)
+
+refuse_hidden()
+for _package in ("fem", "mbd", "pipelines"):
+    logging.getLogger(_package).addHandler(logging.NullHandler())  # who wants the log configures logging
+
+
+def __getattr__(name: str) -> Any:
+    """The named thing, imported when it is first used: `import gearcase` itself takes no libraries."""
+    if name not in _PLACE_OF:
+        raise AttributeError(f"module 'gearcase' has no attribute {name!r}")
+    found = getattr(importlib.import_module(f"gearcase.{_PLACE_OF[name]}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return __all__

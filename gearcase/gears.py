@@ -1,0 +1,38 @@
+"""Mesh stiffness of the gear pairs."""
+
+from __future__ import annotations
+
+from gearcase.scenes import Scene
+from gearcase.working import ProgressFunction
+from pipelines.engine.working import Work
+from pipelines.runs.built import build_pairs
+from pipelines.steps.pair_curves import PairLaws
+
+__all__ = ["PairLaws", "laws"]
+
+
+def laws(
+    scene: Scene, *, processes: int | None = None, progress: ProgressFunction | None = None
+) -> tuple[PairLaws, ...]:
+    """The mesh laws of every gear pair, in the order of the stages, at the loads of the scene.
+
+    `PairLaws.curve` gives the stiffness over the mesh cycle k(c), healthy and with the faults of the scene.
+
+    Parameters
+    ----------
+    processes : long steps built side by side, 2 by default
+    progress : is told of every step
+
+    Raises
+    ------
+    SceneError, WorkError : the scene cannot be used, a step failed
+
+    >>> import gearcase
+    >>> fault = {"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 0}
+    >>> scene = gearcase.Scene.from_file("minimal").changed(faults=[fault], diagnosis={"gear": "pinion"})
+    >>> pair = gearcase.laws(scene)[0]
+    >>> k = pair.curve().secant
+    >>> k.dims, k.units, [str(state) for state in k.state.values]
+    (('state', 'cycle'), 'N/m', ['healthy', 'faulty'])
+    """
+    return build_pairs(scene.loaded, Work(processes=processes, progress=progress))

@@ -1,0 +1,75 @@
+"""The machine: natural modes about its loaded rest, and its motion."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from gearcase.scenes import Scene
+from gearcase.working import ProgressFunction
+from mbd.system.linearised import LinearModes
+from pipelines.engine.working import Work
+from pipelines.runs.built import build_machine_modes, build_signals
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["LinearModes", "modes", "simulate"]
+
+
+def modes(
+    scene: Scene,
+    *,
+    up_to: float = 10e3,
+    cycle: float | None = None,
+    speed: float = 0.0,
+    processes: int | None = None,
+    progress: ProgressFunction | None = None,
+) -> LinearModes:
+    """Natural frequencies, damping and energy shares of small motion about the loaded machine.
+
+    Parameters
+    ----------
+    up_to : Hz, highest frequency
+    cycle : mesh cycle of stage 1; that of the start by default
+    speed : of the motors in rpm; losses and gyroscopic moments follow it
+    processes : long steps built side by side, 2 by default
+    progress : is told of every step
+
+    Raises
+    ------
+    SceneError, WorkError : the scene cannot be used, a step failed
+    MachineError (a ValueError) : a mesh carries no load, so it has no stiffness to linearise
+
+    >>> import gearcase
+    >>> found = gearcase.modes(gearcase.Scene.from_file("minimal"), up_to=300)
+    >>> for frequency, part in zip(found.frequencies, found.dominant):
+    ...     print(f"{frequency:.1f} Hz, {part}")
+    112.8 Hz, motor coupling
+    271.6 Hz, bearings of shaft 2
+    297.1 Hz, bearings of shaft 2
+    """
+    work = Work(processes=processes, progress=progress)
+    return build_machine_modes(scene.loaded, work, up_to=up_to, cycle=cycle, speed=speed / 60 * 2 * math.pi)[0]
+
+
+def simulate(scene: Scene, *, processes: int | None = None, progress: ProgressFunction | None = None) -> xarray.Dataset:
+    """The signals of a scene: accelerations, forces, speeds, each with its unit; no file is written.
+
+    Parameters
+    ----------
+    processes : long steps built side by side, 2 by default
+    progress : is told of every step
+
+    Raises
+    ------
+    SceneError, WorkError : the scene cannot be used, a step failed
+
+    >>> import gearcase
+    >>> short = {"simulation.end_s": 0.1, "diagnosis.windows_s": {}}
+    >>> response = gearcase.simulate(gearcase.Scene.from_file("minimal").changed(short))
+    >>> signal = response.acceleration.sel(sensor="sensor_3", axis="z")
+    >>> signal.sizes["time"], signal.units
+    (1000, 'm/s2')
+    """
+    return build_signals(scene.loaded, Work(processes=processes, progress=progress))

@@ -1,0 +1,131 @@
+"""Whole runs with their result folders, finished runs, and what is read from them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gearcase.scenes import Scene, Settings
+from gearcase.working import ProgressFunction
+from pipelines.engine.working import Work
+from pipelines.runs.diagnosed import diagnose_folder
+from pipelines.runs.run import Options, run_scene
+from pipelines.runs.run_folder import find_run, loaded_run
+from pipelines.signals.diagnosis import Diagnosis
+from pipelines.signals.labelled_spectrum import labelled_spectrum
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["Diagnosis", "diagnose", "open_run", "run", "spectrum"]
+
+
+def run(
+    scene: Scene,
+    *,
+    out: str | Path | None = None,
+    control: bool = True,
+    both_loads: bool = True,
+    seeds: int = 0,
+    processes: int | None = None,
+    progress: ProgressFunction | None = None,
+) -> xarray.Dataset:
+    """Run a scene with its control, diagnose it, write the result folder with its report, and return the signals.
+
+    Parameters
+    ----------
+    out : result folder instead of ./runs/<scene>/<timestamp>
+    control : run the healthy control, too, and diagnose against it
+    both_loads : with a rope, run the equivalent constant torque as well
+    seeds : compare this many further seeds of the deviations, and error-free gears
+    processes : long steps built side by side, 2 by default
+    progress : is told of every step
+
+    Returns
+    -------
+    the content of response.nc; `attrs["folder"]` names the result folder
+
+    Raises
+    ------
+    SceneError, InputError : the scene or `out` cannot be used
+    WorkError : a step failed
+
+    >>> import gearcase
+    >>> short = {"simulation.end_s": 0.1, "diagnosis.windows_s": {}}
+    >>> response = gearcase.run(gearcase.Scene.from_file("minimal").changed(short), out="my-result")
+    >>> response.attrs["folder"]
+    'my-result'
+    """
+    work = Work(processes=processes, progress=progress)
+    options = Options(out=out, with_control=control, both_loads=both_loads, seeds=seeds, work=work)
+    return loaded_run(run_scene(scene.loaded, options).folder)
+
+
+def open_run(name: str | Path) -> xarray.Dataset:
+    """The signals of a finished run: its result folder, or the name of a scene for its newest result under ./runs.
+
+    Raises
+    ------
+    InputError : there is no such run, or its file is damaged
+
+    >>> import gearcase
+    >>> gearcase.open_run("nowhere")
+    Traceback (most recent call last):
+    ...
+    pipelines.border.errors.InputError: nowhere: no result here, neither ...
+    """
+    return loaded_run(find_run(name))
+
+
+def diagnose(response: xarray.Dataset, settings: Settings = ()) -> Diagnosis:
+    """The lines of a fault in a finished run against its healthy control, with the spectra they were read from.
+
+    Parameters
+    ----------
+    response : what `run` or `open_run` returned
+    settings : look elsewhere, {"diagnosis.sensor": "sensor_5"}
+
+    Raises
+    ------
+    InputError : no control was run, no windows are given, or the signals come from no result folder
+
+    >>> import gearcase
+    >>> fault = {"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 0}
+    >>> scene = gearcase.Scene.from_file("minimal").changed(faults=[fault], diagnosis={"gear": "pinion"})
+    >>> found = gearcase.diagnose(gearcase.run(scene.changed(control="without-faults"), out="missing"))
+    >>> bool(found.lines.stands.sum() > 5)
+    True
+    """
+    return diagnose_folder(Path(_folder(response.attrs)), settings)
+
+
+def spectrum(signal: xarray.DataArray) -> xarray.DataArray:
+    """Amplitude spectrum of a signal over time: one-sided peak amplitudes with a Hann window, in the signal's unit.
+
+    Parameters
+    ----------
+    signal : over `time` (s), equally spaced; further dimensions stay. Cut it with ``signal.sel(time=slice(0.5, 1.5))``
+
+    Returns
+    -------
+    over `frequency` (Hz) in place of time; a tone A cos(2 pi f t) on a line reads A
+
+    Raises
+    ------
+    InputError : no dimension time, fewer than four samples, or unequal spacing
+
+    >>> import gearcase, numpy, xarray
+    >>> time = numpy.arange(1000) / 1000
+    >>> tone = xarray.DataArray(3 * numpy.cos(2 * numpy.pi * 50 * time), coords={"time": time}, dims="time")
+    >>> print(f"{float(gearcase.spectrum(tone).sel(frequency=50)):.3f}")
+    3.000
+    """
+    return labelled_spectrum(signal)
+
+
+def _folder(attributes: dict[Any, Any]) -> str:
+    from gearcase.errors import InputError
+
+    if "folder" not in attributes:
+        raise InputError("these signals come from no result folder. Give what gearcase.run or open_run returned.")
+    return str(attributes["folder"])

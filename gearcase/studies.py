@@ -1,0 +1,67 @@
+"""Studies of accuracy and cost."""
+
+from __future__ import annotations
+
+from gearcase.scenes import Scene
+from gearcase.working import ProgressFunction
+from pipelines.engine.working import Work
+from pipelines.trade.refinement import RefinementStudy, refine
+from pipelines.trade.tradeoff import Tradeoff, trade
+
+__all__ = ["RefinementStudy", "Tradeoff", "converge", "tradeoff"]
+
+
+def converge(
+    scene: Scene,
+    over: str,
+    *,
+    levels: int = 3,
+    processes: int | None = None,
+    progress: ProgressFunction | None = None,
+) -> RefinementStudy:
+    """Refine one thing and see how far the answer is off.
+
+    Parameters
+    ----------
+    over : "gear-mesh", "slices", "positions", "casing-mesh", "modes", "shaft-elements" or "step"
+    levels : one finer than in use, the rest coarser
+    processes : long steps built side by side, 2 by default
+    progress : is told of every step
+
+    Returns
+    -------
+    values of every quantity at every level (`units` by quantity), observed order, limit and error band
+
+    Raises
+    ------
+    SceneError, InputError, WorkError : nothing to refine along `over`, a level is out of range, a step failed
+
+    >>> import gearcase
+    >>> found = gearcase.converge(gearcase.Scene.from_file("minimal"), "slices")
+    >>> found.units["stage 1 stiffness"], found.fineness
+    ('N/um', (2.0, 1.0, 0.5))
+    """
+    return refine(scene.loaded, over, levels, Work(processes=processes, progress=progress))
+
+
+def tradeoff(scene: Scene, *, processes: int | None = None, progress: ProgressFunction | None = None) -> Tradeoff:
+    """What every rung and main setting costs, and how far it is from the reference. Takes minutes.
+
+    Parameters
+    ----------
+    processes : long steps built side by side, 2 by default
+    progress : is told of every step
+
+    Returns
+    -------
+    every choice with its seconds, peak bytes and largest errors (parts of 1, levels in dB)
+
+    Raises
+    ------
+    SceneError, WorkError : the scene cannot be used, a step failed
+
+    >>> import gearcase
+    >>> found = gearcase.tradeoff(gearcase.Scene.from_file("minimal"))  # doctest: +SKIP
+    >>> found.cheapest(error=0.02).choice.name  # doctest: +SKIP
+    """
+    return trade(scene.loaded, Work(processes=processes, progress=progress))

@@ -1,0 +1,32 @@
+"""How work is done and who is told of it: the one way in which commands and Python build stages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
+
+from pipelines.engine.cache import Cache
+from pipelines.engine.progress import ProgressFunction, shown_progress
+from pipelines.engine.run_graph import Observer, Outcome, run_graph
+from pipelines.engine.step import Graph
+
+
+@dataclass(frozen=True, kw_only=True)
+class Work:
+    """`processes` long stages are built side by side (None: 2, or 1 on a single core); `progress` is told of each."""
+
+    processes: int | None = None
+    quiet: bool = True
+    progress: ProgressFunction | None = None
+    cache: Cache = field(default_factory=Cache)
+
+    def observed(self, total: int = 0) -> AbstractContextManager[Observer]:
+        """An observer of `total` stages, 0 if their number is not known."""
+        return shown_progress(total, quiet=self.quiet, told=self.progress)
+
+    def build(self, graph: Graph, wanted: Iterable[str]) -> Outcome:
+        """The wanted stages and what they take, from the cache or built."""
+        wanted = tuple(wanted)
+        with self.observed(len(graph.needed(wanted).stages)) as observer:
+            return run_graph(graph, self.cache, wanted, observer=observer, processes=self.processes)

@@ -1,0 +1,150 @@
+"""Parts of a scene built on their own, without a run: gear pairs, the casing, the machine about its rest, signals."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem.casing.reduced.body import MODES_OVER_BAND
+from pipelines.border.errors import InputError
+from pipelines.steps.study import plan_study
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray
+
+    from fem.casing.meshing.mesh import CasingMesh
+    from fem.casing.reduced.accuracy import ErrorStatement
+    from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.checkup import CheckUp
+    from fem.casing.reduced.modes import CasingModes, NaturalModes
+    from mbd.system.linearised import LinearModes
+    from pipelines.engine.step import Graph, StageRecord
+    from pipelines.engine.working import Work
+    from pipelines.plant.plant import Plant
+    from pipelines.scene.file import LoadedScene
+    from pipelines.steps.pair_curves import PairLaws
+
+STATIC_BAND = 1000.0  # Hz, to which a casing without a band of its own is compared and exported
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Casing:
+    """The casing of a scene: what the machine stands in; of an elastic one its mesh, modes and check-up, too."""
+
+    body: ReducedBody  # mass, stiffness, damping, rows of bearings and sensors; SI
+    mesh: CasingMesh | None
+    modes: CasingModes | None
+    natural: NaturalModes | None  # frequencies in Hz, effective masses
+    checkup: CheckUp | None
+    error: ErrorStatement | None  # against the full model, if it was asked for
+    records: tuple[StageRecord, ...]  # seconds and memory of its stages
+    band: float  # Hz
+
+    @property
+    def frequencies(self) -> np.ndarray:
+        """Natural frequencies (mode,) in the ground, Hz; those of a rigid casing on its mounts."""
+        import numpy as np
+        from scipy.linalg import eigh
+
+        if self.natural is not None:
+            return self.natural.frequencies
+        squares = eigh(self.body.stiffness, self.body.mass, eigvals_only=True)
+        return np.sqrt(np.maximum(squares, 0.0)) / (2 * math.pi)
+
+
+def scene_graph(loaded: LoadedScene) -> tuple[Graph, Plant]:
+    """The stages of a scene without its control, and its plant."""
+    study = plan_study(loaded, with_control=False, both_loads=False)
+    return study.graph, study.plant
+
+
+def build_pairs(loaded: LoadedScene, work: Work) -> tuple[PairLaws, ...]:
+    """The mesh laws of every gear pair."""
+    from pipelines.steps.pair_curves import pair_laws
+
+    graph, plant = scene_graph(loaded)
+    outcome = work.build(graph, plant.law_names)
+    return pair_laws(plant, [outcome.value(name) for name in plant.law_names])
+
+
+def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) -> Casing:
+    """The reduced casing; with `error_check` compared with the full model, which costs about as much as the reduction.
+
+    Raises
+    ------
+    InputError : an error check of a casing that has no full model
+    """
+    from pipelines.engine.step import Graph
+    from pipelines.plant.casing import ElasticPart
+    from pipelines.steps.graph import casing_error_stage
+
+    graph, plant = scene_graph(loaded)
+    limit = plant.casing.model.limit if isinstance(plant.casing, ElasticPart) else None
+    band = STATIC_BAND if limit is None else limit / MODES_OVER_BAND
+    elastic = "casing modes" in graph.stages
+    wanted = ["casing", *(["casing mesh", "casing modes"] if elastic else [])]
+    if error_check:
+        if not elastic:
+            raise InputError(no_full_model(plant))
+        graph = Graph([*graph, casing_error_stage(graph, band)])
+        wanted.append("casing error")
+    outcome = work.build(graph, wanted)
+    body, modes, checkup, natural = outcome.value("casing"), None, None, None
+    if elastic:
+        from fem.casing.reduced.modes import natural_modes
+
+        modes, checkup = outcome.value("casing modes")
+        mounts = graph.stages["casing"].spec.mounts
+        natural = natural_modes(modes, mounts, limit=limit, stiffness_factor=body.stiffness_factor)
+    return Casing(
+        body=body,
+        mesh=outcome.value("casing mesh") if elastic else None,
+        modes=modes,
+        natural=natural,
+        checkup=checkup,
+        error=outcome.value("casing error") if error_check else None,
+        records=tuple(record for record in outcome.records if "casing" in record.name),
+        band=band,
+    )
+
+
+def no_full_model(plant: Plant) -> str:
+    """Why a casing cannot be compared, or has no field of modes."""
+    return f"a {plant.rungs['casing']} casing has no full model; choose casing.model craig-bampton"
+
+
+def build_machine_modes(
+    loaded: LoadedScene, work: Work, *, up_to: float = 10e3, cycle: float | None = None, speed: float = 0.0
+) -> tuple[LinearModes, float]:
+    """Small motion about the loaded machine at a mesh cycle of stage 1 (that of the start by default), and that cycle.
+
+    Parameters
+    ----------
+    up_to : Hz
+    speed : of the motors, rad/s; losses and gyroscopic moments follow it
+    """
+    from mbd.system.linearised import linear_modes, turned
+    from mbd.system.system import DEFAULT_BAND
+    from pipelines.plant.assembly import assemble_machine, assemble_system
+
+    graph, plant = scene_graph(loaded)
+    outcome = work.build(graph, [*plant.law_names, "casing"])
+    train = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
+    first = train.meshes[0]
+    train = turned(train, 0.0 if cycle is None else (cycle - first.cycle_at_start) / first.cycles_per_radian)
+    band = max(DEFAULT_BAND, 2 * up_to)
+    system = assemble_system(train, outcome.value("casing"), plant.recorded, band)
+    return linear_modes(system, up_to=up_to, speed=speed), train.meshes[0].cycle_at_start
+
+
+def build_signals(loaded: LoadedScene, work: Work) -> xarray.Dataset:
+    """The signals of a scene as response.nc would hold them; no file is written."""
+    from pipelines.signals.motion_warnings import log_warnings
+    from pipelines.signals.response import make_response
+
+    graph, plant = scene_graph(loaded)
+    motion = work.build(graph, ["simulate"]).value("simulate")
+    log_warnings([motion])
+    return make_response(motion, plant.labels)

@@ -1,0 +1,47 @@
+"""A scene checked as a run begins: what follows from it, what it costs, what is doubtful about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pipelines.plant.facts import Facts
+    from pipelines.plant.plant import Plant
+    from pipelines.scene.file import LoadedScene
+
+
+@dataclass(frozen=True, kw_only=True)
+class Checked:
+    """A scene that can be run."""
+
+    plant: Plant  # the scene in SI
+    facts: Facts  # ratios, frequencies (Hz), speeds (rad/s, m/s), torques (N m), forces (N), lengths (m)
+    cost: str  # of a run: steps, seconds, memory, disk
+    warnings: tuple[str, ...]  # what is doubtful, and how its control differs in more than the fault
+
+
+def check_scene(loaded: LoadedScene) -> Checked:
+    """What a run would refuse is refused here, before anything is computed.
+
+    Raises
+    ------
+    SceneError, InputError : everything that does not fit
+    """
+    from pipelines.plant.checks.cost import estimate
+    from pipelines.plant.checks.doubts import doubts
+    from pipelines.scene.file import control_differences
+    from pipelines.steps.study import plan_study
+
+    study = plan_study(loaded)
+    warnings = list(doubts(loaded.scene, study.plant.layout))
+    if study.control is not None:
+        twin = study.control.name
+        lines = control_differences(loaded, study.control)
+        warnings += [f"the control {twin} differs in more than the fault: {line}" for line in lines]
+    return Checked(
+        plant=study.plant,
+        facts=study.plant.facts,
+        cost=str(estimate(loaded.scene, len(study.motions))),
+        warnings=tuple(warnings),
+    )

@@ -1,0 +1,83 @@
+"""docs/extending.md: every example, put into a copy of the product as the page says, does what it says."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+PACKAGES = ("fem", "mbd", "pipelines", "gearcase", "meshes")
+EXAMPLES = dict(part.split("\n", 1) for part in PAGE.split("\n## ")[1:])
+
+
+def blocks(example):
+    """(kind, path, text) of every block: "new" files, "diff" of a file, "holds" to be run."""
+    kind, path = "", ""
+    for words, language, text in re.findall(r"(.*?)^```(\w+)\n(.*?)^```\n?", EXAMPLES[example], re.M | re.S):
+        if found := re.search(r"^(New file|In) `([\w/.]+)`", words, re.M):
+            kind, path = ("new" if found[1] == "New file" else "diff"), found[2]
+        elif "It holds:" in words:
+            kind, path = "holds", ""
+        assert language == ("diff" if kind == "diff" else "python")
+        yield kind, path, text
+
+
+def patched(text, diff):
+    """The text with the lines of a diff put in; what the diff leaves or takes away must stand there once."""
+    lines = diff.splitlines(keepends=True)
+    before = "".join(line[1:] for line in lines if line[0] in " -")
+    after = "".join(line[1:] for line in lines if line[0] in " +")
+    assert text.count(before) == 1, f"not there, or more than once:\n{before}"
+    return text.replace(before, after)
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """The product with all examples in it."""
+    folder = tmp_path_factory.mktemp("product")
+    for name in PACKAGES:
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for example in EXAMPLES:
+        for kind, path, text in blocks(example):
+            file = folder / path
+            if kind == "new":
+                assert not file.exists()
+                file.write_text(text, encoding="utf-8")
+            elif kind == "diff":
+                file.write_text(patched(file.read_text(encoding="utf-8"), text), encoding="utf-8")
+    return folder
+
+
+def test_the_page_has_the_five_examples():
+    assert list(EXAMPLES) == ["A mesh model", "A tooth fault", "A bearing", "A load", "A command"]
+
+
+@pytest.mark.parametrize(
+    ("example", "most"), [("A mesh model", 3), ("A tooth fault", 3), ("A bearing", 3), ("A load", 3), ("A command", 2)]
+)
+def test_an_extension_touches_few_files(example, most):
+    assert len({path for _, path, _ in blocks(example) if path}) <= most
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_what_the_page_says_holds(copy, example):
+    (code,) = [text for kind, _, text in blocks(example) if kind == "holds"]
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=copy, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_examples_keep_the_rules_of_the_code(copy):
+    config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
+    for words in (["check", *config], ["format", "--check", *config]):
+        done = subprocess.run(
+            [sys.executable, "-m", "ruff", *words, str(copy)], capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
