@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.gear_pairs import thick_rimmed_pair
 from fem.contact.models.solid import Solid
 from fem.contact.wheels.contact import solve
-from fem.gears.geometry import Gear, GearPair
 
 CASES = ((0.0, 12e-3), (12.0, 12e-3), (15.0, 30e-3))  # beta in degrees, b in m
 DEFAULT = (1.0, 31)  # refinement, slices
@@ -28,18 +28,6 @@ RATIO = 5 / 3
 AXES = {"mesh": ((0.6, 31), DEFAULT, (RATIO, 31)), "slices": (DEFAULT, (1.0, 51), (1.0, 85))}
 LINE_LOAD = 100e3  # N/m
 QUANTITIES = {"mean": "mean_N_per_m", "peak_to_peak": "peak_to_peak_m"}
-
-
-def pair_of(beta: float, face: float) -> GearPair:
-    """z 20/55, m_n 2 mm, bores at r_f / 1.4."""
-
-    def gear(teeth: int, hand: str) -> Gear:
-        root = (teeth / math.cos(beta) / 2 - 1.25) * 2e-3
-        return Gear(
-            teeth=teeth, normal_module=2e-3, helix_angle=beta, face_width=face, hand=hand, bore_radius=root / 1.4
-        )
-
-    return GearPair(pinion=gear(20, "right"), wheel=gear(55, "left"))
 
 
 def extrapolated(values: list[float]) -> tuple[float, float]:
@@ -57,7 +45,7 @@ def extrapolated(values: list[float]) -> tuple[float, float]:
 def level(beta: float, face: float, refinement: float, slices: int) -> dict[str, float]:
     """Both quantities of one pair at one level, and the seconds of processor time."""
     start = time.process_time()
-    record = Solid(slices=slices, refinement=refinement).compliance(pair_of(math.radians(beta), face))
+    record = Solid(slices=slices, refinement=refinement).compliance(thick_rimmed_pair(beta, 1000 * face))
     state = solve(record, force=LINE_LOAD * face)
     return {
         "mean_N_per_m": float((state.force / state.approach).mean()),

@@ -7,13 +7,21 @@ deviation is beyond its gate.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 from benchmarks.checks import gears, motion, plane, signals, solid, structures
 from benchmarks.checks.invariants import INVARIANTS
-from benchmarks.checks.record import Check, Values, numbers
+from benchmarks.checks.record import Check, Subject, Values, numbers
 
+SUBJECTS: tuple[Subject, ...] = (
+    *gears.SUBJECTS,
+    plane.SUBJECT,
+    solid.SUBJECT,
+    *structures.SUBJECTS,
+    *motion.SUBJECTS,
+    signals.SUBJECT,
+)
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "validation.md"
 HEADERS = ("quantity", "source", "unit", "reference", "gearcase", "deviation", "gate", "test")
 LEAD = """# Validation
@@ -23,12 +31,6 @@ were published, computed by others or follow exactly; several values of one kind
 largest of them. Deviations are relative unless they carry the unit. What has no single number (limits, invariants,
 rates) stands in the last table.
 """
-
-
-def all_checks() -> Iterator[Check]:
-    """Every row, in the order of the page."""
-    for module in (gears, plane, solid, structures, motion, signals):
-        yield from module.checks()
 
 
 def fixed_cells(check: Check) -> tuple[str, ...]:
@@ -45,14 +47,12 @@ def row(check: Check, ours: Values) -> str:
     return "| " + " | ".join((*front, numbers(ours), found, gate, test)) + " |"
 
 
-def page(values: Mapping[int, Values]) -> str:
-    """The whole page from the library's values by number of the check."""
-    lines, subject = [LEAD], ""
-    for number, check in enumerate(all_checks()):
-        if check.subject != subject:
-            subject = check.subject
-            lines += [f"\n## {subject}\n", _line(HEADERS), _line(["---"] * len(HEADERS))]
-        lines.append(row(check, values[number]))
+def page(values: Mapping[Check, Values]) -> str:
+    """The whole page from the library's values."""
+    lines = [LEAD]
+    for subject in SUBJECTS:
+        lines += [f"\n## {subject.title}\n", _line(HEADERS), _line(["---"] * len(HEADERS))]
+        lines += [row(check, values[check]) for check in subject.checks]
     lines += ["\n## What must always hold\n", _line(("statement", "gate", "test")), _line(["---"] * 3)]
     for statement, gate, test in INVARIANTS:
         file, _, function = test.partition("::")
@@ -67,9 +67,9 @@ def _line(cells: tuple[str, ...] | list[str]) -> str:
 def main() -> int:
     """Compute every row, write the page; 1 if a gate is missed."""
     values, missed = {}, 0
-    for number, check in enumerate(all_checks()):
-        values[number] = check.compute()
-        deviation = check.deviation(values[number])
+    for check in (check for subject in SUBJECTS for check in subject.checks):
+        values[check] = check.compute()
+        deviation = check.deviation(values[check])
         if not deviation < check.gate:
             missed += 1
             print(f"beyond its gate: {check.quantity}: {check.shown(deviation)} (gate {check.shown(check.gate)})")

@@ -1,7 +1,8 @@
-"""A made-up mesh law with every feature: Hertz term, coupling, gaps, fractions, helix."""
+"""A made-up mesh law with every feature: Hertz term, neighbours, gaps, fractions, helix; its one potential."""
 
 import numpy as np
 
+from fem.contact.evaluation.evaluator import evaluate_law
 from fem.contact.faults.missing_tooth import MissingTooth
 from fem.contact.law import MeshLaw
 
@@ -43,3 +44,28 @@ def missing_tooth(clearance, tooth):
     broken = np.array(clearance, dtype=float)
     broken[tooth] = MissingTooth.clearance
     return broken
+
+
+def potential_errors(law, states, pinion=None, wheel=None):
+    """How far F, M and all slopes are from the derivatives of the energy: (7, state), each over its largest value.
+
+    Central differences, so that a state on a kink (a pair just touching, a grid point of the tables) is off.
+    """
+    cycle, delta, psi = states
+
+    def slope(field, dc=0.0, dd=0.0, dp=0.0):
+        ahead = evaluate_law(law, cycle + dc, delta + dd, psi + dp, pinion, wheel)
+        behind = evaluate_law(law, cycle - dc, delta - dd, psi - dp, pinion, wheel)
+        return (getattr(ahead, field) - getattr(behind, field)) / (2 * (dc + dd + dp))
+
+    found = evaluate_law(law, cycle, delta, psi, pinion, wheel)
+    pairs = (
+        (found.force, slope("energy", dd=1e-10)),
+        (found.moment, slope("energy", dp=1e-8)),
+        (found.energy_slope, slope("energy", dc=1e-7)),
+        (found.stiffness, slope("force", dd=1e-10)),
+        (found.cross_stiffness, slope("moment", dd=1e-10)),
+        (found.cross_stiffness, slope("force", dp=1e-8)),
+        (found.tilt_stiffness, slope("moment", dp=1e-8)),
+    )
+    return np.array([np.abs(exact - numeric) / np.abs(exact).max() for exact, numeric in pairs])

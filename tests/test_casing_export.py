@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 import scipy.io
 import scipy.linalg as la
-from housings import housing_for_shafts
+from housings import small_housing
 from rendering import drawn
-from test_casing_ground import SMALL
 
 from fem.casing.meshing.mesher import mesh_housing
 from fem.casing.models.rigid_casing import RigidCasing
@@ -31,7 +30,7 @@ from pipelines.runs.casing_export import checked_target, mode_shapes, write_mat,
 
 @pytest.fixture(scope="module")
 def housing():
-    return housing_for_shafts(**SMALL)
+    return small_housing()
 
 
 @pytest.fixture(scope="module")

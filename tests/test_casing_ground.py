@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 import scipy.sparse as sp
-from housings import housing_for_shafts
+from housings import small_housing
 from scipy.sparse.linalg import splu
 
 from fem.casing.meshing.mesher import mesh_housing
@@ -26,22 +26,11 @@ from fem.storage.ledger import counting
 
 BAND = 1500.0
 MOUNTS = ((2e7, 3e7, 5e7),)
-SMALL = {
-    "shaft_x": (0.0, 0.07668),
-    "bore_diameters": (0.047, 0.062),
-    "boss_diameters": (0.065, 0.080),
-    "length": 0.26,
-    "width": 0.16,
-    "height": 0.16,
-    "left": -0.07,
-    "axis_height": 0.08,
-    "foot_length": 0.04,
-}
 
 
 @pytest.fixture(scope="module")
 def housing():
-    return housing_for_shafts(**SMALL)
+    return small_housing()
 
 
 @pytest.fixture(scope="module")

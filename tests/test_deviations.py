@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from gear_pairs import gear_pair
 
+from benchmarks.gear_pairs import gear_pair
 from fem.gears.deviations import PitchDeviations, pitch_tolerance, sample_pitch_deviations
 from fem.gears.geometry import GeometryError
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 import scipy.sparse as sp
-from solids import box_mesh, unknowns
 
+from benchmarks.solids import box_mesh, unknowns
 from fem.elements.tetrahedra import (
     ElementError,
     assemble,

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from gear_pairs import gear_pair
 from mesh_laws import missing_tooth
 from rings import POISSON, YOUNG, whole_ring_response
 from scipy.integrate import quad
 
+from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.curves import no_load_error, stiffness_curve
 from fem.contact.evaluation.evaluator import evaluate_law, shares
 from fem.contact.faults.changed_law import damaged_law

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from gear_pairs import gear_pair
 
+from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.evaluator import evaluate_law
 from fem.contact.models.iso import Iso
 from fem.contact.teeth import tooth_terms

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gear_pairs import gear_pair
 
+from benchmarks.gear_pairs import gear_pair
 from fem.contact.models.iso import Iso, blank_factor
 from fem.contact.wheels import ring
 from fem.elements.sections import stiffness

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 from rendering import drawn
-from test_solid_stiffness import pair_of
 from waiting import HANGING
 
+from benchmarks.gear_pairs import thick_rimmed_pair
 from fem.contact.models.iso import Iso
 from fem.contact.models.solid import Solid
 from fem.gears.modifications import PairModifications
@@ -53,14 +53,14 @@ def state_of(pair, record, law, wheel, index=24):
     return stress.build(spec, record, (law, law))
 
 
-@pytest.fixture(scope="module", params=["right", pytest.param("left", marks=pytest.mark.slow)])
+@pytest.fixture(scope="module", params=[("right", "left"), pytest.param(("left", "right"), marks=pytest.mark.slow)])
 def solved(request):
     """Pair, healthy state, and (right hand alone) the state without wheel tooth 3."""
-    pair = pair_of(12.0, hand=request.param)
+    pair = thick_rimmed_pair(12.0, hands=request.param)
     record, law = COARSE.compliance(pair), Iso(slices=5).law(pair, "drive")
     gone = np.where(np.arange(55) == 3, np.inf, 0.0)
     healthy = state_of(pair, record, law, np.zeros(55))
-    return pair, healthy, state_of(pair, record, law, gone) if request.param == "right" else None
+    return pair, healthy, state_of(pair, record, law, gone) if request.param[0] == "right" else None
 
 
 def corner_volumes(teeth):
@@ -167,7 +167,7 @@ PLACES = {
 @pytest.fixture(scope="module")
 def mesh_view():
     """Three frames around the passage of the missing wheel tooth 3."""
-    pair = pair_of(12.0)
+    pair = thick_rimmed_pair(12.0)
     law = Iso(slices=5).law(pair, "drive")
     cycles = passage(3.0, 3)
     gone = np.where(np.arange(55) == 3, np.inf, 0.0)
@@ -238,7 +238,7 @@ def saturated(image):
 
 
 def test_a_tooth_that_is_damaged_but_there_is_drawn_solid():
-    view = gear_view(pair_of(12.0), ("wheel", 3), missing=False)
+    view = gear_view(thick_rimmed_pair(12.0), ("wheel", 3), missing=False)
     there, gone = (drawn(render_gears(replace(view, missing=missing), (400, 320))) for missing in (False, True))
     assert min(reddish(there.image), reddish(gone.image)) > 20
     assert saturated(there.image) > 1.2 * saturated(gone.image)

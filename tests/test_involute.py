@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur
 
+from benchmarks.gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur, pair_of_17_and_43
 from fem.gears.geometry import Gear, GearPair, GeometryError, Rack
 from fem.gears.path import LARGEST_GAP, contact_window, line_length, path_points, slice_fraction
 from fem.gears.profile import flank_at_roll, form_radius, half_tooth_profile, roll_length
@@ -49,7 +49,7 @@ def test_contact_ratios(helix, eps_alpha, eps_beta):
 
 
 def test_contact_ratios_at_a_given_centre_distance():
-    pair = gear_pair((17, 43), 1, 20, 10, centre_mm=31.925333, bores_mm=(5.568, 15.450))
+    pair = pair_of_17_and_43()
     assert pair.transverse_contact_ratio == pytest.approx(1.491879, rel=1e-6)
     assert pair.overlap_ratio == pytest.approx(1.08868, rel=1e-5)
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur
 from mesh_laws import missing_tooth
 
+from benchmarks.gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import evaluate_law
 from fem.contact.frame import RungError, flank_frame

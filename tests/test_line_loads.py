@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from gear_pairs import gear_pair
 
+from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import evaluate_law, shares
 from fem.contact.evaluation.line_loads import contact_pressure, line_loads

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gear_pairs import gear_pair
 
+from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.curves import no_load_error, stiffness_curve
 from fem.contact.evaluation.evaluator import evaluate_law
 from fem.contact.faults.changed_law import modified_law

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 import scipy.sparse as sp
-from solids import box_mesh, unknowns
 
 import fem.numerics.multifrontal
+from benchmarks.solids import box_mesh, unknowns
 from fem.elements.tetrahedra import assemble
 from fem.numerics import blas
 from fem.numerics.elimination import plan_elimination

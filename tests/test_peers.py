@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gear_pairs import gear_pair
 from scipy.spatial import cKDTree
 
+from benchmarks.gear_pairs import gear_pair
 from benchmarks.peers.contact_deck import ContactModel
 from benchmarks.peers.tooth_mesh import Sizes
 from benchmarks.peers.wheel_mesh import HEXAHEDRON

@@ -4,8 +4,19 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 import scipy.sparse as sp
-from solids import box_mesh, facets_on, unknowns
 
+from benchmarks.checks.structures import (
+    PLATE,
+    cantilever_plate,
+    free_plate,
+    full_bar,
+    hertz,
+    planar_bar,
+    plate_frequencies,
+    tapered_membrane,
+    two_part_bar,
+)
+from benchmarks.solids import box_mesh, facets_on, unknowns
 from fem.casing.reduced.attachment import AttachmentError, mean_motion_rows, nearest_surface_point
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.reduction import ReductionError, craig_bampton, held_interface, reduce_body
@@ -13,23 +24,6 @@ from fem.elements.tetrahedra import assemble, rigid_body_modes
 from fem.numerics.linear_solver import factorize
 
 IRON = {"elastic_modulus": 1.1e11, "poisson_ratio": 0.26, "density": 7200.0}
-
-
-def hertz(stiffness, mass):
-    """Natural frequencies of the massive motions, Hz."""
-    theta = la.eigvalsh(mass, stiffness)[::-1]
-    return 1 / (2 * np.pi * np.sqrt(theta[theta > 1e-12 * theta[0]]))
-
-
-def planar_beam(n, E=2.9e7, A=0.1, inertia=0.01, density=7.357e-4):
-    """n unit beam elements, unknowns w and theta per node; lumped translational mass."""
-    element = E * inertia * np.array([[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]])
-    K, M = np.zeros((2 * n + 2, 2 * n + 2)), np.zeros((2 * n + 2, 2 * n + 2))
-    for i in range(n):
-        K[2 * i : 2 * i + 4, 2 * i : 2 * i + 4] += element
-        M[2 * i, 2 * i] += density * A / 2
-        M[2 * i + 2, 2 * i + 2] += density * A / 2
-    return K, M
 
 
 # Hz, MSC Nastran superelement run published in vtpasquale/NASTRAN_CoFE, model cantilever_bar
@@ -43,23 +37,13 @@ COFE = {
 
 
 def test_full_bar_agrees_with_the_published_run():
-    K, M = planar_beam(10)
-    assert hertz(K[2:, 2:], M[2:, 2:])[:6] == pytest.approx(COFE_FULL, rel=1e-5)
+    assert full_bar() == pytest.approx(COFE_FULL, rel=1e-5)
 
 
 @pytest.mark.parametrize("n_modes", [0, 1, 2, 3])
 def test_two_part_bar_agrees_with_the_published_run(n_modes):
-    K, M = planar_beam(5)
-    clamped = craig_bampton(sp.csr_matrix(K[2:, 2:]), sp.csr_matrix(M[2:, 2:]), np.array([8, 9]), n_modes)
-    free = craig_bampton(sp.csr_matrix(K), sp.csr_matrix(M), np.array([0, 1]), n_modes)
-    # common coordinates: the two interface unknowns, the modes of the first part, those of the second
-    size = 2 + 2 * n_modes
-    stiffness, mass = np.zeros((size, size)), np.zeros((size, size))
-    for part, start in ((clamped, 2), (free, 2 + n_modes)):
-        place = np.r_[0:2, start : start + n_modes]
-        stiffness[np.ix_(place, place)] += part.stiffness
-        mass[np.ix_(place, place)] += part.mass
-    assert hertz(stiffness, mass)[: len(COFE[n_modes])] == pytest.approx(COFE[n_modes], rel=1e-5)
+    published = COFE[n_modes]
+    assert two_part_bar(n_modes, len(published)) == pytest.approx(published, rel=1e-5)
 
 
 class Bar:
@@ -162,7 +146,7 @@ def test_dependent_interface_rows_are_refused(bar):
 
 
 def test_more_modes_than_masses_are_refused():
-    K, M = planar_beam(5)
+    K, M = planar_bar(5)
     with pytest.raises(ReductionError, match="only 4 have mass"):
         craig_bampton(sp.csr_matrix(K[2:, 2:]), sp.csr_matrix(M[2:, 2:]), np.array([8, 9]), 5)
 
@@ -201,22 +185,7 @@ def test_sensor_point_is_the_nearest_of_the_surface(bar):
         nearest_surface_point(bar.nodes, facets, np.array([1.0, 0.03, 0.025]))
 
 
-# NAFEMS, The Standard NAFEMS Benchmarks, free vibration: plates 10 x 10 m, E 200 GPa, nu 0.3, 8000 kg/m3
-NAFEMS = {"elastic_modulus": 2.0e11, "poisson_ratio": 0.3, "density": 8000.0}
-
-
-def plate_frequencies(nodes, elements, held, count, shift=0.0):
-    """Lowest frequencies (Hz) with the unknowns `held` fixed."""
-    K, M = assemble(nodes, elements, **NAFEMS)
-    free = np.setdiff1d(np.arange(len(nodes) * 3), held)
-    K, M = K[free][:, free], M[free][:, free]
-    theta, _ = block_lanczos(factorize((K + shift * M).tocsr(), block=1).solve, M, count=count)
-    return np.sqrt(np.maximum(1 / theta - shift, 0.0)) / (2 * np.pi)
-
-
-def cantilever(n):
-    nodes, elements = box_mesh((10.0, 10.0, 0.05), (n, n, 1))
-    return plate_frequencies(nodes, elements, unknowns(np.flatnonzero(nodes[:, 0] == 0)), 6)
+# plates of The Standard NAFEMS Benchmarks, free vibration
 
 
 def simply_supported(n):
@@ -231,21 +200,6 @@ def simply_supported(n):
     return plate_frequencies(nodes, elements, np.unique(np.concatenate(held)), 6)
 
 
-def free(n):
-    nodes, elements = box_mesh((10.0, 10.0, 0.05), (n, n, 1))
-    return plate_frequencies(nodes, elements, np.zeros(0, int), 11, shift=(2 * np.pi * 0.5) ** 2)[6:]
-
-
-def tapered_membrane(n):
-    """FV32, held at its wide end, plane stress: no motion of the middle plane along its normal."""
-    nodes, elements = box_mesh((10.0, 1.0, 0.05), (n, n // 2, 2))
-    nodes[:, 1] = (nodes[:, 1] - 0.5) * (5.0 - 0.4 * nodes[:, 0])
-    held = unknowns(np.flatnonzero(nodes[:, 0] == 0))
-    return plate_frequencies(
-        nodes, elements, np.union1d(held, 3 * np.flatnonzero(np.isclose(nodes[:, 2], 0.025)) + 2), 6
-    )
-
-
 def agrees_within_a_percent_and_converges(plate, refinements, published):
     """From above, every halving of the elements changes the frequencies by at most half of the change before."""
     coarse, middle, fine = (plate(n) for n in refinements)
@@ -256,7 +210,7 @@ def agrees_within_a_percent_and_converges(plate, refinements, published):
 
 @pytest.mark.slow
 def test_nafems_fv16_thin_cantilever_plate():
-    agrees_within_a_percent_and_converges(cantilever, (10, 20, 40), [0.421, 1.029, 2.582, 3.306, 3.753, 6.555])
+    agrees_within_a_percent_and_converges(cantilever_plate, (10, 20, 40), [0.421, 1.029, 2.582, 3.306, 3.753, 6.555])
 
 
 @pytest.mark.slow
@@ -268,7 +222,7 @@ def test_simply_supported_thin_plate_converges():
 
 @pytest.mark.slow
 def test_nafems_free_thin_plate():
-    agrees_within_a_percent_and_converges(free, (10, 20, 40), [1.624, 2.383, 2.942, 4.217, 4.217])
+    agrees_within_a_percent_and_converges(free_plate, (10, 20, 40), [1.624, 2.383, 2.942, 4.217, 4.217])
 
 
 @pytest.mark.slow
@@ -283,7 +237,7 @@ def test_nafems_fv52_in_plane_modes_of_a_thick_plate():
     edge = np.isclose(x, 0) | np.isclose(x, 10) | np.isclose(y, 0) | np.isclose(y, 10)
     held = 3 * np.flatnonzero(edge & np.isclose(z, 0)) + 2
     # free to slide in its plane: three rigid motions, then bending modes; in-plane ones found by their motion
-    K, M = assemble(nodes, elements, **NAFEMS)
+    K, M = assemble(nodes, elements, **PLATE)
     free = np.setdiff1d(np.arange(len(nodes) * 3), held)
     shift = (2 * np.pi * 50.0) ** 2
     K, M = K[free][:, free], M[free][:, free]

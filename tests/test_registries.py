@@ -4,8 +4,8 @@ from typing import Literal, get_args, get_origin
 
 import numpy as np
 import pytest
-from gear_pairs import gear_pair
 
+from benchmarks.gear_pairs import gear_pair
 from fem.casing.models.registry import CASINGS, elastic_casing
 from fem.contact.faults.registry import FAULTS, tooth_fault
 from fem.contact.frame import RungError

@@ -4,47 +4,11 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing
 
-from mbd.forces.rope import Rope
-from mbd.parts.bearings import BearingSpec
-from mbd.parts.drive import CouplingSpec, SpeedProfile
-from mbd.parts.machine import STANDARD_GRAVITY, Machine
-from mbd.parts.shafts import Disk, Section, ShaftSpec
+from benchmarks.hoist import EA, FALLS, LENGTH, OMEGA, RADIUS, WEIGHT, hoist
+from mbd.parts.machine import STANDARD_GRAVITY
 from mbd.simulate import Settings, simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble, natural_frequencies
-
-MASS, RADIUS, LENGTH, EA, FALLS = 1000.0, 0.1, 5.0, 3.57e6, 8
-OMEGA = np.sqrt(FALLS * EA / LENGTH / MASS)
-WEIGHT = MASS * STANDARD_GRAVITY
-
-
-def hoist(*, speed=0.2, tau=0.1, damping=0.0, follow=False, start=0.05, coupling=5e7):
-    """A drum lifted to the rope speed ``speed`` (m/s) within ``tau`` (s)."""
-    shaft = ShaftSpec(
-        name="shaft_1",
-        x=0.0,
-        z=0.0,
-        sense=1,
-        sections=(Section(y_start=-0.2, y_end=0.2, outer_diameter=0.1),),
-        disks=(Disk(name="drum", y=0.0, mass=20.0, polar_inertia=0.1, diametral_inertia=0.1),),
-    )
-    bearings = tuple(
-        BearingSpec(
-            name=f"bearing_{i + 1}", shaft="shaft_1", y=y, stiffness_x=1e9, stiffness_z=1e9, stiffness_axial=1e8
-        )
-        for i, y in enumerate((-0.15, 0.15))
-    )
-    return Machine(
-        shafts=(shaft,),
-        bearings=bearings,
-        meshes=(),
-        couplings=(CouplingSpec(name="motor_1", shaft="shaft_1", y=0.0, stiffness=coupling),),
-        profile=SpeedProfile(times=np.array([start, start + tau]), speeds=np.array([0.0, speed * 2 / RADIUS])),
-        load=Rope(
-            shaft="shaft_1", drums=(-0.02, 0.02), container_mass=MASS, drum_radius=RADIUS, falls=FALLS,
-            axial_stiffness=EA, length=LENGTH, reeving=2.0, damping_ratio=damping, follow_length=follow,
-        ),
-    )  # fmt: skip
 
 
 def run(machine, end=0.6, step=5e-5):
@@ -107,11 +71,10 @@ def test_a_shorter_rope_is_stiffer():
     stretch = travel - result.channel("container:lift")
     mean_late = stretch[-400:].mean()
     left = LENGTH - travel[-400:].mean()
-    weight = MASS * STANDARD_GRAVITY
-    assert stretch[0] == pytest.approx(weight * LENGTH / (FALLS * EA), rel=2e-2)
-    assert mean_late == pytest.approx(weight * left / (FALLS * EA), rel=0.05)
+    assert stretch[0] == pytest.approx(WEIGHT * LENGTH / (FALLS * EA), rel=2e-2)
+    assert mean_late == pytest.approx(WEIGHT * left / (FALLS * EA), rel=0.05)
 
 
 def test_the_motor_holds_the_weight():
     state = equilibrium(assemble(hoist(), no_casing()))
-    assert state.motor_torque == pytest.approx(MASS * STANDARD_GRAVITY * RADIUS / 2, rel=1e-9)
+    assert state.motor_torque == pytest.approx(WEIGHT * RADIUS / 2, rel=1e-9)

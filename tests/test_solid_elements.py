@@ -6,26 +6,15 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from benchmarks.gear_pairs import gear
 from fem.contact.wheels.ring import flank_compliance
 from fem.contact.wheels.solid_ring import CutFunctions, sector_prism, solid_flank
 from fem.elements.nested_condensation import INNER, TIED, CondensationError
 from fem.elements.prisms import axial_matrices, product_stiffness, section_blocks, slice_means
-from fem.gears.geometry import Gear
 from fem.gears.sector import sector_mesh, with_middles
 from fem.numerics.linear_solver import factorize
 
 YOUNG, POISSON = 206e9, 0.3
-
-
-def gear(teeth=20, beta=0.0, face=12e-3, bore=None, module=2e-3):
-    root = (teeth / math.cos(beta) / 2 - 1.25) * module
-    return Gear(
-        teeth=teeth,
-        normal_module=module,
-        helix_angle=beta,
-        face_width=face,
-        bore_radius=root / 1.4 if bore is None else bore,
-    )
 
 
 def prism_matrix(mesh, ends, twist):
@@ -43,7 +32,7 @@ def prism_matrix(mesh, ends, twist):
 
 def test_straight_prism_passes_the_patch_test_and_has_six_rigid_motions():
     """A linear displacement strains evenly: no force on any inner node; its energy is the exact one."""
-    mesh = sector_mesh(gear(), 0.2)
+    mesh = sector_mesh(gear(20), 0.2)
     matrix, points, inside = prism_matrix(mesh, np.array([0.0, 1e-3, 3e-3]), 0.0)
     slope = np.array([[1.0, 0.3, -0.2], [0.1, -0.4, 0.6], [0.5, 0.2, 0.7]]) * 1e-4
     force = (matrix @ (points @ slope.T).ravel()).reshape(points.shape)
@@ -57,7 +46,7 @@ def test_straight_prism_passes_the_patch_test_and_has_six_rigid_motions():
 
 def test_twisted_prism_turns_and_slides_without_force_and_tilts_with_little():
     """Turning and sliding are exact in the turned frame; translations across need cos(twist z): error of order h^6."""
-    mesh = sector_mesh(gear(beta=0.5), 0.2)
+    mesh = sector_mesh(gear(20, helix_deg=29), 0.2)
     energies = []
     for elements in (1, 2):
         ends = np.linspace(0.0, 12e-3, elements + 1)
@@ -72,7 +61,7 @@ def test_twisted_prism_turns_and_slides_without_force_and_tilts_with_little():
 
 
 def test_condensation_equals_the_schur_complement_of_the_assembled_matrix():
-    mesh = sector_mesh(gear(12, beta=0.4), 0.2)
+    mesh = sector_mesh(gear(12, helix_deg=23), 0.2)
     ends = np.array([-6e-3, -3e-3, 0.0, 6e-3])
     rows = np.array([10, 14])
     prism = sector_prism(mesh, YOUNG, POISSON, ends, rows, CutFunctions(radial=None, axial=None))
@@ -104,7 +93,7 @@ def test_condensation_equals_the_schur_complement_of_the_assembled_matrix():
 
 
 def test_an_unheld_or_void_part_is_refused():
-    mesh = sector_mesh(gear(), 0.2)
+    mesh = sector_mesh(gear(20), 0.2)
     prism = sector_prism(mesh, -YOUNG, POISSON, np.linspace(0, 1e-2, 3), np.array([10]), CutFunctions())
     with pytest.raises(CondensationError, match="not positive definite"):
         prism.condense()
@@ -130,7 +119,7 @@ def ring(g, elements=4, refinement=0.2, cut=DEFAULT, reach=1, rows=(8, 12, 16)):
 
 
 def test_compliances_are_reciprocal_positive_and_mirror_at_mid_face_when_straight():
-    _mesh, _ends, flank = ring(gear(13, beta=0.3))
+    _mesh, _ends, flank = ring(gear(13, helix_deg=17))
     own, other = flank.matrix[0], flank.matrix[1]
     assert abs(own - own.T).max() < 1e-9 * abs(own).max()
     assert abs(other - flank.matrix[-1].T).max() < 1e-9 * abs(own).max()
@@ -141,10 +130,10 @@ def test_compliances_are_reciprocal_positive_and_mirror_at_mid_face_when_straigh
 
 
 def test_few_functions_on_the_cuts_do_for_all_of_their_nodes():
-    full = ring(gear(20, beta=0.2), elements=4, cut=CutFunctions(radial=None, axial=None))[2].matrix
+    full = ring(gear(20, helix_deg=12), elements=4, cut=CutFunctions(radial=None, axial=None))[2].matrix
     error = {}
     for radial, axial in ((3, 4), (5, 7)):
-        few = ring(gear(20, beta=0.2), elements=4, cut=CutFunctions(radial=radial, axial=axial))[2].matrix
+        few = ring(gear(20, helix_deg=12), elements=4, cut=CutFunctions(radial=radial, axial=axial))[2].matrix
         error[radial] = max(abs(few[n] - full[n]).max() for n in (0, 1)) / full[0].max()
     assert error[5] < 5e-4
     assert error[5] < error[3]
@@ -153,7 +142,7 @@ def test_few_functions_on_the_cuts_do_for_all_of_their_nodes():
 def test_wind_up_of_the_body_is_that_of_an_annulus():
     """All teeth loaded alike, two bores: the difference is T / (4 pi G b) (1/r1^2 - 1/r2^2) times r_b, exactly."""
     seen, bores = [], (6e-3, 9e-3)
-    g = [gear(15, bore=r, face=6e-3) for r in bores]
+    g = [gear(15, bore_mm=1000 * r, face_mm=6) for r in bores]
     for one in g:
         _, ends, flank = ring(one, elements=2, reach=7)
         load = slice_means(ends, np.array([ends[0], ends[-1]]))[0]
@@ -165,7 +154,7 @@ def test_wind_up_of_the_body_is_that_of_an_annulus():
 
 
 def test_wide_gear_at_mid_face_is_in_plane_strain():
-    g = gear(20, face=60e-3)
+    g = gear(20, face_mm=60)
     mesh, ends, flank = ring(g, elements=8, rows=(12,), reach=0)
     plane = flank_compliance(mesh, YOUNG, POISSON, 1).matrix[0][12, 12]
     slices = slice_means(ends, np.linspace(ends[0], ends[-1], 8))

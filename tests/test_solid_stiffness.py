@@ -1,38 +1,15 @@
 """Rung `solid`: against contact solutions in space and in the plane, limits, symmetries, faults, stress."""
 
-import math
-
 import numpy as np
 import pytest
 
 from benchmarks.checks import solid
+from benchmarks.gear_pairs import thick_rimmed_pair
 from fem.contact.frame import RungError
 from fem.contact.models.plane import Plane
 from fem.contact.models.solid import Solid
 from fem.contact.models.solid_stress import stress_field
 from fem.contact.wheels.contact import solve
-from fem.gears.geometry import Gear, GearPair
-
-
-def gear(teeth, module=2e-3, beta=0.0, face=12e-3, hand="right", bore=None):
-    """Standard gear; bore at r_f / 1.4 unless given."""
-    root = (teeth / math.cos(beta) / 2 - 1.25) * module
-    return Gear(
-        teeth=teeth,
-        normal_module=module,
-        helix_angle=beta,
-        face_width=face,
-        hand=hand,
-        bore_radius=root / 1.4 if bore is None else bore,
-    )
-
-
-def pair_of(beta_deg=0.0, face=12e-3, teeth=(20, 55), hand="right"):
-    beta, other = math.radians(beta_deg), "left" if hand == "right" else "right"
-    return GearPair(
-        pinion=gear(teeth[0], beta=beta, face=face, hand=hand), wheel=gear(teeth[1], beta=beta, face=face, hand=other)
-    )
-
 
 QUICK = Solid(slices=9, refinement=0.8, positions=16)
 LOAD = 100e3 * 12e-3
@@ -40,12 +17,12 @@ LOAD = 100e3 * 12e-3
 
 @pytest.fixture(scope="module")
 def helical():
-    return QUICK.compliance(pair_of(12.0))
+    return QUICK.compliance(thick_rimmed_pair(12.0))
 
 
 @pytest.fixture(scope="module")
 def spur():
-    return QUICK.compliance(pair_of())
+    return QUICK.compliance(thick_rimmed_pair())
 
 
 @pytest.mark.slow
@@ -102,13 +79,13 @@ def test_coast_is_the_mirror_of_drive_and_hands_mirror(helical):
     drive, coast = solve(helical, force=LOAD, tilt=5e-4), solve(helical, force=LOAD, tilt=-5e-4, sign=-1)
     assert coast.approach == pytest.approx(drive.approach, rel=1e-10)
     assert coast.moment == pytest.approx(-drive.moment, rel=1e-8)
-    left = solve(QUICK.compliance(pair_of(12.0, hand="left")), force=LOAD, tilt=5e-4, sign=-1)
+    left = solve(QUICK.compliance(thick_rimmed_pair(12.0, hands=("left", "right"))), force=LOAD, tilt=5e-4, sign=-1)
     assert left.approach == pytest.approx(drive.approach, rel=1e-9)
 
 
 def test_exchange_of_pinion_and_wheel_runs_the_law_backwards(helical):
     """Exact on the path; the gap of a tip edge is measured by turning the wheel, so beyond it to second order alone."""
-    other = QUICK.compliance(pair_of(12.0, teeth=(55, 20)))
+    other = QUICK.compliance(thick_rimmed_pair(12.0, teeth=(55, 20)))
     for c in range(16):
         for p, number in enumerate(helical.pair):
             # xi -> -xi: c -> -c, p -> -p, zeta -> -zeta
@@ -125,7 +102,7 @@ def test_exchange_of_pinion_and_wheel_runs_the_law_backwards(helical):
 
 
 def test_no_helix_gives_the_spur_law(spur):
-    nearly = solve(QUICK.compliance(pair_of(0.02)), force=LOAD)
+    nearly = solve(QUICK.compliance(thick_rimmed_pair(0.02)), force=LOAD)
     assert nearly.approach == pytest.approx(solve(spur, force=LOAD).approach, rel=2e-3)
 
 
@@ -140,7 +117,7 @@ def test_no_load_gives_the_geometric_error_and_heavy_load_converges(helical):
 
 def test_missing_tooth_of_a_spur_pair_leaves_a_gap_that_tip_edges_bridge(spur):
     """Between the pairs beside the missing one lie 2 - eps_alpha pitches without contact on the path."""
-    pair = pair_of()
+    pair = thick_rimmed_pair()
     state = solve(spur, np.arange(-16, 17), force=1e-3 * LOAD, clearance={0: np.inf})
     bridged = state.no_load > 0
     missing = (state.cycle > pair.xi_end - 1) & (state.cycle < pair.xi_start + 1)
@@ -159,7 +136,7 @@ def test_tilt_that_unloads_half_of_the_face_moves_the_load(helical):
 
 def test_spur_pair_at_the_pitch_point_against_contact_in_the_plane():
     """c' of one pair, 20/55, m 2, in plane strain; 2 % with free end faces."""
-    record = QUICK.compliance(pair_of(face=30e-3))
+    record = QUICK.compliance(thick_rimmed_pair(face_mm=30))
     for line_load, stiffness in ((50e3, 15.090), (100e3, 15.547), (400e3, 16.550)):
         state = solve(record, np.array([0]), force=line_load * 30e-3)
         assert state.share[0].max() == pytest.approx(1.0, rel=1e-12)
@@ -170,14 +147,14 @@ def test_coupling_along_the_face_is_what_plane_slices_lack(helical, spur):
     """Slices support one another: under an even load the mean is that of `plane` within 6 %, free faces the softer."""
     from fem.contact.evaluation.curves import stiffness_curve
 
-    for record, pair in ((spur, pair_of()), (helical, pair_of(12.0))):
+    for record, pair in ((spur, thick_rimmed_pair()), (helical, thick_rimmed_pair(12.0))):
         plane = stiffness_curve(Plane().law(pair, "drive"), LOAD, np.arange(16) / 16).secant.mean()
         solid = (LOAD / solve(record, force=LOAD).approach).mean()
         assert 0.93 < solid / plane < 1.0
 
 
 def test_stress_field_is_held_at_the_bore_and_highest_in_loaded_teeth(helical):
-    pair = pair_of(12.0)
+    pair = thick_rimmed_pair(12.0)
     state = solve(helical, np.array([3]), force=LOAD)
     bores = (pair.pinion.bore_radius, pair.wheel.bore_radius)
     for field, bore in zip(stress_field(pair, QUICK, helical, state), bores, strict=True):

@@ -10,8 +10,7 @@ from matplotlib.path import Path
 from rendering import drawn
 from synthetic import box, gear_outline, key_points
 
-from fem.gears.gear import Gear
-from fem.gears.geometry import GearPair
+from benchmarks.gear_pairs import gear_pair
 from pipelines.figures import render, render_failures
 from pipelines.figures.callouts import casing_figure, gear_figure, spread
 from pipelines.figures.plots import StiffnessPlot
@@ -69,11 +68,7 @@ def test_missing_tooth_and_the_rest_make_the_whole_gear():
 
 @pytest.mark.parametrize("missing", [("wheel", 3), ("pinion", 0)])
 def test_gears_of_the_picture_touch_at_the_pitch_point_without_overlap(missing):
-    common = {"normal_module": 0.002, "helix_angle": np.radians(12), "face_width": 0.012}
-    gears = GearPair(
-        pinion=Gear(teeth=20, bore_radius=0.01, hand="right", **common),
-        wheel=Gear(teeth=55, bore_radius=0.015, hand="left", **common),
-    )
+    gears = gear_pair((20, 55), 2, 12, 12, bores_mm=(10, 15))
     view = gear_view(gears, missing)
     pinion, wheel = view.pinion_outline, view.wheel_outline + [view.centre_distance, 0.0]
     pitch_point = np.array([gears.working_radii[0], 0.0])

@@ -6,19 +6,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-Values = Sequence[float]
+import numpy as np
+
+Values = Sequence[float] | np.ndarray
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Check:
-    """A row of docs/validation.md.
+    """A row of docs/validation.md, its fields in the order of the page.
 
     `reference` in `unit`; `compute` returns as many values of the library. The deviation is the largest of
     |ours / reference - 1| or of |ours - reference|, and must stay below `gate`. `test` is the test that asserts it, as
-    "file::function". `cheap` checks take less than about a second together and are computed again by the tests.
+    "file::function".
     """
 
-    subject: str
     quantity: str
     source: str
     unit: str
@@ -27,7 +28,6 @@ class Check:
     compute: Callable[[], Values]
     test: str
     kind: Literal["relative", "absolute"] = "relative"
-    cheap: bool = True
 
     def deviation(self, ours: Values) -> float:
         """The largest deviation, in parts of the reference or in `unit`."""
@@ -41,6 +41,15 @@ class Check:
     def shown(self, value: float) -> str:
         """A deviation or gate as text."""
         return f"{100 * value:.2g} %" if self.kind == "relative" else f"{value:.2g} {self.unit}".strip()
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A table of docs/validation.md; `cheap` ones take less than about a second and are computed again by the tests."""
+
+    title: str
+    checks: tuple[Check, ...]
+    cheap: bool = True
 
 
 def numbers(values: Values) -> str:

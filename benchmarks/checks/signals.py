@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
-from benchmarks.checks.record import Check, Values
+from benchmarks.checks.record import Check, Subject, Values
 from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.signals.spectrum import amplitude_spectrum, cut, envelope, envelope_spectrum, whole_revolutions
 
-SUBJECT = "Frequencies and spectra"
 RATE, MESH = 10_000.0, 300.0
 WHEEL = MESH / 55
 
@@ -38,35 +35,13 @@ def _modulated_tone() -> Values:
     return [float(v) for v in (carrier, side, depth, found.frequency[np.argmax(found.amplitude)])]
 
 
-def checks() -> Iterator[Check]:
-    """All rows of this subject."""
-    yield Check(
-        subject=SUBJECT,
-        quantity="f_m and f_r of the stage 1 wheel at 900 rpm",
-        source="quay-crane hoist study, Springer 978-981-97-1876-4, chapter 15",
-        unit="Hz",
-        reference=(300.0, 5.4545),
-        gate=1e-5,
-        compute=_rig,
-        test="test_spectrum.py::test_nine_wheel_revolutions_of_the_20_55_stage_are_16500_samples",
-    )
-    yield Check(
-        subject=SUBJECT,
-        quantity="revolutions and samples of the lifting window at 10 kHz",
-        source="exact",
-        unit="",
-        reference=(9, 16_500),
-        gate=1e-12,
-        compute=_revolutions,
-        test="test_spectrum.py::test_nine_wheel_revolutions_of_the_20_55_stage_are_16500_samples",
-    )
-    yield Check(
-        subject=SUBJECT,
-        quantity="amplitude-modulated tone: carrier, sideband, modulation depth, modulation frequency (Hz)",
-        source="exact",
-        unit="",
-        reference=(2.0, 0.3, 0.3, WHEEL),
-        gate=1e-8,
-        compute=_modulated_tone,
-        test="test_spectrum.py::test_envelope_gives_modulation_frequency_and_depth",
-    )
+SUBJECT = Subject("Frequencies and spectra", (
+    Check("f_m and f_r of the stage 1 wheel at 900 rpm",
+          "quay-crane hoist study, Springer 978-981-97-1876-4, chapter 15", "Hz", (300.0, 5.4545), 1e-5, _rig,
+          "test_spectrum.py::test_nine_wheel_revolutions_of_the_20_55_stage_are_16500_samples"),
+    Check("revolutions and samples of the lifting window at 10 kHz", "exact", "", (9, 16_500), 1e-12, _revolutions,
+          "test_spectrum.py::test_nine_wheel_revolutions_of_the_20_55_stage_are_16500_samples"),
+    Check("amplitude-modulated tone: carrier, sideband, modulation depth, modulation frequency (Hz)", "exact", "",
+          (2.0, 0.3, 0.3, WHEEL), 1e-8, _modulated_tone,
+          "test_spectrum.py::test_envelope_gives_modulation_frequency_and_depth"),
+))  # fmt: skip

@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
 
-from benchmarks.checks.gears import pair_of
-from benchmarks.checks.plane import helical_rows
-from benchmarks.checks.record import Check
+from benchmarks.checks.plane import PLANE_CONTACT, helical_checks
+from benchmarks.checks.record import Check, Subject
+from benchmarks.gear_pairs import pair_of_17_and_43, thick_rimmed_pair
 from benchmarks.peers.calculix_contact import POSITIONS_PER_CYCLE, RESULTS
 from benchmarks.rig import read
 from fem.contact.models.solid import Solid
 from fem.contact.wheels.compliance import ContactCompliance
 from fem.contact.wheels.contact import solve
 
-SUBJECT = "Mesh stiffness, rung solid"
-
 
 @cache
 def helical() -> tuple[float, float]:
     """Approach normal to the flank (um) and secant stiffness (N/um) of z 17/43 at c = 0.1325 under 2 N m."""
-    pair = pair_of((17, 43), 1, 20, 10, centre_mm=31.925333, bores_mm=(2 * 5.568, 2 * 15.450))
+    pair = pair_of_17_and_43()
     force = 2.0 / pair.pinion.base_radius
     state = solve(Solid().compliance(pair), np.arange(32), force=force)
     delta = float(np.interp(0.1325, state.cycle, state.approach))
@@ -33,8 +30,7 @@ def helical() -> tuple[float, float]:
 
 @cache
 def _spur() -> ContactCompliance:
-    roots = [2 * (z - 2.5) for z in (20, 55)]
-    return Solid(positions=8).compliance(pair_of((20, 55), 2, 0, 30, bores_mm=(roots[0] / 1.4, roots[1] / 1.4)))
+    return Solid(positions=8).compliance(thick_rimmed_pair(face_mm=30))
 
 
 def single_pair(line_load: float) -> float:
@@ -63,36 +59,36 @@ def rig_approach(cycle: float, missing: bool) -> float:
     return float(solve(record, index, force=force, clearance={0: math.inf} if missing else None).approach[0])
 
 
-def checks() -> Iterator[Check]:
-    """All rows of this subject."""
-    yield from helical_rows(
-        SUBJECT,
+def _calculix_check(cycle: float, missing: bool, approach: float) -> Check:
+    return Check(
+        f"approach δ, stage 1 of the rig, nominal load, c = {cycle:g}{', wheel tooth 0 missing' if missing else ''}",
+        "CalculiX, whole wheels with contact, two meshes extrapolated (`python -m benchmarks.peers.calculix_contact`)",
+        "µm",
+        (1e6 * approach,),
         2e-2,
-        helical,
-        "test_solid_stiffness.py::test_approach_of_a_helical_pair_against_a_contact_solution_in_space",
+        lambda: [1e6 * rig_approach(cycle, missing)],
+        "test_solid_stiffness.py::test_whole_wheels_against_calculix",
     )
-    yield Check(
-        subject=SUBJECT,
-        quantity="c' of a single pair at the pitch point, z 20/55, m 2 mm, spur, free end faces, 50, 100, 400 N/mm",
-        source="independent plane strain contact FE of the real flanks",
-        unit="N/(mm µm)",
-        reference=(15.090, 15.547, 16.550),
-        gate=2e-2,
-        compute=lambda: [single_pair(load) for load in (50e3, 100e3, 400e3)],
-        test="test_solid_stiffness.py::test_spur_pair_at_the_pitch_point_against_contact_in_the_plane",
-        cheap=False,
-    )
-    for cycle, missing, approach in calculix_positions():
-        yield Check(
-            subject=SUBJECT,
-            quantity=f"approach δ, stage 1 of the rig, nominal load, c = {cycle:g}"
-            f"{', wheel tooth 0 missing' if missing else ''}",
-            source="CalculiX, whole wheels with contact, two meshes extrapolated (`python -m "
-            "benchmarks.peers.calculix_contact`)",
-            unit="µm",
-            reference=(1e6 * approach,),
-            gate=2e-2,
-            compute=lambda c=cycle, m=missing: [1e6 * rig_approach(c, m)],
-            test="test_solid_stiffness.py::test_whole_wheels_against_calculix",
-            cheap=False,
-        )
+
+
+SUBJECT = Subject(
+    "Mesh stiffness, rung solid",
+    (
+        *helical_checks(
+            2e-2,
+            helical,
+            "test_solid_stiffness.py::test_approach_of_a_helical_pair_against_a_contact_solution_in_space",
+        ),
+        Check(
+            "c' of a single pair at the pitch point, z 20/55, m 2 mm, spur, free end faces, 50, 100, 400 N/mm",
+            PLANE_CONTACT,
+            "N/(mm µm)",
+            (15.090, 15.547, 16.550),
+            2e-2,
+            lambda: [single_pair(load) for load in (50e3, 100e3, 400e3)],
+            "test_solid_stiffness.py::test_spur_pair_at_the_pitch_point_against_contact_in_the_plane",
+        ),
+        *(_calculix_check(*position) for position in calculix_positions()),
+    ),
+    cheap=False,
+)

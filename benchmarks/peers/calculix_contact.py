@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.clock import conditions
-from benchmarks.peers import ccx
+from benchmarks.peers import ccx, output
 from benchmarks.peers.contact_deck import ContactModel
 from benchmarks.peers.tooth_mesh import Sizes
 from benchmarks.rig import plane_law, read
@@ -138,7 +138,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"skipped: {error}")
         return 1
     compare(result, pair, force)
-    RESULTS.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    output.keep(result, RESULTS)
     for place in result["positions"]:
         found = ", ".join(f"{name} {100 * r['deviation']:+.2f} %" for name, r in place.get("rungs", {}).items())
         where = f"cycle {place['cycle']:g}, {'tooth missing' if place['missing'] else 'healthy'}"
@@ -159,7 +159,7 @@ def compute(
     delta, exponent = approach(law, force, cycle, missing)
     start = place["meshes"][-1]["delta_m"] if place["meshes"] else 1.08 * delta
     place["meshes"].append(solve(pair, force, cycle, missing, face, start, exponent))
-    RESULTS.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    output.keep(result, RESULTS)
     found = place["meshes"][-1]
     print(f"cycle {cycle:g}, missing {missing}, {face} along the face: {1e6 * found['delta_m']:.4f} um, "
           f"{found['seconds']:.0f} s", flush=True)  # fmt: skip

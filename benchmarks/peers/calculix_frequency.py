@@ -7,7 +7,6 @@ Ten-node tetrahedra of the shipped housing with straight edges, every node of th
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import tempfile
 from dataclasses import replace
@@ -17,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.clock import conditions, timed
-from benchmarks.peers import ccx
+from benchmarks.peers import ccx, output
 from benchmarks.rig import casing_parts, casing_rung, read
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.models.craig_bampton import CraigBamptonCasing
@@ -111,8 +110,8 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"skipped: {error}")
         return 1
     if chosen is None:
-        RESULTS.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    print(json.dumps({key: value for key, value in found.items() if key != "conditions"}, indent=1))
+        output.keep(found, RESULTS)
+    output.show(found)
     return 0
 
 

@@ -2,11 +2,34 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 REMEDY = "make peers installs it"
+
+
+class NotInstalledError(RuntimeError):
+    """The environment does not hold the peer."""
+
+
+def answer(package: str, module: str) -> dict[str, Any]:
+    """What `python -m module --here` prints last in the environment that holds `package`.
+
+    Raises
+    ------
+    NotInstalledError : with the remedy
+    CalledProcessError : the module failed there
+    """
+    interpreter = python(package)
+    if interpreter is None:
+        raise NotInstalledError(f"{package} is not installed; {REMEDY}")
+    command = [str(interpreter), "-m", module, "--here"]
+    done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True)
+    found: dict[str, Any] = json.loads(done.stdout.strip().splitlines()[-1])
+    return found
 
 
 def python(package: str) -> Path | None:

@@ -7,7 +7,6 @@ damping; the compiled mesh force is its user function. Both run in one process o
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.clock import conditions, timed
-from benchmarks.peers import environment
+from benchmarks.peers import environment, output
 from benchmarks.peers.scipy_mesh import own_rows, scipy, summary
 from benchmarks.peers.single_stage import CLOSE, RATE, SPAN, Equations, error, system
 
@@ -122,15 +121,12 @@ def main() -> int:
     if "--here" in sys.argv:
         print(json.dumps(measure()))
         return 0
-    python = environment.python("exudyn")
-    if python is None:
-        print(f"skipped: Exudyn is not installed; {environment.REMEDY}")
+    try:
+        found = environment.answer("exudyn", "benchmarks.peers.exudyn_mesh")
+    except environment.NotInstalledError as error:
+        print(f"skipped: {error}")
         return 1
-    command = [str(python), "-m", "benchmarks.peers.exudyn_mesh", "--here"]
-    done = subprocess.run(command, cwd=environment.ROOT, stdout=subprocess.PIPE, text=True, check=True)
-    found = json.loads(done.stdout.strip().splitlines()[-1])
-    RESULTS.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    print(json.dumps({key: value for key, value in found.items() if key != "conditions"}, indent=1))
+    output.report(found, RESULTS)
     return 0
 
 

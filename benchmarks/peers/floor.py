@@ -6,8 +6,6 @@ by what this machine reaches on one thread in a product of dense matrices and in
 
 from __future__ import annotations
 
-import json
-import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -15,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.clock import conditions
+from benchmarks.peers import output
 
 RESULTS = Path(__file__).resolve().parent.parent / "results" / "floor.json"
 NUMBER = 8  # bytes
@@ -117,13 +116,5 @@ def measure() -> dict[str, Any]:
     return {"conditions": conditions(), "rates": machine_rates, "factor": factor, "step": step, "seconds": seconds}
 
 
-def main() -> int:
-    """Count, measure and write."""
-    found = measure()
-    RESULTS.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    print(json.dumps({key: value for key, value in found.items() if key != "conditions"}, indent=1))
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    output.report(measure(), RESULTS)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.clock import conditions, timed
-from benchmarks.peers import environment
+from benchmarks.peers import environment, output
 
 RESULTS = Path(__file__).resolve().parent.parent / "results" / "ross_stiffness.json"
 POINTS = 1000
@@ -73,19 +72,14 @@ def main() -> int:
 
         print(json.dumps({"version": ross.__version__, "spur": theirs(), "helical": theirs(20.0)}))
         return 0
-    python = environment.python("ross")
-    if python is None:
-        print(f"skipped: ROSS is not installed; {environment.REMEDY}")
+    try:
+        peer = environment.answer("ross", "benchmarks.peers.ross_stiffness")
+    except environment.NotInstalledError as error:
+        print(f"skipped: {error}")
         return 1
-    command = [str(python), "-m", "benchmarks.peers.ross_stiffness", "--here"]
-    done = subprocess.run(
-        command, cwd=environment.ROOT, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=True
-    )
-    peer = json.loads(done.stdout.strip().splitlines()[-1])
     rows: dict[str, Any] = {"ross": peer["spur"], "ross, helix 20 deg": peer["helical"], **ours()}
     found = {"conditions": conditions(), "program": f"ROSS {peer['version']}", "rows": rows}
-    RESULTS.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    print(json.dumps(rows, indent=1))
+    output.report(found, RESULTS)
     return 0
 
 

@@ -7,8 +7,6 @@ Jacobian by differences, as it does by default.
 
 from __future__ import annotations
 
-import json
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.clock import conditions, timed
+from benchmarks.peers import output
 from benchmarks.peers.single_stage import CLOSE, RATE, SPAN, SPEED, Equations, error, instants, seconds_at, system
 from mbd.integrators.methods import METHODS
 from mbd.system.statics import equilibrium
@@ -88,13 +87,5 @@ def summary(methods: dict[str, list[dict[str, float]]]) -> dict[str, Any]:
     return {"error": CLOSE, "methods": methods, "cpu_seconds_at_error": seconds, "ratio": ratios}
 
 
-def main() -> int:
-    """Measure and write."""
-    found = measure()
-    RESULTS.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    print(json.dumps({key: value for key, value in found.items() if key != "conditions"}, indent=1))
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    output.report(measure(), RESULTS)

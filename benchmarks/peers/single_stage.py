@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.gear_pairs import gear_pair
 from fem.casing.reduced.body import ReducedBody
 from fem.contact.models.plane import Plane
-from fem.gears.geometry import Gear, GearPair
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.gear_mesh import MeshSpec
@@ -35,18 +35,9 @@ RATE = 10e3  # Hz, instants at which solutions are compared
 CLOSE = 1e-3  # error at which times are compared
 
 
-def gear_pair() -> GearPair:
-    """Stage 1 of the rig."""
-    pinion, wheel = (
-        Gear(teeth=z, normal_module=0.002, helix_angle=math.radians(12.0), face_width=0.012, bore_radius=r, hand=hand)
-        for z, r, hand in ((20, 0.0125, "right"), (55, 0.0175, "left"))
-    )
-    return GearPair(pinion=pinion, wheel=wheel)
-
-
 def machine() -> Machine:
     """The two shafts, rigid but for torsion, with one gear each."""
-    pair = gear_pair()
+    pair = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))  # stage 1 of the rig
     drive, coast = Plane().laws(pair)
     shafts, bearings = [], []
     for number, (gear, x, radius) in enumerate(

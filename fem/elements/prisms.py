@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from fem.elements.sections import elasticity, gauss_grid, geometry, lagrange, shape_functions
+from fem.elements.sections import elasticity, gauss_grid, geometry, lagrange, shape_functions, strains_in_space
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,17 +64,9 @@ def strain_matrices(
     places (e, q, 2), gradients (e, q, 9, 2) and values (q, 9) as from `fem.elements.sections.geometry`.
     """
     e, q = places.shape[:2]
-    dx, dy = gradients[..., 0], gradients[..., 1]
-    around = twist * (places[..., :1] * dy - places[..., 1:] * dx)
-    b = np.zeros((e, q, 6, 9, 3))
-    b[:, :, 0, :, 0], b[:, :, 1, :, 1] = dx, dy
-    b[:, :, 2, :, 2] = -around
-    b[:, :, 3, :, 2], b[:, :, 3, :, 1], b[:, :, 3, :, 0] = dy, -around, twist * values
-    b[:, :, 4, :, 2], b[:, :, 4, :, 0], b[:, :, 4, :, 1] = dx, -around, -twist * values
-    b[:, :, 5, :, 0], b[:, :, 5, :, 1] = dy, dx
-    along = np.zeros_like(b)
+    along = np.zeros((e, q, 6, 9, 3))
     along[:, :, 2, :, 2] = along[:, :, 3, :, 1] = along[:, :, 4, :, 0] = values
-    return b.reshape(e, q, 6, 27), along.reshape(e, q, 6, 27)
+    return strains_in_space(places, gradients, values, twist), along.reshape(e, q, 6, 27)
 
 
 def section_blocks(

@@ -90,13 +90,20 @@ def strain_operator(places: np.ndarray, gradients: np.ndarray, values: np.ndarra
 
     Strains: (xx, yy, xy) in plane strain, (xx, yy, zz, yz, xz, xy) for twist != 0.
     """
+    if twist != 0.0:
+        return strains_in_space(places, gradients, values, twist)
     e, q = places.shape[:2]
     dx, dy = gradients[..., 0], gradients[..., 1]
-    if twist == 0.0:
-        b = np.zeros((e, q, 3, 9, 2))
-        b[:, :, 0, :, 0], b[:, :, 1, :, 1] = dx, dy
-        b[:, :, 2, :, 0], b[:, :, 2, :, 1] = dy, dx
-        return b.reshape(e, q, 3, 18)
+    b = np.zeros((e, q, 3, 9, 2))
+    b[:, :, 0, :, 0], b[:, :, 1, :, 1] = dx, dy
+    b[:, :, 2, :, 0], b[:, :, 2, :, 1] = dy, dx
+    return b.reshape(e, q, 3, 18)
+
+
+def strains_in_space(places: np.ndarray, gradients: np.ndarray, values: np.ndarray, twist: float) -> np.ndarray:
+    """Engineering strains (xx, yy, zz, yz, xz, xy) of three components that turn with the section: (e, q, 6, 27)."""
+    e, q = places.shape[:2]
+    dx, dy = gradients[..., 0], gradients[..., 1]
     around = twist * (places[..., :1] * dy - places[..., 1:] * dx)  # twist d/dtheta
     b = np.zeros((e, q, 6, 9, 3))
     b[:, :, 0, :, 0], b[:, :, 1, :, 1] = dx, dy

@@ -57,8 +57,8 @@ def path_points(
     gap = np.zeros_like(xi)
     r1, r2 = np.hypot(pair.pinion.base_radius, l1), np.hypot(pair.wheel.base_radius, l2)
     before, after = xi < pair.xi_start, xi > pair.xi_end
-    gap[after], r1[after], r2[after] = _after(pair, xi[after])
-    gap[before], r1[before], r2[before] = _before(pair, xi[before])
+    gap[after], r1[after], r2[after] = _beyond(pair, xi[after], 0)
+    gap[before], r1[before], r2[before] = _beyond(pair, xi[before], 1)
     first, last = contact_window(pair, largest_gap)
     gap[(xi < first) | (xi > last)] = np.inf
     return PathPoints(xi=xi, gap=gap, pinion_radius=r1, wheel_radius=r2, relative_radius=l1 * l2 / (l1 + l2))
@@ -74,7 +74,7 @@ def contact_window(pair: GearPair, largest_gap: float = LARGEST_GAP) -> tuple[fl
     require(largest_gap > 0.0, f"{pair.label}: largest_gap is {largest_gap!r} m; give a value > 0")
 
     def excess(xi: float) -> float:
-        gap, r1, r2 = (_after if xi > 0.0 else _before)(pair, np.array([xi]))
+        gap, r1, r2 = _beyond(pair, np.array([xi]), 0 if xi > 0.0 else 1)
         p, w = pair.pinion, pair.wheel
         touching = r1[0] <= p.tip_form_radius * (1 + 1e-12) and r2[0] <= w.tip_form_radius * (1 + 1e-12)
         return float(gap[0]) - largest_gap if touching else 1.0  # past the tip: nothing to touch
@@ -93,30 +93,22 @@ def contact_window(pair: GearPair, largest_gap: float = LARGEST_GAP) -> tuple[fl
     return ends[0], ends[1]
 
 
-def _after(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Gap and radii on pinion and wheel (m) beyond xi_end: tip edge of the pinion, or the wheel's undercut edge."""
-    tip = pair.pinion.tip_form_radius
-    gap, r2 = _pinion_edge(pair, xi, tip)
-    r1 = np.full(xi.shape, tip)
-    if pair.shortened_by_undercut[1]:
-        form = math.hypot(pair.wheel.base_radius, pair.form_rolls[1])
-        foot_gap, foot_r1 = _wheel_edge(pair, xi, form)
-        foot = foot_r1 < tip
-        gap, r1, r2 = np.where(foot, foot_gap, gap), np.where(foot, foot_r1, r1), np.where(foot, form, r2)
-    return gap, r1, r2
+def _beyond(pair: GearPair, xi: np.ndarray, own: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Gap and radii on pinion and wheel (m) where the tip edge of the gear `own` touches, or its mate's undercut edge.
 
-
-def _before(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The same before xi_start: tip edge of the wheel, or the pinion's undercut edge."""
-    tip = pair.wheel.tip_form_radius
-    gap, r1 = _wheel_edge(pair, xi, tip)
-    r2 = np.full(xi.shape, tip)
-    if pair.shortened_by_undercut[0]:
-        form = math.hypot(pair.pinion.base_radius, pair.form_rolls[0])
-        foot_gap, foot_r2 = _pinion_edge(pair, xi, form)
-        foot = foot_r2 < tip
-        gap, r1, r2 = np.where(foot, foot_gap, gap), np.where(foot, form, r1), np.where(foot, foot_r2, r2)
-    return gap, r1, r2
+    The pinion (0) leads with its tip beyond xi_end, the wheel (1) before xi_start.
+    """
+    gears, edges, mate = (pair.pinion, pair.wheel), (_pinion_edge, _wheel_edge), 1 - own
+    tip = gears[own].tip_form_radius
+    radii = np.full((2, *xi.shape), tip)
+    gap, radii[mate] = edges[own](pair, xi, tip)
+    if pair.shortened_by_undercut[mate]:
+        form = math.hypot(gears[mate].base_radius, pair.form_rolls[mate])
+        foot_gap, foot_radius = edges[mate](pair, xi, form)
+        foot = foot_radius < tip
+        gap = np.where(foot, foot_gap, gap)
+        radii[own, foot], radii[mate, foot] = foot_radius[foot], form
+    return gap, radii[0], radii[1]
 
 
 def tip_position(pair: GearPair, gear: str, radius: float) -> float:
@@ -141,11 +133,11 @@ def _shortened(pair: GearPair, xi: np.ndarray, largest_gap: float, tips: tuple[f
     if end < pair.xi_end or not pair.shortened_by_undercut[1]:
         gap[after], r2[after] = _pinion_edge(pair, xi[after], radii[0])
     else:
-        gap[after], r1[after], r2[after] = _after(pair, xi[after])
+        gap[after], r1[after], r2[after] = _beyond(pair, xi[after], 0)
     if start > pair.xi_start or not pair.shortened_by_undercut[0]:
         gap[before], r1[before] = _wheel_edge(pair, xi[before], radii[1])
     else:
-        gap[before], r1[before], r2[before] = _before(pair, xi[before])
+        gap[before], r1[before], r2[before] = _beyond(pair, xi[before], 1)
     gap[(before | after) & ((gap > largest_gap) | ~np.isfinite(gap))] = np.inf
     gap[after & (r2 > pair.wheel.tip_form_radius) | before & (r1 > pair.pinion.tip_form_radius)] = np.inf
     if start >= end or radii[0] <= pair.pinion.base_radius or radii[1] <= pair.wheel.base_radius:

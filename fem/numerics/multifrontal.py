@@ -28,6 +28,9 @@ from fem.numerics.threads import side_by_side
 _STRIP = 64  # columns of an indefinite front eliminated at once
 _SMALL = 1e-11  # eigenvalue of a strip over its largest diagonal entry: below it the sign is not to be trusted
 
+# panels one after the other, every one by columns; their ends; first unknowns and one beyond the last; rows; their ends
+Store = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
 
 class NotDefiniteError(ValueError):
     """The matrix is not positive definite."""
@@ -44,9 +47,9 @@ class Cholesky:
         self._order, self._split = plan.order, plan.split
         width, height = np.diff(plan.starts), np.array([len(rows) for rows in plan.rows])
         ends = np.cumsum(width * (width + height))
-        panels = np.zeros(ends[-1])  # one after the other, every one by columns
+        panels = np.zeros(ends[-1])
         row_ends = np.cumsum(height)
-        self._store = (panels, ends, plan.starts, np.concatenate(plan.rows), row_ends)
+        self._store: Store = (panels, ends, plan.starts, np.concatenate(plan.rows), row_ends)
         pivots = np.empty(K.shape[0])
 
         def panel(number: int) -> np.ndarray:
@@ -74,32 +77,22 @@ class Cholesky:
         top = int(starts[second])
         passed = np.zeros((2, len(x) - top, x.shape[1]))
         side_by_side(
-            lambda: _down(x, passed[0], top, *self._store, 0, first),
-            lambda: _down(x, passed[1], top, *self._store, first, second),
+            lambda: _down(x, passed[0], top, self._store, 0, first),
+            lambda: _down(x, passed[1], top, self._store, first, second),
         )
         x[top:] -= passed[0] + passed[1]
-        _down(x, passed[0], len(x), *self._store, second, last)
-        _up(x, *self._store, second, last)
-        side_by_side(lambda: _up(x, *self._store, 0, first), lambda: _up(x, *self._store, first, second))
+        _down(x, passed[0], len(x), self._store, second, last)
+        _up(x, self._store, second, last)
+        side_by_side(lambda: _up(x, self._store, 0, first), lambda: _up(x, self._store, first, second))
         out = np.empty_like(x)
         out[self._order] = x
         return out.reshape(np.shape(b))
 
 
 @stored(__file__)
-def _down(
-    x: np.ndarray,
-    passed: np.ndarray,
-    top: int,
-    panels: np.ndarray,
-    ends: np.ndarray,
-    starts: np.ndarray,
-    rows: np.ndarray,
-    row_ends: np.ndarray,
-    begin: int,
-    end: int,
-) -> None:
+def _down(x: np.ndarray, passed: np.ndarray, top: int, store: Store, begin: int, end: int) -> None:
     """L^-1 x on the supernodes `begin` to `end`; what goes to unknowns from `top` on is added to `passed`."""
+    panels, ends, starts, rows, row_ends = store
     for s in range(begin, end):
         first, k = starts[s], starts[s + 1] - starts[s]
         own = rows[row_ends[s - 1] if s else 0 : row_ends[s]]
@@ -117,17 +110,9 @@ def _down(
 
 
 @stored(__file__)
-def _up(
-    x: np.ndarray,
-    panels: np.ndarray,
-    ends: np.ndarray,
-    starts: np.ndarray,
-    rows: np.ndarray,
-    row_ends: np.ndarray,
-    begin: int,
-    end: int,
-) -> None:
+def _up(x: np.ndarray, store: Store, begin: int, end: int) -> None:
     """L^-T x on the supernodes `end` to `begin`."""
+    panels, ends, starts, rows, row_ends = store
     for s in range(end - 1, begin - 1, -1):
         first, k = starts[s], starts[s + 1] - starts[s]
         own = rows[row_ends[s - 1] if s else 0 : row_ends[s]]

@@ -11,8 +11,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from gear_pairs import gear_pair
 
+from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import evaluate_law, shares
 from fem.contact.frame import RungError

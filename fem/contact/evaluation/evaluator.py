@@ -40,6 +40,7 @@ from fem.contact.teeth import LawError, checked_terms
 __all__ = [
     "LawError",
     "MeshResponse",
+    "Teeth",
     "checked_teeth",
     "evaluate",
     "evaluate_law",
@@ -49,6 +50,8 @@ __all__ = [
     "share_reach",
     "shares",
 ]
+
+Teeth = np.ndarray | None  # terms (z, 6), clearances (z,) in m, or None for sound teeth without deviation
 
 
 class MeshResponse(NamedTuple):
@@ -110,8 +113,8 @@ def share_reach(law: MeshLaw) -> int:
     return math.ceil(max(abs(law.position_start), abs(last)) + float(np.abs(law.cycle_shift).max())) + 1
 
 
-def checked_teeth(law: MeshLaw, pinion: np.ndarray | None, wheel: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """Tooth terms (z1, 6) and (z2, 6) from terms, clearances (z,) in m or None for sound teeth without deviation.
+def checked_teeth(law: MeshLaw, pinion: Teeth, wheel: Teeth) -> tuple[np.ndarray, np.ndarray]:
+    """Tooth terms (z1, 6) and (z2, 6) of what is given as `Teeth`.
 
     Raises
     ------
@@ -137,8 +140,8 @@ def evaluate_law(
     cycle: np.ndarray | float,
     delta: np.ndarray | float,
     psi: np.ndarray | float = 0.0,
-    pinion: np.ndarray | None = None,
-    wheel: np.ndarray | None = None,
+    pinion: Teeth = None,
+    wheel: Teeth = None,
 ) -> MeshResponse:
     """Response at states that broadcast, as arrays of their common shape; teeth as for `checked_teeth`."""
     h1, h2 = checked_teeth(law, pinion, wheel)
@@ -153,12 +156,7 @@ def evaluate_law(
 
 
 def shares(
-    law: MeshLaw,
-    cycle: float,
-    delta: float,
-    psi: float = 0.0,
-    pinion: np.ndarray | None = None,
-    wheel: np.ndarray | None = None,
+    law: MeshLaw, cycle: float, delta: float, psi: float = 0.0, pinion: Teeth = None, wheel: Teeth = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pair numbers p (n,) near mesh and their forces (n,) in N, which sum to F."""
     h1, h2 = checked_teeth(law, pinion, wheel)

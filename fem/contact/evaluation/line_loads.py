@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.contact.evaluation.evaluator import checked_teeth, evaluate_law, shares
+from fem.contact.evaluation.evaluator import Teeth, checked_teeth, evaluate_law, shares
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 
@@ -22,12 +22,7 @@ _VARIANT = 5  # column of the tooth terms
 
 
 def line_loads(
-    law: MeshLaw,
-    cycle: float,
-    delta: float,
-    psi: float = 0.0,
-    pinion: np.ndarray | None = None,
-    wheel: np.ndarray | None = None,
+    law: MeshLaw, cycle: float, delta: float, psi: float = 0.0, pinion: Teeth = None, wheel: Teeth = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Numbers (n,) of the loaded pairs and their loads (n, slice) per face width, N/m."""
     first, second = checked_teeth(law, pinion, wheel)

@@ -1,15 +1,18 @@
-"""Small solids for tests: boxes cut into quadratic tetrahedra, straight, distorted or bent."""
+"""Small solids that benchmarks and tests share: boxes cut into quadratic tetrahedra, straight, distorted or bent."""
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 
 import numpy as np
 
 from fem.elements.tetrahedra import EDGES
 
 
-def box_mesh(size, divisions, *, distortion=0.0, seed=0):
+def box_mesh(
+    size: Sequence[float], divisions: Sequence[int], *, distortion: float = 0.0, seed: int = 0
+) -> tuple[np.ndarray, np.ndarray]:
     """Nodes (n, 3) and tet10 (e, 10) of a box from the origin; every cell gives six tetrahedra (Kuhn's cut).
 
     `distortion` moves interior corners by up to this part of a cell; mid-sides stay in the middle.
@@ -37,7 +40,7 @@ def box_mesh(size, divisions, *, distortion=0.0, seed=0):
     return quadratic(corners, np.vstack(tets))
 
 
-def quadratic(corners, tets):
+def quadratic(corners: np.ndarray, tets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Add mid-side nodes to linear tetrahedra; negative ones are turned round."""
     volume = np.linalg.det(corners[tets[:, 1:]] - corners[tets[:, :1]])
     tets = np.where((volume < 0)[:, None], tets[:, [1, 0, 2, 3]], tets)
@@ -47,13 +50,13 @@ def quadratic(corners, tets):
     return nodes, np.hstack([tets, len(corners) + number.reshape(-1, 6)])
 
 
-def facets_on(nodes, elements, chosen):
+def facets_on(nodes: np.ndarray, elements: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     """Six-node facets (f, 6) all of whose nodes are in the boolean mask `chosen` (n,)."""
     sides = [(0, 1, 2, 4, 5, 6), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (0, 2, 3, 6, 9, 7)]
     found = [elements[:, list(side)] for side in sides]
     return np.vstack([f[chosen[f].all(axis=1)] for f in found])
 
 
-def unknowns(nodes):
+def unknowns(nodes: np.ndarray) -> np.ndarray:
     """Unknown numbers of node numbers."""
     return (3 * np.asarray(nodes)[:, None] + np.arange(3)).ravel()

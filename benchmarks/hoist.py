@@ -1,0 +1,65 @@
+"""A hoist that tests and checks share: one shaft whose motor prescribes the drum, and a container on its ropes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mbd.forces.rope import Rope
+from mbd.parts.bearings import BearingSpec
+from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.machine import STANDARD_GRAVITY, Machine
+from mbd.parts.shafts import Disk, Section, ShaftSpec
+
+MASS, RADIUS, LENGTH, EA, FALLS = 1000.0, 0.1, 5.0, 3.57e6, 8
+OMEGA = math.sqrt(FALLS * EA / LENGTH / MASS)  # rad/s
+WEIGHT = MASS * STANDARD_GRAVITY
+
+
+def hoist(
+    *,
+    speed: float = 0.2,
+    tau: float = 0.1,
+    start: float = 0.05,
+    damping: float = 0.0,
+    follow: bool = False,
+    coupling: float = 5e7,
+) -> Machine:
+    """A container lifted to `speed` (m/s) within `tau` from `start` on (s).
+
+    `damping` is the ratio of the ropes, whose length `follow`s the drum or stays; `coupling` the stiffness by which the
+    motor holds the shaft (N m/rad).
+    """
+    shaft = ShaftSpec(
+        name="shaft_1",
+        x=0.0,
+        z=0.0,
+        sense=1,
+        sections=(Section(y_start=-0.2, y_end=0.2, outer_diameter=0.1),),
+        disks=(Disk(name="drum", y=0.0, mass=20.0, polar_inertia=0.1, diametral_inertia=0.1),),
+    )
+    bearings = tuple(
+        BearingSpec(name=name, shaft="shaft_1", y=y, stiffness_x=1e9, stiffness_z=1e9, stiffness_axial=1e8)
+        for name, y in (("bearing_1", -0.15), ("bearing_2", 0.15))
+    )
+    load = Rope(
+        shaft="shaft_1",
+        drums=(-0.02, 0.02),
+        container_mass=MASS,
+        drum_radius=RADIUS,
+        falls=FALLS,
+        axial_stiffness=EA,
+        length=LENGTH,
+        reeving=2.0,
+        damping_ratio=damping,
+        follow_length=follow,
+    )
+    return Machine(
+        shafts=(shaft,),
+        bearings=bearings,
+        meshes=(),
+        couplings=(CouplingSpec(name="motor_1", shaft="shaft_1", y=0.0, stiffness=coupling),),
+        profile=SpeedProfile(times=np.array([start, start + tau]), speeds=np.array([0.0, speed * 2 / RADIUS])),
+        load=load,
+    )
