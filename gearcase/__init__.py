@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from gearcase.studies import Tradeoff as Tradeoff
     from gearcase.studies import converge as converge
     from gearcase.studies import tradeoff as tradeoff
-    from gearcase.working import Step as Step
+    from gearcase.working import StepProgress as StepProgress
 
 _PLACES = {
     "casings": ("Casing", "casing"),
@@ -46,7 +46,7 @@ _PLACES = {
     "results": ("Diagnosis", "diagnose", "open_run", "run", "spectrum"),
     "scenes": ("Checked", "Scene", "check"),
     "studies": ("RefinementStudy", "Tradeoff", "converge", "tradeoff"),
-    "working": ("Step",),
+    "working": ("StepProgress",),
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 __all__ = sorted(_PLACE_OF)

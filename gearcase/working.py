@@ -1,5 +1,5 @@
 """What a progress function is told."""
 
-from pipelines.engine.progress import ProgressFunction, Step
+from pipelines.engine.progress import ProgressFunction, StepProgress
 
-__all__ = ["ProgressFunction", "Step"]
+__all__ = ["ProgressFunction", "StepProgress"]

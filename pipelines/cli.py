@@ -76,7 +76,7 @@ def _guarded(options: argparse.Namespace) -> int:
         sys.stdout.flush()  # a full disk or a reader that is gone shows here, not when the interpreter ends
         return code
     except KeyboardInterrupt:
-        sys.stderr.write("gearcase: interrupted. Finished stages are kept; the same command goes on from there.\n")
+        sys.stderr.write("gearcase: interrupted. Finished steps are kept; the same command goes on from there.\n")
         return 130
     except BrokenPipeError:
         nowhere = os.open(os.devnull, os.O_WRONLY)  # what is still to be written, at the end of the interpreter, too

@@ -92,7 +92,7 @@ def _scene(sub: argparse.ArgumentParser) -> None:
 
 def _work(sub: argparse.ArgumentParser) -> None:
     _scene(sub)
-    sub.add_argument("--processes", type=count, metavar="N", help="long stages built side by side (default 2)")
+    sub.add_argument("--processes", type=count, metavar="N", help="long steps built side by side (default 2)")
     sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
 
 
@@ -302,5 +302,5 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         "gearcase export rig-missing-tooth --to mat",
         _export,
     ),
-    ("cache", "show, verify or clear the store of finished stages", "gearcase cache info", _cache),
+    ("cache", "show, verify or clear the store of finished steps", "gearcase cache info", _cache),
 )

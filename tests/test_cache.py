@@ -84,7 +84,7 @@ def test_a_quick_look_verifies_the_manifest_and_the_sizes_only(tmp_path):
 def test_every_flipped_bit_of_a_manifest_is_noticed_or_harmless(tmp_path):
     """A flip may hit white space of the JSON text; what is then read must be what was written."""
     cache = Cache(tmp_path)
-    entry = cache.store("law", KEY, fill, {"seconds": 1.5, "stage": "law_1"})
+    entry = cache.store("law", KEY, fill, {"seconds": 1.5, "step": "law_1"})
     path = entry.folder / "manifest.json"
     good = path.read_bytes()
     for place in random.Random(7).sample(range(len(good) * 8), 60):

@@ -22,7 +22,7 @@ from pipelines.border.errors import InputError
 from pipelines.commands.casing import mode_table
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
-from pipelines.engine.step import Graph, Stage, explain
+from pipelines.engine.step import Graph, Step, explain
 from pipelines.figures.film import film_page
 from pipelines.figures.mode_pictures import ModeView, write_mode
 from pipelines.runs.casing_export import checked_target, mode_shapes, write_mat, write_uff, write_vtu
@@ -159,7 +159,7 @@ def test_what_was_stored_for_a_higher_band_serves_a_lower_one(tmp_path):
     cache = Cache(tmp_path)
 
     def graph(band, other=1):
-        return Graph([Stage(name="a", kind="a", build=produce, spec=_Spec(band=band, other=other), enough="band")])
+        return Graph([Step(name="a", kind="a", build=produce, spec=_Spec(band=band, other=other), enough="band")])
 
     assert run_graph(graph(300.0), cache, ["a"]).value("a") == "up to 300.0"
     assert run_graph(graph(500.0), cache, ["a"]).value("a") == "up to 500.0"

@@ -80,12 +80,12 @@ def test_the_loads_and_seeds_share_all_but_the_simulation():
 
 def test_the_torque_beside_the_rope_is_the_shipped_torque_scene():
     study = plan_study(load_scene("rig-missing-tooth"))
-    stages = {name: study.graph.stages[name].spec for name in ("torque simulate", "torque healthy simulate")}
+    stages = {name: study.graph.steps[name].spec for name in ("torque simulate", "torque healthy simulate")}
     for name, shipped in (
         ("torque simulate", "rig-missing-tooth-torque"),
         ("torque healthy simulate", "rig-healthy-torque"),
     ):
-        alone = plan_study(load_scene(shipped), with_control=False).graph.stages["simulate"].spec
+        alone = plan_study(load_scene(shipped), with_control=False).graph.steps["simulate"].spec
         assert digest(stages[name]) == digest(alone)
 
 

@@ -15,7 +15,7 @@ from pipelines.engine import child, worker
 from pipelines.engine.cache import Cache
 from pipelines.engine.processes import Pool
 from pipelines.engine.run_graph import run_graph
-from pipelines.engine.step import Graph, Stage
+from pipelines.engine.step import Graph, Step
 from pipelines.figures import render
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -38,7 +38,7 @@ def end_by_signal(_):
 
 
 def two_stages(build=look_around):
-    return Graph(Stage(name=f"s{n}", kind="look", build=build, spec=n, seconds=9.0) for n in range(2))
+    return Graph(Step(name=f"s{n}", kind="look", build=build, spec=n, seconds=9.0) for n in range(2))
 
 
 @pytest.fixture

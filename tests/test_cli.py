@@ -164,7 +164,7 @@ def raising(error):
 @pytest.mark.parametrize(
     ("error", "code", "words"),
     [
-        (KeyboardInterrupt(), 130, "Finished stages are kept"),
+        (KeyboardInterrupt(), 130, "Finished steps are kept"),
         (ZeroDivisionError("division by zero"), 1, "ZeroDivisionError: division by zero"),
         (ValueError("from a library"), 1, "ValueError: from a library"),
     ],
@@ -264,4 +264,4 @@ def test_a_repeated_run_builds_nothing_and_takes_at_most_2_s(capsys, here):
     assert time.process_time() - start < 2.0
     newest = (here / "runs" / "minimal" / "latest.txt").read_text(encoding="utf-8").strip()
     facts = json.loads((here / "runs" / "minimal" / newest / "run.json").read_text(encoding="utf-8"))
-    assert all(stage["reused"] for stage in facts["stages"])
+    assert all(step["reused"] for step in facts["steps"])

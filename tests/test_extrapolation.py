@@ -25,7 +25,7 @@ from fem.elements.materials import CAST_IRON
 from pipelines.border.errors import SceneError
 from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
-from pipelines.steps.graph import plant_stages
+from pipelines.steps.graph import plant_steps
 
 BAND = 1500.0
 COUNT = 12
@@ -113,7 +113,7 @@ def test_a_coarser_mesh_that_is_not_stiffer_is_refused(coarse):
 def test_a_second_mesh_is_made_only_where_it_is_asked_for():
     names = {}
     for settings in ({}, {"casing.extrapolated": True}):
-        stages = plant_stages(make_plant(load_scene("rig-healthy", settings).scene))
+        stages = plant_steps(make_plant(load_scene("rig-healthy", settings).scene))
         names[bool(settings)] = [stage.name for stage in stages if "casing" in stage.name]
     assert names[False] == ["casing mesh", "casing modes", "casing"]
     assert names[True] == ["casing mesh", "coarser casing mesh", "coarser casing", "casing modes", "casing"]

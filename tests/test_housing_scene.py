@@ -17,7 +17,7 @@ from pipelines.engine.step import Graph
 from pipelines.plant.layout import material
 from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
-from pipelines.steps.graph import casing_error_stage, plant_stages
+from pipelines.steps.graph import casing_error_step, plant_steps
 
 FEATURES = {
     "casing.housing.side_wall_thickness_mm": 12.0,
@@ -36,7 +36,7 @@ def made(name, settings=()):
 
 def stages(name, settings=()):
     loaded = load_scene(name, settings)
-    return {stage.name: stage for stage in plant_stages(make_plant(loaded.scene, loaded.source.shown))}
+    return {stage.name: stage for stage in plant_steps(make_plant(loaded.scene, loaded.source.shown))}
 
 
 def test_a_scene_without_the_new_keys_has_a_plain_housing():
@@ -99,8 +99,8 @@ def test_the_shipped_step_file_is_found_and_placed_by_the_shafts():
 def test_every_shipped_housing_passes_the_check_up_and_keeps_its_error(name, settings, tmp_path):
     """With the default reduction: frequencies to 0.1 %, responses of every pair to 6 % in every third octave."""
     loaded = load_scene(name, settings)
-    graph = Graph(plant_stages(make_plant(loaded.scene, loaded.source.shown)))
-    graph = Graph([*graph, casing_error_stage(graph, loaded.scene.casing.band_Hz)])
+    graph = Graph(plant_steps(make_plant(loaded.scene, loaded.source.shown)))
+    graph = Graph([*graph, casing_error_step(graph, loaded.scene.casing.band_Hz)])
     outcome = run_graph(graph, Cache(tmp_path), ["casing modes", "casing error"], processes=1)
     modes, check = outcome.value("casing modes")
     assert check.failures == ()

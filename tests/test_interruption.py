@@ -34,7 +34,7 @@ def signals(folder):
     out = {}
     for run in sorted((folder / "runs" / "minimal").glob("[!.]*/")):
         with xarray.open_dataset(run / RESPONSE, engine="h5netcdf") as data:
-            labels = ("provenance", "stages", "build_ledger")
+            labels = ("provenance", "steps", "build_ledger")
             data.attrs = {name: value for name, value in data.attrs.items() if name not in labels}
             out[run.name] = digest(data.load())
     return out
@@ -84,9 +84,9 @@ signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts 
 sys.path[:0] = {path!r}
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.cache import Cache
-from pipelines.engine.step import Graph, Stage
+from pipelines.engine.step import Graph, Step
 from test_stages import make_slowly
-graph = Graph(Stage(name=f"s{{n}}", kind="slow", build=make_slowly, spec={seconds} + n, seconds=9.0) for n in range(2))
+graph = Graph(Step(name=f"s{{n}}", kind="slow", build=make_slowly, spec={seconds} + n, seconds=9.0) for n in range(2))
 run_graph(graph, Cache({cache!r}), ["s0", "s1"], processes=2)
 """
 

@@ -29,7 +29,7 @@ from pipelines.signals.labelled import stored_type
 from pipelines.signals.response import make_response
 from pipelines.signals.response_file import write_response
 from pipelines.signals.spectrum import cut, whole_revolutions
-from pipelines.steps.graph import plant_stages
+from pipelines.steps.graph import plant_steps
 
 RATE_OUT = 20e3  # Hz
 
@@ -86,7 +86,7 @@ def long_motion(tmp_path, samples):
 
 
 def motion(loaded, cache):
-    outcome = run_graph(Graph(plant_stages(make_plant(loaded.scene))), cache, ["simulate"], processes=1)
+    outcome = run_graph(Graph(plant_steps(make_plant(loaded.scene))), cache, ["simulate"], processes=1)
     return outcome.value("simulate")
 
 
@@ -176,8 +176,8 @@ def test_the_signals_of_a_run_are_stored_once(short_run):
 
 
 def simulate_stage(loaded):
-    graph = Graph(plant_stages(make_plant(loaded.scene)))
-    stage = graph.stages["simulate"]
+    graph = Graph(plant_steps(make_plant(loaded.scene)))
+    stage = graph.steps["simulate"]
     upstream = run_graph(graph, Cache(), stage.takes, processes=1).results
     return stage, stage.key({name: upstream[name].record.content for name in stage.takes}), upstream
 

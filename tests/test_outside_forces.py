@@ -7,7 +7,7 @@ from pipelines.border.errors import SceneError
 from pipelines.engine.storage import digest
 from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
-from pipelines.steps.graph import plant_stages
+from pipelines.steps.graph import plant_steps
 
 TORQUE = {"model": "torque", "shaft": 2, "position_mm": 0.0, "times_s": [0.0, 0.5], "torques_N_m": [0.0, 12.0]}
 
@@ -25,7 +25,7 @@ def test_a_torque_of_a_scene_in_si():
 
 def test_the_motion_is_computed_anew_for_another_torque():
     plants = [make_plant(scene(torques_N_m=[0.0, value])) for value in (12.0, 13.0)]
-    one, other = (digest(plant_stages(plant)[-1].spec) for plant in plants)
+    one, other = (digest(plant_steps(plant)[-1].spec) for plant in plants)
     assert one != other
 
 

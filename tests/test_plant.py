@@ -10,7 +10,7 @@ from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules, digest
 from pipelines.plant.plant import make_drivetrain, make_plant
 from pipelines.scene.file import load_scene
-from pipelines.steps.graph import plant_stages
+from pipelines.steps.graph import plant_steps
 
 ROOT = Path(__file__).resolve().parent.parent
 BEHIND = ("engine", "figures", "report", "runs", "signals", "steps", "trade", "commands")  # rooms behind the plant
@@ -18,7 +18,7 @@ UNITS = ("_mm", "_um", "_GPa", "_per_um", "_deg", "_rpm", "_us", "_kg", "_s", "_
 
 
 def motion(**settings):
-    return plant_stages(make_plant(load_scene("minimal", settings).scene))[-1]
+    return plant_steps(make_plant(load_scene("minimal", settings).scene))[-1]
 
 
 def files_behind():
@@ -69,7 +69,7 @@ def test_a_result_hangs_on_no_code_that_reads_scenes(step):
 
 def test_a_motion_hangs_on_the_code_of_the_load_and_bearings_it_has():
     def modules(name, **settings):
-        return class_modules(plant_stages(make_plant(load_scene(name, settings).scene))[-1].spec)
+        return class_modules(plant_steps(make_plant(load_scene(name, settings).scene))[-1].spec)
 
     hertz = {"bearings": {"model": "hertz", "designation": "6205"}}
     assert "mbd.forces.rolling_bearing" in modules("minimal", **hertz)

@@ -17,7 +17,7 @@ from pipelines.plant.units import si_options
 from pipelines.scene.file import load_scene
 from pipelines.scene.tables.faults import FaultBase, FaultTable, WornToothTable
 from pipelines.scene.tables.gears import MeshModel
-from pipelines.steps.graph import plant_stages
+from pipelines.steps.graph import plant_steps
 
 PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
 
@@ -75,7 +75,7 @@ def test_an_unknown_name_is_refused_with_those_that_are_known():
 
 @pytest.mark.parametrize("name", MODELS)
 def test_the_key_of_a_law_takes_the_code_of_its_own_model_alone(name):
-    stage = plant_stages(make_plant(load_scene("minimal", [f"stages.1.mesh.model={name}"]).scene))[0]
+    stage = plant_steps(make_plant(load_scene("minimal", [f"stages.1.mesh.model={name}"]).scene))[0]
     code = set(reachable(stage.build.__module__, *stage.modules))
     assert MODELS[name][0] in code
     assert not code & {module for other, (module, _) in MODELS.items() if other != name}
@@ -84,7 +84,7 @@ def test_the_key_of_a_law_takes_the_code_of_its_own_model_alone(name):
 def test_the_key_of_a_damaged_law_takes_the_code_of_its_own_faults_alone():
     fault = {"kind": "chipped-tooth", "stage": 1, "gear": "wheel", "tooth": 3, "extent_mm": 4.0, "depth_mm": 1.0}
     scene = load_scene("minimal", {"faults": [fault]}).scene
-    stage = next(stage for stage in plant_stages(make_plant(scene)) if stage.kind == "flanks")
+    stage = next(stage for stage in plant_steps(make_plant(scene)) if stage.kind == "flanks")
     code = set(reachable(stage.build.__module__, *stage.modules))
     assert {FAULTS["chipped-tooth"][0]} == code & {module for module, _ in FAULTS.values()}
 
@@ -117,7 +117,7 @@ def test_a_fault_adds_compliance_and_gaps_that_are_not_negative(kind):
 @pytest.mark.parametrize("name", CASINGS)
 def test_the_key_of_casing_modes_takes_the_code_of_its_own_model_alone(name):
     scene = load_scene("rig-healthy", [f"casing.model={name}"]).scene
-    stage = next(stage for stage in plant_stages(make_plant(scene)) if stage.kind == "casing-modes")
+    stage = next(stage for stage in plant_steps(make_plant(scene)) if stage.kind == "casing-modes")
     code = set(reachable(stage.build.__module__, *stage.modules))
     assert {CASINGS[name][0]} == code & {module for module, _ in CASINGS.values()}
 

@@ -19,7 +19,7 @@ from pipelines.engine.step import Graph
 from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.signals.motion_warnings import motion_warnings
-from pipelines.steps.graph import plant_stages
+from pipelines.steps.graph import plant_steps
 from pipelines.trade.probes import Value
 from pipelines.trade.spread import spread_table
 
@@ -35,7 +35,7 @@ JERK = SpeedProfile(times=np.array([0.01, 0.0105]), speeds=np.array([0.0, -94.25
 
 def motion(name, settings):
     loaded = load_scene(name, settings)
-    stages = Graph(plant_stages(make_plant(loaded.scene, loaded.source.shown)))
+    stages = Graph(plant_steps(make_plant(loaded.scene, loaded.source.shown)))
     return run_graph(stages, Cache(), ["simulate"], processes=1).value("simulate")
 
 

@@ -82,7 +82,7 @@ def test_full_report_answers_first_and_fetches_nothing(tmp_path, runs, diagnosis
         gear_picture=LeftOut(reason=reason),
         runs=runs,
         windows=WINDOWS,
-        stages=({"stage": "laws", "seconds": 1.25}, {"stage": "run", "seconds": 3.0}),
+        steps=({"step": "laws", "seconds": 1.25}, {"step": "run", "seconds": 3.0}),
         energy=({"part": "mesh 1", "residual": 1e-4},),
         provenance={"gearcase": "0.1.0", "rungs": {"mesh": "plane"}},
     )

@@ -45,7 +45,7 @@ def test_a_failing_diagnosis_leaves_the_signals_and_can_be_repeated(here, monkey
     folder = run_folder.find_run("mine")
     assert {path.name for path in folder.iterdir()} == SIGNALS
     assert "IndexError: boolean index did not match" in err
-    assert "(in stage diagnose)" in err
+    assert "(in step diagnose)" in err
     assert f"The signals are kept in {folder}." in err
     assert f"gearcase diagnose {folder}" in err
     log = [json.loads(line) for line in (folder / "log.jsonl").read_text(encoding="utf-8").splitlines()]
@@ -64,7 +64,7 @@ def test_a_failing_report_leaves_signals_and_diagnosis(here, monkeypatch, capsys
     assert f"The signals are kept in {folder}." in err
     assert "gearcase diagnose" not in err
     facts = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-    assert "simulate" in {stage["stage"] for stage in facts["stages"]}
+    assert "simulate" in {step["step"] for step in facts["steps"]}
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ from pipelines.plant.checks.validity import checked_plant
 from pipelines.plant.layout import lay_out
 from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
-from pipelines.steps.graph import plant_stages
+from pipelines.steps.graph import plant_steps
 
 DETAILS = """
 extends = "minimal"
@@ -144,10 +144,10 @@ def test_pitch_deviations_stay_when_profile_and_helix_join(detailed):
 
 
 def test_only_what_is_there_adds_a_stage(detailed, tmp_path):
-    assert [s.name for s in plant_stages(make_plant(minimal())) if "law" in s.name] == ["law_1"]
+    assert [s.name for s in plant_steps(make_plant(minimal())) if "law" in s.name] == ["law_1"]
     plant = make_plant(detailed)
-    graph = Graph(plant_stages(plant))
-    assert list(graph.stages)[:2] == ["sound_law_1", "law_1"]
+    graph = Graph(plant_steps(plant))
+    assert list(graph.steps)[:2] == ["sound_law_1", "law_1"]
     sound, law = (
         run_graph(graph, Cache(tmp_path / "cache"), ["sound_law_1", "law_1"]).value(name)[0]
         for name in ("sound_law_1", "law_1")

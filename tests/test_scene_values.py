@@ -16,7 +16,7 @@ from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.base import Table
-from pipelines.steps.graph import plant_stages
+from pipelines.steps.graph import plant_steps
 
 END = {"amount_um": 5.0, "length_mm": 2.0, "shape": "linear"}
 GEAR = {
@@ -108,7 +108,7 @@ ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one w
 
 def inputs(scene):
     """What the key of every step holds besides code: by name, its spec and what it takes."""
-    return {stage.name: (stage.kind, digest(stage.spec), stage.takes) for stage in plant_stages(make_plant(scene))}
+    return {stage.name: (stage.kind, digest(stage.spec), stage.takes) for stage in plant_steps(make_plant(scene))}
 
 
 def declared(table):

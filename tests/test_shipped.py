@@ -60,7 +60,7 @@ def test_a_whole_run_leaves_everything_in_its_folder(whole_run):
     assert facts["ledger"]["simulations"] == 4
     assert facts["ledger"]["casing_meshes"] == facts["ledger"]["factorisations"] == 1
     assert facts["rungs"]["casing"] == "craig-bampton"
-    assert all(stage["seconds"] >= 0 and stage["peak MB"] > 10 for stage in facts["stages"])
+    assert all(step["seconds"] >= 0 and step["peak MB"] > 10 for step in facts["steps"])
 
 
 def test_the_resolved_scene_of_a_run_gives_the_same_run(whole_run, tmp_path):

@@ -14,7 +14,7 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.code_version import code_version, reachable
 from pipelines.engine.processes import Pool
 from pipelines.engine.run_graph import run_graph
-from pipelines.engine.step import Built, Graph, Stage, explain
+from pipelines.engine.step import Built, Graph, Step, explain
 
 CALLS = []
 
@@ -59,13 +59,13 @@ def end_at_once(_):
 
 
 def graph(widths=(1.0, 2.0), digits=0, words="total"):
-    laws = [Stage(name=f"law_{n}", kind="law", build=make_law, spec=Pair(w)) for n, w in enumerate(widths, 1)]
+    laws = [Step(name=f"law_{n}", kind="law", build=make_law, spec=Pair(w)) for n, w in enumerate(widths, 1)]
     return Graph(
         [
             *laws,
-            Stage(name="sum", kind="sum", build=make_sum, spec="names", takes=tuple(law.name for law in laws)),
-            Stage(name="rounded", kind="rounded", build=make_rounded, spec=digits, takes=("sum",)),
-            Stage(name="text", kind="text", build=make_text, spec=words, takes=("rounded",)),
+            Step(name="sum", kind="sum", build=make_sum, spec="names", takes=tuple(law.name for law in laws)),
+            Step(name="rounded", kind="rounded", build=make_rounded, spec=digits, takes=("sum",)),
+            Step(name="text", kind="text", build=make_text, spec=words, takes=("rounded",)),
         ]
     )
 
@@ -150,7 +150,7 @@ def test_explain_compares_with_a_variant_and_not_with_another_scene(cache):
 
     def one(changed):
         spec = Scene({f"value_{n}": n + (n < changed) for n in range(40)})
-        return Graph([Stage(name="law", kind="law", build=make_nothing, spec=spec)])
+        return Graph([Step(name="law", kind="law", build=make_nothing, spec=spec)])
 
     made = {"content": "", "seconds": 0.0, "peak_bytes": 0, "ledger": {}}
     cache.store("law", one(0).stages["law"].key({}), lambda folder: None, {**one(0).stages["law"].facts({}), **made})
@@ -207,7 +207,7 @@ def test_without_a_usable_cache_the_work_goes_on(tmp_path):
 
 def long_graph(count, seconds=0.4):
     return Graph(
-        Stage(name=f"s{n}", kind="slow", build=make_slowly, spec=seconds + n / 1000, seconds=9.0) for n in range(count)
+        Step(name=f"s{n}", kind="slow", build=make_slowly, spec=seconds + n / 1000, seconds=9.0) for n in range(count)
     )
 
 
@@ -240,27 +240,27 @@ def test_one_process_gives_the_same(cache):
 
 def test_an_error_keeps_its_kind_and_names_the_stage_from_another_process_too(cache):
     stages = [
-        Stage(name=f"bad_{n}", kind="bad", build=make_nothing, spec=f"reason {n}", seconds=9.0 * n) for n in range(3)
+        Step(name=f"bad_{n}", kind="bad", build=make_nothing, spec=f"reason {n}", seconds=9.0 * n) for n in range(3)
     ]
     with pytest.raises(ValueError, match="reason 0") as here:
         run_graph(Graph(stages), cache, ["bad_0"])
-    assert here.value.__notes__ == ["in stage bad_0"]
+    assert here.value.__notes__ == ["in step bad_0"]
     with pytest.raises(ValueError, match=r"reason [12]") as there:
         run_graph(Graph(stages), cache, ["bad_1", "bad_2"], processes=2)
-    assert there.value.__notes__[0].startswith("in stage bad_")
+    assert there.value.__notes__[0].startswith("in step bad_")
 
 
 def test_a_process_that_dies_is_reported(cache):
-    stages = [Stage(name=f"dead_{n}", kind="dead", build=end_at_once, spec=n, seconds=9.0) for n in range(2)]
+    stages = [Step(name=f"dead_{n}", kind="dead", build=end_at_once, spec=n, seconds=9.0) for n in range(2)]
     with pytest.raises(WorkError, match=r"dead_\d: its process ended with code 9"):
         run_graph(Graph(stages), cache, ["dead_0", "dead_1"], processes=2)
 
 
 def test_a_graph_refuses_wrong_order_and_repeated_names():
     with pytest.raises(ValueError, match="takes 'b'"):
-        Graph([Stage(name="a", kind="k", build=make_slowly, takes=("b",))])
+        Graph([Step(name="a", kind="k", build=make_slowly, takes=("b",))])
     with pytest.raises(ValueError, match="given twice"):
-        Graph([Stage(name="a", kind="k", build=make_slowly)] * 2)
+        Graph([Step(name="a", kind="k", build=make_slowly)] * 2)
 
 
 def test_the_code_version_follows_imports():

@@ -1,4 +1,4 @@
-"""`gearcase cache`: show, verify or clear the store of finished stages."""
+"""`gearcase cache`: show, verify or clear the store of finished steps."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ _WORDS = {"reuse": "reused", "build": "built", "follow": "perhaps"}
 
 
 def main(options: argparse.Namespace) -> int:
-    """Print one line per stage, with what changed since a scene like this one was run; nothing is built."""
+    """Print one line per step, with what changed since a scene like this one was run; nothing is built."""
     from pipelines.engine.cache import Cache
     from pipelines.engine.step import explain
     from pipelines.scene.presets import load_asked
@@ -17,7 +17,7 @@ def main(options: argparse.Namespace) -> int:
 
     graph = plan_study(load_asked(options)).graph
     found = explain(graph, Cache())
-    ends = graph.stages.keys() - {name for stage in graph for name in stage.takes}
+    ends = graph.steps.keys() - {name for step in graph for name in step.takes}
     first = all(status.first for status in found if status.name in ends)
     if first:
         sys.stdout.write("First run: no results of a scene like this one are stored to compare it with.\n")
@@ -28,7 +28,7 @@ def main(options: argparse.Namespace) -> int:
         sys.stdout.write(f"{line}\n")
     actions = [status.action for status in found]
     sys.stdout.write(
-        f"{actions.count('build')} stages would be built, {actions.count('reuse')} reused, "
+        f"{actions.count('build')} steps would be built, {actions.count('reuse')} reused, "
         f"{actions.count('follow')} follow if what they take changes. "
         "Diagnosis and report (seconds) follow the motion.\n"
     )

@@ -41,8 +41,8 @@ def main(options: argparse.Namespace) -> int:
         stressed = stress_files(plant, graph, options, work)
         sys.stdout.write(_listed(stressed))
         return 0
-    meshed = "casing mesh" in graph.stages
-    elastic = "casing modes" in graph.stages
+    meshed = "casing mesh" in graph.steps
+    elastic = "casing modes" in graph.steps
     wanted = [*plant.law_names, *(["casing"] if meshed else [])]
     if options.screen:
         wanted = [f"law_{stage}"]
@@ -144,7 +144,7 @@ def casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int, f
 
     modes, mesh = outcome.value("casing modes")[0], outcome.value("casing mesh")
     factor = outcome.value("casing").stiffness_factor
-    natural = natural_modes(modes, graph.stages["casing"].spec.mounts, stiffness_factor=factor)
+    natural = natural_modes(modes, graph.steps["casing"].spec.mounts, stiffness_factor=factor)
     if number > len(natural.frequencies):
         raise InputError(f"--casing-mode {number}: the reduced casing has {len(natural.frequencies)} modes")
     view = ModeView(

@@ -29,7 +29,7 @@ def main(options: argparse.Namespace) -> int:
     for reason in finished.left_out:
         sys.stdout.write(f"{reason}\n")
     sys.stdout.write(
-        f"{len(built)} stages built ({seconds:.1f} s of work), {len(finished.records) - len(built)} reused.\n"
+        f"{len(built)} steps built ({seconds:.1f} s of work), {len(finished.records) - len(built)} reused.\n"
         f"report: {finished.folder / 'report.html'}\n"
     )
     return 0

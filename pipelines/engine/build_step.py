@@ -1,4 +1,4 @@
-"""One stage built in this process: its time, its memory, what it counted, and its result in the cache."""
+"""One step built in this process: its time, its memory, what it counted, and its result in the cache."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from fem.storage.cache_folder import warn_without
 from fem.storage.ledger import counting
 from pipelines.border.errors import WorkError
 from pipelines.engine.cache import Cache, Entry
-from pipelines.engine.step import Built, Stage, StageRecord
+from pipelines.engine.step import Built, Step, StepRecord
 from pipelines.engine.storage import PayloadError, digest, load_payload, save_payload
 
 _THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -23,9 +23,9 @@ _THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS
 
 @dataclass(frozen=True)
 class Result:
-    """A stage's record with the way to its value: an entry of the cache, or the value itself if none was stored."""
+    """A step's record with the way to its value: an entry of the cache, or the value itself if none was stored."""
 
-    record: StageRecord
+    record: StepRecord
     entry: Entry | None
     value: Any = None
 
@@ -37,12 +37,12 @@ class Result:
             return load_payload(self.entry.folder)
         except OSError as error:
             raise WorkError(
-                f"stage {self.record.name}: its stored result {self.entry.name} was removed while it was needed "
+                f"step {self.record.name}: its stored result {self.entry.name} was removed while it was needed "
                 f"({error}). Run again; do not clear the cache during a run."
             ) from error
         except (ValueError, TypeError, KeyError) as error:
             raise WorkError(
-                f"stage {self.record.name}: its stored result is not one ({error}). Remove {self.entry.folder} and run "
+                f"step {self.record.name}: its stored result is not one ({error}). Remove {self.entry.folder} and run "
                 "again."
             ) from error
 
@@ -51,56 +51,56 @@ class Result:
         return self if self.entry is None else Result(self.record, self.entry)
 
 
-def build_here(stage: Stage, key: str, upstream: Mapping[str, Result], cache: Cache) -> Result:
-    """Build one stage in this process and store it."""
-    inputs = [upstream[name].load() for name in stage.takes]
-    if not stage.streams:
-        return _built(stage, key, upstream, cache, inputs)
+def build_here(step: Step, key: str, upstream: Mapping[str, Result], cache: Cache) -> Result:
+    """Build one step in this process and store it."""
+    inputs = [upstream[name].load() for name in step.takes]
+    if not step.streams:
+        return _built(step, key, upstream, cache, inputs)
     with cache.workplace() as folder:
         try:
-            result = _built(stage, key, upstream, cache, inputs, folder=folder)
+            result = _built(step, key, upstream, cache, inputs, folder=folder)
         except OSError as error:
             if folder is None:
                 raise
             warn_without(cache.folder, error)
-            return _built(stage, key, upstream, cache, inputs, folder=None)
+            return _built(step, key, upstream, cache, inputs, folder=None)
         # what the folder holds ends with it: the entry has it, too, or else memory must
         return result.stored() if result.entry else replace(result, value=result.value.in_memory())
 
 
 def _built(
-    stage: Stage, key: str, upstream: Mapping[str, Result], cache: Cache, inputs: list[Any], **place: Path | None
+    step: Step, key: str, upstream: Mapping[str, Result], cache: Cache, inputs: list[Any], **place: Path | None
 ) -> Result:
     start = time.perf_counter()
     with peak_memory() as peak, counting() as book:
         try:
-            made = stage.build(stage.spec, *inputs, **place)
+            made = step.build(step.spec, *inputs, **place)
         except Exception as error:
-            error.add_note(f"in stage {stage.name}")
+            error.add_note(f"in step {step.name}")
             raise
     built = made if isinstance(made, Built) else Built(made)
     facts = {
-        **stage.facts({name: upstream[name].record.content for name in stage.takes}),
+        **step.facts({name: upstream[name].record.content for name in step.takes}),
         "content": digest(built.value),
         "seconds": round(time.perf_counter() - start, 6),
         "peak_bytes": peak.bytes,
         "ledger": {**book, **built.ledger},
-        "stage": stage.name,
+        "step": step.name,
     }
     entry = None
     try:
         if built.kept:
-            entry = cache.store(stage.kind, key, lambda folder: save_payload(folder, built.value), facts)
+            entry = cache.store(step.kind, key, lambda folder: save_payload(folder, built.value), facts)
     except PayloadError as error:
-        raise WorkError(f"stage {stage.name}: its result cannot be stored: {error}") from error
-    return Result(stage_record(stage, key, facts, reused=False), entry, built.value)
+        raise WorkError(f"step {step.name}: its result cannot be stored: {error}") from error
+    return Result(step_record(step, key, facts, reused=False), entry, built.value)
 
 
-def stage_record(stage: Stage, key: str, facts: Mapping[str, Any], *, reused: bool) -> StageRecord:
-    """The record of a stage with the facts that are stored of it."""
-    return StageRecord(
-        name=stage.name,
-        kind=stage.kind,
+def step_record(step: Step, key: str, facts: Mapping[str, Any], *, reused: bool) -> StepRecord:
+    """The record of a step with the facts that are stored of it."""
+    return StepRecord(
+        name=step.name,
+        kind=step.kind,
         key=key,
         content=facts["content"],
         reused=reused,

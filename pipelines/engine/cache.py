@@ -1,4 +1,4 @@
-"""Content-addressed store of finished stages, safe against kills, damage and a second process.
+"""Content-addressed store of finished steps, safe against kills, damage and a second process.
 
 One entry is one folder ``entries/<kind>-<key>/`` with payload files and a manifest that holds their SHA-256. An entry
 is written aside and moved into place in one step, so it is whole or absent; who loses a race throws its copy away.

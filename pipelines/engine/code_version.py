@@ -1,4 +1,4 @@
-"""The version of the code of a stage: a hash of the source of every module of ours that it can reach.
+"""The version of the code of a step: a hash of the source of every module of ours that it can reach.
 
 Imports are followed by reading the source, those inside functions too, so that an edited helper changes the version
 and an edited neighbour does not.
@@ -77,7 +77,7 @@ def _statements(body: Iterable[ast.AST]) -> Iterator[ast.AST]:
 def _source(module: str) -> bytes:
     path = _path(module)
     if path is None:
-        raise ModuleNotFoundError(f"{module}: its source is not found; stages need modules with a source file")
+        raise ModuleNotFoundError(f"{module}: its source is not found; steps need modules with a source file")
     return path.read_bytes()
 
 

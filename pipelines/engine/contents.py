@@ -26,7 +26,7 @@ _TYPE = re.compile(r"([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*):([A-Za-z_]\w*(?:\.[A-Za-z
 
 
 class ContentsError(ValueError):
-    """A table of contents is not one that a stage wrote."""
+    """A table of contents is not one that a step wrote."""
 
 
 def read_contents(folder: Path) -> Mapping[str, Any]:

@@ -21,7 +21,7 @@ class Damaged(Exception):
 
 @dataclass(frozen=True)
 class Entry:
-    """A stored stage: its folder and the facts that were stored with it."""
+    """A stored step: its folder and the facts that were stored with it."""
 
     folder: Path
     facts: Mapping[str, Any]

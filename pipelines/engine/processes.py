@@ -1,4 +1,4 @@
-"""Build stages in processes of their own: started as commands, so that a user's script needs no main guard.
+"""Build steps in processes of their own: started as commands, so that a user's script needs no main guard.
 
 The parent writes a job file and its name on the child's standard input; the child (`pipelines.engine.worker`) stores
 its result in the cache, answers with a file and waits for the next job, because starting Python and its libraries is
@@ -24,14 +24,14 @@ from fem.storage.cache_folder import CacheWarning, warn_once
 from pipelines.border.errors import WorkError
 from pipelines.engine.build_step import Result
 from pipelines.engine.child import command, environment
-from pipelines.engine.step import Stage
+from pipelines.engine.step import Step
 
 _POLL_SECONDS = 0.02
 
 
 @dataclass(frozen=True)
 class _Job:
-    stage: Stage
+    step: Step
     key: str
     path: Path
 
@@ -68,26 +68,26 @@ class Pool:
         return len(self._working)
 
     def names(self) -> set[str]:
-        """Names of the stages at work."""
-        return {job.stage.name for _, job in self._working}
+        """Names of the steps at work."""
+        return {job.step.name for _, job in self._working}
 
     def builds(self, key: str) -> bool:
-        """True if a stage with this key is at work."""
+        """True if a step with this key is at work."""
         return any(key == job.key for _, job in self._working)
 
-    def start(self, stage: Stage, key: str, upstream: Mapping[str, Result], cache_folder: Path) -> None:
-        """Begin to build a stage."""
+    def start(self, step: Step, key: str, upstream: Mapping[str, Result], cache_folder: Path) -> None:
+        """Begin to build a step."""
         if self._folder is None:
             self._folder = tempfile.TemporaryDirectory(prefix="gearcase-", ignore_cleanup_errors=True)
-        job = _Job(stage, key, Path(self._folder.name) / f"{self._jobs}.job")
+        job = _Job(step, key, Path(self._folder.name) / f"{self._jobs}.job")
         self._jobs += 1
-        job.path.write_bytes(pickle.dumps((stage, key, {n: r.stored() for n, r in upstream.items()}, cache_folder)))
+        job.path.write_bytes(pickle.dumps((step, key, {n: r.stored() for n, r in upstream.items()}, cache_folder)))
         child = self._waiting_child() or _new_child(Path(self._folder.name))
         self._working.append((child, job))
         try:
             _input(child).write(f"{job.path.name}\n".encode())
         except BrokenPipeError as error:
-            raise _lost(stage, child) from error
+            raise _lost(step, child) from error
 
     def _waiting_child(self) -> subprocess.Popen | None:
         """One that is alive; those that died while they waited have nothing to lose."""
@@ -98,17 +98,17 @@ class Pool:
             _input(child).close()
         return None
 
-    def wait(self) -> list[tuple[Stage, Result]]:
-        """Sleep until at least one job is done; raises what a stage raised."""
+    def wait(self) -> list[tuple[Step, Result]]:
+        """Sleep until at least one job is done; raises what a step raised."""
         while True:
             done = [one for one in self._working if one[1].answer.exists() or one[0].poll() is not None]
             if done:
                 return [self._result(child, job) for child, job in done]
             time.sleep(_POLL_SECONDS)
 
-    def _result(self, child: subprocess.Popen, job: _Job) -> tuple[Stage, Result]:
+    def _result(self, child: subprocess.Popen, job: _Job) -> tuple[Step, Result]:
         if not job.answer.exists():
-            raise _lost(job.stage, child)
+            raise _lost(job.step, child)
         self._working.remove((child, job))
         self._idle.append(child)
         kind, content, notes = pickle.loads(job.answer.read_bytes())
@@ -119,7 +119,7 @@ class Pool:
                 warnings.warn(category(text), stacklevel=2)
         if kind == "error":
             raise content
-        return job.stage, content
+        return job.step, content
 
 
 def _new_child(folder: Path) -> subprocess.Popen:
@@ -137,10 +137,10 @@ def _input(child: subprocess.Popen) -> IO[bytes]:
     return cast("IO[bytes]", child.stdin)
 
 
-def _lost(stage: Stage, process: subprocess.Popen) -> WorkError:
+def _lost(step: Step, process: subprocess.Popen) -> WorkError:
     code = process.wait()
     if code < 0:
         how = f"was ended by {signal.Signals(-code).name}, perhaps for lack of memory"
     else:
         how = f"ended with code {code} and no answer; what it said stands above"
-    return WorkError(f"stage {stage.name}: its process {how}. Run again with --processes 1, or with a coarser model.")
+    return WorkError(f"step {step.name}: its process {how}. Run again with --processes 1, or with a coarser model.")

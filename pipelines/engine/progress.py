@@ -1,4 +1,4 @@
-"""What a long command shows while it works: a line per stage, and the one at work; nothing if not at a terminal."""
+"""What a long command shows while it works: a line per step, and the one at work; nothing if not at a terminal."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from pipelines.engine.run_graph import Observer
-from pipelines.engine.step import Stage, StageRecord
+from pipelines.engine.step import Step, StepRecord
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -18,7 +18,7 @@ _LOG = logging.getLogger("pipelines.engine.step")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Step:
+class StepProgress:
     """What a progress function is told: a step of the work was started, built (in `seconds`) or reused."""
 
     name: str
@@ -26,7 +26,7 @@ class Step:
     seconds: float = 0.0
 
 
-ProgressFunction = Callable[[Step], None]
+ProgressFunction = Callable[[StepProgress], None]
 
 
 class Telling:
@@ -35,53 +35,53 @@ class Telling:
     def __init__(self, told: ProgressFunction) -> None:
         self._told = told
 
-    def started(self, stage: Stage) -> None:
+    def started(self, step: Step) -> None:
         """A step is at work."""
-        self._told(Step(name=stage.name, state="started"))
+        self._told(StepProgress(name=step.name, state="started"))
 
-    def finished(self, stage: Stage, record: StageRecord) -> None:
+    def finished(self, step: Step, record: StepRecord) -> None:
         """A step is done."""
         state: Literal["built", "reused"] = "reused" if record.reused else "built"
-        self._told(Step(name=stage.name, state=state, seconds=record.seconds))
+        self._told(StepProgress(name=step.name, state=state, seconds=record.seconds))
 
 
 class Logging:
     """Logs what happens, with the facts that the structured log keeps."""
 
-    def started(self, stage: Stage) -> None:
+    def started(self, step: Step) -> None:
         """Logged at INFO."""
-        _LOG.info("%s: started", stage.name)
+        _LOG.info("%s: started", step.name)
 
-    def finished(self, stage: Stage, record: StageRecord) -> None:
+    def finished(self, step: Step, record: StepRecord) -> None:
         """Logged at INFO."""
         verb = "reused" if record.reused else f"built in {record.seconds:.2f} s, {record.peak_bytes / 1e6:.0f} MB"
-        facts = {"stage": record.name, "key": record.key[:32], "reused": record.reused, "seconds": record.seconds}
-        _LOG.info("%s: %s", stage.name, verb, extra={"facts": facts})
+        facts = {"step": record.name, "key": record.key[:32], "reused": record.reused, "seconds": record.seconds}
+        _LOG.info("%s: %s", step.name, verb, extra={"facts": facts})
 
 
 class Bar:
-    """A progress display: stages done, and the names of those at work."""
+    """A progress display: steps done, and the names of those at work."""
 
     def __init__(self, progress: Progress, total: int) -> None:
         self._progress = progress
-        self._task = progress.add_task("stages", total=total)
+        self._task = progress.add_task("steps", total=total)
         self._working: dict[str, None] = {}
 
-    def started(self, stage: Stage) -> None:
+    def started(self, step: Step) -> None:
         """Show the name."""
-        self._working[stage.name] = None
+        self._working[step.name] = None
         self._show()
 
-    def finished(self, stage: Stage, record: StageRecord) -> None:
+    def finished(self, step: Step, record: StepRecord) -> None:
         """Count, and print a line for what was built."""
-        self._working.pop(stage.name, None)
+        self._working.pop(step.name, None)
         if not record.reused:
             self._progress.console.print(f"{record.name}: {record.seconds:.1f} s", highlight=False, markup=False)
         self._progress.advance(self._task)
         self._show()
 
     def _show(self) -> None:
-        self._progress.update(self._task, description=", ".join(self._working) or "stages")
+        self._progress.update(self._task, description=", ".join(self._working) or "steps")
 
 
 class Several:
@@ -90,15 +90,15 @@ class Several:
     def __init__(self, *observers: Observer) -> None:
         self._observers = observers
 
-    def started(self, stage: Stage) -> None:
+    def started(self, step: Step) -> None:
         """Pass on."""
         for observer in self._observers:
-            observer.started(stage)
+            observer.started(step)
 
-    def finished(self, stage: Stage, record: StageRecord) -> None:
+    def finished(self, step: Step, record: StepRecord) -> None:
         """Pass on."""
         for observer in self._observers:
-            observer.finished(stage, record)
+            observer.finished(step, record)
 
 
 @contextlib.contextmanager

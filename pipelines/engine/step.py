@@ -1,8 +1,8 @@
-"""Stages: what a run consists of, and the keys under which their results are kept.
+"""Steps: what a run consists of, and the keys under which their results are kept.
 
-A stage is a function, the part of the plant it reads (handed to it as `spec`, so it cannot read more), and the stages
+A step is a function, the part of the plant it reads (handed to it as `spec`, so it cannot read more), and the steps
 whose results it takes. Its key is the hash of the spec, of the CONTENT of what it takes, of its code and of the
-libraries it names. An upstream stage that was built again with the same content changes nothing downstream.
+libraries it names. An upstream step that was built again with the same content changes nothing downstream.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ _FACTS: dict[str, type | tuple[type, ...]] = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stage:
+class Step:
     """One step of a run: ``build(spec, *results of takes)``.
 
-    `kind` names the cache entries; stages of one kind with equal inputs share one entry. `build` is a function of a
+    `kind` names the cache entries; steps of one kind with equal inputs share one entry. `build` is a function of a
     module (not a lambda), it may return `Built` to report counts. `seconds` is what it is expected to take: long
-    stages that do not wait for each other run side by side.
+    steps that do not wait for each other run side by side.
     """
 
     name: str
@@ -64,7 +64,7 @@ class Stage:
         return self.code
 
     def facts(self, contents: Mapping[str, str]) -> dict[str, Any]:
-        """Everything the result depends on, in a form that can be compared; `contents` are digests by stage name."""
+        """Everything the result depends on, in a form that can be compared; `contents` are digests by step name."""
         return {
             "kind": self.kind,
             "fields": flat(self.spec),
@@ -82,7 +82,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Built:
-    """What a stage may return instead of the bare value: the value with counts for the build ledger.
+    """What a step may return instead of the bare value: the value with counts for the build ledger.
 
     A value that is not to be `kept` lacks something that another attempt may have, a picture for want of memory say.
     """
@@ -93,8 +93,8 @@ class Built:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StageRecord:
-    """What happened to a stage in a run. Seconds, memory and ledger are those of the time it was built.
+class StepRecord:
+    """What happened to a step in a run. Seconds, memory and ledger are those of the time it was built.
 
     `libraries` are the versions of those that its result depends on.
     """
@@ -111,8 +111,8 @@ class StageRecord:
 
 
 @dataclass(frozen=True)
-class StageStatus:
-    """What would happen to a stage: "reuse", "build", or "follow" (decided by the content of what it waits for)."""
+class StepStatus:
+    """What would happen to a step: "reuse", "build", or "follow" (decided by the content of what it waits for)."""
 
     name: str
     action: str
@@ -121,114 +121,114 @@ class StageStatus:
 
 
 class Graph:
-    """Stages in an order in which each one stands after those it takes.
+    """Steps in an order in which each one stands after those it takes.
 
-    Raises ValueError for a repeated name or a stage that takes what does not stand before it.
+    Raises ValueError for a repeated name or a step that takes what does not stand before it.
     """
 
-    def __init__(self, stages: Iterable[Stage]) -> None:
-        self.stages: dict[str, Stage] = {}
-        for stage in stages:
-            missing = [name for name in stage.takes if name not in self.stages]
-            if missing or stage.name in self.stages:
+    def __init__(self, steps: Iterable[Step]) -> None:
+        self.steps: dict[str, Step] = {}
+        for step in steps:
+            missing = [name for name in step.takes if name not in self.steps]
+            if missing or step.name in self.steps:
                 wrong = f"takes {missing[0]!r}, which does not stand before it" if missing else "is given twice"
-                raise ValueError(f"stage {stage.name!r} {wrong}")
-            self.stages[stage.name] = stage
+                raise ValueError(f"step {step.name!r} {wrong}")
+            self.steps[step.name] = step
 
-    def __iter__(self) -> Iterator[Stage]:
-        return iter(self.stages.values())
+    def __iter__(self) -> Iterator[Step]:
+        return iter(self.steps.values())
 
     def needed(self, wanted: Iterable[str]) -> Graph:
-        """The graph cut down to the wanted stages and what they take, directly or not."""
+        """The graph cut down to the wanted steps and what they take, directly or not."""
         keep, waiting = set(), list(wanted)
         while waiting:
             name = waiting.pop()
             if name not in keep:
                 keep.add(name)
-                waiting.extend(self.stages[name].takes)
-        return Graph(stage for stage in self if stage.name in keep)
+                waiting.extend(self.steps[name].takes)
+        return Graph(step for step in self if step.name in keep)
 
     def seconds_to_the_end(self) -> dict[str, float]:
-        """Expected seconds of every stage with the longest chain of stages that follow it."""
-        behind = dict.fromkeys(self.stages, 0.0)
+        """Expected seconds of every step with the longest chain of steps that follow it."""
+        behind = dict.fromkeys(self.steps, 0.0)
         whole = {}
-        for stage in reversed(self.stages.values()):
-            whole[stage.name] = stage.seconds + behind[stage.name]
-            for name in stage.takes:
-                behind[name] = max(behind[name], whole[stage.name])
+        for step in reversed(self.steps.values()):
+            whole[step.name] = step.seconds + behind[step.name]
+            for name in step.takes:
+                behind[name] = max(behind[name], whole[step.name])
         return whole
 
 
-def stored(stage: Stage, cache: Cache, contents: Mapping[str, str], *, thorough: bool) -> Entry | None:
-    """The entry that serves a stage: its own, or that with the next larger number where more is `enough`."""
-    found = cache.find(stage.kind, stage.key(contents), thorough=thorough)
+def stored(step: Step, cache: Cache, contents: Mapping[str, str], *, thorough: bool) -> Entry | None:
+    """The entry that serves a step: its own, or that with the next larger number where more is `enough`."""
+    found = cache.find(step.kind, step.key(contents), thorough=thorough)
     if found is not None and not _whole(found):
-        cache.discard(found.folder, "its facts are not those of a stage")
+        cache.discard(found.folder, "its facts are not those of a step")
         found = None
-    if found is not None or not stage.enough:
+    if found is not None or not step.enough:
         return found
-    facts = stage.facts(contents)
-    wanted = facts["fields"][stage.enough]
+    facts = step.facts(contents)
+    wanted = facts["fields"][step.enough]
     serving = []
-    for entry in filter(_whole, cache.entries(stage.kind)):
-        given = entry.facts["fields"].get(stage.enough)
+    for entry in filter(_whole, cache.entries(step.kind)):
+        given = entry.facts["fields"].get(step.enough)
         same = all(entry.facts[name] == facts[name] for name in ("takes", "code", "libraries"))
-        others = {**entry.facts["fields"], stage.enough: wanted}
+        others = {**entry.facts["fields"], step.enough: wanted}
         if same and others == facts["fields"] and isinstance(given, int | float) and given > wanted:
             serving.append((given, entry.facts["key"]))
-    return cache.find(stage.kind, min(serving)[1], thorough=thorough) if serving else None
+    return cache.find(step.kind, min(serving)[1], thorough=thorough) if serving else None
 
 
-def explain(graph: Graph, cache: Cache) -> list[StageStatus]:
+def explain(graph: Graph, cache: Cache) -> list[StepStatus]:
     """What a run of the graph would reuse and build, and why; builds nothing."""
     contents: dict[str, str] = {}
     out = []
     planned: dict[str, str] = {}
-    for stage in graph:
-        waiting = [name for name in stage.takes if name not in contents]
+    for step in graph:
+        waiting = [name for name in step.takes if name not in contents]
         if waiting:
-            own = _own_changes(stage, cache, contents)
+            own = _own_changes(step, cache, contents)
             reason = "; ".join([f"after {', '.join(waiting)}", *([FIRST] if own is None else own)])
-            out.append(StageStatus(stage.name, "follow" if own == [] else "build", reason, first=own is None))
+            out.append(StepStatus(step.name, "follow" if own == [] else "build", reason, first=own is None))
             continue
-        key = stage.key(contents)
-        entry = stored(stage, cache, contents, thorough=False)
+        key = step.key(contents)
+        entry = stored(step, cache, contents, thorough=False)
         if entry is not None:
-            contents[stage.name] = entry.facts["content"]
-            more = "" if entry.facts["key"] == key else f"computed for a larger {stage.enough}"
-            out.append(StageStatus(stage.name, "reuse", more))
+            contents[step.name] = entry.facts["content"]
+            more = "" if entry.facts["key"] == key else f"computed for a larger {step.enough}"
+            out.append(StepStatus(step.name, "reuse", more))
         elif key in planned:
-            out.append(StageStatus(stage.name, "reuse", f"the same as {planned[key]}"))
+            out.append(StepStatus(step.name, "reuse", f"the same as {planned[key]}"))
         else:
-            planned[key] = stage.name
-            differences = _nearest(stage, cache, stage.facts(contents))
+            planned[key] = step.name
+            differences = _nearest(step, cache, step.facts(contents))
             reason = FIRST if differences is None else "; ".join(differences) or "its stored result is gone"
-            out.append(StageStatus(stage.name, "build", reason, first=differences is None))
+            out.append(StepStatus(step.name, "build", reason, first=differences is None))
     return out
 
 
-def _own_changes(stage: Stage, cache: Cache, contents: Mapping[str, str]) -> list[str] | None:
+def _own_changes(step: Step, cache: Cache, contents: Mapping[str, str]) -> list[str] | None:
     """Differences to the nearest entry in all but the results that are not known yet; None without one."""
-    known = {name: contents.get(name, "") for name in stage.takes}
-    differences = _nearest(stage, cache, stage.facts(known))
+    known = {name: contents.get(name, "") for name in step.takes}
+    differences = _nearest(step, cache, step.facts(known))
     return None if differences is None else [d for d in differences if not d.startswith("another")]
 
 
-def _nearest(stage: Stage, cache: Cache, facts: Mapping[str, Any]) -> list[str] | None:
+def _nearest(step: Step, cache: Cache, facts: Mapping[str, Any]) -> list[str] | None:
     """Differences to the entry with the fewest; None without entries of inputs like these.
 
-    Of equals, one that was built for a stage of the same name comes first, then the newest.
+    Of equals, one that was built for a step of the same name comes first, then the newest.
     """
     ranked = [
-        (len(found), entry.facts.get("stage") != stage.name, found)
-        for entry in filter(_whole, cache.entries(stage.kind))
-        if (found := _differences(stage, entry, facts)) is not None
+        (len(found), entry.facts.get("step") != step.name, found)
+        for entry in filter(_whole, cache.entries(step.kind))
+        if (found := _differences(step, entry, facts)) is not None
     ]
     return min(ranked, key=lambda item: item[:2])[2] if ranked else None
 
 
-def _differences(stage: Stage, entry: Entry, facts: Mapping[str, Any]) -> list[str] | None:
-    """What sets a stage apart from a stored one; None if that took other stages or belongs to another scene."""
+def _differences(step: Step, entry: Entry, facts: Mapping[str, Any]) -> list[str] | None:
+    """What sets a step apart from a stored one; None if that took other steps or belongs to another scene."""
     old = entry.facts
     before, after = old["fields"], facts["fields"]
     changed = [
@@ -239,7 +239,7 @@ def _differences(stage: Stage, entry: Entry, facts: Mapping[str, Any]) -> list[s
     if len(old["takes"]) != len(facts["takes"]) or len(changed) > _comparable(len(after)):
         return None
     out = [f"{path or 'input'} {_change(before, after, path)}" for path in changed]
-    pairs = zip(stage.takes, old["takes"], facts["takes"], strict=True)
+    pairs = zip(step.takes, old["takes"], facts["takes"], strict=True)
     out += [f"another result of {name}" for name, was, now in pairs if was != now]
     if old["code"] != facts["code"]:
         out.append("its code changed")
@@ -254,7 +254,7 @@ def _comparable(values: int) -> int:
 
 
 def _whole(entry: Entry) -> bool:
-    """True if an entry has the facts of a stage; others were not stored by one."""
+    """True if an entry has the facts of a step; others were not stored by one."""
     facts = entry.facts
     typed = all(isinstance(facts.get(name), kind) for name, kind in _FACTS.items())
     return typed and all(isinstance(count, int) for count in facts["ledger"].values())

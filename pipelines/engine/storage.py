@@ -1,4 +1,4 @@
-"""Save, load and fingerprint what a stage returns: records, datasets, arrays, text, and trees of them.
+"""Save, load and fingerprint what a step returns: records, datasets, arrays, text, and trees of them.
 
 A tree of dicts, lists, tuples and frozen dataclasses may hold records (`fem.storage.records.Record`), xarray datasets,
 numpy arrays, text, bytes, numbers, booleans and None. What is loaded has the same bits as what was saved.

@@ -1,4 +1,4 @@
-"""The child of `processes`: builds the stages of the job files that its parent names, until that is gone.
+"""The child of `processes`: builds the steps of the job files that its parent names, until that is gone.
 
 What the work needs is imported as part of the work: what cannot be imported is answered like any other error.
 """
@@ -40,7 +40,7 @@ def asked() -> Iterator[str]:
 
 
 def work(job: Path) -> None:
-    """Build the stage of a job file and write the answer beside it."""
+    """Build the step of a job file and write the answer beside it."""
     answer: tuple[str, Any]
     with warnings.catch_warnings(record=True) as caught:
         try:
@@ -58,14 +58,14 @@ def _built(job: Path) -> Any:
         from pipelines.engine.build_step import build_here, one_thread
         from pipelines.engine.cache import Cache
 
-        stage, key, upstream, cache_folder = pickle.loads(job.read_bytes())
+        step, key, upstream, cache_folder = pickle.loads(job.read_bytes())
     except ImportError as error:
         raise WorkError(
             f"a process of its own cannot import {error.name or 'a module'} ({error}). Modules in the working folder "
             "and in that of the script are not found there; run again with --processes 1."
         ) from error
     with one_thread():
-        return build_here(stage, key, upstream, Cache(cache_folder)).stored()
+        return build_here(step, key, upstream, Cache(cache_folder)).stored()
 
 
 def _sendable(error: Exception) -> Exception:

@@ -1,4 +1,4 @@
-"""How work is done and who is told of it: the one way in which commands and Python build stages."""
+"""How work is done and who is told of it: the one way in which commands and Python build steps."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pipelines.engine.step import Graph
 
 @dataclass(frozen=True, kw_only=True)
 class Work:
-    """`processes` long stages are built side by side (None: 2, or 1 on a single core); `progress` is told of each."""
+    """`processes` long steps are built side by side (None: 2, or 1 on a single core); `progress` is told of each."""
 
     processes: int | None = None
     quiet: bool = True
@@ -22,11 +22,11 @@ class Work:
     cache: Cache = field(default_factory=Cache)
 
     def observed(self, total: int = 0) -> AbstractContextManager[Observer]:
-        """An observer of `total` stages, 0 if their number is not known."""
+        """An observer of `total` steps, 0 if their number is not known."""
         return shown_progress(total, quiet=self.quiet, told=self.progress)
 
     def build(self, graph: Graph, wanted: Iterable[str]) -> Outcome:
-        """The wanted stages and what they take, from the cache or built."""
+        """The wanted steps and what they take, from the cache or built."""
         wanted = tuple(wanted)
-        with self.observed(len(graph.needed(wanted).stages)) as observer:
+        with self.observed(len(graph.needed(wanted).steps)) as observer:
             return run_graph(graph, self.cache, wanted, observer=observer, processes=self.processes)

@@ -111,7 +111,7 @@ def waveform_figure(
 
 
 def bars_figure(title: str, names: Sequence[str], values: Sequence[float], unit: str) -> Figure:
-    """Horizontal bars with their numbers, the first at the top: seconds per stage, energy per part."""
+    """Horizontal bars with their numbers, the first at the top: seconds per step, energy per part."""
     figure = new_figure(1.2 + 0.32 * len(names))
     axes = figure.subplots()
     bars = axes.barh(list(names), list(values), color=FIRST)

@@ -43,7 +43,7 @@ class ReportContents:
     sensor: str = "sensor_3"
     axis: str = "z"
     settings: DiagnosisSettings | None = None
-    stages: Sequence[Mapping[str, Any]] = ()
+    steps: Sequence[Mapping[str, Any]] = ()
     energy: Sequence[Mapping[str, Any]] = ()
     ledger: Mapping[str, Any] = field(default_factory=dict)
     provenance: Mapping[str, Any] = field(default_factory=dict)

@@ -148,13 +148,13 @@ def _signals(contents: ReportContents) -> list[str]:
 
 
 def _cost(contents: ReportContents) -> list[str]:
-    parts = [page.table(grid("Seconds and memory per stage", contents.stages))] if contents.stages else []
+    parts = [page.table(grid("Seconds and memory per step", contents.steps))] if contents.steps else []
     if contents.ledger:
         rows = tuple((name, cell(value)) for name, value in contents.ledger.items())
         parts.append(page.table(Grid(title="Build ledger", headers=("item", "count"), rows=rows)))
-    seconds = {str(row["stage"]): float(row["seconds"]) for row in contents.stages if {"stage", "seconds"} <= set(row)}
+    seconds = {str(row["step"]): float(row["seconds"]) for row in contents.steps if {"step", "seconds"} <= set(row)}
     if len(seconds) > 1:
-        figure = bars_figure("Seconds per stage", list(seconds), list(seconds.values()), "s")
+        figure = bars_figure("Seconds per step", list(seconds), list(seconds.values()), "s")
         parts.append(page.picture(figure, "Where the time went."))
     return parts
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.modes import CasingModes, NaturalModes
     from mbd.system.linearised import LinearModes
-    from pipelines.engine.step import Graph, StageRecord
+    from pipelines.engine.step import Graph, StepRecord
     from pipelines.engine.working import Work
     from pipelines.plant.plant import Plant
     from pipelines.scene.file import LoadedScene
@@ -39,7 +39,7 @@ class Casing:
     natural: NaturalModes | None  # frequencies in Hz, effective masses
     checkup: CheckUp | None
     error: ErrorStatement | None  # against the full model, if it was asked for
-    records: tuple[StageRecord, ...]  # seconds and memory of its stages
+    records: tuple[StepRecord, ...]  # seconds and memory of its steps
     band: float  # Hz
 
     @property
@@ -55,7 +55,7 @@ class Casing:
 
 
 def scene_graph(loaded: LoadedScene) -> tuple[Graph, Plant]:
-    """The stages of a scene without its control, and its plant."""
+    """The steps of a scene without its control, and its plant."""
     study = plan_study(loaded, with_control=False, both_loads=False)
     return study.graph, study.plant
 
@@ -78,17 +78,17 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
     """
     from pipelines.engine.step import Graph
     from pipelines.plant.casing import ElasticPart
-    from pipelines.steps.graph import casing_error_stage
+    from pipelines.steps.graph import casing_error_step
 
     graph, plant = scene_graph(loaded)
     limit = plant.casing.model.limit if isinstance(plant.casing, ElasticPart) else None
     band = STATIC_BAND if limit is None else limit / MODES_OVER_BAND
-    elastic = "casing modes" in graph.stages
+    elastic = "casing modes" in graph.steps
     wanted = ["casing", *(["casing mesh", "casing modes"] if elastic else [])]
     if error_check:
         if not elastic:
             raise InputError(no_full_model(plant))
-        graph = Graph([*graph, casing_error_stage(graph, band)])
+        graph = Graph([*graph, casing_error_step(graph, band)])
         wanted.append("casing error")
     outcome = work.build(graph, wanted)
     body, modes, checkup, natural = outcome.value("casing"), None, None, None
@@ -96,7 +96,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         from fem.casing.reduced.modes import natural_modes
 
         modes, checkup = outcome.value("casing modes")
-        mounts = graph.stages["casing"].spec.mounts
+        mounts = graph.steps["casing"].spec.mounts
         natural = natural_modes(modes, mounts, limit=limit, stiffness_factor=body.stiffness_factor)
     return Casing(
         body=body,

@@ -12,7 +12,7 @@ from pipelines.figures.views import LeftOut
 if TYPE_CHECKING:
     from fem.contact.models.mesh_model import LawSpec
     from fem.contact.models.solid import Solid
-    from pipelines.engine.step import Graph, Stage
+    from pipelines.engine.step import Graph, Step
     from pipelines.engine.working import Work
     from pipelines.plant.plant import Plant
 
@@ -44,7 +44,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     cycle = float(first.tooth or 0) if first is not None else 0.0
     index = round((cycle if options.position is None else options.position) * rung.positions)
     force = plant.facts.stages[stage - 1].shown_force
-    added = stress_stages(plant, stage, index, force)
+    added = stress_steps(plant, stage, index, force)
     full = Graph([*graph.needed([f"law_{stage}"]), *added])
     wanted = [one.name for one in added[1:]]
     outcome = work.build(full, wanted)
@@ -83,11 +83,11 @@ def stress_rung(law: LawSpec) -> Solid:
     return Solid(slices=mesh.slices, refinement=mesh.refinement) if isinstance(mesh, Solid) else Solid()
 
 
-def stress_stages(plant: Plant, stage: int, index: int, force: float) -> list[Stage]:
+def stress_steps(plant: Plant, stage: int, index: int, force: float) -> list[Step]:
     """The compliance of a stage, and the stress of its teeth: healthy and, with faults, faulty."""
     import numpy as np
 
-    from pipelines.engine.step import Stage
+    from pipelines.engine.step import Step
     from pipelines.plant.assembly import mesh_faults
     from pipelines.steps import stress
 
@@ -95,7 +95,7 @@ def stress_stages(plant: Plant, stage: int, index: int, force: float) -> list[St
     worn = replace(modified, pinion_damage=(), wheel_damage=())
     sound, pair = replace(worn, pinion_wear=(), wheel_wear=()), modified.pair
     found = [
-        Stage(
+        Step(
             name=f"compliance_{stage}",
             kind="compliance",
             build=stress.build_compliance,
@@ -110,7 +110,7 @@ def stress_stages(plant: Plant, stage: int, index: int, force: float) -> list[St
         cases.append(("faulty", worn, mesh_faults(plant.machine.meshes[stage - 1])))
     for name, spec, (pinion, wheel) in cases:
         found.append(
-            Stage(
+            Step(
                 name=f"{name}_stress_{stage}",
                 kind="stress",
                 build=stress.build,

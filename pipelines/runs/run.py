@@ -15,7 +15,7 @@ from pipelines.border.errors import WorkError
 from pipelines.engine.cache import Cache
 from pipelines.engine.code_version import library_versions
 from pipelines.engine.run_graph import Observer, Outcome, run_graph
-from pipelines.engine.step import Graph, Stage, StageRecord
+from pipelines.engine.step import Graph, Step, StepRecord
 from pipelines.engine.working import Work
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
@@ -49,7 +49,7 @@ class Finished:
 
     folder: Path
     words: str
-    records: tuple[StageRecord, ...]
+    records: tuple[StepRecord, ...]
     ledger: Mapping[str, int]
     left_out: tuple[str, ...]
 
@@ -60,7 +60,7 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
     Raises
     ------
     SceneError, InputError : the scene cannot be used, or `options.out`
-    WorkError : a stage failed; where that was the diagnosis or the report, the folder with the signals is named
+    WorkError : a step failed; where that was the diagnosis or the report, the folder with the signals is named
     """
     study = plan_study(
         loaded,
@@ -68,11 +68,11 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
         both_loads=options.both_loads and options.with_report,
         seeds=options.seeds,
     )
-    diagnosing = _diagnose_stage(study) if options.with_report else None
+    diagnosing = _diagnose_step(study) if options.with_report else None
     first = study.cases[0]
     wanted = study.motions if diagnosing else [name for name in (first.faulty, first.healthy) if name]
     graph = Graph(study.graph).needed(wanted)
-    count = len(graph.stages) + (diagnosing is not None) + options.with_report
+    count = len(graph.steps) + (diagnosing is not None) + options.with_report
     failure: Exception | None = None
     told = _Told()
     with (
@@ -116,7 +116,7 @@ def _tell(
     folder: Path,
     loaded: LoadedScene,
     study: Study,
-    diagnosing: Stage | None,
+    diagnosing: Step | None,
     signals: Outcome,
     cache: Cache,
     observer: Observer,
@@ -124,7 +124,7 @@ def _tell(
     """Diagnosis and report of finished signals, each written as soon as it is there."""
     outcome, words, left_out = signals, "", []
     if diagnosing is not None:
-        outcome = _with_stage(study.graph, diagnosing, outcome, cache, observer)
+        outcome = _with_step(study.graph, diagnosing, outcome, cache, observer)
         found = outcome.value(diagnosing.name)
         for name, content in found["files"].items():
             (folder / name).write_bytes(content)
@@ -133,18 +133,18 @@ def _tell(
             (folder / "diagnosis.txt").write_text(words, encoding="utf-8")
         if found["failure"]:
             left_out.append(f"The diagnosis is left out: {found['failure']}")
-    stage = _report_stage(loaded, study, diagnosing, outcome)
+    step = _report_step(loaded, study, diagnosing, outcome)
     known = [*study.graph, *([diagnosing] if diagnosing else [])]
-    outcome = _with_stage(known, stage, outcome, cache, observer)
-    report = outcome.value(stage.name)
+    outcome = _with_step(known, step, outcome, cache, observer)
+    report = outcome.value(step.name)
     (folder / "report.html").write_text(report["page"], encoding="utf-8")
     return outcome, _Told(words=words, left_out=(*left_out, *report["left_out"]))
 
 
-def _with_stage(known: Iterable[Stage], stage: Stage, outcome: Outcome, cache: Cache, observer: Observer) -> Outcome:
-    """The outcome with one more stage, built here on what is at hand."""
-    graph = Graph([*known, stage])
-    more = run_graph(graph, cache, [stage.name], observer=observer, known=outcome.results, processes=1)
+def _with_step(known: Iterable[Step], step: Step, outcome: Outcome, cache: Cache, observer: Observer) -> Outcome:
+    """The outcome with one more step, built here on what is at hand."""
+    graph = Graph([*known, step])
+    more = run_graph(graph, cache, [step.name], observer=observer, known=outcome.results, processes=1)
     return Outcome({**outcome.results, **more.results})
 
 
@@ -160,7 +160,7 @@ def _kept(failure: Exception, folder: Path) -> WorkError:
     return error
 
 
-def _diagnose_stage(study: Study) -> Stage | None:
+def _diagnose_step(study: Study) -> Step | None:
     """All cases against their controls; None without a control, a fault to look for, windows or sensors."""
     from pipelines.steps import diagnosing
 
@@ -173,7 +173,7 @@ def _diagnose_stage(study: Study) -> Stage | None:
         takes += [case.faulty, case.healthy]
         labelled += [case.plant.labels, case.control.labels]
     spec = diagnosing.DiagnosingSpec(cases=tuple(cases), labels=tuple(labelled))
-    return Stage(
+    return Step(
         name="diagnose",
         kind="diagnose",
         build=diagnosing.build,
@@ -183,12 +183,12 @@ def _diagnose_stage(study: Study) -> Stage | None:
     )
 
 
-def _report_stage(loaded: LoadedScene, study: Study, diagnosing: Stage | None, outcome: Outcome) -> Stage:
+def _report_step(loaded: LoadedScene, study: Study, diagnosing: Step | None, outcome: Outcome) -> Step:
     from pipelines.plant.checks.doubts import doubts
     from pipelines.steps import reporting
 
     plant = study.plant
-    elastic = "casing mesh" in study.graph.stages
+    elastic = "casing mesh" in study.graph.steps
     takes = [*plant.law_names, "casing", *(("casing mesh", "casing modes") if elastic else ())]
     takes += diagnosing.takes if diagnosing else (study.cases[0].faulty,)
     names = [plant.faults[0].kind.replace("-", " ") if plant.faults else "healthy", "healthy"]
@@ -199,7 +199,7 @@ def _report_stage(loaded: LoadedScene, study: Study, diagnosing: Stage | None, o
         diagnosing=diagnosing.spec if diagnosing else None,
         elastic=elastic,
         responses=tuple(names[: 2 if diagnosing else 1]),
-        stages=tuple(_cost_row(record) for record in outcome.records),
+        steps=tuple(_cost_row(record) for record in outcome.records),
         ledger=outcome.ledger(),
         provenance=provenance(loaded.name, plant, outcome),
         failure=outcome.value(diagnosing.name)["failure"] if diagnosing else "",
@@ -208,7 +208,7 @@ def _report_stage(loaded: LoadedScene, study: Study, diagnosing: Stage | None, o
             *(f"the control differs in more than the fault: {line}" for line in unlike),
         ),
     )
-    return Stage(
+    return Step(
         name="report",
         kind="report",
         build=reporting.build,
@@ -218,12 +218,12 @@ def _report_stage(loaded: LoadedScene, study: Study, diagnosing: Stage | None, o
     )
 
 
-def _cost_row(record: StageRecord) -> dict[str, Any]:
-    return {"stage": record.name, "seconds": round(record.seconds, 3), "peak MB": round(record.peak_bytes / 1e6)}
+def _cost_row(record: StepRecord) -> dict[str, Any]:
+    return {"step": record.name, "seconds": round(record.seconds, 3), "peak MB": round(record.peak_bytes / 1e6)}
 
 
 def provenance(name: str, plant: Plant, outcome: Outcome) -> dict[str, Any]:
-    """Versions of what the stages say they use, rungs and keys: the same for the same result; `name` of the scene."""
+    """Versions of what the steps say they use, rungs and keys: the same for the same result; `name` of the scene."""
     used = {library: version for record in outcome.records for library, version in record.libraries.items()}
     return {
         "scene": name,
@@ -248,11 +248,11 @@ def _write_signals(folder: Path, loaded: LoadedScene, study: Study, outcome: Out
 
 
 def _facts(name: str, plant: Plant, outcome: Outcome) -> dict[str, Any]:
-    """Provenance, ledger and cost of the stages so far."""
+    """Provenance, ledger and cost of the steps so far."""
     return {
         **provenance(name, plant, outcome),
         "ledger": outcome.ledger(),
-        "stages": [
+        "steps": [
             {**_cost_row(record), "reused": record.reused, "ledger": dict(record.ledger)} for record in outcome.records
         ],
     }
@@ -264,7 +264,7 @@ def _write_response(path: Path, motion: Trajectory, plant: Plant, facts: Mapping
 
     told = {
         "provenance": json.dumps({name: facts[name] for name in ("scene", "versions", "rungs", "keys")}),
-        "stages": json.dumps(facts["stages"]),
+        "steps": json.dumps(facts["steps"]),
         "build_ledger": json.dumps(facts["ledger"]),
     }
     write_response(motion, {**plant.labels, **told}, path)

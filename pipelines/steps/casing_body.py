@@ -1,4 +1,4 @@
-"""Stage `casing`: the reduced body with damping and the recovery rows of the sensors that are asked for."""
+"""Step `casing`: the reduced body with damping and the recovery rows of the sensors that are asked for."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stage `casing error`: the reduced casing against the full model. Built only when it is asked for."""
+"""Step `casing error`: the reduced casing against the full model. Built only when it is asked for."""
 
 from __future__ import annotations
 

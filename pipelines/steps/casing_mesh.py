@@ -1,4 +1,4 @@
-"""Stage `casing mesh`: tetrahedra of the housing. Sensors do not enter here."""
+"""Step `casing mesh`: tetrahedra of the housing. Sensors do not enter here."""
 
 from __future__ import annotations
 

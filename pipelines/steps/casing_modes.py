@@ -1,4 +1,4 @@
-"""Stage `casing modes`: factorise and reduce the meshed casing, and check it up."""
+"""Step `casing modes`: factorise and reduce the meshed casing, and check it up."""
 
 from __future__ import annotations
 

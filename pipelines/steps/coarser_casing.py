@@ -1,4 +1,4 @@
-"""Stage `coarser casing`: natural frequencies on a mesh with larger elements, to extrapolate the stiffness from."""
+"""Step `coarser casing`: natural frequencies on a mesh with larger elements, to extrapolate the stiffness from."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stage `diagnose`: all cases of a study against their controls, as files and as words."""
+"""Step `diagnose`: all cases of a study against their controls, as files and as words."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""The stages of a plant: which part of it each one reads, and what it takes.
+"""The steps of a plant: which part of it each one reads, and what it takes.
 
     sound_law_i -> law_i                    one per gear pair; equal pairs share one; law_i alone where the flanks are
                                             neither modified nor damaged (a missing tooth is no damage here)
     casing mesh -> casing modes -> casing   finite elements only for the rungs static and craig-bampton
     simulate                                a missing tooth, deviations, drive and load enter here
 
-Plants that are run together (`pipelines.steps.study`) share the stages that do not differ.
+Plants that are run together (`pipelines.steps.study`) share the steps that do not differ.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mbd.parts.bearings import BEARING_AXES, BearingSpec
-from pipelines.engine.step import Graph, Stage
+from pipelines.engine.step import Graph, Step
 from pipelines.plant.casing import RigidBox, RigidMeshed
 from pipelines.plant.plant import Plant
 
@@ -25,15 +25,15 @@ if TYPE_CHECKING:
 _NUMERIC = ("numpy", "scipy", "numba")
 
 
-def plant_stages(plant: Plant) -> list[Stage]:
-    """The stages of one plant, in order."""
+def plant_steps(plant: Plant) -> list[Step]:
+    """The steps of one plant, in order."""
     from pipelines.steps import motion
 
-    casing = _casing_stages(plant)
+    casing = _casing_steps(plant)
     return [
-        *_law_stages(plant),
+        *_law_steps(plant),
         *casing,
-        Stage(
+        Step(
             name="simulate",
             kind="simulate",
             build=motion.build,
@@ -47,14 +47,14 @@ def plant_stages(plant: Plant) -> list[Stage]:
     ]
 
 
-def _law_stages(plant: Plant) -> list[Stage]:
+def _law_steps(plant: Plant) -> list[Step]:
     from pipelines.steps import laws, modified_laws
 
-    stages = []
+    steps = []
     for name, spec, added in zip(plant.law_names, plant.laws, plant.flanks, strict=True):
         sound = name if added.empty else f"sound_{name}"
-        stages.append(
-            Stage(
+        steps.append(
+            Step(
                 name=sound,
                 kind="law",
                 build=laws.build,
@@ -65,8 +65,8 @@ def _law_stages(plant: Plant) -> list[Stage]:
             )
         )
         if not added.empty:
-            stages.append(
-                Stage(
+            steps.append(
+                Step(
                     name=name,
                     kind="flanks",
                     build=modified_laws.build,
@@ -76,16 +76,16 @@ def _law_stages(plant: Plant) -> list[Stage]:
                     libraries=("numpy", "scipy"),
                 )
             )
-    return stages
+    return steps
 
 
-def _casing_stages(plant: Plant) -> list[Stage]:
+def _casing_steps(plant: Plant) -> list[Step]:
     from pipelines.steps import casing_body as body
 
     part = plant.casing
     if part is None:
         points = {f"bearing_{number}": point for number, point in enumerate(plant.bearing_points, 1)}
-        return [Stage(name="casing", kind="casing", build=body.build_ground, spec=body.GroundSpec(points=points))]
+        return [Step(name="casing", kind="casing", build=body.build_ground, spec=body.GroundSpec(points=points))]
     if isinstance(part, RigidBox):
         rigid = body.RigidSpec(
             housing=part.geometry,
@@ -93,10 +93,10 @@ def _casing_stages(plant: Plant) -> list[Stage]:
             mount_stiffness=part.mount_stiffness,
             damping_ratio=part.damping,
         )
-        return [Stage(name="casing", kind="casing", build=body.build_rigid, spec=rigid)]
+        return [Step(name="casing", kind="casing", build=body.build_rigid, spec=rigid)]
     from pipelines.steps import casing_mesh, casing_modes
 
-    mesh = Stage(
+    mesh = Step(
         name="casing mesh",
         kind="casing-mesh",
         build=casing_mesh.build,
@@ -112,14 +112,14 @@ def _casing_stages(plant: Plant) -> list[Stage]:
             damping_ratio=part.damping,
         )
         takes = ("casing mesh",)
-        return [mesh, Stage(name="casing", kind="casing", build=body.build_rigid_mesh, spec=meshed, takes=takes)]
+        return [mesh, Step(name="casing", kind="casing", build=body.build_rigid_mesh, spec=meshed, takes=takes)]
     interfaces = loaded_axes(plant.machine.bearings)
     reduced = casing_modes.CasingModesSpec(material=part.material, model=replace(part.model, interfaces=interfaces))
-    coarser = _coarser_stages(mesh, reduced, interfaces) if part.extrapolated else []
+    coarser = _coarser_steps(mesh, reduced, interfaces) if part.extrapolated else []
     return [
         mesh,
         *coarser,
-        Stage(
+        Step(
             name="casing modes",
             kind="casing-modes",
             build=casing_modes.build,
@@ -130,7 +130,7 @@ def _casing_stages(plant: Plant) -> list[Stage]:
             seconds=30.0,
             enough="model.band" if part.model.limit else "",
         ),
-        Stage(
+        Step(
             name="casing",
             kind="casing",
             build=body.build_elastic,
@@ -141,12 +141,12 @@ def _casing_stages(plant: Plant) -> list[Stage]:
                 limit=part.model.limit,
                 frequency_error=part.frequency_error,
             ),
-            takes=("casing modes", *(stage.name for stage in coarser[1:])),
+            takes=("casing modes", *(step.name for step in coarser[1:])),
         ),
     ]
 
 
-def _coarser_stages(mesh: Stage, reduced: CasingModesSpec, interfaces: Mapping[str, tuple[str, ...]]) -> list[Stage]:
+def _coarser_steps(mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str, tuple[str, ...]]) -> list[Step]:
     """A second mesh with larger elements, and its lowest frequencies."""
     from fem.casing.reduced.extrapolation import RATIO
     from pipelines.steps import coarser_casing
@@ -154,7 +154,7 @@ def _coarser_stages(mesh: Stage, reduced: CasingModesSpec, interfaces: Mapping[s
     spec = replace(mesh.spec, sizes=mesh.spec.sizes.times(RATIO))
     return [
         replace(mesh, name="coarser casing mesh", spec=spec, seconds=mesh.seconds / 2),
-        Stage(
+        Step(
             name="coarser casing",
             kind="casing-coarser",
             build=coarser_casing.build,
@@ -172,17 +172,17 @@ def _coarser_stages(mesh: Stage, reduced: CasingModesSpec, interfaces: Mapping[s
     ]
 
 
-def casing_error_stage(graph: Graph, band: float) -> Stage:
+def casing_error_step(graph: Graph, band: float) -> Step:
     """The comparison of a scene's elastic casing with its full model up to a band (Hz)."""
     from pipelines.steps import casing_error
 
-    body = graph.stages["casing"].spec
-    return Stage(
+    body = graph.steps["casing"].spec
+    return Step(
         name="casing error",
         kind="casing-error",
         build=casing_error.build,
         spec=casing_error.CasingErrorSpec(
-            modes=graph.stages["casing modes"].spec,
+            modes=graph.steps["casing modes"].spec,
             band=band,
             sensors=body.sensors,
             damping=body.damping,

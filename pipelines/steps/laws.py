@@ -1,4 +1,4 @@
-"""Stage `law`: the mesh law of a gear pair, both flanks."""
+"""Step `law`: the mesh law of a gear pair, both flanks."""
 
 from __future__ import annotations
 

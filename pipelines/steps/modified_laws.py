@@ -1,4 +1,4 @@
-"""Stage `flanks`: a mesh law with its flanks modified, its axes misaligned and its damaged teeth added as variants.
+"""Step `flanks`: a mesh law with its flanks modified, its axes misaligned and its damaged teeth added as variants.
 
 What is not there costs nothing: a stage without any of it has no such step. Only a cracked tooth needs finite elements.
 """

@@ -1,4 +1,4 @@
-"""Stage `simulate`: machine in its casing, from equilibrium through the speed profile."""
+"""Step `simulate`: machine in its casing, from equilibrium through the speed profile."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stage `report`: the one HTML file of a run, made of what the other stages returned."""
+"""Step `report`: the one HTML file of a run, made of what the other steps returned."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class ReportSpec:
     diagnosing: DiagnosingSpec | None
     elastic: bool
     responses: tuple[str, ...]  # names of the runs shown, the scene's own first
-    stages: tuple[Mapping[str, Any], ...]  # rows of the cost table
+    steps: tuple[Mapping[str, Any], ...]  # rows of the cost table
     ledger: Mapping[str, int]
     provenance: Mapping[str, Any]
     warnings: tuple[str, ...]
@@ -82,7 +82,7 @@ def build(spec: ReportSpec, *taken: Any) -> Built:
         windows=dict(asked.windows),
         sensor=asked.sensor,
         axis=asked.axis,
-        stages=spec.stages,
+        steps=spec.steps,
         energy=energy_rows(responses[0]),
         ledger=spec.ledger,
         provenance=spec.provenance,

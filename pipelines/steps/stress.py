@@ -1,4 +1,4 @@
-"""Stages `compliance` and `stress`: the contact of a pair in space, and the stress of its teeth at one position.
+"""Steps `compliance` and `stress`: the contact of a pair in space, and the stress of its teeth at one position.
 
 Both use the rung `solid`, whatever rung the law of the stage has. Missing teeth, modifications, wear and chips enter
 the contact; a crack does not, because the finite elements are those of sound teeth.

@@ -1,4 +1,4 @@
-"""A study: a faulty scene against its control, by load and by deviations, as one graph of stages.
+"""A study: a faulty scene against its control, by load and by deviations, as one graph of steps.
 
 The scene and its control are always run. With the rope, the equivalent constant torque can be run beside it; further
 seeds of the deviations and error-free gears tell what belongs to the fault and what to one sample of deviations.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from pipelines.engine.step import Graph, Stage
+from pipelines.engine.step import Graph, Step
 from pipelines.engine.storage import digest
 from pipelines.plant.checks.cost import check_room
 from pipelines.plant.checks.validity import checked_plant
@@ -16,14 +16,14 @@ from pipelines.plant.plant import Plant
 from pipelines.scene.file import LoadedScene, control_of
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.motion import LoadBase, RopeTable, StaticTorqueTable
-from pipelines.steps.graph import plant_stages
+from pipelines.steps.graph import plant_steps
 
-HEALTHY = "healthy "  # before the names of a control's own stages
+HEALTHY = "healthy "  # before the names of a control's own steps
 
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """One comparison: `label` "" for the scene itself; both plants, and names of the stages that hold their motions."""
+    """One comparison: `label` "" for the scene itself; both plants, and names of the steps that hold their motions."""
 
     label: str
     plant: Plant
@@ -34,7 +34,7 @@ class Case:
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """All stages, and the cases they serve; the first case is the scene itself."""
+    """All steps, and the cases they serve; the first case is the scene itself."""
 
     graph: Graph
     cases: tuple[Case, ...]
@@ -47,13 +47,13 @@ class Study:
 
     @property
     def motions(self) -> tuple[str, ...]:
-        """Names of all stages that hold motions, the scene's own first."""
+        """Names of all steps that hold motions, the scene's own first."""
         names = [name for case in self.cases for name in (case.faulty, case.healthy) if name]
         return tuple(dict.fromkeys(names))
 
 
 def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bool = True, seeds: int = 0) -> Study:
-    """The stages and cases of a scene.
+    """The steps and cases of a scene.
 
     Parameters
     ----------
@@ -67,17 +67,17 @@ def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bo
     """
     control = control_of(loaded) if with_control else None
     source = loaded.source.shown
-    stages: list[Stage] = []
+    steps: list[Step] = []
     cases: list[Case] = []
     for label, scene in _variants(loaded.scene, both_loads and control is not None, seeds if control else 0):
         plant = checked_plant(scene, source)
-        faulty = list(add_stages(stages, plant_stages(plant), label).values())[-1]
+        faulty = list(add_steps(steps, plant_steps(plant), label).values())[-1]
         healthy = twin = None
         if control is not None:
             twin = checked_plant(_like(control.scene, scene), control.source.shown)
-            healthy = list(add_stages(stages, plant_stages(twin), f"{label}{HEALTHY}").values())[-1]
+            healthy = list(add_steps(steps, plant_steps(twin), f"{label}{HEALTHY}").values())[-1]
         cases.append(Case(label=label.strip(), plant=plant, control=twin, faulty=faulty, healthy=healthy))
-    study = Study(graph=Graph(stages), cases=tuple(cases), control=control)
+    study = Study(graph=Graph(steps), cases=tuple(cases), control=control)
     check_room(loaded.scene, source, len(study.motions))
     return study
 
@@ -113,18 +113,18 @@ def _like(control: Scene, scene: Scene) -> Scene:
     return control.model_copy(update={"deviations": scene.deviations})
 
 
-def add_stages(stages: list[Stage], new: list[Stage], prefix: str) -> dict[str, str]:
-    """Append the stages that are not there yet, renamed; the name under which each of `new` now stands."""
-    known = {_identity(stage): stage.name for stage in stages}
+def add_steps(steps: list[Step], new: list[Step], prefix: str) -> dict[str, str]:
+    """Append the steps that are not there yet, renamed; the name under which each of `new` now stands."""
+    known = {_identity(step): step.name for step in steps}
     renamed: dict[str, str] = {}
-    for stage in new:
-        moved = replace(stage, takes=tuple(renamed[name] for name in stage.takes))
+    for step in new:
+        moved = replace(step, takes=tuple(renamed[name] for name in step.takes))
         same = known.get(_identity(moved))
-        renamed[stage.name] = same or f"{prefix}{stage.name}"
+        renamed[step.name] = same or f"{prefix}{step.name}"
         if same is None:
-            stages.append(replace(moved, name=renamed[stage.name]))
+            steps.append(replace(moved, name=renamed[step.name]))
     return renamed
 
 
-def _identity(stage: Stage) -> tuple:
-    return stage.kind, stage.build, digest(stage.spec), stage.takes
+def _identity(step: Step) -> tuple:
+    return step.kind, step.build, digest(step.spec), step.takes

@@ -1,4 +1,4 @@
-"""What people care about, read from finished stages: each probe names the stages it needs and gives named values.
+"""What people care about, read from finished steps: each probe names the steps it needs and gives named values.
 
 gears     mean secant stiffness and peak-to-peak transmission error of each pair at its load
 casing    natural frequencies of the casing in its ground
@@ -38,9 +38,9 @@ class Value:
 
 @dataclass(frozen=True)
 class Probe:
-    """`stages` names what must be built for a scene, `read` takes the values from it."""
+    """`steps` names what must be built for a scene, `read` takes the values from it."""
 
-    stages: Callable[[Plant], Sequence[str]]
+    steps: Callable[[Plant], Sequence[str]]
     read: Callable[[Plant, Outcome], list[Value]]
 
 

@@ -68,7 +68,7 @@ def trade(loaded: LoadedScene, work: Work) -> Tradeoff:
 
     Raises
     ------
-    WorkError : a stage failed
+    WorkError : a step failed
     """
     found, scenes, refused = _variants(loaded)
     costs = step_costs(scenes.values(), work)
@@ -118,7 +118,7 @@ def _variants(loaded: LoadedScene) -> tuple[dict[str, Choice], dict[str, LoadedS
 
 
 def _measured(scenes: dict[str, LoadedScene], work: Work) -> tuple[dict[str, Measured], dict[str, str]]:
-    """All at once; if a stage refuses its scene, one by one on what is built, with the reasons of those that failed."""
+    """All at once; if a step refuses its scene, one by one on what is built, with the reasons of those that failed."""
     probes = list(PROBES)
     try:
         return measure(scenes, probes, work), {}

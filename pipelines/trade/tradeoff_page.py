@@ -23,7 +23,7 @@ LEVELS = {"frf": "FRF dB", "lines": "lines dB"}
 
 
 def trade_table(found: Tradeoff) -> Grid:
-    """One row per choice: seconds by stage group, peak memory, largest errors; the front is set off."""
+    """One row per choice: seconds by group of steps, peak memory, largest errors; the front is set off."""
     rows = []
     for one in found.priced:
         seconds = one.measured.seconds
@@ -92,7 +92,7 @@ def trade_figure(found: Tradeoff) -> Figure:
     )  # fmt: skip
     axes.margins(x=0.12, y=0.06)
     dress(
-        axes, f"{plain(found.name)}: speed against accuracy", "time of all stages, cold, s",
+        axes, f"{plain(found.name)}: speed against accuracy", "time of all steps, cold, s",
         f"largest error of a sensor's rms against the reference, % (0 is drawn at {100 * least:.2g})",
     )  # fmt: skip
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=6, frameon=False, fontsize=9)

@@ -1,4 +1,4 @@
-"""Variants of a scene: built through the same cached stages as any run, with what each stage cost when it was built."""
+"""Variants of a scene: built through the same cached steps as any run, with what each step cost when it was built."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from pipelines.engine.run_graph import Outcome
-from pipelines.engine.step import Graph, Stage
+from pipelines.engine.step import Graph, Step
 from pipelines.engine.working import Work
 from pipelines.plant.checks.validity import checked_plant
 from pipelines.plant.plant import Plant, motion_settings
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.signals.motion_warnings import log_warnings
-from pipelines.steps.graph import plant_stages
-from pipelines.steps.study import add_stages
+from pipelines.steps.graph import plant_steps
+from pipelines.steps.study import add_steps
 from pipelines.trade.probes import PROBES, Value
 
 SHORT_SECONDS = (0.01, 0.02, 0.06)  # of motion: to compile a time loop, and to see what a step costs
@@ -21,10 +21,10 @@ SHORT_SECONDS = (0.01, 0.02, 0.06)  # of motion: to compile a time loop, and to 
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """The values of a variant and its cost; a stage that was reused counts with what building it took."""
+    """The values of a variant and its cost; a step that was reused counts with what building it took."""
 
     by_probe: Mapping[str, tuple[Value, ...]]
-    seconds: dict[str, float]  # by stage
+    seconds: dict[str, float]  # by step
     peak_bytes: int
 
     @property
@@ -34,7 +34,7 @@ class Measured:
 
     @property
     def total_seconds(self) -> float:
-        """Sum over the stages."""
+        """Sum over the steps."""
         return sum(self.seconds.values())
 
 
@@ -43,27 +43,27 @@ def measure(
     probes: Sequence[str],
     work: Work,
 ) -> dict[str, Measured]:
-    """Build what the named probes need of every scene, each distinct stage once, and read them; by variant.
+    """Build what the named probes need of every scene, each distinct step once, and read them; by variant.
 
     Raises
     ------
-    SceneError, InputError, WorkError : a scene cannot be used, or a stage failed
+    SceneError, InputError, WorkError : a scene cannot be used, or a step failed
     """
-    stages: list[Stage] = []
+    steps: list[Step] = []
     names, wanted, plants = {}, {}, {}
     for variant, loaded in scenes.items():
         plants[variant] = plant = checked_plant(loaded.scene, loaded.source.shown)
-        new = plant_stages(plant)
-        names[variant] = add_stages(stages, new, f"{variant}: ")
-        needed = [name for probe in probes for name in PROBES[probe].stages(plant)]
-        wanted[variant] = Graph(new).needed(needed).stages
-    graph = Graph(stages)
-    every = dict.fromkeys(names[variant][stage] for variant, needed in wanted.items() for stage in needed)
+        new = plant_steps(plant)
+        names[variant] = add_steps(steps, new, f"{variant}: ")
+        needed = [name for probe in probes for name in PROBES[probe].steps(plant)]
+        wanted[variant] = Graph(new).needed(needed).steps
+    graph = Graph(steps)
+    every = dict.fromkeys(names[variant][step] for variant, needed in wanted.items() for step in needed)
     outcome = work.build(graph, every)
-    motions = [outcome.value(stage.name) for stage in graph if stage.name in every and stage.kind == "simulate"]
+    motions = [outcome.value(step.name) for step in graph if step.name in every and step.kind == "simulate"]
     log_warnings(motions, ("repeat",))  # the others are errors that the comparison itself shows
     return {
-        variant: _measured(plant, probes, {stage: names[variant][stage] for stage in wanted[variant]}, outcome)
+        variant: _measured(plant, probes, {step: names[variant][step] for step in wanted[variant]}, outcome)
         for variant, plant in plants.items()
     }
 
@@ -89,10 +89,10 @@ def step_costs(scenes: Iterable[LoadedScene], work: Work) -> dict[str, float]:
 
 
 def _measured(plant: Plant, probes: Sequence[str], names: Mapping[str, str], outcome: Outcome) -> Measured:
-    own = Outcome({stage: outcome.results[name] for stage, name in names.items()})
-    distinct = {record.key: (stage, record) for stage, record in zip(own.results, own.records, strict=True)}
+    own = Outcome({step: outcome.results[name] for step, name in names.items()})
+    distinct = {record.key: (step, record) for step, record in zip(own.results, own.records, strict=True)}
     return Measured(
         by_probe={probe: tuple(PROBES[probe].read(plant, own)) for probe in probes},
-        seconds={stage: record.seconds for stage, record in distinct.values()},
+        seconds={step: record.seconds for step, record in distinct.values()},
         peak_bytes=max(record.peak_bytes for _, record in distinct.values()),
     )

@@ -21,7 +21,7 @@ from pipelines.runs.run_folder import CONTROL, RESPONSE
 SHORT = {"simulation.end_s": 0.05, "diagnosis.windows_s": {}}
 ARGUMENTS = [part for name, value in SHORT.items() for part in ("--set", f"{name}={value}")]
 KILLS_PER_CACHE = 10
-PROVENANCE = ("provenance", "stages", "build_ledger", "folder")
+PROVENANCE = ("provenance", "steps", "build_ledger", "folder")
 
 
 def bits(data: xarray.Dataset) -> str:
