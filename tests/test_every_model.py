@@ -11,6 +11,7 @@ import pytest
 import xarray
 
 from pipelines.border.errors import SceneError
+from pipelines.engine.working import Work
 from pipelines.figures import render
 from pipelines.runs import run_folder
 from pipelines.runs.run import Options, run_scene
@@ -83,7 +84,7 @@ def test_the_tables_are_read():
 def test_every_model_runs_with_its_control(chosen, tmp_path, monkeypatch):
     monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-c", "pass"])  # pictures are tested elsewhere
     scene = loaded(chosen)
-    finished = run_scene(scene, Options(out=tmp_path / "out", both_loads=False, processes=1))
+    finished = run_scene(scene, Options(out=tmp_path / "out", both_loads=False, work=Work(processes=1)))
     for name in (run_folder.RESPONSE, run_folder.CONTROL):
         with xarray.open_dataset(finished.folder / name, engine="h5netcdf") as data:
             assert all(np.isfinite(variable.values).all() for variable in data.data_vars.values())

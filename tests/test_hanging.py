@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 from scipy.integrate import solve_ivp
-from test_rope import MASS, RADIUS, hoist
 
+from benchmarks.hoist import MASS, RADIUS, hoist
 from mbd.coordinates.channels import bearing_force
 from mbd.forces.ground import Ground
 from mbd.forces.pendulum import RopePendulum
