@@ -5,7 +5,7 @@ from __future__ import annotations
 from gearcase.scenes import Scene
 from gearcase.working import ProgressFunction
 from pipelines.engine.working import Work
-from pipelines.runs.built import Casing, build_casing
+from pipelines.runs.single_results import Casing, build_casing
 
 __all__ = ["Casing", "casing"]
 

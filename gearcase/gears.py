@@ -5,7 +5,7 @@ from __future__ import annotations
 from gearcase.scenes import Scene
 from gearcase.working import ProgressFunction
 from pipelines.engine.working import Work
-from pipelines.runs.built import build_pairs
+from pipelines.runs.single_results import build_pairs
 from pipelines.steps.pair_curves import PairLaws
 
 __all__ = ["PairLaws", "laws"]

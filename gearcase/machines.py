@@ -9,7 +9,7 @@ from gearcase.scenes import Scene
 from gearcase.working import ProgressFunction
 from mbd.system.linearised import LinearModes
 from pipelines.engine.working import Work
-from pipelines.runs.built import build_machine_modes, build_signals
+from pipelines.runs.single_results import build_machine_modes, build_signals
 
 if TYPE_CHECKING:
     import xarray

@@ -13,7 +13,7 @@ import pytest
 from fem.storage.records import Record, array
 from pipelines.border.errors import CacheWarning
 from pipelines.engine.cache import Cache
-from pipelines.engine.storage import PayloadError, digest, flat, load_payload, save_payload
+from pipelines.engine.storage import StorageError, digest, flat, load_value, save_value
 
 KEY = "0123456789abcdef" * 4
 
@@ -284,9 +284,9 @@ def values():
     }
 
 
-def test_payloads_come_back_with_the_same_bits(tmp_path):
-    save_payload(tmp_path, values())
-    loaded = load_payload(tmp_path)
+def test_values_come_back_with_the_same_bits(tmp_path):
+    save_value(tmp_path, values())
+    loaded = load_value(tmp_path)
     assert digest(loaded) == digest(values())
     assert loaded["page"] == "ü" * 500
     assert isinstance(loaded["nested"]["pair"], tuple)
@@ -303,7 +303,7 @@ def test_the_digest_sees_every_part():
 
 
 def test_what_cannot_be_stored_is_refused():
-    with pytest.raises(PayloadError, match="object"):
+    with pytest.raises(StorageError, match="object"):
         digest({"x": object()})
 
 

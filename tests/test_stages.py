@@ -14,7 +14,7 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.code_version import code_version, reachable
 from pipelines.engine.processes import Pool
 from pipelines.engine.run_graph import run_graph
-from pipelines.engine.step import Built, Graph, Step, explain
+from pipelines.engine.step import CountedResult, Graph, Step, explain
 
 CALLS = []
 
@@ -27,7 +27,7 @@ class Pair:
 
 def make_law(pair):
     CALLS.append("law")
-    return Built({"stiffness": np.array([pair.width, pair.teeth])}, {"factorisations": 2})
+    return CountedResult({"stiffness": np.array([pair.width, pair.teeth])}, {"factorisations": 2})
 
 
 def make_sum(names, *laws):

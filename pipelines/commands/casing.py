@@ -14,8 +14,8 @@ def main(options: argparse.Namespace) -> int:
     """Build the casing; print check-up, modes and error (elastic rungs) and the coordinates; write the files asked."""
     from pipelines.border.errors import InputError
     from pipelines.engine.working import Work
-    from pipelines.runs.built import build_casing, no_full_model, scene_graph
     from pipelines.runs.casing_export import checked_target, write_casing
+    from pipelines.runs.single_results import build_casing, no_full_model, scene_graph
     from pipelines.scene.presets import load_asked
 
     targets = [checked_target(name) for name in options.export]

@@ -12,7 +12,7 @@ def main(options: argparse.Namespace) -> int:
 
     from pipelines.engine.working import Work
     from pipelines.report.contents import grid
-    from pipelines.runs.built import build_pairs
+    from pipelines.runs.single_results import build_pairs
     from pipelines.scene.presets import load_asked
 
     rows = []

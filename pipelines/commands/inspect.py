@@ -25,7 +25,7 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.figures.film import save_figure
     from pipelines.figures.mesh_pictures import show_mesh, write_mesh
     from pipelines.figures.views import Picture
-    from pipelines.runs.built import scene_graph
+    from pipelines.runs.single_results import scene_graph
     from pipelines.scene.presets import load_asked
     from pipelines.steps import reporting
     from pipelines.steps.pair_curves import pair_laws

@@ -18,7 +18,7 @@ KINDS = {"shaft": "shafts", "bearing": "bearings", "casing": "casing", "rope": "
 def main(options: argparse.Namespace) -> int:
     """Build laws and casing, linearise the machine at rest under its load, print its modes."""
     from pipelines.engine.working import Work
-    from pipelines.runs.built import build_machine_modes, scene_graph
+    from pipelines.runs.single_results import build_machine_modes, scene_graph
     from pipelines.scene.presets import load_asked
 
     loaded = load_asked(options)

@@ -15,8 +15,8 @@ from fem.storage.cache_folder import warn_without
 from fem.storage.ledger import counting
 from pipelines.border.errors import WorkError
 from pipelines.engine.cache import Cache, Entry
-from pipelines.engine.step import Built, Step, StepRecord
-from pipelines.engine.storage import PayloadError, digest, load_payload, save_payload
+from pipelines.engine.step import CountedResult, Step, StepRecord
+from pipelines.engine.storage import StorageError, digest, load_value, save_value
 
 _THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
@@ -34,7 +34,7 @@ class Result:
         if self.entry is None or self.value is not None:
             return self.value
         try:
-            return load_payload(self.entry.folder)
+            return load_value(self.entry.folder)
         except OSError as error:
             raise WorkError(
                 f"step {self.record.name}: its stored result {self.entry.name} was removed while it was needed "
@@ -78,7 +78,7 @@ def _built(
         except Exception as error:
             error.add_note(f"in step {step.name}")
             raise
-    built = made if isinstance(made, Built) else Built(made)
+    built = made if isinstance(made, CountedResult) else CountedResult(made)
     facts = {
         **step.facts({name: upstream[name].record.content for name in step.takes}),
         "content": digest(built.value),
@@ -90,8 +90,8 @@ def _built(
     entry = None
     try:
         if built.kept:
-            entry = cache.store(step.kind, key, lambda folder: save_payload(folder, built.value), facts)
-    except PayloadError as error:
+            entry = cache.store(step.kind, key, lambda folder: save_value(folder, built.value), facts)
+    except StorageError as error:
         raise WorkError(f"step {step.name}: its result cannot be stored: {error}") from error
     return Result(step_record(step, key, facts, reused=False), entry, built.value)
 

@@ -1,7 +1,7 @@
 """Content-addressed store of finished steps, safe against kills, damage and a second process.
 
-One entry is one folder ``entries/<kind>-<key>/`` with payload files and a manifest that holds their SHA-256. An entry
-is written aside and moved into place in one step, so it is whole or absent; who loses a race throws its copy away.
+One entry is one folder ``entries/<kind>-<key>/`` with the files of a result and a manifest of their SHA-256. It is
+written aside and moved into place in one step, so it is whole or absent; who loses a race throws its copy away.
 What cannot be stored (read-only folder, full disk) is a warning, never a failure of the work. Whose the folder may be
 and who may write in it: `fem.storage.cache_folder`. Nothing is removed that does not carry our manifest.
 """
@@ -129,7 +129,7 @@ class Cache:
             shutil.rmtree(folder, ignore_errors=True)
 
     def entries(self, kind: str | None = None) -> Iterator[Entry]:
-        """All entries (of one kind) by their manifests, newest use first; payloads are not verified."""
+        """All entries (of one kind) by their manifests, newest use first; files of results are not verified."""
         if not self._readable():
             return
         prefix = f"{kind}-" if kind else ""

@@ -37,8 +37,8 @@ class Step:
     """One step of a run: ``build(spec, *results of takes)``.
 
     `kind` names the cache entries; steps of one kind with equal inputs share one entry. `build` is a function of a
-    module (not a lambda), it may return `Built` to report counts. `seconds` is what it is expected to take: long
-    steps that do not wait for each other run side by side.
+    module (not a lambda), it may return `CountedResult` to report counts. `seconds` is what it is expected to take:
+    long steps that do not wait for each other run side by side.
     """
 
     name: str
@@ -81,7 +81,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Built:
+class CountedResult:
     """What a step may return instead of the bare value: the value with counts for the build ledger.
 
     A value that is not to be `kept` lacks something that another attempt may have, a picture for want of memory say.

@@ -25,19 +25,19 @@ from pipelines.engine.contents import CONTENTS, ContentsError, read_contents, st
 SHORT = 100  # numbers of an array that are told one by one
 
 
-class PayloadError(TypeError):
+class StorageError(TypeError):
     """A value is of a kind that cannot be stored."""
 
 
-def save_payload(folder: Path, value: Any) -> None:
+def save_value(folder: Path, value: Any) -> None:
     """Write `value` into the empty folder."""
     files = _Files(folder)
     node = files.save(value)
     (folder / CONTENTS).write_text(json.dumps(node), encoding="utf-8")
 
 
-def load_payload(folder: Path) -> Any:
-    """Read what `save_payload` wrote.
+def load_value(folder: Path) -> Any:
+    """Read what `save_value` wrote.
 
     Raises
     ------
@@ -197,7 +197,7 @@ def _plain(value: Any) -> Any:
         return value
     if isinstance(value, Path):
         return value.as_posix()
-    raise PayloadError(f"a {type(value).__name__} cannot be stored. Return records, datasets, arrays, text or numbers.")
+    raise StorageError(f"a {type(value).__name__} cannot be stored. Return records, datasets, arrays, text or numbers.")
 
 
 def _array_digest(array: np.ndarray) -> str:
@@ -220,7 +220,7 @@ def _is_dataset(value: Any) -> bool:
 def _only_text_keys(value: Mapping[Any, Any]) -> None:
     wrong = [key for key in value if not isinstance(key, str)]
     if wrong:
-        raise PayloadError(f"the keys of a table must be text, {wrong[0]!r} is not")
+        raise StorageError(f"the keys of a table must be text, {wrong[0]!r} is not")
 
 
 def _loadable(value: Any) -> str:
@@ -228,5 +228,5 @@ def _loadable(value: Any) -> str:
     try:
         stored_class(name, record=isinstance(value, Record))
     except ContentsError as error:
-        raise PayloadError(f"a {type(value).__name__} cannot be stored: {error}") from error
+        raise StorageError(f"a {type(value).__name__} cannot be stored: {error}") from error
     return name

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from fem.casing.meshing.mesh import CasingMesh
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.modes import CasingModes, NaturalModes
-    from pipelines.runs.built import Casing
+    from pipelines.runs.single_results import Casing
 
 FORMATS = (".h5", ".mat", ".uff", ".vtu")
 _LINES = 1000  # frequencies of an accelerance

@@ -10,7 +10,7 @@ from fem.casing.geometry.dimensions import Sensor
 from fem.casing.geometry.housing import Housing
 from fem.elements.materials import Material
 from pipelines.border.errors import WorkError
-from pipelines.engine.step import Built
+from pipelines.engine.step import CountedResult
 
 if TYPE_CHECKING:
     from fem.casing.meshing.mesh import CasingMesh
@@ -63,14 +63,14 @@ class ElasticSpec:
     frequency_error: float | None
 
 
-def build_ground(spec: GroundSpec) -> Built:
+def build_ground(spec: GroundSpec) -> CountedResult:
     """A body without coordinates."""
     from fem.casing.models.no_casing import NoCasing
 
     return _built(NoCasing().reduce(spec.points))
 
 
-def build_rigid(spec: RigidSpec) -> Built:
+def build_rigid(spec: RigidSpec) -> CountedResult:
     """Six coordinates."""
     from fem.casing.models.rigid_casing import RigidCasing
 
@@ -78,7 +78,7 @@ def build_rigid(spec: RigidSpec) -> Built:
     return _built(rung.reduce(spec.housing, spec.material))
 
 
-def build_rigid_mesh(spec: RigidMeshSpec, mesh: CasingMesh) -> Built:
+def build_rigid_mesh(spec: RigidMeshSpec, mesh: CasingMesh) -> CountedResult:
     """Six coordinates."""
     from fem.casing.reduced.rigid import rigid_from_mesh
 
@@ -95,7 +95,7 @@ def build_rigid_mesh(spec: RigidMeshSpec, mesh: CasingMesh) -> Built:
 
 def build_elastic(
     spec: ElasticSpec, modes: tuple[CasingModes, CheckUp], coarser: LowestFrequencies | None = None
-) -> Built:
+) -> CountedResult:
     """Bearing coordinates and modes; the stiffness is extrapolated where there is a coarser mesh."""
     from fem.casing.reduced.extrapolation import ExtrapolationError, stiffness_factor
     from fem.casing.reduced.modes import reduced_body
@@ -118,6 +118,6 @@ def build_elastic(
     )
 
 
-def _built(body: ReducedBody) -> Built:
+def _built(body: ReducedBody) -> CountedResult:
     recovered = sum(name.startswith("sensor_") for name in body.row_names)
-    return Built(body, {"casing_coordinates": len(body.coordinate_names), "recovery_rows": recovered})
+    return CountedResult(body, {"casing_coordinates": len(body.coordinate_names), "recovery_rows": recovered})

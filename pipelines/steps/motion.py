@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.engine.step import Built
+from pipelines.engine.step import CountedResult
 
 if TYPE_CHECKING:
     from fem.casing.reduced.body import ReducedBody
@@ -24,7 +24,9 @@ class MotionSpec:
     motion: MotionSettings
 
 
-def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw], folder: Path | None = None) -> Built:
+def build(
+    spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw], folder: Path | None = None
+) -> CountedResult:
     """The trajectory of the wanted channels, with energy balance and counters; its values stay in a file in `folder`.
 
     Raises
@@ -46,7 +48,7 @@ def build(spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw], f
     if given.start:
         start = other_start(system, equilibrium(system, float(machine.profile.speed(np.zeros(1))[0])), given.start)
     trajectory = simulate(system, settings, start=start, file=folder / "values.npy" if folder else None)
-    return Built(trajectory, ledger(trajectory, system.basis.shape[1], rope=bool(machine.load.coordinates)))
+    return CountedResult(trajectory, ledger(trajectory, system.basis.shape[1], rope=bool(machine.load.coordinates)))
 
 
 def ledger(trajectory: Trajectory, coordinates: int, *, rope: bool) -> dict[str, int]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipelines.engine.step import Built
+from pipelines.engine.step import CountedResult
 from pipelines.plant.flanks import first_tooth_fault
 from pipelines.plant.plant import Plant
 from pipelines.signals.motion_warnings import gathered, told
@@ -49,7 +49,7 @@ class ReportSpec:
     failure: str = ""  # why no diagnosis was possible
 
 
-def build(spec: ReportSpec, *taken: Any) -> Built:
+def build(spec: ReportSpec, *taken: Any) -> CountedResult:
     """The page as text, and the reasons of pictures that were left out; kept if there are none."""
     from pipelines.figures.views import LeftOut
     from pipelines.report.contents import ReportContents
@@ -94,7 +94,7 @@ def build(spec: ReportSpec, *taken: Any) -> Built:
     with tempfile.TemporaryDirectory() as folder:
         page = write_report(Path(folder) / "report.html", contents).read_text(encoding="utf-8")
     left_out = [p.reason for p in (gears, casing) if isinstance(p, LeftOut)]
-    return Built({"page": page, "left_out": left_out}, kept=not left_out)
+    return CountedResult({"page": page, "left_out": left_out}, kept=not left_out)
 
 
 def _runs(spec: ReportSpec, responses: Sequence[xarray.Dataset]) -> dict[str, xarray.Dataset]:

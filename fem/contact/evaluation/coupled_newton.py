@@ -61,7 +61,7 @@ from fem.numerics.compiled import PLAIN
 
 STEPS = 14
 CLOSE = 1e-12  # of F: error at which the iteration ends
-# rows after those of `lanes`; of two, the second belongs to the odd pairs
+# rows after those of `paired_slices`; of two, the second belongs to the odd pairs
 WIDEST, FREE, GAIN, GAIN_SLOPE, FIELD, LINK, STAY, LINEAR, RIGHT = range(
     paired_slices.TOTAL, paired_slices.TOTAL + 18, 2
 )
@@ -270,9 +270,10 @@ def advance(tables, block, d, t, rows, bits):
 
 @njit(**PLAIN, **_sums)
 def finish(tables, block, rows):
-    """Idle pairs to f = 0, as `lanes.block_sums` wants them; sum of w sqrt(D) phi f v and of w (sqrt(D))' phi f v.
+    """Idle pairs to f = 0, as `paired_slices.block_sums` wants them.
 
-    The last number counts loads beyond the range of the Hertz term.
+    Returns the sums of w sqrt(D) phi f v and of w (sqrt(D))' phi f v, and the number of loads beyond the range of the
+    Hertz term.
     """
     slope, base = tables[SLOPE], SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
     held = along = beyond = 0.0

@@ -115,7 +115,7 @@ def add_shares(tables, block, anchor, work, pair_force):
 
 @njit(**PLAIN)
 def rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_force):
-    """The sums of the slices that `lanes` left over, and their shares."""
+    """The sums of the slices that `paired_slices` left over, and their shares."""
     force = moment = energy = k = mixed = tilt = rate = 0.0
     base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
     own, none = np.empty((general_slices.TOTAL, general_slices.MAX_PAIRS)), np.zeros(LARGEST_NEAR)
