@@ -284,3 +284,23 @@ def test_a_motion_shorter_than_one_sample_is_refused():
     settings = {"simulation.end_s": 0.004, "simulation.output_rate_Hz": 100.0, "diagnosis.windows_s": {}}
     with pytest.raises(SceneError, match=r"0\.004 s is shorter than one sample.*at least 0\.01 s"):
         load_scene("minimal", settings)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (
+            {"casing.coupling": "rigid"},
+            r"casing\.coupling = \"rigid\": is not a key of \[casing\]\. Did you mean attachment\?",
+        ),
+        (
+            {"faults": [{"kind": "bent-tooth", "stage": 1, "gear": "wheel"}]},
+            r"faults\.1\.kind = \"bent-tooth\": is not one of",
+        ),
+        ({"faults": [{"stage": 1, "gear": "wheel", "tooth": 1}]}, r"faults\.1\.kind: is missing"),
+        ({"casing": {"model": "foam"}}, r"casing\.model = \"foam\": is not one of"),
+    ],
+)
+def test_a_key_of_an_earlier_version_and_an_unknown_kind_are_named(settings, message):
+    with pytest.raises(SceneError, match=message):
+        load_scene("rig-healthy", settings)

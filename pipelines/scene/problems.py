@@ -22,7 +22,7 @@ _UNITS = {
     "s": "s", "ms": "ms", "us": "us", "Hz": "Hz", "kHz": "kHz", "N": "N", "kN": "kN", "Nm": "N m", "percent": "percent",
 }  # fmt: skip
 
-
+RENAMED = {"casing.coupling": "attachment"}  # keys of earlier versions
 _MOST_WORDED = 50  # findings of one validation; a file of another program has thousands
 _MOST_ITEMS = 30  # of one list, when keys are looked for elsewhere
 _Paths = Callable[[], list[tuple[str, ...]]]
@@ -98,7 +98,7 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         return Problem(where, f"must be {words} {limit}", f"Give a number {words} {limit}{unit}.", written)
     if kind in ("literal_error", "union_tag_invalid", "enum"):
         if kind == "union_tag_invalid":
-            where, value, written = f"{where}.model", context["tag"], _shown(context["tag"])
+            where, value, written = f"{where}.{_tag_key(context)}", context["tag"], _shown(context["tag"])
             known = [w.strip(" '\"") for w in str(context["expected_tags"]).split(",")]
         else:
             known = [w.strip(" '\"") for w in str(context["expected"]).replace(" or ", ", ").split(",")]
@@ -106,7 +106,8 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         remedy = f'Did you mean "{near}"?' if near else "Choose one of them."
         return Problem(where, f"is not one of {', '.join(known)}", remedy, written)
     if kind == "union_tag_not_found":
-        return Problem(f"{where}.model", "is missing", 'Say which model, as in model = "...".')
+        key = _tag_key(context)
+        return Problem(f"{where}.{key}", "is missing", f'Say which {key}, as in {key} = "...".')
     if kind.startswith(("float", "int", "decimal")) or kind == "finite_number":
         noun = "a whole number" if kind.startswith("int") else "a finite number" if "finite" in kind else "a number"
         return Problem(where, f"must be {noun}", f"Give {noun}{unit}, without quotes.", written)
@@ -145,13 +146,18 @@ _KINDS = {
 }
 
 
+def _tag_key(context: Mapping[str, Any]) -> str:
+    """The key by which the models of a table are told apart: model, of faults kind."""
+    return str(context["discriminator"]).strip("'")
+
+
 def _unknown_key(
     path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any], paths: _Paths
 ) -> tuple[str, str]:
     table = ".".join(path[:-1])
     known = known_keys(path[:-1], model, tree)
     message = f"is not a key of [{table}]" if table else "is not a key of the scene"
-    near = nearest(path[-1], known)
+    near = RENAMED.get(".".join(path)) or nearest(path[-1], known)
     if near:
         return message, f"Did you mean {near}?"
     elsewhere = [p for p in paths() if p[-1] == path[-1]]
