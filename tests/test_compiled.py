@@ -1,6 +1,7 @@
 """Compiled functions called through their address: one copy, made when first called, kept on disk by its sources."""
 
 import importlib
+import importlib.util
 import os
 import shutil
 import stat
@@ -18,6 +19,11 @@ from waiting import HANGING
 from fem.numerics import compiled_files
 from fem.numerics.compiled import FLOAT, INTEGER, VECTOR, Inner, Signature, apart, inner, reached, stored
 from fem.storage.cache_folder import CacheWarning
+from pipelines.engine.code_version import reachable
+from pipelines.engine.storage import class_modules
+from pipelines.plant.plant import make_plant
+from pipelines.scene.file import load_scene
+from pipelines.steps.graph import plant_steps
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -262,16 +268,31 @@ def called_files(function, seen):
                 called_files(member, seen)
 
 
-@pytest.mark.parametrize("module", ["mbd.integrators.modal_loop", "mbd.elements.newton", "mbd.forces.flank"])
+def called_by(module):
+    """Files of ours that the compiled functions of a module are made of."""
+    seen = {}
+    for value in list(vars(importlib.import_module(module)).values()):
+        if isinstance(value, Dispatcher | Inner):
+            called_files(value, seen)
+    return {path.resolve() for path in seen.values() if ROOT in path.resolve().parents}
+
+
+COMPILED = ["mbd.integrators.modal_loop", "mbd.elements.newton", "mbd.forces.flank", "mbd.forces.rope"]
+
+
+@pytest.mark.parametrize("module", COMPILED)
+def test_the_key_of_a_motion_holds_every_file_of_its_compiled_code(module):
+    simulate = plant_steps(make_plant(load_scene("rig-healthy").scene))[-1]
+    parts = (simulate.build.__module__, *simulate.modules, *class_modules(simulate.spec))
+    read = {Path(importlib.util.find_spec(name).origin).resolve() for name in reachable(*parts)}
+    assert called_by(module) <= read
+
+
+@pytest.mark.parametrize("module", COMPILED[:3])
 def test_every_file_that_compiled_code_calls_counts_for_its_copy_on_disk(module, tmp_path):
     """In a copy: the files are found by their imports in whatever folder, and an edit of any of them changes the name
     under which the code is stored."""
-    loaded = importlib.import_module(module)
-    seen = {}
-    for value in list(vars(loaded).values()):
-        if isinstance(value, Dispatcher | Inner):
-            called_files(value, seen)
-    called = {path.resolve() for path in seen.values() if ROOT in path.resolve().parents}
+    loaded, called = importlib.import_module(module), called_by(module)
     assert len(called) > 1
     assert called <= set(reached(loaded.__file__))
     for package in ("fem", "mbd"):

@@ -12,6 +12,7 @@ from fem.contact.frame import RungError
 from fem.contact.models.registry import MODELS, mesh_model
 from fem.gears.rack import GeometryError
 from pipelines.engine.code_version import reachable
+from pipelines.engine.storage import class_modules
 from pipelines.plant.plant import make_plant
 from pipelines.plant.units import si_options
 from pipelines.scene.file import load_scene
@@ -33,6 +34,11 @@ def tables(union, discriminator):
 
 
 MESHES = tables(MeshModel, "model")
+
+
+def own_code(step):
+    """Modules that the key of a step holds."""
+    return reachable(step.build.__module__, *step.modules, *class_modules(step.spec))
 
 
 def extremes(table):
@@ -76,7 +82,7 @@ def test_an_unknown_name_is_refused_with_those_that_are_known():
 @pytest.mark.parametrize("name", MODELS)
 def test_the_key_of_a_law_takes_the_code_of_its_own_model_alone(name):
     stage = plant_steps(make_plant(load_scene("minimal", [f"stages.1.mesh.model={name}"]).scene))[0]
-    code = set(reachable(stage.build.__module__, *stage.modules))
+    code = set(own_code(stage))
     assert MODELS[name][0] in code
     assert not code & {module for other, (module, _) in MODELS.items() if other != name}
 
@@ -85,7 +91,7 @@ def test_the_key_of_a_damaged_law_takes_the_code_of_its_own_faults_alone():
     fault = {"kind": "chipped-tooth", "stage": 1, "gear": "wheel", "tooth": 3, "extent_mm": 4.0, "depth_mm": 1.0}
     scene = load_scene("minimal", {"faults": [fault]}).scene
     stage = next(stage for stage in plant_steps(make_plant(scene)) if stage.kind == "flanks")
-    code = set(reachable(stage.build.__module__, *stage.modules))
+    code = set(own_code(stage))
     assert {FAULTS["chipped-tooth"][0]} == code & {module for module, _ in FAULTS.values()}
 
 
@@ -118,7 +124,7 @@ def test_a_fault_adds_compliance_and_gaps_that_are_not_negative(kind):
 def test_the_key_of_casing_modes_takes_the_code_of_its_own_model_alone(name):
     scene = load_scene("rig-healthy", [f"casing.model={name}"]).scene
     stage = next(stage for stage in plant_steps(make_plant(scene)) if stage.kind == "casing-modes")
-    code = set(reachable(stage.build.__module__, *stage.modules))
+    code = set(own_code(stage))
     assert {CASINGS[name][0]} == code & {module for module, _ in CASINGS.values()}
 
 

@@ -59,7 +59,6 @@ def _law_steps(plant: Plant) -> list[Step]:
                 kind="law",
                 build=laws.build,
                 spec=spec,
-                modules=(type(spec.mesh).__module__,),
                 libraries=("numpy", "scipy"),
                 seconds=spec.mesh.seconds,
             )
@@ -72,7 +71,6 @@ def _law_steps(plant: Plant) -> list[Step]:
                     build=modified_laws.build,
                     spec=added,
                     takes=(sound,),
-                    modules=tuple(sorted({type(fault).__module__ for fault in added.faults})),
                     libraries=("numpy", "scipy"),
                 )
             )
@@ -125,7 +123,6 @@ def _casing_steps(plant: Plant) -> list[Step]:
             build=casing_modes.build,
             spec=reduced,
             takes=("casing mesh",),
-            modules=(type(part.model).__module__,),
             libraries=("numpy", "scipy", "pymetis"),
             seconds=30.0,
             enough="model.band" if part.model.limit else "",
