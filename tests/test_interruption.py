@@ -85,7 +85,7 @@ sys.path[:0] = {path!r}
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.cache import Cache
 from pipelines.engine.step import Graph, Step
-from test_stages import make_slowly
+from test_steps import make_slowly
 graph = Graph(Step(name=f"s{{n}}", kind="slow", build=make_slowly, spec={seconds} + n, seconds=9.0) for n in range(2))
 run_graph(graph, Cache({cache!r}), ["s0", "s1"], processes=2)
 """

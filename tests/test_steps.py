@@ -153,7 +153,7 @@ def test_explain_compares_with_a_variant_and_not_with_another_scene(cache):
         return Graph([Step(name="law", kind="law", build=make_nothing, spec=spec)])
 
     made = {"content": "", "seconds": 0.0, "peak_bytes": 0, "ledger": {}}
-    cache.store("law", one(0).stages["law"].key({}), lambda folder: None, {**one(0).stages["law"].facts({}), **made})
+    cache.store("law", one(0).steps["law"].key({}), lambda folder: None, {**one(0).steps["law"].facts({}), **made})
     (variant,) = explain(one(4), cache)
     assert not variant.first
     assert variant.reason.count("->") == 4
