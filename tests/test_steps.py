@@ -268,3 +268,14 @@ def test_the_code_version_follows_imports():
     assert "pipelines.scene.scene" in reachable("pipelines.scene.file")  # imported inside functions
     assert "pipelines.scene.scene" not in reachable("pipelines.engine.storage")
     assert code_version("pipelines.engine.cache") != code_version("pipelines.engine.storage")
+
+
+def make_large(spec):
+    return {"table": np.full(3_000_000, spec)}
+
+
+def test_a_large_result_is_read_from_the_cache_and_not_held(cache):
+    steps = [Step(name=f"s{n}", kind="large", build=make_large, spec=float(n)) for n in range(2)]
+    outcome = run_graph(Graph(steps), cache, ["s0", "s1"], processes=1)
+    assert [result.value for result in outcome.results.values()] == [None, None]
+    assert outcome.value("s1")["table"].max() == 1.0

@@ -12,6 +12,7 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.processes import Pool
 from pipelines.engine.step import Graph, Step, StepRecord, stored
 
+_HELD_BYTES = 16e6  # a larger result is not held in memory: who needs it reads it from the cache
 _LONG_SECONDS = 3.0  # steps expected to take longer may go to a process of their own
 
 
@@ -156,7 +157,8 @@ def _drop_damaged(ready: list[tuple[Step, str]], cache: Cache, results: dict[str
 
 
 def _keep(results: dict[str, Result], step: Step, result: Result, observer: Observer) -> None:
-    results[step.name] = result
+    large = result.entry is not None and result.entry.bytes > _HELD_BYTES
+    results[step.name] = result.stored() if large else result
     observer.finished(step, result.record)
 
 
