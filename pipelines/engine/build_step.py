@@ -53,7 +53,7 @@ class Result:
 
 def build_here(step: Step, key: str, upstream: Mapping[str, Result], cache: Cache) -> Result:
     """Build one step in this process and store it."""
-    inputs = [upstream[name].load() for name in step.takes]
+    inputs = [step.reads.get(name, _all)(upstream[name].load()) for name in step.takes]
     if not step.streams:
         return _built(step, key, upstream, cache, inputs)
     with cache.workplace() as folder:
@@ -66,6 +66,10 @@ def build_here(step: Step, key: str, upstream: Mapping[str, Result], cache: Cach
             return _built(step, key, upstream, cache, inputs, folder=None)
         # what the folder holds ends with it: the entry has it, too, or else memory must
         return result.stored() if result.entry else replace(result, value=result.value.in_memory())
+
+
+def _all(value: Any) -> Any:
+    return value
 
 
 def _built(

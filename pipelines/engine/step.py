@@ -38,7 +38,8 @@ class Step:
 
     `kind` names the cache entries; steps of one kind with equal inputs share one entry. `build` is a function of a
     module (not a lambda), it may return `CountedResult` to report counts. `seconds` is what it is expected to take:
-    long steps that do not wait for each other run side by side.
+    long steps that do not wait for each other run side by side. `reads` are functions of a module that take from a
+    large result what the build needs.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Step:
     libraries: tuple[str, ...] = ("numpy",)
     seconds: float = 0.0
     streams: bool = False  # `build` takes a `folder` for arrays too large for memory; None where none can be written
+    reads: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)  # by name of what it takes
     enough: str = ""  # a number in `spec`: a stored result with a larger one holds all that is asked, and serves
 
     @property

@@ -188,8 +188,8 @@ def _report_step(loaded: LoadedScene, study: Study, diagnosing: Step | None, out
     from pipelines.steps import reporting
 
     plant = study.plant
-    elastic = "casing mesh" in study.graph.steps
-    takes = [*plant.law_names, "casing", *(("casing mesh", "casing modes") if elastic else ())]
+    casing = [name for name in ("casing mesh", "casing modes") if name in study.graph.steps]
+    takes = [*plant.law_names, "casing", *casing]
     takes += diagnosing.takes if diagnosing else (study.cases[0].faulty,)
     names = [plant.faults[0].kind.replace("-", " ") if plant.faults else "healthy", "healthy"]
     unlike = [] if study.control is None else control_differences(loaded, study.control)
@@ -197,7 +197,8 @@ def _report_step(loaded: LoadedScene, study: Study, diagnosing: Step | None, out
         plant=plant,
         name=loaded.name,
         diagnosing=diagnosing.spec if diagnosing else None,
-        elastic=elastic,
+        meshed="casing mesh" in casing,
+        elastic="casing modes" in casing,
         responses=tuple(names[: 2 if diagnosing else 1]),
         steps=tuple(_cost_row(record) for record in outcome.records),
         ledger=outcome.ledger(),
@@ -214,6 +215,7 @@ def _report_step(loaded: LoadedScene, study: Study, diagnosing: Step | None, out
         build=reporting.build,
         spec=spec,
         takes=tuple(takes),
+        reads={"casing modes": reporting.casing_summary},
         libraries=("numpy", "matplotlib", "pyvista"),
     )
 

@@ -34,12 +34,13 @@ if TYPE_CHECKING:
 class ReportSpec:
     """The plant with what the report says about the run, and how many results of each kind it takes, in this order:
 
-    laws, then casing, then casing mesh and modes (if `elastic`), then the motions of all cases.
+    laws, then casing, then casing mesh (if `meshed`) and modes (if `elastic`), then the motions of all cases.
     """
 
     plant: Plant
     name: str
     diagnosing: DiagnosingSpec | None
+    meshed: bool
     elastic: bool
     responses: tuple[str, ...]  # names of the runs shown, the scene's own first
     steps: tuple[Mapping[str, Any], ...]  # rows of the cost table
@@ -57,10 +58,11 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
     from pipelines.signals.response import make_response
 
     plant, count = spec.plant, len(spec.plant.laws)
-    laws, body, rest = taken[:count], taken[count], taken[count + 1 :]
-    mesh, modes = rest[:2] if spec.elastic else (None, None)
+    laws, body, rest = taken[:count], taken[count], list(taken[count + 1 :])
+    mesh, *rest = rest if spec.meshed else (None, *rest)
+    modes, *rest = rest if spec.elastic else (None, *rest)
     labelled = spec.diagnosing.labels if spec.diagnosing else (plant.labels,)
-    responses = list(map(make_response, rest[2:] if spec.elastic else rest, labelled))
+    responses = list(map(make_response, rest, labelled))
     possible = spec.diagnosing is not None and not spec.failure
     found = diagnoses(spec.diagnosing.cases, responses) if spec.diagnosing and possible else []
     shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing and possible else []
@@ -193,18 +195,33 @@ def casing_picture(mesh: CasingMesh | None, body: ReducedBody) -> Picture | Left
     return render_casing(casing_view(mesh.nodes, mesh.facets, list(points), np.array(list(points.values()))))
 
 
-def _casing_rows(body: ReducedBody, modes: tuple[CasingModes, CheckUp] | None) -> list[dict[str, Any]]:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CasingSummary:
+    """What the page says of the modes of a casing."""
+
+    unknowns: int
+    solver: str
+    checkup: CheckUp
+
+
+def casing_summary(result: tuple[CasingModes, CheckUp]) -> CasingSummary:
+    """Of the step `casing modes` without its fields, which would fill memory while pictures are drawn."""
+    modes, checkup = result
+    return CasingSummary(unknowns=modes.unknowns, solver=modes.solver, checkup=checkup)
+
+
+def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = [
         {"what": "model", "value": body.model},
         {"what": "coordinates", "value": len(body.coordinate_names)},
     ]
     if modes is not None:
-        kept, check = modes
+        check = modes.checkup
         extrapolated = [{"what": "stiffness, extrapolated", "value": f"times {body.stiffness_factor:.4f}"}]
         first = check.frequencies[:6] * math.sqrt(body.stiffness_factor)
         rows += [
-            {"what": "unknowns of the mesh", "value": kept.unknowns},
-            {"what": "solver", "value": kept.solver},
+            {"what": "unknowns of the mesh", "value": modes.unknowns},
+            {"what": "solver", "value": modes.solver},
             {"what": "mass kg", "value": check.mass},
             {"what": "first grounded modes Hz", "value": ", ".join(f"{f:.1f}" for f in first)},
             *(extrapolated if body.stiffness_factor != 1.0 else []),
