@@ -1,15 +1,11 @@
-"""CASINGS: the elastic casing models by name.
-
-A model is named by its module and class and imported when it is asked for, so that the result of one model does not
-depend on the code of another.
-"""
+"""CASINGS: the elastic casing models by name."""
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import Any
 
 from fem.casing.models.elastic_casing import ElasticCasing
+from fem.named_classes import named_class
 
 CASINGS = {
     "static": ("fem.casing.models.static_casing", "StaticCasing"),
@@ -24,8 +20,5 @@ def elastic_casing(name: str, **options: Any) -> ElasticCasing:
     ------
     ValueError : no such model
     """
-    if name not in CASINGS:
-        raise ValueError(f"casing model {name!r} is unknown; known: {', '.join(CASINGS)}")
-    module, kind = CASINGS[name]
-    made: ElasticCasing = getattr(import_module(module), kind)(**options)
+    made: ElasticCasing = named_class(CASINGS, name, "casing model", ValueError)(**options)
     return made

@@ -1,16 +1,12 @@
-"""FAULTS: the faults of teeth by name.
-
-A fault is named by its module and class and imported when it is asked for, so that what one fault does to a law does
-not depend on the code of another.
-"""
+"""FAULTS: the faults of teeth by name."""
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import Any
 
 from fem.contact.faults.tooth_fault import ToothFault
 from fem.gears.rack import GeometryError
+from fem.named_classes import named_class
 
 FAULTS = {
     "missing-tooth": ("fem.contact.faults.missing_tooth", "MissingTooth"),
@@ -27,8 +23,5 @@ def tooth_fault(kind: str, **options: Any) -> ToothFault:
     ------
     GeometryError : no such fault
     """
-    if kind not in FAULTS:
-        raise GeometryError(f"fault {kind!r} is unknown; known: {', '.join(FAULTS)}")
-    module, name = FAULTS[kind]
-    made: ToothFault = getattr(import_module(module), name)(**options)
+    made: ToothFault = named_class(FAULTS, kind, "fault", GeometryError)(**options)
     return made

@@ -1,17 +1,13 @@
-"""MODELS: the mesh models by name.
-
-A model is named by its module and class and imported when it is asked for, so that the result of one model does not
-depend on the code of another.
-"""
+"""MODELS: the mesh models by name."""
 
 from __future__ import annotations
 
 import dataclasses
-from importlib import import_module
 from typing import Any
 
 from fem.contact.frame import RungError
 from fem.contact.models.mesh_model import MeshModel
+from fem.named_classes import named_class
 
 MODELS = {
     "iso": ("fem.contact.models.iso", "Iso"),
@@ -28,10 +24,7 @@ def mesh_model(name: str, *, line_load: float, **options: Any) -> MeshModel:
     ------
     RungError : no such model, or an option outside its range
     """
-    if name not in MODELS:
-        raise RungError(f"mesh model {name!r} is unknown; known: {', '.join(MODELS)}")
-    module, kind = MODELS[name]
-    made: type[MeshModel] = getattr(import_module(module), kind)
+    made: type[MeshModel] = named_class(MODELS, name, "mesh model", RungError)
     if any(field.name == "line_load" for field in dataclasses.fields(made)):
         options["line_load"] = line_load or None
     return made(**options)
