@@ -11,12 +11,12 @@ from collections.abc import Iterator
 
 from fem.elements.materials import STEEL
 from pipelines.border.errors import Problem
+from pipelines.plant.checks.strength import YIELD_STRENGTH
 from pipelines.plant.facts import motor_speed
 from pipelines.plant.layout import Layout
 from pipelines.scene.scene import Scene
 
-STRENGTH = 1050e6  # Pa: 30CrNiMo8, ISO 683-2:2016
-RIM_SPEED = math.sqrt(8 * STRENGTH / ((3 + STEEL.poisson_ratio) * STEEL.density))
+RIM_SPEED = math.sqrt(8 * YIELD_STRENGTH / ((3 + STEEL.poisson_ratio) * STEEL.density))
 
 
 def bursting(scene: Scene, layout: Layout) -> Iterator[Problem]:

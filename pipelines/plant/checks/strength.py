@@ -31,7 +31,8 @@ ENDURANCE = 1650e6  # Pa: sigma_H lim of the best case-carburized gear steel
 STATIC_STRENGTH = 1.6 * ENDURANCE  # Pa: the same with Z_NT of a load that comes a few times only
 LARGEST_GIVE = 0.25  # modules: teeth that give way by more are no longer a small change of shape
 TORSION_ENDURANCE = 330e6  # Pa: torsion fatigue strength of 42CrMo4
-TORSION_STRENGTH = 1050e6 / math.sqrt(3)  # Pa: shear yield of 30CrNiMo8, 1050 MPa in tension
+YIELD_STRENGTH = 1050e6  # Pa: 30CrNiMo8 in tension
+TORSION_STRENGTH = YIELD_STRENGTH / math.sqrt(3)  # Pa: its yield in shear
 
 
 @dataclass(frozen=True, kw_only=True)
