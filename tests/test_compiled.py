@@ -17,7 +17,7 @@ from numba.core.dispatcher import Dispatcher
 from waiting import HANGING
 
 from fem.numerics import compiled_files
-from fem.numerics.compiled import FLOAT, INTEGER, VECTOR, Inner, Signature, apart, inner, reached, stored
+from fem.numerics.compiled import FLOAT, INTEGER, VECTOR, Inner, Signature, apart, inner, reached, stored, views
 from fem.storage.cache_folder import CacheWarning
 from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules
@@ -234,6 +234,18 @@ def test_errors_of_the_function_and_of_its_compilation_reach_the_caller(monkeypa
     with pytest.raises(RuntimeError, match="nonsense could not be compiled"):
         other(1.0)
     assert "Unknown attribute 'missing'" in said[0]
+
+
+def test_views_stand_one_behind_the_other_in_a_vector():
+    @njit
+    def filled(numbers, rows):
+        first, second, third = views(numbers, 1, 3, (rows, 2))
+        first[0, 1], second[rows - 1, 0], third[0, 0] = 1.0, 2.0, 3.0
+        return first.shape, second[rows - 1].sum() + numbers[0]
+
+    numbers = np.zeros(20)
+    assert filled(numbers, 3) == ((3, 2), 2.0)
+    assert np.flatnonzero(numbers).tolist() == [1 + 1, 1 + 6 + 4, 1 + 12]
 
 
 def test_an_inner_function_runs_in_python_too():

@@ -35,8 +35,11 @@ from llvmlite import ir
 from numba import njit, types
 from numba.core import cgutils
 from numba.core.compiler import CompileResult
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.errors import RequireLiteralValue
 from numba.core.serialize import dumps
 from numba.extending import intrinsic, typeof_impl
+from numba.np.arrayobj import populate_array
 
 from fem.numerics import compiled_files
 
@@ -45,6 +48,12 @@ VECTOR, MATRIX, CUBE = (types.Array(FLOAT, n, "C") for n in (1, 2, 3))
 INTEGERS, INTEGER_MATRIX = types.Array(INTEGER, 1, "C"), types.Array(INTEGER, 2, "C")
 
 PLAIN: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+INLINE: dict[str, Any] = {"forceinline": True, "fastmath": {"contract"}}
+SPREAD: dict[str, Any] = {
+    **PLAIN,
+    "inline": "always",
+}  # of functions that call many others
+SUMS: dict[str, Any] = {"forceinline": True, "fastmath": {"contract", "reassoc", "nsz"}}  # terms in any order
 _NO_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _kept: list[Any] = []  # compiled code refers to the cells as long as the process lives
 _ADDRESS = ir.IntType(8).as_pointer()
@@ -141,11 +150,32 @@ class _Stored:
         return f"{function}-{hashlib.sha256(key.encode()).hexdigest()[:16]}.code", key
 
 
+def _lightly_optimised(compiling: Callable) -> Callable:
+    """A dispatcher's `compile` that leaves the expensive passes to the function which takes in what it compiles.
+
+    The compiler optimises every function by itself, then once more in each of its callers. With a light pass for inner
+    functions the mesh law compiles in two thirds of the time (28 s for 38 s) to code of the same speed.
+    """
+    config: Any = numba.config
+
+    def compiled(signature: Any) -> Any:
+        with global_compiler_lock:
+            before = config.OPT, config.LOOP_VECTORIZE
+            config.OPT, config.LOOP_VECTORIZE = type(config.OPT)(1), 0
+            try:
+                return compiling(signature)
+            finally:
+                config.OPT, config.LOOP_VECTORIZE = before
+
+    return compiled
+
+
 class Inner:
     """A compiled function for compiled callers; called from Python, it runs as Python."""
 
     def __init__(self, function: Callable, **options: Any) -> None:
         self.compiled: Any = njit(**{**PLAIN, **_NO_ENTRY, **options})(function)
+        self.compiled.compile = _lightly_optimised(self.compiled.compile)
         functools.update_wrapper(self, function)
 
     def __call__(self, *values: Any) -> Any:
@@ -178,6 +208,41 @@ def _lent(typingctx: Any, array: types.Array) -> tuple[Any, Callable]:
 
 
 lent: Any = intrinsic(_lent)
+
+
+def _views(typingctx: Any, vector: Any, start: Any, count: Any, shape: Any) -> tuple[Any, Callable]:
+    """Tuple of `count` arrays of one shape, one behind the other on the numbers of a vector from `start` on.
+
+    They are lent, as by `lent`, and may not reach beyond the vector. This costs nothing, and where start and shape are
+    constants, the compiler knows that the arrays do not overlap.
+    """
+    if not isinstance(count, types.IntegerLiteral):
+        raise RequireLiteralValue("the number of views must be a literal")
+    result = types.UniTuple(types.Array(vector.dtype, shape.count, "C"), count.literal_value)
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        whole = context.make_array(vector)(context, builder, values[0])
+        place = context.cast(builder, values[1], signature.args[1], types.intp)
+        sizes = [
+            context.cast(builder, size, kind, types.intp)
+            for size, kind in zip(cgutils.unpack_tuple(builder, values[3]), signature.args[3], strict=True)
+        ]
+        strides = [context.get_constant(types.intp, vector.dtype.bitwidth // 8)]
+        for size in reversed(sizes[1:]):
+            strides.insert(0, builder.mul(strides[0], size))
+        total, arrays = functools.reduce(builder.mul, sizes), []
+        for _ in range(result.count):
+            array = context.make_array(result.dtype)(context, builder)
+            data, item = builder.gep(whole.data, [place]), strides[-1]
+            populate_array(array, data=data, shape=sizes, strides=strides, itemsize=item, meminfo=None)
+            arrays.append(array._getvalue())
+            place = builder.add(place, total)
+        return context.make_tuple(builder, result, arrays)
+
+    return result(vector, start, count, shape), generate
+
+
+views: Any = intrinsic(_views)
 
 
 def apart(result: types.Type, *arguments: types.Type) -> Callable:
