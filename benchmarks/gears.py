@@ -12,7 +12,8 @@ from numba import njit
 from benchmarks.clock import timed
 from benchmarks.rig import Laws, keep, plane_law, read, stage_law
 from fem.contact.evaluation.curves import stiffness_curve
-from fem.contact.evaluation.evaluator import checked_teeth, evaluate, law_tables
+from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.kernel import evaluate
 
 CALLS = 20_000
 
@@ -59,8 +60,8 @@ def per_call(pair_laws: Laws, force: float) -> dict[str, float]:
     cycle = np.random.default_rng(0).uniform(0.0, 100.0, CALLS)
     curve = stiffness_curve(drive, force)
     delta = np.interp(cycle % 1.0, curve.cycle, curve.transmission_error, period=1.0)
-    none = checked_teeth(drive, None, None)
-    tables = law_tables(drive)
+    law = LawEvaluator(drive)
+    none, tables = law.teeth(None, None), law.packed
     _many(tables, cycle[:2], delta[:2], 0.0, *none)
     seconds = []
     for _ in range(3):

@@ -14,7 +14,8 @@ from numba import njit
 
 from benchmarks.rig import plane_law, read
 from fem.contact.evaluation.curves import stiffness_curve
-from fem.contact.evaluation.evaluator import evaluate, evaluate_two, law_tables
+from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.kernel import evaluate, evaluate_two
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import tooth_terms
 
@@ -55,7 +56,7 @@ def motion(law: MeshLaw) -> tuple[np.ndarray, ...]:
 
 def microseconds(law: MeshLaw) -> dict[str, float]:
     """CPU time per call: one state, and two states at one cycle (best of five runs)."""
-    tables, states, found = law_tables(law), motion(law), {}
+    tables, states, found = LawEvaluator(law).packed, motion(law), {}
     for name, run in (("one state", _once), ("two states", _twice)):
         run(tables, *(v[:2] for v in states[:3]), *states[3:])
         taken = []

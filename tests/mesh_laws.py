@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fem.contact.evaluation.evaluator import evaluate_law
+from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.faults.missing_tooth import MissingTooth
 from fem.contact.law import MeshLaw
 
@@ -52,13 +52,14 @@ def potential_errors(law, states, pinion=None, wheel=None):
     Central differences, so that a state on a kink (a pair just touching, a grid point of the tables) is off.
     """
     cycle, delta, psi = states
+    evaluator = LawEvaluator(law)
 
     def slope(field, dc=0.0, dd=0.0, dp=0.0):
-        ahead = evaluate_law(law, cycle + dc, delta + dd, psi + dp, pinion, wheel)
-        behind = evaluate_law(law, cycle - dc, delta - dd, psi - dp, pinion, wheel)
+        ahead = evaluator.evaluate(cycle + dc, delta + dd, psi + dp, pinion, wheel)
+        behind = evaluator.evaluate(cycle - dc, delta - dd, psi - dp, pinion, wheel)
         return (getattr(ahead, field) - getattr(behind, field)) / (2 * (dc + dd + dp))
 
-    found = evaluate_law(law, cycle, delta, psi, pinion, wheel)
+    found = evaluator.evaluate(cycle, delta, psi, pinion, wheel)
     pairs = (
         (found.force, slope("energy", dd=1e-10)),
         (found.moment, slope("energy", dp=1e-8)),

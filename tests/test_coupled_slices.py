@@ -7,15 +7,8 @@ import pytest
 from mesh_laws import made_up_law, potential_errors
 from scipy.optimize import root
 
-from fem.contact.evaluation.evaluator import (
-    LawError,
-    checked_teeth,
-    evaluate,
-    evaluate_law,
-    evaluate_two,
-    law_tables,
-    shares,
-)
+from fem.contact.evaluation.evaluator import LawError, LawEvaluator
+from fem.contact.evaluation.kernel import evaluate, evaluate_two
 from fem.contact.models.solid_condensation import fit_terms
 
 XI = np.linspace(-1.5, 1.5, 201)
@@ -101,10 +94,10 @@ def dense(law, cycle, delta, psi):
     raise AssertionError("no set of contacts found")
 
 
-@pytest.mark.parametrize("name", ["usual", "body only", "spread only"])
+@pytest.mark.parametrize("name", ["usual", "three pairs", "body only", "spread only"])
 def test_coupled_slices_are_the_dense_solution(name):
     for state in ((0.1, 2e-5, 0.0), (0.62, 1.5e-5, 1e-4), (3.4, 2.5e-5, -2e-4)):
-        r = evaluate_law(LAWS[name], *state)
+        r = LawEvaluator(LAWS[name]).evaluate(*state)
         force, moment = dense(LAWS[name], *state)
         assert float(r.force) == pytest.approx(force, rel=1e-6)
         assert float(r.moment) == pytest.approx(moment, rel=1e-5, abs=1e-6 * force * 0.03)
@@ -114,9 +107,9 @@ def test_bodies_alone_are_the_plain_law_at_the_approach_they_leave():
     """Also where they tilt into contacts that the free approach leaves open."""
     law = TWO.replaced(body_compliance=8e-10, tilt_compliance=5e-4)
     c, delta, psi = states(60)
-    r = evaluate_law(law, c, delta, psi)
+    r = LawEvaluator(law).evaluate(c, delta, psi)
     d, t = law.body_compliance * r.force, law.tilt_compliance * r.moment
-    plain = evaluate_law(TWO, c, delta - d, psi - t)
+    plain = LawEvaluator(TWO).evaluate(c, delta - d, psi - t)
     energy = plain.energy + (d * r.force + t * r.moment) / 2
     for found, exact in ((r.force, plain.force), (r.moment, plain.moment), (r.energy, energy)):
         assert found == pytest.approx(exact, rel=1e-9, abs=1e-10 * np.abs(exact).max())
@@ -128,7 +121,7 @@ def test_bodies_alone_are_the_plain_law_at_the_approach_they_leave():
 @pytest.mark.slow  # compiles the doors for single states
 @EVERY_LAW
 def test_two_states_at_one_cycle_are_two_evaluations(law):
-    tables, teeth = law_tables(law), checked_teeth(law, None, None)
+    tables, teeth = LawEvaluator(law).packed, LawEvaluator(law).teeth(None, None)
     c, delta, psi = states(30)
     _, before, tilt = states(30, seed=9)
     for k in range(30):
@@ -149,11 +142,11 @@ def test_every_derivative_is_that_of_one_potential(law):
 def test_energy_is_convex_and_load_runs_from_nothing_to_absurd(law):
     c, delta, psi = states(60)
     _, other, tilt = states(60, seed=8)
-    a, b = evaluate_law(law, c, delta, psi), evaluate_law(law, c, other, tilt)
-    middle = evaluate_law(law, c, (delta + other) / 2, (psi + tilt) / 2)
+    a, b = LawEvaluator(law).evaluate(c, delta, psi), LawEvaluator(law).evaluate(c, other, tilt)
+    middle = LawEvaluator(law).evaluate(c, (delta + other) / 2, (psi + tilt) / 2)
     assert (middle.energy <= (a.energy + b.energy) / 2 * (1 + 1e-10)).all()
     assert (a.stiffness * a.tilt_stiffness >= a.cross_stiffness**2 * (1 - 1e-9)).all()
-    rising = evaluate_law(law, 0.2, np.logspace(-10, -2, 80), 1e-5)
+    rising = LawEvaluator(law).evaluate(0.2, np.logspace(-10, -2, 80), 1e-5)
     assert np.isfinite(rising.force).all()
     assert (np.diff(rising.force) > 0).all()
 
@@ -161,17 +154,21 @@ def test_energy_is_convex_and_load_runs_from_nothing_to_absurd(law):
 @EVERY_LAW
 def test_shares_sum_to_the_force(law):
     for state in zip(*states(8), strict=True):
-        assert shares(law, *state)[1].sum() == pytest.approx(float(evaluate_law(law, *state).force), rel=1e-9)
+        assert LawEvaluator(law).shares(*state)[1].sum() == pytest.approx(
+            float(LawEvaluator(law).evaluate(*state).force), rel=1e-9
+        )
 
 
 def test_a_stiff_face_and_a_short_length_are_the_limits():
     """a -> 0: the spread part is one more compliance of the slice; no helix, even load: any a is the same."""
     short = TWO.replaced(spread_compliance=np.full(201, 2e-11), spread_length=1e-7)
     local = TWO.replaced(compliance=TWO.compliance + 2e-11)
-    assert evaluate_law(short, *states()).force == pytest.approx(evaluate_law(local, *states()).force, rel=1e-4)
+    assert LawEvaluator(short).evaluate(*states()).force == pytest.approx(
+        LawEvaluator(local).evaluate(*states()).force, rel=1e-4
+    )
     spur = made_up_law(slices=15, helix=0.0).replaced(spread_compliance=np.full(201, 2e-11))
     cycle = np.linspace(0, 1, 9)
-    forces = [evaluate_law(spur.replaced(spread_length=a), cycle, 1e-5).force for a in (1e-4, 5e-3, 1.0)]
+    forces = [LawEvaluator(spur.replaced(spread_length=a)).evaluate(cycle, 1e-5).force for a in (1e-4, 5e-3, 1.0)]
     assert forces[0] == pytest.approx(forces[1], rel=1e-9)
     assert forces[0] == pytest.approx(forces[2], rel=1e-6)
 
@@ -209,6 +206,8 @@ def test_condensation_finds_the_terms_it_is_made_of():
 
 def test_body_terms_that_are_not_positive_are_refused():
     with pytest.raises(LawError, match="skew_compliance"):
-        evaluate_law(TWO.replaced(body_compliance=1e-10, skew_compliance=1e-6, tilt_compliance=1e-6), 0.0, 1e-6)
+        LawEvaluator(TWO.replaced(body_compliance=1e-10, skew_compliance=1e-6, tilt_compliance=1e-6)).evaluate(
+            0.0, 1e-6
+        )
     with pytest.raises(LawError, match="negative"):
-        evaluate_law(TWO.replaced(body_compliance=-1e-10), 0.0, 1e-6)
+        LawEvaluator(TWO.replaced(body_compliance=-1e-10)).evaluate(0.0, 1e-6)

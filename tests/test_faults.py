@@ -9,8 +9,8 @@ from rings import POISSON, YOUNG, whole_ring_response
 from scipy.integrate import quad
 
 from benchmarks.gear_pairs import gear_pair
-from fem.contact.evaluation.curves import no_load_error, stiffness_curve
-from fem.contact.evaluation.evaluator import evaluate_law, shares
+from fem.contact.evaluation.curves import stiffness_curve
+from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.faults.changed_law import damaged_law
 from fem.contact.faults.chipped_tooth import ChippedTooth
 from fem.contact.faults.cracked_tooth import CrackedTooth, crack_compliance
@@ -119,7 +119,7 @@ def test_a_crack_softens_its_own_flank_in_its_slices_only(laws):
     assert cracked[0] == pytest.approx(alone)
     assert alone[0] > 2 * alone[-1]  # the wheel tip comes first on the path and bends most
     teeth = one_variant(55, 0)
-    sound, soft = (evaluate_law(drive, np.linspace(-1.5, 1.5, 60), 5e-6, 0.0, None, t) for t in (None, teeth))
+    sound, soft = (LawEvaluator(drive).evaluate(np.linspace(-1.5, 1.5, 60), 5e-6, 0.0, None, t) for t in (None, teeth))
     change = sound.force - soft.force
     assert (change >= -1e-9 * sound.force).all()
     assert change.max() > 0.01 * sound.force.max()
@@ -130,8 +130,8 @@ def test_a_chip_over_the_whole_face_and_height_is_a_missing_tooth(laws):
     height = PAIR.pinion.tip_radius - PAIR.pinion.root_radius
     law = damaged_law(laws[0], PAIR, "pinion", [ChippedTooth(extent=12e-3, depth=height)])
     cycle = np.linspace(-2, 2, 81)
-    chipped = evaluate_law(law, cycle, 6e-6, 1e-4, one_variant(20, 0))
-    gone = evaluate_law(law, cycle, 6e-6, 1e-4, missing_tooth(np.zeros(20), 0))
+    chipped = LawEvaluator(law).evaluate(cycle, 6e-6, 1e-4, one_variant(20, 0))
+    gone = LawEvaluator(law).evaluate(cycle, 6e-6, 1e-4, missing_tooth(np.zeros(20), 0))
     assert chipped.force == pytest.approx(gone.force, rel=1e-12)
     assert chipped.moment == pytest.approx(gone.moment, rel=1e-12)
 
@@ -163,10 +163,10 @@ def test_a_broken_corner_is_deepest_at_its_end():
 def test_even_wear_of_a_tooth_is_its_clearance(laws):
     law = damaged_law(laws[0], PAIR, "wheel", [WornTooth(depth=7e-6)])
     cycle = np.linspace(-2, 2, 41)
-    worn = evaluate_law(law, cycle, 1e-5, 0.0, None, one_variant(55, 0))
+    worn = LawEvaluator(law).evaluate(cycle, 1e-5, 0.0, None, one_variant(55, 0))
     clearance = np.zeros(55)
     clearance[0] = 7e-6
-    assert worn.force == pytest.approx(evaluate_law(law, cycle, 1e-5, 0.0, None, clearance).force, rel=1e-12)
+    assert worn.force == pytest.approx(LawEvaluator(law).evaluate(cycle, 1e-5, 0.0, None, clearance).force, rel=1e-12)
 
 
 def test_local_wear_stays_in_its_place(laws):
@@ -187,14 +187,14 @@ def test_without_a_tooth_spur_gears_drop_onto_the_tip_edges_of_the_neighbours():
     law = Plane(refinement=0.5, slices=1).laws(SPUR)[0]
     gone = missing_tooth(np.zeros(20), 0)
     cycle = np.linspace(-1, 1, 401)
-    error = no_load_error(law, cycle, clearance_pinion=gone)
+    error = LawEvaluator(law).no_load(cycle, pinion=gone)
     open_part = (error > 1e-9).mean() * 2
     assert open_part == pytest.approx(2 - SPUR.transverse_contact_ratio, abs=0.02)
     expected = np.minimum(path_points(SPUR, cycle + 1, 1e-3).gap, path_points(SPUR, cycle - 1, 1e-3).gap)
     assert error == pytest.approx(expected, abs=0.01 * expected.max())
     assert 10e-6 < error.max() < 100e-6
     middle = cycle[np.argmax(error)]
-    pairs, force = shares(law, float(middle), float(error.max()) + 30e-6, 0.0, gone)
+    pairs, force = LawEvaluator(law).shares(float(middle), float(error.max()) + 30e-6, 0.0, gone)
     assert set(pairs[force > 0]) <= {-1, 1}
     assert force.sum() > 0
 
@@ -202,7 +202,7 @@ def test_without_a_tooth_spur_gears_drop_onto_the_tip_edges_of_the_neighbours():
 def test_where_lines_overlap_a_missing_tooth_opens_no_gap():
     wide = gear_pair((20, 55), 2, 15, 30, bores_mm=(12.5, 17.5))
     law = Plane(refinement=0.5).laws(wide)[0]
-    error = no_load_error(law, np.linspace(-2, 2, 161), clearance_pinion=missing_tooth(np.zeros(20), 0))
+    error = LawEvaluator(law).no_load(np.linspace(-2, 2, 161), pinion=missing_tooth(np.zeros(20), 0))
     assert error == pytest.approx(0.0, abs=1e-9)
 
 

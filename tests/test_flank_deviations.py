@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.gear_pairs import gear_pair
-from fem.contact.evaluation.evaluator import evaluate_law
+from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.models.iso import Iso
 from fem.contact.teeth import tooth_terms
 from fem.gears.flank_deviations import flank_tolerance, sample_flank_deviations
@@ -75,8 +75,8 @@ def test_a_law_takes_the_deviations_of_every_tooth():
     law = Iso().law(PAIR)
     cycle = np.linspace(0, 20, 161)
     teeth = tooth_terms(20, **vars(sample_flank_deviations(PAIR, "pinion", 7, 1)["drive"]))
-    found = evaluate_law(law, cycle, 8e-6, 0.0, teeth)
-    plain = evaluate_law(law, cycle, 8e-6)
+    found = LawEvaluator(law).evaluate(cycle, 8e-6, 0.0, teeth)
+    plain = LawEvaluator(law).evaluate(cycle, 8e-6)
     assert np.isfinite(found.force).all()
     assert 0.01 < np.abs(found.force / plain.force - 1).max() < 1.0
     assert np.abs(found.moment).max() > 2 * np.abs(plain.moment).max()

@@ -9,7 +9,7 @@ from mesh_laws import missing_tooth
 
 from benchmarks.gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur
 from fem.contact.evaluation.curves import stiffness_curve
-from fem.contact.evaluation.evaluator import evaluate_law
+from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.frame import RungError, flank_frame
 from fem.contact.models.iso import Iso, blank_factor, rack_factor
 from fem.elements.materials import CAST_IRON, STEEL, Material, MaterialError
@@ -69,7 +69,7 @@ def test_mean_over_a_pitch_is_the_standard_value(helix, face, tolerance):
     """k along the transverse line of action, F_bt = c_gamma_alpha b delta."""
     pair = gear_pair((20, 55), 2, helix, face)
     cycle = (np.arange(4000) + 0.5) / 4000
-    mean = evaluate_law(Iso().law(pair), cycle, 5e-6).stiffness.mean()
+    mean = LawEvaluator(Iso().law(pair)).evaluate(cycle, 5e-6).stiffness.mean()
     assert mean == pytest.approx(Iso().stiffness(pair).mean * pair.face_width, rel=tolerance)
 
 
@@ -81,7 +81,7 @@ def test_shape_is_the_contact_line_length(helix, face, flank):
     cycle = np.linspace(0, 1, 401)
     own = law.cycle_sign * cycle + law.cycle_offset
     mean = pair.transverse_contact_ratio * pair.face_width / math.cos(pair.base_helix_angle)
-    stiffness = evaluate_law(law, cycle, 5e-6).stiffness / (Iso().stiffness(pair).mean * pair.face_width)
+    stiffness = LawEvaluator(law).evaluate(cycle, 5e-6).stiffness / (Iso().stiffness(pair).mean * pair.face_width)
     assert stiffness == pytest.approx(line_length(pair, own) / mean, abs=2e-4)
 
 
@@ -90,13 +90,13 @@ def test_helix_to_zero_gives_the_spur_law():
     cycle = np.linspace(0, 1, 101)
     ends = np.array([spur.xi_start, spur.xi_end])
     away = (np.abs((cycle[:, None] - ends + 0.5) % 1.0 - 0.5) > 0.01).all(axis=1)
-    a, b = (evaluate_law(Iso().law(pair), cycle[away], 5e-6).force for pair in (spur, nearly))
+    a, b = (LawEvaluator(Iso().law(pair)).evaluate(cycle[away], 5e-6).force for pair in (spur, nearly))
     assert a == pytest.approx(b, rel=1e-6)
 
 
 def test_stiffness_responds_to_the_helix():
-    peaks = [np.ptp(evaluate_law(Iso().law(gear_pair((20, 55), 2, beta, 12)), np.linspace(0, 1, 200), 5e-6).stiffness)
-             for beta in (0, 6, 12, 20)]  # fmt: skip
+    laws = (LawEvaluator(Iso().law(gear_pair((20, 55), 2, beta, 12))) for beta in (0, 6, 12, 20))
+    peaks = [np.ptp(law.evaluate(np.linspace(0, 1, 200), 5e-6).stiffness) for law in laws]
     assert (np.diff(peaks) < 0).all()
     means = [Iso().stiffness(gear_pair((20, 55), 2, beta, 12)).mean for beta in (0, 10, 20, 30)]
     assert (np.diff(means) < 0).all()
@@ -105,7 +105,7 @@ def test_stiffness_responds_to_the_helix():
 def test_tilt_stiffness_of_a_full_line():
     """With a pair in contact over the whole face dM/d psi = k b^2 / 12 (slices: less by 1 / n^2)."""
     pair = gear_pair((20, 55), 2, 0, 12)
-    r = evaluate_law(Iso(slices=20).law(pair), 0.0, 5e-6)
+    r = LawEvaluator(Iso(slices=20).law(pair)).evaluate(0.0, 5e-6)
     assert r.tilt_stiffness == pytest.approx(r.stiffness * 0.012**2 / 12 * (1 - 1 / 400), rel=1e-9)
     assert r.cross_stiffness == pytest.approx(0.0, abs=1e-9 * float(r.stiffness))
 
@@ -114,7 +114,7 @@ def test_missing_tooth_lowers_the_stiffness_by_its_line():
     pair = gear_pair((20, 55), 2, 12, 12)
     law = Iso(edge_onset=50e-6).law(pair)
     cycle = np.linspace(-1.5, 1.5, 301)
-    broken = evaluate_law(law, cycle, 5e-6, 0.0, None, missing_tooth(np.zeros(55), 0)).stiffness
+    broken = LawEvaluator(law).evaluate(cycle, 5e-6, 0.0, None, missing_tooth(np.zeros(55), 0)).stiffness
     mean = pair.transverse_contact_ratio * pair.face_width / math.cos(pair.base_helix_angle)
     expected = line_length(pair, cycle, missing=True) / mean
     assert broken / (Iso().stiffness(pair).mean * pair.face_width) == pytest.approx(expected, abs=2e-4)

@@ -9,8 +9,9 @@ from mesh_laws import made_up_law, missing_tooth, potential_errors
 from scipy.integrate import trapezoid
 from scipy.optimize import root
 
-from fem.contact.evaluation.curves import no_load_error, stiffness_curve
-from fem.contact.evaluation.evaluator import LawError, evaluate, evaluate_law, law_tables, shares
+from fem.contact.evaluation.curves import stiffness_curve
+from fem.contact.evaluation.evaluator import LawError, LawEvaluator
+from fem.contact.evaluation.kernel import evaluate
 from fem.contact.teeth import tooth_terms
 
 LAWS = {
@@ -100,7 +101,7 @@ def solve_by_enumeration(pairs, data, slope):
 def test_force_satisfies_the_contact_conditions(law):
     h1, h2 = clearances()
     for state in zip(*random_states(6), strict=True):
-        found = float(evaluate_law(law, *state, h1, h2).force)
+        found = float(LawEvaluator(law).evaluate(*state, h1, h2).force)
         assert found == pytest.approx(reference_force(law, *state, h1, h2), rel=1e-6, abs=1e-3)
 
 
@@ -116,8 +117,8 @@ def test_energy_is_convex_and_force_never_negative(law):
     c, delta, psi = random_states(200)
     _, other, tilt = random_states(200, seed=8)
     h = clearances()
-    a, b = evaluate_law(law, c, delta, psi, *h), evaluate_law(law, c, other, tilt, *h)
-    middle = evaluate_law(law, c, (delta + other) / 2, (psi + tilt) / 2, *h)
+    a, b = LawEvaluator(law).evaluate(c, delta, psi, *h), LawEvaluator(law).evaluate(c, other, tilt, *h)
+    middle = LawEvaluator(law).evaluate(c, (delta + other) / 2, (psi + tilt) / 2, *h)
     assert (middle.energy <= (a.energy + b.energy) / 2 * (1 + 1e-12)).all()
     assert (a.force >= 0).all()
     assert (a.stiffness >= 0).all()
@@ -128,23 +129,25 @@ def test_energy_is_convex_and_force_never_negative(law):
 def test_shares_sum_to_the_force(law):
     h = clearances()
     for c, delta, psi in zip(*random_states(20), strict=True):
-        _, force = shares(law, c, delta, psi, *h)
-        assert force.sum() == pytest.approx(float(evaluate_law(law, c, delta, psi, *h).force), rel=1e-12)
+        _, force = LawEvaluator(law).shares(c, delta, psi, *h)
+        assert force.sum() == pytest.approx(float(LawEvaluator(law).evaluate(c, delta, psi, *h).force), rel=1e-12)
         assert (force >= 0).all()
 
 
 @EVERY_LAW
 def test_period_is_one_cycle_without_deviations(law):
     c, delta, psi = random_states()
-    here, there = evaluate_law(law, c, delta, psi), evaluate_law(law, c + 7, delta, psi)
+    here, there = LawEvaluator(law).evaluate(c, delta, psi), LawEvaluator(law).evaluate(c + 7, delta, psi)
     for a, b in zip(here, there, strict=True):
         assert a == pytest.approx(b, rel=1e-9, abs=1e-9 * np.abs(a).max())
 
 
 def test_no_contact_gives_zeros():
-    response = evaluate_law(LAWS["hertz coupled"], 0.3, -1e-3)
+    response = LawEvaluator(LAWS["hertz coupled"]).evaluate(0.3, -1e-3)
     assert all(value == 0.0 for value in response)
-    every_tooth_missing = evaluate_law(LAWS["hertz coupled"], 0.3, 1e-5, 0.0, np.full(20, np.inf), np.zeros(55))
+    every_tooth_missing = LawEvaluator(LAWS["hertz coupled"]).evaluate(
+        0.3, 1e-5, 0.0, np.full(20, np.inf), np.zeros(55)
+    )
     assert every_tooth_missing.force == 0.0
 
 
@@ -156,7 +159,7 @@ def test_hertz_line_contact_of_a_single_pair():
     compliance, offset = law.compliance[middle], law.contact_offset[middle]
     f = 2e5
     x = compliance * f + law.contact_slope * f * (offset - math.log(f))
-    response = evaluate_law(law, 3.0, x, 0.0, only, np.zeros(55))
+    response = LawEvaluator(law).evaluate(3.0, x, 0.0, only, np.zeros(55))
     assert float(response.force) == pytest.approx(0.03 * f, rel=1e-13)
     load = np.linspace(0.0, f, 200001)[1:]
     approach = compliance * load + law.contact_slope * load * (offset - np.log(load))
@@ -173,15 +176,17 @@ def missing_all_but(teeth, kept):
 def test_a_missing_tooth_acts_in_its_window_only():
     law = LAWS["hertz coupled"]
     cycle = np.linspace(-4, 4, 401)
-    whole = evaluate_law(law, cycle, 1e-5).force
-    broken = evaluate_law(law, cycle, 1e-5, 0.0, None, missing_tooth(np.zeros(55), 0)).force
+    whole = LawEvaluator(law).evaluate(cycle, 1e-5).force
+    broken = LawEvaluator(law).evaluate(cycle, 1e-5, 0.0, None, missing_tooth(np.zeros(55), 0)).force
     reach = 1.5 + 0.5  # half the grid and half the overlap
     assert np.array_equal(whole[np.abs(cycle) > reach], broken[np.abs(cycle) > reach])
     assert (broken[np.abs(cycle) < 0.7] < 0.8 * whole[np.abs(cycle) < 0.7]).all()
     assert (broken <= whole * (1 + 1e-12)).all()
     # pinion tooth 3 meets wheel tooth 3 in cycle 3, wheel tooth 23 in cycle 23
-    again = evaluate_law(law, 23.0, 1e-5, 0.0, missing_tooth(np.zeros(20), 3), None).force
-    assert again == pytest.approx(evaluate_law(law, 23.0, 1e-5, 0.0, None, missing_tooth(np.zeros(55), 23)).force)
+    again = LawEvaluator(law).evaluate(23.0, 1e-5, 0.0, missing_tooth(np.zeros(20), 3), None).force
+    assert again == pytest.approx(
+        LawEvaluator(law).evaluate(23.0, 1e-5, 0.0, None, missing_tooth(np.zeros(55), 23)).force
+    )
 
 
 def test_coast_is_the_mirror_image_of_drive():
@@ -190,7 +195,7 @@ def test_coast_is_the_mirror_image_of_drive():
         flank="coast", cycle_sign=-1, cycle_offset=0.48, wheel_tooth_offset=1, cycle_shift=-drive.cycle_shift
     )
     c, delta, psi = random_states()
-    a, b = evaluate_law(coast, c, delta, psi), evaluate_law(drive, 0.48 - c, delta, -psi)
+    a, b = LawEvaluator(coast).evaluate(c, delta, psi), LawEvaluator(drive).evaluate(0.48 - c, delta, -psi)
     assert a.force == pytest.approx(b.force, rel=1e-12)
     assert a.moment == pytest.approx(-b.moment, rel=1e-9, abs=1e-9)
     assert a.energy_slope == pytest.approx(-b.energy_slope, rel=1e-9, abs=1e-9 * np.abs(b.energy_slope).max())
@@ -198,7 +203,7 @@ def test_coast_is_the_mirror_image_of_drive():
 
 def test_the_force_keeps_rising_at_absurd_loads():
     delta = np.logspace(-9, 1, 200)
-    r = evaluate_law(LAWS["hertz coupled"], 0.2, delta, 0.0)
+    r = LawEvaluator(LAWS["hertz coupled"]).evaluate(0.2, delta, 0.0)
     assert np.isfinite(r.force).all()
     assert (np.diff(r.force) > 0).all()
     assert (np.diff(r.energy) > 0).all()
@@ -206,8 +211,8 @@ def test_the_force_keeps_rising_at_absurd_loads():
 
 def test_compiled_call_and_array_call_agree():
     law = LAWS["hertz coupled"]
-    direct = evaluate(law_tables(law), 12.3, 1.1e-5, 2e-4, tooth_terms(20), tooth_terms(55))
-    assert direct == pytest.approx([float(v) for v in evaluate_law(law, 12.3, 1.1e-5, 2e-4)], rel=1e-15)
+    direct = evaluate(LawEvaluator(law).packed, 12.3, 1.1e-5, 2e-4, tooth_terms(20), tooth_terms(55))
+    assert direct == pytest.approx([float(v) for v in LawEvaluator(law).evaluate(12.3, 1.1e-5, 2e-4)], rel=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -222,17 +227,17 @@ def test_compiled_call_and_array_call_agree():
 )
 def test_impossible_laws_are_refused(changes, message):
     with pytest.raises(LawError, match=message):
-        evaluate_law(made_up_law(**changes), 0.0, 1e-6)
+        LawEvaluator(made_up_law(**changes)).evaluate(0.0, 1e-6)
 
 
 def test_bad_clearances_and_states_are_refused():
     law = LAWS["linear"]
     with pytest.raises(LawError, match="20 teeth"):
-        evaluate_law(law, 0.0, 1e-6, 0.0, np.zeros(7))
+        LawEvaluator(law).evaluate(0.0, 1e-6, 0.0, np.zeros(7))
     with pytest.raises(LawError, match="tooth 4"):
-        evaluate_law(law, 0.0, 1e-6, 0.0, np.where(np.arange(20) == 4, np.nan, 0.0))
+        LawEvaluator(law).evaluate(0.0, 1e-6, 0.0, np.where(np.arange(20) == 4, np.nan, 0.0))
     with pytest.raises(LawError, match="delta is not finite"):
-        evaluate_law(law, 0.0, np.nan)
+        LawEvaluator(law).evaluate(0.0, np.nan)
 
 
 # curves
@@ -242,7 +247,7 @@ def test_bad_clearances_and_states_are_refused():
 def test_curve_solves_for_the_load(psi):
     law, h = LAWS["hertz coupled"], clearances()
     curve = stiffness_curve(law, 3000.0, np.linspace(5, 9, 41), psi=psi, clearance_pinion=h[0], clearance_wheel=h[1])
-    r = evaluate_law(law, curve.cycle, curve.transmission_error, curve.tilt, *h)
+    r = LawEvaluator(law).evaluate(curve.cycle, curve.transmission_error, curve.tilt, *h)
     assert r.force == pytest.approx(np.full(41, 3000.0), rel=1e-9)
     assert curve.tangent == pytest.approx(r.stiffness, rel=1e-12)
     assert curve.secant * (curve.transmission_error - curve.no_load_error) == pytest.approx(np.full(41, 3000.0))
@@ -257,9 +262,17 @@ def test_no_load_error_is_where_contact_begins():
     law, h = LAWS["hertz coupled"], clearances()
     cycle = np.linspace(3, 12, 91)
     for psi in (0.0, -3e-4):
-        start = no_load_error(law, cycle, psi, *h)
-        assert (evaluate_law(law, cycle, start - 1e-12, psi, *h).force == 0.0).all()
-        assert (evaluate_law(law, cycle, start + 1e-9, psi, *h).force > 0.0).all()
+        start = LawEvaluator(law).no_load(cycle, psi, *h)
+        assert (LawEvaluator(law).evaluate(cycle, start - 1e-12, psi, *h).force == 0.0).all()
+        assert (LawEvaluator(law).evaluate(cycle, start + 1e-9, psi, *h).force > 0.0).all()
+
+
+@EVERY_LAW
+def test_approach_at_a_load_carries_it(law):
+    evaluator, cycle = LawEvaluator(law), np.linspace(3, 12, 31)
+    for force in (1e-3, 3e3, 1e6):
+        delta = evaluator.approach_at(force, cycle, 1e-4, *clearances())
+        assert evaluator.evaluate(cycle, delta, 1e-4, *clearances()).force == pytest.approx(force, rel=1e-9)
 
 
 def test_no_tooth_in_reach_is_an_error():

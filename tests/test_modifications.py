@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from benchmarks.gear_pairs import gear_pair
-from fem.contact.evaluation.curves import no_load_error, stiffness_curve
-from fem.contact.evaluation.evaluator import evaluate_law
+from fem.contact.evaluation.curves import stiffness_curve
+from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.faults.changed_law import modified_law
 from fem.contact.frame import law_points
 from fem.contact.models.iso import Iso
@@ -112,8 +112,8 @@ def test_misalignment_of_the_axes_is_the_tilt_of_the_bodies(laws):
     axes = PairModifications(misalignment=Misalignment(out_of_plane=angle / math.cos(PAIR.working_pressure_angle)))
     bent = modified_law(laws[0], PAIR, axes)
     cycle = np.linspace(0, 1, 20)
-    tilted = evaluate_law(laws[0], cycle, 5e-6, -angle)
-    found = evaluate_law(bent, cycle, 5e-6, 0.0)
+    tilted = LawEvaluator(laws[0]).evaluate(cycle, 5e-6, -angle)
+    found = LawEvaluator(bent).evaluate(cycle, 5e-6, 0.0)
     assert found.force == pytest.approx(tilted.force, rel=1e-9)
     assert found.moment == pytest.approx(tilted.moment, rel=1e-9, abs=1e-9 * abs(tilted.moment).max())
 
@@ -147,8 +147,8 @@ def test_the_coast_flank_is_the_drive_flank_of_the_pair_in_the_mirror(laws):
     coast = modified_law(laws[1], PAIR, ALL)
     drive = modified_law(twin[0], other, mirrored(ALL))
     cycle = np.linspace(0, 1, 30)
-    seen = evaluate_law(drive, coast.cycle_offset - cycle, 2e-5, 2e-4)
-    found = evaluate_law(coast, cycle, 2e-5, 2e-4)
+    seen = LawEvaluator(drive).evaluate(coast.cycle_offset - cycle, 2e-5, 2e-4)
+    found = LawEvaluator(coast).evaluate(cycle, 2e-5, 2e-4)
     assert found.force == pytest.approx(seen.force, rel=1e-9)
     assert found.moment == pytest.approx(seen.moment, rel=1e-9, abs=1e-9 * abs(seen.moment).max())
 
@@ -163,7 +163,7 @@ def test_exchange_of_pinion_and_wheel_gives_the_same_law_backwards(laws):
     one = modified_law(laws[0], PAIR, ALL)
     two = modified_law(Plane(refinement=0.5).laws(turned)[0], turned, swapped)
     cycle = np.linspace(0, 1, 40, endpoint=False) + 0.011
-    first, second = evaluate_law(one, cycle, 2e-5, 2e-4), evaluate_law(two, -cycle, 2e-5, 2e-4)
+    first, second = LawEvaluator(one).evaluate(cycle, 2e-5, 2e-4), LawEvaluator(two).evaluate(-cycle, 2e-5, 2e-4)
     assert second.force == pytest.approx(first.force, rel=5e-4)
     assert second.moment == pytest.approx(first.moment, abs=5e-3 * np.abs(first.moment).max())
 
@@ -177,7 +177,7 @@ def test_as_the_load_goes_to_zero_the_error_is_the_geometric_one():
     geometric = np.min(
         [np.interp(cycle + n, xi[finite], law.gap[finite], left=np.inf, right=np.inf) for n in (-2, -1, 0, 1)], axis=0
     )
-    assert no_load_error(law, cycle) == pytest.approx(geometric, abs=1e-9)
+    assert LawEvaluator(law).no_load(cycle) == pytest.approx(geometric, abs=1e-9)
     for load in (10.0, 0.1):
         above = stiffness_curve(law, load, cycle).transmission_error - geometric
         assert (above > 0).all()
@@ -188,7 +188,7 @@ def test_a_tilt_that_unloads_half_the_face_stays_finite_and_convex(laws):
     steep = modified_law(laws[0], PAIR, PairModifications(misalignment=Misalignment(out_of_plane=8e-3)))
     cycle = np.linspace(0, 1, 21)
     delta = np.linspace(-2e-5, 6e-5, 41)
-    found = evaluate_law(steep, cycle[:, None], delta[None, :])
+    found = LawEvaluator(steep).evaluate(cycle[:, None], delta[None, :])
     assert np.isfinite(np.stack(found)).all()
     assert (np.diff(found.force, axis=1) >= -1e-9 * found.force.max()).all()
     curve = stiffness_curve(steep, 500.0)

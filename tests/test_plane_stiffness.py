@@ -8,9 +8,8 @@ from rings import whole_ring_response
 
 from benchmarks.checks import plane
 from benchmarks.gear_pairs import gear, thick_rimmed_pair
-from fem.contact.evaluation.evaluator import checked_teeth, evaluate, evaluate_shares, law_tables, share_reach
+from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.models.plane import Plane, PlaneError
-from fem.contact.teeth import tooth_terms
 from fem.contact.wheels import ring
 from fem.gears.sector import sector_mesh
 
@@ -32,13 +31,8 @@ def helical():
 
 
 def loaded(law, cycle, force, psi=0.0):
-    """delta (m) at which the law carries `force` (N), by bisection."""
-    tables, none = law_tables(law), checked_teeth(law, None, None)
-    low, high = 0.0, 90e-6
-    for _ in range(60):
-        delta = (low + high) / 2
-        low, high = (low, delta) if evaluate(tables, cycle, delta, psi, *none)[0] > force else (delta, high)
-    return (low + high) / 2
+    """delta (m) at which the law carries `force` (N)."""
+    return float(LawEvaluator(law).approach_at(force, cycle, psi)[0])
 
 
 # --- the ring ---------------------------------------------------------------------------------------------------------
@@ -186,24 +180,23 @@ def test_stiffness_responds_to_the_helix(spur, helical):
 
 
 def test_shares_sum_to_the_force_and_the_law_is_periodic(helical):
-    law = helical[0]
-    tables, none = law_tables(law), (tooth_terms(20), tooth_terms(55))
+    law = LawEvaluator(helical[0])
     for cycle in (0.0, 0.37, 0.81):
-        share = np.zeros(2 * share_reach(law) + 1)
-        force = evaluate_shares(tables, cycle, 6e-6, 1e-4, *none, share)[0]
+        _, share = law.shares(cycle, 6e-6, 1e-4)
+        force = law.evaluate(cycle, 6e-6, 1e-4).force
         assert (share >= 0).all()
         assert share.sum() == pytest.approx(force, rel=1e-12)
-        assert evaluate(tables, cycle + 3, 6e-6, 1e-4, *none)[0] == pytest.approx(force, rel=1e-9)
+        assert law.evaluate(cycle + 3, 6e-6, 1e-4).force == pytest.approx(force, rel=1e-9)
 
 
 def test_coast_is_the_mirror_image_of_drive(helical):
     drive, coast = helical
-    none = (tooth_terms(20), tooth_terms(55))
+    lag = thick_rimmed_pair(12.0, 12).thickness_cycle
     for u in (0.1, 0.55):
-        ahead = evaluate(law_tables(drive), u, 5e-6, 2e-4, *none)
-        mirrored = evaluate(law_tables(coast), thick_rimmed_pair(12.0, 12).thickness_cycle - u, 5e-6, -2e-4, *none)
-        assert mirrored[0] == pytest.approx(ahead[0], rel=1e-9)
-        assert mirrored[1] == pytest.approx(-ahead[1], rel=1e-9)
+        ahead = LawEvaluator(drive).evaluate(u, 5e-6, 2e-4)
+        mirrored = LawEvaluator(coast).evaluate(lag - u, 5e-6, -2e-4)
+        assert mirrored.force == pytest.approx(ahead.force, rel=1e-9)
+        assert mirrored.moment == pytest.approx(-ahead.moment, rel=1e-9)
     assert (coast.cycle_sign, coast.wheel_tooth_offset) == (-1, 1)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.contact.evaluation.evaluator import evaluate_law
+from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.faults.chipped_tooth import ChippedTooth
 from fem.contact.faults.cracked_tooth import CrackedTooth
 from fem.contact.faults.worn_tooth import WornTooth
@@ -158,8 +158,8 @@ def test_only_what_is_there_adds_a_stage(detailed, tmp_path):
     assert (law.gap[reached] - sound.gap[reached]).max() == pytest.approx(3e-6, rel=1e-3)
     cycle = np.linspace(2.0, 4.0, 21)
     _, wheel = mesh_faults(plant.machine.meshes[0])
-    soft = evaluate_law(law, cycle, 8e-6, 0.0, None, wheel).force
-    assert (soft < evaluate_law(law, cycle, 8e-6).force + 1e-9).all()
+    soft = LawEvaluator(law).evaluate(cycle, 8e-6, 0.0, None, wheel).force
+    assert (soft < LawEvaluator(law).evaluate(cycle, 8e-6).force + 1e-9).all()
 
 
 @pytest.mark.parametrize(

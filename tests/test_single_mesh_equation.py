@@ -13,7 +13,8 @@ import pytest
 from mbd_rigs import TRANSVERSE_ANGLE, mesh, no_casing
 from scipy.integrate import solve_ivp
 
-from fem.contact.evaluation.evaluator import evaluate, law_tables
+from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.kernel import evaluate
 from mbd.forces.rope import Rope
 from mbd.parts.bearings import rigid_bearing
 from mbd.parts.drive import CouplingSpec, SpeedProfile
@@ -62,7 +63,7 @@ def integrated(machine, torque, times, x_start):
     spec = machine.meshes[0]
     r1, r2 = spec.base_radius_driving, spec.base_radius_driven
     m1, m2 = INERTIA[0] / r1**2, INERTIA[1] / r2**2
-    m, tables, teeth = m1 * m2 / (m1 + m2), law_tables(spec.drive), spec.terms[0]
+    m, tables, teeth = m1 * m2 / (m1 + m2), LawEvaluator(spec.drive).packed, spec.terms[0]
     wound = torque / SOFT  # of the motor coupling at the start
     winch, spring = ROPE["drum_radius"] / 2, ROPE["falls"] * ROPE["axial_stiffness"] / ROPE["length"]
     weight, hangs = ROPE["container_mass"] * STANDARD_GRAVITY, isinstance(machine.load, Rope)

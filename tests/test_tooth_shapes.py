@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from mesh_laws import made_up_law, potential_errors
 
-from fem.contact.evaluation.curves import no_load_error
-from fem.contact.evaluation.evaluator import LawError, evaluate, evaluate_law, evaluate_two, law_tables, shares
+from fem.contact.evaluation.evaluator import LawError, LawEvaluator
+from fem.contact.evaluation.kernel import evaluate, evaluate_two
 from fem.contact.teeth import checked_terms, least_clearance, tooth_terms, with_variants
 
 LAW = made_up_law()
@@ -51,7 +51,7 @@ def test_a_term_that_all_teeth_share_is_a_modification(terms, gap, lead, gear):
     """Equal teeth are the same as the shape in the law; the parabola is read from a table with chords: 0.1 nm."""
     modified = LAW.replaced(gap=LAW.gap + gap, lead_gap=np.broadcast_to(lead, LAW.face_coordinate.shape))
     teeth = {gear: tooth_terms(20 if gear == "pinion" else 55, **terms)}
-    a, b = evaluate_law(LAW, *states(), **teeth), evaluate_law(modified, *states())
+    a, b = LawEvaluator(LAW).evaluate(*states(), **teeth), LawEvaluator(modified).evaluate(*states())
     assert a.force == pytest.approx(b.force, rel=1e-4)
     if "profile_curvature" not in terms:
         same(a, b)
@@ -61,7 +61,7 @@ def test_lead_slope_is_a_tilt():
     slope = 2e-4
     tilted = LAW.replaced(lead_gap=slope * LAW.face_coordinate)
     c, delta, psi = states()
-    same(evaluate_law(tilted, c, delta, psi), evaluate_law(LAW, c, delta, psi - slope))
+    same(LawEvaluator(tilted).evaluate(c, delta, psi), LawEvaluator(LAW).evaluate(c, delta, psi - slope))
 
 
 def test_every_derivative_with_deviations_and_damage_is_that_of_one_potential():
@@ -98,8 +98,8 @@ def test_exchange_of_pinion_and_wheel():
         return result
 
     c, delta, psi = states()
-    a = evaluate_law(LAW, c, delta, psi, pinion, wheel)
-    b = evaluate_law(other, -c, delta, psi, turned(wheel), turned(pinion))
+    a = LawEvaluator(LAW).evaluate(c, delta, psi, pinion, wheel)
+    b = LawEvaluator(other).evaluate(-c, delta, psi, turned(wheel), turned(pinion))
     assert a.force == pytest.approx(b.force, rel=1e-5)  # a pitch is no whole number of cells: chords of the coupling
     assert a.moment == pytest.approx(b.moment, rel=1e-4, abs=1e-5 * np.abs(b.moment).max())
 
@@ -110,19 +110,24 @@ def test_a_chipped_tooth_carries_only_where_it_is_whole():
     wheel = tooth_terms(55, variant=np.where(np.arange(55) == 4, 1, 0))
     alone = np.full(20, np.inf)
     alone[4] = 0.0
-    sound, chipped = evaluate_law(law, 4.0, 1e-5, 0.0, alone), evaluate_law(law, 4.0, 1e-5, 0.0, alone, wheel)
+    sound, chipped = (
+        LawEvaluator(law).evaluate(4.0, 1e-5, 0.0, alone),
+        LawEvaluator(law).evaluate(4.0, 1e-5, 0.0, alone, wheel),
+    )
     assert 0.3 < chipped.force / sound.force < 0.6
     assert chipped.moment / chipped.force < -0.2 * FACE
-    assert no_load_error(law, 4.0, 5e-4, alone, wheel) > no_load_error(law, 4.0, 5e-4, alone)
+    assert LawEvaluator(law).no_load(4.0, 5e-4, alone, wheel) > LawEvaluator(law).no_load(4.0, 5e-4, alone)
 
 
 def test_damage_of_both_gears_adds_up():
     pinion = with_variants(LAW, "pinion", 1e-11, 1e-6)
     both = with_variants(pinion, "wheel", 2e-11, 2e-6)
     softer = LAW.replaced(compliance=LAW.compliance + 3e-11, gap=LAW.gap + 3e-6)
-    a = evaluate_law(both, *states(), tooth_terms(20, variant=1), tooth_terms(55, variant=1))
-    same(a, evaluate_law(softer, *states()))
-    same(evaluate_law(both, *states()), evaluate_law(LAW, *states()), rel=1e-13)  # sound teeth do not notice
+    a = LawEvaluator(both).evaluate(*states(), tooth_terms(20, variant=1), tooth_terms(55, variant=1))
+    same(a, LawEvaluator(softer).evaluate(*states()))
+    same(
+        LawEvaluator(both).evaluate(*states()), LawEvaluator(LAW).evaluate(*states()), rel=1e-13
+    )  # sound teeth do not notice
 
 
 def test_two_states_at_one_cycle_are_two_evaluations():
@@ -132,7 +137,7 @@ def test_two_states_at_one_cycle_are_two_evaluations():
         made_up_law(slices=33, helix=3.0),
         made_up_law(neighbour_compliance=-0.1 * LAW.neighbour_compliance),
     ):
-        tables = law_tables(law)
+        tables = LawEvaluator(law).packed
         _, delta, psi = states(seed=4)
         for k, (c, d, p) in enumerate(zip(*states(), strict=True)):
             both = evaluate_two(tables, c, d, p, delta[k], psi[k], pinion, wheel)
@@ -146,24 +151,24 @@ def test_least_clearance_is_a_bound():
     law = LAW.replaced(lead_gap=5e-6 * LAW.face_coordinate / FACE)
     bound = least_clearance(law, pinion, wheel)
     c = np.linspace(0, 220, 3001)
-    start = no_load_error(law, c, 0.0, pinion, wheel)
+    start = LawEvaluator(law).no_load(c, 0.0, pinion, wheel)
     assert bound <= start.min() < bound + 2e-5
-    assert (evaluate_law(law, c, bound, 0.0, pinion, wheel).force == 0.0).all()
+    assert (LawEvaluator(law).evaluate(c, bound, 0.0, pinion, wheel).force == 0.0).all()
 
 
 def test_absurd_states_stay_finite():
     pinion, wheel = deviations(20, 1), deviations(55, 2)
     for delta in (-1e6, 0.0, 1e-15, 1e-3, 1.0, 1e6):
         for psi in (-1e3, 0.0, 1e-9, 10.0):
-            r = evaluate_law(LAW, [0.2, 1e7], delta, psi, pinion, wheel)
+            r = LawEvaluator(LAW).evaluate([0.2, 1e7], delta, psi, pinion, wheel)
             assert all(np.isfinite(v).all() for v in r)
             assert (r.force >= 0.0).all()
 
 
 def test_shares_sum_to_the_force_with_three_pairs_in_a_slice():
     law = made_up_law(gap=np.where(np.isinf(LAW.gap), np.inf, 0.0), slices=20)
-    number, force = shares(law, 0.3, 1e-5, 1e-4)
-    assert force.sum() == pytest.approx(float(evaluate_law(law, 0.3, 1e-5, 1e-4).force), rel=1e-12)
+    number, force = LawEvaluator(law).shares(0.3, 1e-5, 1e-4)
+    assert force.sum() == pytest.approx(float(LawEvaluator(law).evaluate(0.3, 1e-5, 1e-4).force), rel=1e-12)
     assert (force > 0).sum() >= 3
     assert number[np.argmax(force)] in (0, 1)
 
@@ -175,7 +180,7 @@ def test_shares_sum_to_the_force_with_three_pairs_in_a_slice():
         (lambda: tooth_terms(20, lead_slope=np.inf), "lead_slope"),
         (lambda: tooth_terms(20, variant=0.5), "variant"),
         (lambda: checked_terms("wheel", 20, np.zeros((20, 5))), "20, 6"),
-        (lambda: evaluate_law(LAW, 0.0, 1e-6, 0.0, tooth_terms(20, variant=1)), "has 0"),
+        (lambda: LawEvaluator(LAW).evaluate(0.0, 1e-6, 0.0, tooth_terms(20, variant=1)), "has 0"),
         (lambda: with_variants(LAW, "rack", 0.0, 0.0), "rack"),
         (lambda: with_variants(LAW, "wheel", -1e-12, 0.0), "softer"),
     ],

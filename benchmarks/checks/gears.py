@@ -8,7 +8,7 @@ import numpy as np
 
 from benchmarks.checks.record import Check, Subject, Values
 from benchmarks.gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur
-from fem.contact.evaluation.evaluator import evaluate_law
+from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.models.iso import Iso, blank_factor, rack_factor
 from fem.gears.deviations import pitch_tolerance
 from fem.gears.geometry import GearPair
@@ -64,7 +64,7 @@ def _integer_overlap() -> Values:
 
 def _law_mean() -> Values:
     pair = _standard(15.0)
-    found = evaluate_law(Iso().law(pair), (np.arange(2000) + 0.5) / 2000, 5e-6).stiffness.mean()
+    found = LawEvaluator(Iso().law(pair)).evaluate((np.arange(2000) + 0.5) / 2000, 5e-6).stiffness.mean()
     return [float(found) / (Iso().stiffness(pair).mean * pair.face_width)]
 
 

@@ -18,14 +18,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.contact.evaluation.evaluator import evaluate, law_tables
-from fem.contact.evaluation.kernel import evaluate_two
+from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.kernel import evaluate, evaluate_two
 from fem.contact.teeth import least_clearance
 from fem.numerics.compiled import inner
 from mbd.elements.element import ENERGY, FROZEN_ENERGY, Contact, Element, Signal, rule
 from mbd.elements.mode_words import ModeWords
 from mbd.parts.gear_mesh import MeshSpec, mesh_channels, mesh_rows
-from mbd.reference.mesh_reference import mean_stiffness, touching_approach
+from mbd.reference.mesh_reference import approach_at, mean_stiffness
 
 if TYPE_CHECKING:
     from mbd.reference.assembly import Assembly
@@ -110,7 +110,8 @@ def elements(assembly: Assembly) -> Iterator[Element]:
     lay, machine = assembly.layout, assembly.machine
     for mesh in machine.meshes:
         load = assembly.mesh_loads[mesh.name]
-        springs = mean_stiffness(mesh.drive, load)
+        evaluators = LawEvaluator(mesh.drive), LawEvaluator(mesh.coast)
+        springs = mean_stiffness(evaluators[0], load)
         ends = mesh_rows(mesh, machine.shaft(mesh.driving), machine.shaft(mesh.driven))
         rows = np.array(
             [lay.node_row(mesh.driving, mesh.y, r[:6]) + lay.node_row(mesh.driven, mesh.y, r[6:]) for r in ends]
@@ -125,7 +126,7 @@ def elements(assembly: Assembly) -> Iterator[Element]:
                 part=mesh.name,
                 words=WORDS,
                 rule=flank_rule,
-                values=_values(mesh, side, lay.ratios[mesh.driving]),
+                values=_values(evaluators[side], mesh, side, lay.ratios[mesh.driving]),
                 rows=rows[2 * side : 2 * side + 2],
                 row_names=("delta", "psi"),
                 scale=(load, load * width),
@@ -138,7 +139,7 @@ def elements(assembly: Assembly) -> Iterator[Element]:
                     name=mesh.name,
                     side=side,
                     nominal=assembly.contact_loads[mesh.name],
-                    touching=partial(_touching, mesh, side),
+                    touching=partial(_touching, evaluators[side], mesh, side),
                 ),
                 signals=(*motions, Signal(forces[side], "N", force=(1.0, 0.0))),
                 lets_go="" if side else f"{mesh.name}:contact_losses",
@@ -146,8 +147,9 @@ def elements(assembly: Assembly) -> Iterator[Element]:
             )
 
 
-def _values(mesh: MeshSpec, side: int, ratio: float) -> np.ndarray:
-    law, (pinion, wheel) = (mesh.drive, mesh.coast)[side], mesh.terms[side]
+def _values(evaluator: LawEvaluator, mesh: MeshSpec, side: int, ratio: float) -> np.ndarray:
+    """Numbers of the rule, the law's among them."""
+    law, (pinion, wheel) = evaluator.law, mesh.terms[side]
     numbers = np.zeros(LAW)
     numbers[BACKLASH] = mesh.backlash if side else 0.0
     numbers[FLOOR] = least_clearance(law, pinion, wheel)
@@ -155,17 +157,11 @@ def _values(mesh: MeshSpec, side: int, ratio: float) -> np.ndarray:
     numbers[TAU] = mesh.damping_time
     numbers[CYCLE_START], numbers[CYCLE_RATE] = mesh.cycle_at_start, mesh.cycles_per_radian
     numbers[RATIO], numbers[PINION], numbers[WHEEL] = ratio, len(pinion), len(wheel)
-    return np.concatenate([numbers, law_tables(law), pinion.ravel(), wheel.ravel()])
+    return np.concatenate([numbers, evaluator.packed, pinion.ravel(), wheel.ravel()])
 
 
-def _touching(mesh: MeshSpec, side: int, seen: np.ndarray, rows: np.ndarray) -> float:
-    """`no_load_approach` at what the element observes and at its rows."""
-    return no_load_approach(mesh, side, float(seen[0]), float(rows[1]))
-
-
-def no_load_approach(mesh: MeshSpec, side: int, rotation: float, psi: float = 0.0) -> float:
-    """delta (m) at which a flank just touches, at the rotation (rad) of the driving gear since t = 0."""
-    cycle, (pinion, wheel) = mesh.cycle_at_start + mesh.cycles_per_radian * rotation, mesh.terms[side]
-    if side:
-        return touching_approach(mesh.coast, cycle, pinion, wheel, psi) + mesh.backlash
-    return touching_approach(mesh.drive, cycle, pinion, wheel, psi)
+def _touching(evaluator: LawEvaluator, mesh: MeshSpec, side: int, seen: np.ndarray, rows: np.ndarray) -> float:
+    """delta (m) at which a flank just touches, at the rotation (rad) of the driving gear since t = 0 and the tilt."""
+    cycle = mesh.cycle_at_start + mesh.cycles_per_radian * float(seen[0])
+    touching = approach_at(evaluator, cycle, 0.0, *mesh.terms[side], psi=float(rows[1]))
+    return touching + (mesh.backlash if side else 0.0)

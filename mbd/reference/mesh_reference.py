@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from fem.contact.evaluation.evaluator import checked_teeth, evaluate, law_tables, shares
+from fem.contact.evaluation.evaluator import LawEvaluator, Teeth
 from fem.contact.law import MeshLaw
+from fem.contact.teeth import LawError
 from mbd.elements.element import LARGEST_APPROACH
 from mbd.parts.checks import EquilibriumError
 from mbd.parts.gear_mesh import MeshSpec
@@ -21,54 +22,37 @@ SHARE_POSITIONS = 64  # places of the sliding shares over a mesh cycle
 
 
 def approach_at(
-    law: MeshLaw, cycle: float, force: float, pinion: np.ndarray, wheel: np.ndarray, psi: float = 0.0
+    evaluator: LawEvaluator, cycle: float, force: float, pinion: Teeth = None, wheel: Teeth = None, psi: float = 0.0
 ) -> float:
-    """delta (m) at which the law carries ``force`` (N, > 0) at ``cycle`` and ``psi``; by bisection, F rises with delta.
+    """delta (m) at which the law carries ``force`` (N) at ``cycle`` and ``psi``; where the first pair touches for 0 N.
 
     Raises
     ------
     EquilibriumError : no approach up to 10 mm carries the force (no tooth pair near mesh)
     """
-    tables, pinion, wheel = law_tables(law), np.array(pinion), np.array(wheel)  # writable: one compiled form
-    low, high = -1e-6, 1e-6
-    while evaluate(tables, cycle, low, psi, pinion, wheel)[0] > force:
-        low *= 4
-        if low < -LARGEST_APPROACH:
-            raise EquilibriumError(f"{law.model} law: carries more than {force:.3g} N at every approach above {low} m.")
-    while evaluate(tables, cycle, high, psi, pinion, wheel)[0] < force:
-        high *= 4
-        if high > LARGEST_APPROACH:
-            raise EquilibriumError(
-                f"{law.model} law, {law.flank} flank, cycle {cycle:.3f}: no approach up to {LARGEST_APPROACH * 1e3:g} "
-                f"mm carries {force:.4g} N. Too many teeth are missing (choose another mesh phase at the start), or "
-                "the load is beyond the law."
-            )
-    for _ in range(200):
-        middle = 0.5 * (low + high)
-        if not low < middle < high:
-            break
-        if evaluate(tables, cycle, middle, psi, pinion, wheel)[0] < force:
-            low = middle
+    law, reason = evaluator.law, f"no approach up to {LARGEST_APPROACH * 1e3:g} mm carries {force:.4g} N"
+    try:
+        if force > 0.0:
+            found = float(evaluator.approach_at(force, cycle, psi, pinion, wheel)[0])
         else:
-            high = middle
-    return high
+            found = float(evaluator.no_load(cycle, psi, pinion, wheel)[0])
+        if abs(found) <= LARGEST_APPROACH:
+            return found
+        cause = None
+    except LawError as error:
+        reason, cause = f"{reason} ({error})", error
+    raise EquilibriumError(
+        f"{law.model} law, {law.flank} flank, cycle {cycle:.3f}: {reason}. Too many teeth are missing (choose another "
+        "mesh phase at the start), or the load is beyond the law."
+    ) from cause
 
 
-def touching_approach(law: MeshLaw, cycle: float, pinion: np.ndarray, wheel: np.ndarray, psi: float) -> float:
-    """delta_0 (m): the largest approach without force, the no-load error at tilt ``psi``."""
-    return approach_at(law, cycle, 1e-9, pinion, wheel, psi)
-
-
-def mean_stiffness(law: MeshLaw, force: float) -> tuple[float, float]:
+def mean_stiffness(evaluator: LawEvaluator, force: float) -> tuple[float, float]:
     """Mean over one cycle of dF/d delta (N/m) and dM/d psi (N m/rad) at ``force`` without deviations or tilt."""
-    pinion, wheel = checked_teeth(law, None, None)
-    tables = law_tables(law)
-    total = np.zeros(2)
-    for cycle in (np.arange(POSITIONS) + 0.5) / POSITIONS:
-        delta = approach_at(law, cycle, force, pinion, wheel)
-        _, _, _, f_d, _, m_p, _ = evaluate(tables, cycle, delta, 0.0, pinion, wheel)
-        total += f_d, m_p
-    return float(total[0] / POSITIONS), float(total[1] / POSITIONS)
+    cycles = (np.arange(POSITIONS) + 0.5) / POSITIONS
+    delta = np.array([approach_at(evaluator, cycle, force) for cycle in cycles])
+    response = evaluator.evaluate(cycles, delta)
+    return float(response.stiffness.mean()), float(response.tilt_stiffness.mean())
 
 
 def nominal_forces(machine: Machine) -> dict[str, float]:
@@ -98,14 +82,14 @@ def sliding_shares(law: MeshLaw, force: float) -> np.ndarray:
 
     Each slice is read for itself at the approach of the whole face, as if slices did not load one another.
     """
-    pinion, wheel = checked_teeth(law, None, None)
-    lone = [_one_slice(law, s) for s in range(len(law.slice_width))]
+    evaluator = LawEvaluator(law)
+    lone = [LawEvaluator(_one_slice(law, s)) for s in range(len(law.slice_width))]
     tables = np.zeros((2, SHARE_POSITIONS))
     for i in range(SHARE_POSITIONS):
         cycle = i / SHARE_POSITIONS
-        delta, total = approach_at(law, cycle, force, pinion, wheel), 0.0
+        delta, total = approach_at(evaluator, cycle, force), 0.0
         for part, shift in zip(lone, law.cycle_shift, strict=True):
-            number, load = shares(part, cycle, delta)
+            number, load = part.shares(cycle, delta)
             xi = law.cycle_sign * cycle + law.cycle_offset + shift - number
             tables[0, i] += float(load @ np.sign(xi))
             tables[1, i] += float(load @ abs(xi)) * law.base_pitch

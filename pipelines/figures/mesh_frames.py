@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.contact.contact_pressure import contact_pressure
 from fem.contact.evaluation.curves import StiffnessCurve, stiffness_curve
-from fem.contact.evaluation.line_loads import contact_pressure, line_loads
+from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 
@@ -52,8 +53,9 @@ def mesh_frames(
     curve, states = (
         stiffness_curve(law, load, places, clearance_pinion=pinion, clearance_wheel=wheel) for places in (whole, cycles)
     )
+    evaluator = LawEvaluator(law)
     solved = [
-        line_loads(law, float(c), float(d), 0.0, pinion, wheel)
+        evaluator.line_loads(float(c), float(d), 0.0, pinion, wheel)
         for c, d in zip(cycles, states.transmission_error, strict=True)
     ]
     most = max(pairs.size for pairs, _ in solved)

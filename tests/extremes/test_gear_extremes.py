@@ -14,7 +14,7 @@ import pytest
 
 from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.curves import stiffness_curve
-from fem.contact.evaluation.evaluator import evaluate_law, shares
+from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.frame import RungError
 from fem.contact.models.energy import Energy
 from fem.contact.models.iso import Iso
@@ -78,8 +78,8 @@ def test_every_force_and_moment_is_that_of_one_convex_potential(rung, name):
     law = law_of(rung, PAIRS[name])
     c, delta, psi = states(law, 200)
     _, other, tilt = states(law, 200, seed=8)
-    here, there = evaluate_law(law, c, delta, psi), evaluate_law(law, c, other, tilt)
-    middle = evaluate_law(law, c, (delta + other) / 2, (psi + tilt) / 2)
+    here, there = LawEvaluator(law).evaluate(c, delta, psi), LawEvaluator(law).evaluate(c, other, tilt)
+    middle = LawEvaluator(law).evaluate(c, (delta + other) / 2, (psi + tilt) / 2)
     for found in (here, there, middle):
         assert np.isfinite(np.stack(found)).all()
         assert (found.force >= 0).all()
@@ -94,7 +94,7 @@ def test_every_force_and_moment_is_that_of_one_convex_potential(rung, name):
         (here.cross_stiffness, "moment", apart, 0.0),
         (here.cross_stiffness, "force", 0.0, apart / face),
     ):
-        ahead, behind = (evaluate_law(law, c, delta + s * dd, psi + s * dp) for s in (1, -1))
+        ahead, behind = (LawEvaluator(law).evaluate(c, delta + s * dd, psi + s * dp) for s in (1, -1))
         numeric = (getattr(ahead, field) - getattr(behind, field)) / (2 * (dd + dp))
         close = np.abs(exact - numeric) <= 1e-4 * np.abs(exact) + 1e-6 * np.abs(exact).max()
         assert close.mean() >= 0.95, field  # the rest stand where a slice of a pair is just touching
@@ -132,7 +132,7 @@ def test_a_tilt_that_unloads_half_of_the_face_moves_the_load(rung, name):
     assert (tilted.centroid > 0.1 * face).all()
     assert (tilted.secant < curve.secant).all()
     for c, delta in zip(tilted.cycle, tilted.transmission_error, strict=True):
-        assert shares(law, c, delta, psi)[1].sum() == pytest.approx(NOMINAL * face, rel=1e-9)
+        assert LawEvaluator(law).shares(c, delta, psi)[1].sum() == pytest.approx(NOMINAL * face, rel=1e-9)
 
 
 @EVERY_RUNG
@@ -145,9 +145,9 @@ def test_a_left_hand_pair_is_the_mirror_image(rung, name):
     left = law_of(rung, replace(pair, pinion=hands[0], wheel=hands[1]), "coast")
     c, delta, psi = states(drive, 60)
     there = pair.thickness_cycle - c  # cycle of the coast flank, which trails by the thickness of a tooth
-    one = evaluate_law(drive, c, delta, psi)
+    one = LawEvaluator(drive).evaluate(c, delta, psi)
     for law, sign in ((left, 1), (coast, -1)):
-        other = evaluate_law(law, there, delta, sign * psi)
+        other = LawEvaluator(law).evaluate(there, delta, sign * psi)
         for a, b in ((one.force, other.force), (one.moment, sign * other.moment), (one.energy, other.energy)):
             assert b == pytest.approx(a, rel=1e-7, abs=1e-9 * np.abs(a).max())
 

@@ -1,4 +1,4 @@
-"""Compiled evaluation of a MeshLaw: forces, energy and their derivatives at one state.
+"""Evaluation of a MeshLaw: forces, energy and their derivatives at a state, line loads, approach at a load.
 
 In a slice of width w let x_p be the free approach of pair p (delta + psi y less all gaps), phi_p its fraction and f_p
 its line load. The complementary energy
@@ -13,16 +13,11 @@ tables inside the present grid cell (tables are linear between grid points, so i
 The Hertz term A f (B - ln f) stops growing at ln f = B - 1, where its contact width reaches the depth at which the
 displacement is counted; above it is held constant, which keeps the law monotone at any load.
 
-Solution: x(f) is nearly a straight line, because ln f changes little. Secant compliances with a rough logarithm give f
-within a few per cent; each Newton step then squares the error and divides it by 50, so that two or three steps reach
-round-off. Sixteen slices of at most two loaded pairs go through the same vector instructions
-(`fem.contact.evaluation.paired_slices`); all other slices are solved one by one
-(`fem.contact.evaluation.general_slices`). Nothing is kept between calls: equal states give equal answers.
-
-Measured on the stage 1 pair of the shipped rig with 15 slices (one core of an AMD EPYC, 3 GHz class): 0.85 us per call
-against 3.1 us for a Newton iteration slice by slice. A closed form of the single pair by Lambert's W would need a
-logarithm per step just as well, and a start from the loads of the call before could save one of three steps at most (by
-estimate, not measured) at the price of answers that depend on the history; neither is used.
+The line loads of a slice are solved in `fem.contact.evaluation.slice_loads`, those of slices that are coupled along the
+face in `fem.contact.evaluation.coupled_newton`; compiled callers take `fem.contact.evaluation.kernel`. Nothing is kept
+between calls: equal states give equal answers. A closed form of the single pair by Lambert's W would need a logarithm
+per step just as well, and a start from the loads of the call before could save one of three steps at most (by estimate,
+not measured) at the price of answers that depend on the history; neither is used.
 """
 
 from __future__ import annotations
@@ -32,30 +27,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.contact.evaluation.kernel import evaluate, evaluate_many, evaluate_shares, evaluate_two
-from fem.contact.evaluation.packing import LARGEST_NEAR, MAX_PAIRS, pack
+from fem.contact.evaluation.kernel import evaluate_many, first_touch
+from fem.contact.evaluation.law_tables import LARGEST_NEAR, MAX_SPAN, pack
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import LawError, checked_terms
 
-__all__ = [
-    "LawError",
-    "MeshResponse",
-    "Teeth",
-    "checked_teeth",
-    "evaluate",
-    "evaluate_law",
-    "evaluate_shares",
-    "evaluate_two",
-    "law_tables",
-    "share_reach",
-    "shares",
-]
-
 Teeth = np.ndarray | None  # terms (z, 6), clearances (z,) in m, or None for sound teeth without deviation
+Values = np.ndarray | float
+
+_ROUNDS = 200
 
 
 class MeshResponse(NamedTuple):
-    """What `evaluate` returns, as floats or arrays."""
+    """What a law answers at a state, as arrays of one shape."""
 
     force: Any  # F, N
     moment: Any  # M, N m
@@ -66,13 +50,156 @@ class MeshResponse(NamedTuple):
     energy_slope: Any  # dU/dc, J
 
 
-def law_tables(law: MeshLaw) -> np.ndarray:
-    """The flat array of numbers that `evaluate` takes; build it once per law.
+class LawEvaluator:
+    """A mesh law made ready for evaluation.
+
+    A state is a mesh cycle c, an approach delta along the transverse line of action (m) and a tilt psi (rad); numbers
+    and arrays broadcast together. `pinion` and `wheel` are what single teeth bring, see `Teeth`.
+
+    Parameters
+    ----------
+    law : the law; `packed` (n,) holds its numbers for `fem.contact.evaluation.kernel`
 
     Raises
     ------
-    LawError : compliances not positive, fractions outside [0, 1], a grid that spans more than MAX_PAIRS pairs
+    LawError : compliances not positive, fractions outside [0, 1], a grid that spans too many pitches
     """
+
+    def __init__(self, law: MeshLaw) -> None:
+        _check(law)
+        self.law = law
+        self.packed = pack(law)
+
+    def evaluate(
+        self, cycle: Values, delta: Values, psi: Values = 0.0, pinion: Teeth = None, wheel: Teeth = None
+    ) -> MeshResponse:
+        """Response at states.
+
+        Raises
+        ------
+        LawError : a state is not finite, or as `teeth`
+        """
+        return self._respond(cycle, delta, psi, *self.teeth(pinion, wheel))
+
+    def line_loads(
+        self, cycle: float, delta: float, psi: float = 0.0, pinion: Teeth = None, wheel: Teeth = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers p (n,) of the loaded pairs and their loads (n, slice) per face width at one state, N/m.
+
+        The load is phi f, what the strain energy loses per width and gap opened there.
+        """
+        pairs, loads = self._near_loads(cycle, delta, psi, pinion, wheel)
+        loaded = loads.any(axis=1)
+        return pairs[loaded], loads[loaded]
+
+    def shares(
+        self, cycle: float, delta: float, psi: float = 0.0, pinion: Teeth = None, wheel: Teeth = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers p (n,) of the pairs near mesh and their forces (n,) in N at one state, which sum to F."""
+        pairs, loads = self._near_loads(cycle, delta, psi, pinion, wheel)
+        return pairs, loads @ self.law.slice_width
+
+    def no_load(self, cycle: Values, psi: Values = 0.0, pinion: Teeth = None, wheel: Teeth = None) -> np.ndarray:
+        """delta_0 (n,) in m at which the first pair touches: the least gap + h - psi y over the slices and pairs.
+
+        Raises
+        ------
+        LawError : no pair can touch at some cycle
+        """
+        c, tilt = (np.array(v, dtype=float) for v in np.broadcast_arrays(np.atleast_1d(cycle), psi))
+        found = np.empty(c.size)
+        first_touch(self.packed, c, tilt, *self.teeth(pinion, wheel), found)
+        if not np.isfinite(found).all():
+            raise LawError(
+                f"mesh law {self.law.model!r}: no tooth pair can touch at cycle {c[~np.isfinite(found)][0]:.6g}; "
+                "too many teeth are missing side by side, or the law was built with too small a largest gap"
+            )
+        return found
+
+    def approach_at(
+        self, force: float, cycle: Values, psi: Values = 0.0, pinion: Teeth = None, wheel: Teeth = None
+    ) -> np.ndarray:
+        """delta (n,) in m at which the law carries `force` (N, > 0): safeguarded Newton on the rising F(delta).
+
+        Raises
+        ------
+        LawError : no pair can touch, or the force is not reached within the gaps that the law knows
+        """
+        teeth = self.teeth(pinion, wheel)
+        low = self.no_load(cycle, psi, *teeth)
+        high, c = low + 1e-6, np.broadcast_to(cycle, low.shape)
+        for _ in range(60):
+            short = self._respond(c, high, psi, *teeth).force < force
+            if not short.any():
+                break
+            low, high = np.where(short, high, low), np.where(short, high + 2.0 * (high - low), high)
+        delta = high.copy()
+        for _ in range(_ROUNDS):
+            r = self._respond(c, delta, psi, *teeth)
+            rest = force - r.force
+            if np.all(np.abs(rest) <= 1e-12 * force):
+                return delta
+            low, high = np.where(rest > 0.0, delta, low), np.where(rest < 0.0, delta, high)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                trial = delta + rest / r.stiffness
+            trial = np.where(np.isfinite(trial) & (trial > low) & (trial < high), trial, 0.5 * (low + high))
+            if np.all(np.abs(trial - delta) <= 4e-16 * np.abs(delta)):
+                return trial
+            delta = trial
+        worst = int(np.argmax(np.abs(rest)))
+        raise LawError(
+            f"mesh law {self.law.model!r}: F = {force:.6g} N is not reached at cycle {c[worst]:.6g} (off by "
+            f"{rest[worst]:.3g} N at delta {delta[worst]:.4g} m): the tip-edge gaps of the law end before; build it "
+            "with a larger largest gap"
+        )
+
+    def teeth(self, pinion: Teeth, wheel: Teeth) -> tuple[np.ndarray, np.ndarray]:
+        """Tooth terms (z1, 6) and (z2, 6) of what is given as `Teeth`.
+
+        Raises
+        ------
+        LawError : wrong shape, NaN or -inf, a variant that the law does not have
+        """
+        law, checked = self.law, []
+        for name, value, teeth, known in (
+            ("pinion", pinion, law.pinion_teeth, len(law.pinion_variant_gap)),
+            ("wheel", wheel, law.wheel_teeth, len(law.wheel_variant_gap)),
+        ):
+            terms = checked_terms(name, teeth, value)
+            if terms[:, 5].max() > known:
+                raise LawError(
+                    f"variant of the {name}: {terms[:, 5].max():.0f} at tooth {int(terms[:, 5].argmax())}, the law "
+                    f"{law.model!r} has {known}; add it with fem.contact.teeth.with_variants"
+                )
+            checked.append(terms)
+        return checked[0], checked[1]
+
+    def _near_loads(
+        self, cycle: float, delta: float, psi: float, pinion: Teeth, wheel: Teeth
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers (n,) of all pairs that may be near mesh and their line loads (n, slice)."""
+        law = self.law
+        last = law.position_start + (law.compliance.size - 1) * law.position_step
+        reach = math.ceil(max(abs(law.position_start), abs(last)) + float(np.abs(law.cycle_shift).max())) + 1
+        loads = np.zeros((1, 2 * reach + 1, law.face_coordinate.size))
+        self._respond(cycle, delta, psi, *self.teeth(pinion, wheel), loads)
+        return math.floor(law.cycle_sign * cycle + law.cycle_offset) + np.arange(-reach, reach + 1), loads[0]
+
+    def _respond(
+        self, cycle: Values, delta: Values, psi: Values, pinion: np.ndarray, wheel: np.ndarray, loads: Any = None
+    ) -> MeshResponse:
+        """Response at states, with checked teeth; line loads of the states into loads (n, place, slice)."""
+        given = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (cycle, delta, psi)))
+        for name, value in zip(("cycle", "delta", "psi"), given, strict=True):
+            if not np.isfinite(value).all():
+                raise LawError(f"mesh law {self.law.model!r}: {name} is not finite; give finite numbers in SI")
+        states = np.stack([value.ravel() for value in given], axis=1)
+        answer = np.empty((len(states), 7))
+        evaluate_many(self.packed, states, pinion, wheel, answer, np.empty((0, 0, 0)) if loads is None else loads)
+        return MeshResponse(*(column.reshape(given[0].shape) for column in answer.T))
+
+
+def _check(law: MeshLaw) -> None:
     n = law.compliance.size
     span = (n - 1) * law.position_step
     overlap = float(np.ptp(law.cycle_shift))
@@ -81,7 +208,7 @@ def law_tables(law: MeshLaw) -> np.ndarray:
     )
     for bad, message in (
         (n < 2 or law.position_step <= 0.0, f"{n} positions with step {law.position_step!r}; give >= 2 with step > 0"),
-        (span > MAX_PAIRS - 2, f"positions span {span:.4g} pitches; the limit is {MAX_PAIRS - 2}"),
+        (span > MAX_SPAN, f"positions span {span:.4g} pitches; the limit is {MAX_SPAN}"),
         (
             span + overlap > LARGEST_NEAR - 2,
             f"positions and overlap span {span + overlap:.4g} pitches; the limit is {LARGEST_NEAR - 2}",
@@ -104,63 +231,3 @@ def law_tables(law: MeshLaw) -> np.ndarray:
     ):
         if bad:
             raise LawError(f"mesh law {law.model!r} ({law.flank}): {message}")
-    return pack(law)
-
-
-def share_reach(law: MeshLaw) -> int:
-    """Half size of the array that `evaluate_shares` needs to hold every candidate pair."""
-    last = law.position_start + (law.compliance.size - 1) * law.position_step
-    return math.ceil(max(abs(law.position_start), abs(last)) + float(np.abs(law.cycle_shift).max())) + 1
-
-
-def checked_teeth(law: MeshLaw, pinion: Teeth, wheel: Teeth) -> tuple[np.ndarray, np.ndarray]:
-    """Tooth terms (z1, 6) and (z2, 6) of what is given as `Teeth`.
-
-    Raises
-    ------
-    LawError : wrong shape, NaN or -inf, a variant that the law does not have
-    """
-    checked = []
-    for name, value, teeth, known in (
-        ("pinion", pinion, law.pinion_teeth, len(law.pinion_variant_gap)),
-        ("wheel", wheel, law.wheel_teeth, len(law.wheel_variant_gap)),
-    ):
-        terms = checked_terms(name, teeth, value)
-        if terms[:, 5].max() > known:
-            raise LawError(
-                f"variant of the {name}: {terms[:, 5].max():.0f} at tooth {int(terms[:, 5].argmax())}, the law "
-                f"{law.model!r} has {known}; add it with fem.contact.teeth.with_variants"
-            )
-        checked.append(terms)
-    return checked[0], checked[1]
-
-
-def evaluate_law(
-    law: MeshLaw,
-    cycle: np.ndarray | float,
-    delta: np.ndarray | float,
-    psi: np.ndarray | float = 0.0,
-    pinion: Teeth = None,
-    wheel: Teeth = None,
-) -> MeshResponse:
-    """Response at states that broadcast, as arrays of their common shape; teeth as for `checked_teeth`."""
-    h1, h2 = checked_teeth(law, pinion, wheel)
-    states = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (cycle, delta, psi)))
-    for name, value in zip(("cycle", "delta", "psi"), states, strict=True):
-        if not np.isfinite(value).all():
-            raise LawError(f"mesh law {law.model!r}: {name} is not finite; give finite numbers in SI")
-    out = np.empty((states[0].size, 7))
-    flat = [np.array(v).ravel() for v in states]
-    evaluate_many(law_tables(law), flat[0], flat[1], flat[2], h1, h2, out)
-    return MeshResponse(*(column.reshape(states[0].shape) for column in out.T))
-
-
-def shares(
-    law: MeshLaw, cycle: float, delta: float, psi: float = 0.0, pinion: Teeth = None, wheel: Teeth = None
-) -> tuple[np.ndarray, np.ndarray]:
-    """Pair numbers p (n,) near mesh and their forces (n,) in N, which sum to F."""
-    h1, h2 = checked_teeth(law, pinion, wheel)
-    reach = share_reach(law)
-    force = np.zeros(2 * reach + 1)
-    evaluate_shares(law_tables(law), float(cycle), float(delta), float(psi), h1, h2, force)
-    return math.floor(law.cycle_sign * cycle + law.cycle_offset) + np.arange(-reach, reach + 1), force

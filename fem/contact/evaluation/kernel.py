@@ -1,8 +1,9 @@
-"""Compiled door to the mesh law: one state in, forces, energy and their derivatives out.
+"""Compiled entry to the mesh law: one or two states in, forces, energy and their derivatives out.
 
-`tables` is the array of `fem.contact.evaluation.packing.pack`, `pinion` and `wheel` the tooth terms of
-`fem.contact.teeth`. The mathematics stands in `fem.contact.evaluation.evaluator`; sixteen usual slices at a time are
-solved in `fem.contact.evaluation.paired_slices`, the others one by one in `fem.contact.evaluation.general_slices`.
+`packed` is the vector of `fem.contact.evaluation.law_tables.pack` (`LawEvaluator.packed`), `pinion` and `wheel` are the
+tooth terms of `fem.contact.teeth`. The mathematics stands in `fem.contact.evaluation.evaluator`; the line loads of a
+slice are solved in `fem.contact.evaluation.slice_loads`, those of a coupled face in
+`fem.contact.evaluation.coupled_newton`.
 """
 
 from __future__ import annotations
@@ -10,138 +11,99 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit, types
+from numba import njit
 
-from fem.contact.evaluation import general_slices, paired_slices
-from fem.contact.evaluation.candidate_pairs import pairs_near
 from fem.contact.evaluation.coupled_face import evaluate_coupled
-from fem.contact.evaluation.packing import (
-    BLOCKS,
-    COUPLED,
-    LANES,
-    LARGEST_NEAR,
-    OFFSET,
-    ROWS_PER_BLOCK,
-    SIGN,
-    SLICE_ROWS,
-    SLOPE,
-    WIDTH,
-    Y,
-)
-from fem.numerics.compiled import FLOAT, INTEGER, MATRIX, PLAIN, VECTOR, apart, stored
+from fem.contact.evaluation.law_tables import unpacked
+from fem.contact.evaluation.near_pairs import NEAR_ROOM, near_pairs
+from fem.contact.evaluation.slice_loads import move_approach, solve_slices
+from fem.contact.evaluation.slice_rows import NEVER, STATES, States, gather, nearest_approach, rows_in, rows_room
+from fem.contact.evaluation.slice_sums import ANSWER, ANSWER_ROOM, add_to, block_sums, keep_loads, totals
+from fem.numerics.compiled import INLINE, INTEGER, MATRIX, SPREAD, VECTOR, apart, inner, stored
+
+ROOM = ANSWER_ROOM + NEAR_ROOM
 
 
-@njit(**PLAIN, forceinline=True)
-def settle(slope, work, bits):
-    """Newton sweeps of a block until they settle; returns the number of rare slices."""
-    for _ in range(paired_slices.SWEEPS):
-        if paired_slices.sweep(slope, work, bits) <= paired_slices.CLOSE * paired_slices.CLOSE:
-            break
-    return paired_slices.switch_off(slope, work)
+@apart(ANSWER, VECTOR, STATES, MATRIX, MATRIX, MATRIX)
+@stored(__file__, entry=False)
+def evaluate_independent(packed, states, pinion, wheel, loads):
+    """Answer of a law whose slices are independent of one another, and the line loads of the last state."""
+    law = unpacked(packed)
+    memory = np.empty(ROOM + rows_room(2))
+    answer = memory[:14]  # holds the memory as long as it is used; all other views are lent
+    answer[:] = 0.0
+    own_cycle, lowest = law.sign * states.cycle + law.offset, NEVER if law.pulls > 0.0 else 0.0
+    near = near_pairs(law, own_cycle, pinion, wheel, memory[ANSWER_ROOM:])
+    rows = rows_in(memory, ROOM, (0, 1))
+    for block in range(len(law.block)):
+        found = gather(law, near, block, own_cycle, states, lowest, rows)
+        if found == 2:
+            _solve_block(law, block, states, rows, loads, answer)
+        elif found > 2:
+            add_to(answer, 0, block_of_three(packed, block, states, pinion, wheel, loads))
+    return totals(answer, law.sign)
 
 
-@apart(types.UniTuple(FLOAT, 14), VECTOR, FLOAT, types.UniTuple(FLOAT, 4), INTEGER, MATRIX, MATRIX, VECTOR)
-@stored(__file__)
-def evaluate_uncoupled(tables, cycle, states, count, pinion, wheel, pair_force):
-    """What `evaluate_coupled` returns, of a law whose slices are not coupled along the face.
-
-    The tables are read once, and the second Newton iteration starts from the line loads of the first.
-    """
-    own_cycle, sign = tables[SIGN] * cycle + tables[OFFSET], tables[SIGN]
-    work = np.empty((paired_slices.TOTAL + LARGEST_NEAR // 2 + 1, LANES))
-    bits, answer = work.view(np.int64), work[paired_slices.TOTAL + LARGEST_NEAR // 2]
-    for i in range(LANES):
-        answer[i] = 0.0
-    near = work[paired_slices.TOTAL : paired_slices.TOTAL + LARGEST_NEAR // 2].reshape((LARGEST_NEAR, 8))
-    n_near = pairs_near(tables, own_cycle, pinion, wheel, near)
-    slope = tables[SLOPE]
-    for block in range(int(tables[BLOCKS])):
-        if not paired_slices.gather(tables, block, own_cycle, states, near, n_near, work):
-            continue
-        paired_slices.take_state(tables, block, states, -1, 0, work)
-        paired_slices.guess(slope, work, bits)
-        solve_block(tables, block, own_cycle, states, 0, near, n_near, work, bits, pair_force, answer)
-        if count > 1:
-            paired_slices.take_state(tables, block, states, 0, 1, work)
-            solve_block(tables, block, own_cycle, states, 1, near, n_near, work, bits, pair_force, answer)
-    a = answer
-    first = a[0], a[1], a[2], a[3], a[4], a[5], sign * a[6]
-    return first + (a[7], a[8], a[9], a[10], a[11], a[12], sign * a[13])
+@apart(ANSWER, VECTOR, INTEGER, STATES, MATRIX, MATRIX, MATRIX)
+@stored(__file__, entry=False)
+def block_of_three(packed, block, states, pinion, wheel, loads):
+    """What one block adds to the answer where up to three pairs approach in a slice."""
+    law, memory = unpacked(packed), np.zeros(ROOM + rows_room(3))
+    answer = memory[:14]
+    own_cycle, lowest = law.sign * states.cycle + law.offset, NEVER if law.pulls > 0.0 else 0.0
+    near = near_pairs(law, own_cycle, pinion, wheel, memory[ANSWER_ROOM:])
+    rows = rows_in(memory, ROOM, (0, 1, 2))
+    if gather(law, near, block, own_cycle, states, lowest, rows) > 3:
+        return block_of_many(packed, block, states, pinion, wheel, loads)
+    _solve_block(law, block, states, rows, loads, answer)
+    return totals(answer, 1.0)
 
 
-@njit(**PLAIN, forceinline=True)
-def solve_block(tables, block, own_cycle, states, which, near, n_near, work, bits, pair_force, answer):
-    """Add the seven sums of a block at one state to the answer, and its forces to pair_force if that is not empty."""
-    rare = settle(tables[SLOPE], work, bits)
-    add_to(answer, 7 * which, paired_slices.block_sums(tables, block, work))
-    if pair_force.size > 0:
-        add_shares(tables, block, math.floor(own_cycle), work, pair_force)
-    if rare > 0.0:
-        delta, psi = states[2 * which], states[2 * which + 1]
-        add_to(answer, 7 * which, rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_force))
+@apart(ANSWER, VECTOR, INTEGER, STATES, MATRIX, MATRIX, MATRIX)
+@stored(__file__, entry=False)
+def block_of_many(packed, block, states, pinion, wheel, loads):
+    """What one block adds to the answer, for any number of pairs; not by vector instructions."""
+    law, n, found = unpacked(packed), 3, 4
+    own_cycle, lowest = law.sign * states.cycle + law.offset, NEVER if law.pulls > 0.0 else 0.0
+    teeth, answer = np.empty(NEAR_ROOM), np.zeros(14)
+    near = near_pairs(law, own_cycle, pinion, wheel, teeth)
+    while found > n:
+        n += 1
+        memory = np.empty(rows_room(n))
+        rows = rows_in(memory, 0, memory[:n])
+        found = gather(law, near, block, own_cycle, states, lowest, rows)
+        if found == n:
+            _solve_block(law, block, states, rows, loads, answer)
+        memory[0] = teeth[0] = 0.0  # views of them were lent
+    return totals(answer, 1.0)
 
 
-@njit(**PLAIN, forceinline=True)
-def add_to(answer, at, sums):
-    """Add the seven sums of a block."""
-    for i in range(7):
-        answer[at + i] += sums[i]
+@njit(**SPREAD)
+def _solve_block(law, block, states, rows, loads, answer):
+    """Add the sums of a gathered block to the answer (14,); the second state starts from the loads of the first."""
+    for which in range(states.asked):
+        move_approach(states, which, rows)
+        solve_slices(law.slope, which == 0, rows)
+        add_to(answer, 7 * which, block_sums(law.slope, rows))
+    if loads.size > 0:
+        keep_loads(rows, block, math.floor(law.sign * states.cycle + law.offset), loads)
 
 
-@njit(**PLAIN)
-def respond(tables, cycle, states, count, pinion, wheel, pair_force):
-    """Answer (14,) at `count` states (1, 2), see `fem.contact.evaluation.coupled_face.evaluate_coupled`."""
-    if tables[COUPLED] > 0.0:
-        return evaluate_coupled(tables, cycle, states, count, pinion, wheel, pair_force)
-    return evaluate_uncoupled(tables, cycle, states, count, pinion, wheel, pair_force)
-
-
-@njit(**PLAIN)
-def add_shares(tables, block, anchor, work, pair_force):
-    """Forces of the pairs in the slices that are not rare."""
-    base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
-    for s in range(LANES):
-        for at in (0, paired_slices.SECOND):
-            force = (
-                tables[base + WIDTH * LANES + s]
-                * work[at + paired_slices.FRACTION, s]
-                * work[at + paired_slices.LOAD, s]
-            )
-            if force > 0.0 and work[paired_slices.RARE, s] == 0.0:
-                place = int(work[at + paired_slices.PAIR, s]) - anchor + pair_force.size // 2
-                if 0 <= place < pair_force.size:
-                    pair_force[place] += force
-
-
-@njit(**PLAIN)
-def rare_sums(tables, block, own_cycle, delta, psi, near, n_near, work, pair_force):
-    """The sums of the slices that `paired_slices` left over, and their shares."""
-    force = moment = energy = k = mixed = tilt = rate = 0.0
-    base = SLICE_ROWS + block * ROWS_PER_BLOCK * LANES
-    own, none = np.empty((general_slices.TOTAL, general_slices.MAX_PAIRS)), np.zeros(LARGEST_NEAR)
-    for s in range(LANES):
-        if work[paired_slices.RARE, s] == 0.0:
-            continue
-        y, w = tables[base + Y * LANES + s], tables[base + WIDTH * LANES + s]
-        n, load, stiff, stored, along = general_slices.solve_slice(
-            tables, block, s, own_cycle, delta, psi, near, n_near, none, own
-        )
-        force, moment, energy, rate = force + w * load, moment + w * load * y, energy + w * stored, rate + w * along
-        k, mixed, tilt = k + w * stiff, mixed + w * stiff * y, tilt + w * stiff * y * y
-        for p in range(n if pair_force.size > 0 else 0):
-            place = int(own[paired_slices.PAIR, p]) - math.floor(own_cycle) + pair_force.size // 2
-            if 0 <= place < pair_force.size:
-                pair_force[place] += w * own[paired_slices.FRACTION, p] * own[paired_slices.LOAD, p]
-    return force, moment, energy, k, mixed, tilt, rate
+@inner(**INLINE)
+def respond(packed, states, pinion, wheel, loads):
+    """Answer at one or two states; the line loads of the last one into loads (place, slice), if that is not empty."""
+    if unpacked(packed).coupled > 0.0:
+        return evaluate_coupled(packed, states, pinion, wheel, loads)
+    return evaluate_independent(packed, states, pinion, wheel, loads)
 
 
 @stored(__file__)
-def evaluate(tables, cycle, delta, psi, pinion, wheel):
+def evaluate(packed, cycle, delta, psi, pinion, wheel):
     """Response of one flank at one state.
 
     Parameters
     ----------
-    tables : (n,), from `law_tables`
+    packed : (n,), see `LawEvaluator.packed`
     cycle : mesh cycle c of the gears (1); the law turns it into its own c'
     delta, psi : approach along the transverse line of action (m) and tilt (rad)
     pinion (z1, 6), wheel (z2, 6) : tooth terms, see `fem.contact.teeth`
@@ -150,12 +112,12 @@ def evaluate(tables, cycle, delta, psi, pinion, wheel):
     -------
     F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N), dM/d psi (N m), dU/dc (J)
     """
-    return respond(tables, cycle, (delta, psi, delta, psi), np.int64(1), pinion, wheel, np.empty(0))[:7]
+    return respond(packed, States(cycle, delta, psi, delta, psi, 1), pinion, wheel, np.empty((0, 0)))[:7]
 
 
 @stored(__file__)
-def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
-    """Responses at (delta, psi) and at (delta_0, psi_0), both at the same cycle, without dU/dc.
+def evaluate_two(packed, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
+    """Responses at (delta, psi) and at (delta_0, psi_0), both at the same cycle, without dU/dc; see `evaluate`.
 
     The tables are read once and the second Newton iteration starts from the line loads of the first.
 
@@ -163,25 +125,35 @@ def evaluate_two(tables, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
     -------
     F, M, U, dF/d delta, dF/d psi, dM/d psi of the first state, then the same of the second
     """
-    found = respond(tables, cycle, (delta, psi, delta_0, psi_0), np.int64(2), pinion, wheel, np.empty(0))
+    found = respond(packed, States(cycle, delta, psi, delta_0, psi_0, 2), pinion, wheel, np.empty((0, 0)))
     return found[:6] + found[7:13]
 
 
 @stored(__file__)
-def evaluate_shares(tables, cycle, delta, psi, pinion, wheel, pair_force):
-    """As `evaluate`, and add the force (N) of pair p to pair_force[p - floor(c') + pair_force.size // 2].
+def evaluate_many(packed, states, pinion, wheel, answer, loads):
+    """Rows of `evaluate` into answer (n, 7) for the states (n, 3) of cycle, delta and psi.
 
-    c' = cycle_sign c + cycle_offset. Pairs outside the array are left out; 2 `share_reach` + 1 places hold all.
+    Line loads phi f (N/m) of the states go into loads (n, place, slice), which may be empty (0, 0, 0): pair p at place
+    p - floor(c') + places // 2. Pairs beyond the places are left out.
     """
-    return respond(tables, cycle, (delta, psi, delta, psi), np.int64(1), pinion, wheel, pair_force)[:7]
+    none = np.empty((0, 0))
+    for i in range(len(states)):
+        cycle, delta, psi = states[i, 0], states[i, 1], states[i, 2]
+        kept = loads[i] if loads.size > 0 else none
+        found = respond(packed, States(cycle, delta, psi, delta, psi, 1), pinion, wheel, kept)
+        for j in range(7):
+            answer[i, j] = found[j]
 
 
 @stored(__file__)
-def evaluate_many(tables, cycle, delta, psi, pinion, wheel, out):
-    """Rows of `evaluate` for states given as arrays (n,), into out (n, 7)."""
-    none = np.empty(0)
-    for i in range(cycle.size):
-        state = (delta[i], psi[i], delta[i], psi[i])
-        found = respond(tables, cycle[i], state, np.int64(1), pinion, wheel, none)
-        for j in range(7):
-            out[i, j] = found[j]
+def first_touch(packed, cycles, psi, pinion, wheel, found):
+    """delta_0 (n,) in m into `found`, the approach at which the first pair touches, at cycles (n,) and tilts psi (n,).
+
+    inf where no pair can touch.
+    """
+    law, room = unpacked(packed), np.empty(NEAR_ROOM)
+    for i in range(len(cycles)):
+        own_cycle = law.sign * cycles[i] + law.offset
+        near = near_pairs(law, own_cycle, pinion, wheel, room)
+        found[i] = -nearest_approach(law, near, own_cycle, psi[i])
+    room[0] = 0.0  # `near` was lent from it

@@ -11,7 +11,7 @@ for all mesh positions at once; contacts leave when their load falls to nothing 
 overlap.
 
 Above ln f = B - 1, where the Hertz contact is nearly as wide as the depth it is counted to, its approach is held
-constant, as in `fem.contact.evaluation.single_pair`. Reference: Johnson (1985), Contact Mechanics, 5.9 (quadratic
+constant, as in `fem.contact.evaluation.hertz`. Reference: Johnson (1985), Contact Mechanics, 5.9 (quadratic
 programme).
 """
 

@@ -1,0 +1,25 @@
+"""Hertz pressure under the line loads of a mesh law.
+
+p_0 = sqrt(f E'/(pi R)), 1/E' = sum (1 - nu^2)/E, 1/R = (1/rho_1 + 1/rho_2) cos beta_b, with f per length of contact
+line, which equals the transverse load per face width (ISO 6336-2:2019, clause 6; Johnson, Contact Mechanics, section
+4.2).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem.contact.law import MeshLaw
+from fem.gears.geometry import GearPair
+
+
+def contact_pressure(pair: GearPair, law: MeshLaw, cycle: float, pairs: np.ndarray, loads: np.ndarray) -> np.ndarray:
+    """Greatest Hertz pressure (n, slice) in Pa under the line loads (n, slice) of the pairs (n,) at a mesh cycle."""
+    own = law.cycle_sign * cycle + law.cycle_offset
+    positions = own - pairs[:, None] + law.cycle_shift
+    rolls = np.array([pair.roll_lengths(xi) for xi in positions.ravel()]).reshape(*positions.shape, 2)
+    radii = np.maximum(rolls, 1e-3 * pair.base_pitch)
+    curvature = (1 / radii).sum(axis=-1) * np.cos(pair.base_helix_angle)
+    materials = (pair.pinion_material, pair.wheel_material)
+    compliance = sum((1 - m.poisson_ratio**2) / m.elastic_modulus for m in materials)
+    return np.sqrt(np.maximum(loads, 0.0) * curvature / (np.pi * compliance))

@@ -1,0 +1,54 @@
+"""Tooth pairs near mesh, compiled: which pairs may touch somewhere on the face, and what their teeth bring."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from fem.contact.evaluation.law_tables import LARGEST_NEAR
+from fem.numerics.compiled import INLINE, inner, views
+
+
+class NearPairs(NamedTuple):
+    """Pairs in rising order, arrays (pair,); the terms of both teeth of a pair are added, see `fem.contact.teeth`."""
+
+    pairs: int
+    number: np.ndarray  # p
+    clearance: np.ndarray  # h, m
+    profile_slope: np.ndarray  # a1, m
+    profile_curvature: np.ndarray  # a2, m
+    lead_slope: np.ndarray  # b1, m
+    lead_curvature: np.ndarray  # b2, m
+    pinion_variant: np.ndarray  # 0 for a sound tooth
+    wheel_variant: np.ndarray
+
+
+NEAR_ROOM = LARGEST_NEAR * (len(NearPairs._fields) - 1)  # numbers of memory
+
+
+@inner(**INLINE)
+def near_pairs(law, own_cycle, pinion, wheel, memory):
+    """The pairs with both teeth that may touch somewhere on the face at c' = own_cycle.
+
+    pinion (z1, 6) and wheel (z2, 6) are tooth terms; the arrays stand in the first NEAR_ROOM numbers of memory (n,).
+    """
+    table = views(memory, 0, 8, (LARGEST_NEAR,))
+    sign = 1 if law.sign > 0.0 else -1
+    z1, z2 = pinion.shape[0], wheel.shape[0]
+    first = math.ceil(own_cycle + law.first_shift - law.start - law.cells / law.per_step)
+    last = min(math.floor(own_cycle + law.last_shift - law.start), first + LARGEST_NEAR - 1)
+    i, j = (sign * first) % z1, (sign * first + int(law.wheel_offset)) % z2
+    n = 0
+    for p in range(first, last + 1):
+        if pinion[i, 0] + wheel[j, 0] < math.inf:
+            table[0][n] = p
+            for k in range(5):
+                table[1 + k][n] = pinion[i, k] + wheel[j, k]
+            table[6][n], table[7][n] = pinion[i, 5], wheel[j, 5]
+            n += 1
+        i, j = i + sign, j + sign
+        i, j = i - z1 if i >= z1 else i, j - z2 if j >= z2 else j
+        i, j = i + z1 if i < 0 else i, j + z2 if j < 0 else j
+    return NearPairs(n, *table)
