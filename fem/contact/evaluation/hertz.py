@@ -16,7 +16,7 @@ import math
 
 from fem.numerics.compiled import INLINE, inner
 
-CLOSE = 1e-6  # a Newton step this small (relative) leaves an error of about its square times 0.1
+CLOSE = 1e-8  # a Newton step this small (relative) leaves an error of about its square times 0.1
 
 
 @inner(**INLINE)

@@ -164,6 +164,6 @@ def descend(slope, memory, n, s):
             rows.load[a, s], rows.log[a, s], rows.on[a, s] = f, log, 1.0 if f > 0.0 else 0.0
             rows.beyond[a, s] = exceeded(rows.offset[a, s] - log) if f > 0.0 and slope > 0.0 else 1.0
             change, largest = max(change, abs(f - before)), max(largest, f)
-        if change <= 1e-14 * largest:
+        if change <= 1e-13 * largest:
             break
     couple(rows, s)
