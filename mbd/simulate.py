@@ -15,7 +15,7 @@ from fem.storage.stored_array import StoredArray
 from mbd.accuracy.repeatability import Repeatability
 from mbd.accuracy.step_check import StepCheck
 from mbd.coordinates.channels import sensor_names
-from mbd.energy.balance import BOOK_COLUMNS, Books
+from mbd.energy.balance import ENERGY_ENTRIES, EnergyBalance
 from mbd.integrators.base import LENGTH, Block, Integrator
 from mbd.integrators.methods import METHODS
 from mbd.output.recorder import PASS_SHARE, Recorder
@@ -103,7 +103,7 @@ def _simulate(
     shape = (len(system.channels.names), settings.n_samples)
     values = np.zeros(shape) if file is None else StoredArray.create(file, shape)
     recorder = Recorder(system, integrator, every, settings.output_rate, values)
-    books = Books(system, integrator, step, recorder.steps_needed)
+    books = EnergyBalance(system, integrator, step, recorder.steps_needed)
     state = equilibrium(system, float(system.machine.profile.speed(np.zeros(1))[0])) if start is None else start
     step_check = StepCheck(recorder, system.machine.profile, step, every, books.steps)
     repeatability = Repeatability(system, recorder, step, books.steps)
@@ -136,13 +136,13 @@ def _advance(integrator: Integrator, system: System, done: int, n: int, step: fl
     return block
 
 
-def _feed(block: Block, first: int, recorder: Recorder, books: Books) -> None:
+def _feed(block: Block, first: int, recorder: Recorder, books: EnergyBalance) -> None:
     recorder.take(block)
     books.take(block, first)
 
 
 def _trajectory(
-    system: System, settings: Settings, step: float, recorder: Recorder, books: Books, counters: dict[str, int],
+    system: System, settings: Settings, step: float, recorder: Recorder, books: EnergyBalance, counters: dict[str, int],
     step_check: StepCheck, repeatability: Repeatability,
 ) -> Trajectory:  # fmt: skip
     rows, machine = system.channels, system.machine
@@ -166,7 +166,7 @@ def _trajectory(
         pass_band=PASS_SHARE * settings.output_rate,
         counter_names=tuple(counters),
         counters=np.array(list(counters.values()), dtype=float),
-        book_parts=parts,
-        book_columns=BOOK_COLUMNS,
-        books=table,
+        energy_parts=parts,
+        energy_entries=ENERGY_ENTRIES,
+        energies=table,
     )

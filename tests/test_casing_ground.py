@@ -97,7 +97,7 @@ def test_mounts_change_without_finite_elements_and_agree_with_the_full_model(spr
     assert "ground_6:uz" in body.row_names
 
 
-def test_soft_mounts_give_the_rigid_rung_and_stiff_ones_lift_the_frequencies(sprung, housing):
+def test_soft_mounts_give_the_rigid_model_and_stiff_ones_lift_the_frequencies(sprung, housing):
     from fem.casing.models.rigid_casing import RigidCasing
 
     _, _, modes = sprung

@@ -1,4 +1,4 @@
-"""Energy books: every part within 1 % of what it dissipates, the total within 1e-6 of all work."""
+"""Energy balance: every part within 1 % of what it dissipates, the total within 1e-6 of all work."""
 
 import dataclasses
 import math
@@ -27,9 +27,9 @@ def books(machine, casing=None, channels=(), end=0.1, **settings):
 
 
 def assert_closed(result, part_limit=0.01):
-    assert abs(result.book("total", "residual")) <= 1e-6 * result.book("total", "scale")
-    for part in result.book_parts:
-        share = abs(result.book(part, "residual")) / result.book(part, "scale")
+    assert abs(result.energy("total", "residual")) <= 1e-6 * result.energy("total", "scale")
+    for part in result.energy_parts:
+        share = abs(result.energy(part, "residual")) / result.energy(part, "scale")
         assert share <= part_limit, f"{part}: {share:.2%}"
 
 
@@ -39,7 +39,7 @@ def test_books_close(integrator, load):
     machine = train(1, load=load, profile=RAMP, rope={"container_mass": 300.0})
     result = books(machine, integrator=integrator, step=5e-6)
     assert_closed(result)
-    assert (result.books[:-1, result.book_columns.index("dissipated")] >= 0).all()
+    assert (result.energies[:-1, result.energy_entries.index("dissipated")] >= 0).all()
 
 
 def test_books_close_through_contact_loss_and_impacts():
@@ -52,12 +52,12 @@ def test_books_close_through_contact_loss_and_impacts():
 def test_a_residual_that_counts_is_said_in_one_sentence():
     """Of all parts together, the worst named with what it is held against."""
     whole = books(train(1, profile=RAMP), end=0.03, step=5e-6)
-    assert whole.open_books() == ()
-    changed = whole.books.copy()
-    changed[:3, whole.book_columns.index("residual")] = 2 * changed[-1, whole.book_columns.index("scale")]
-    (sentence,) = dataclasses.replace(whole, books=changed).open_books()
+    assert whole.unbalanced() == ()
+    changed = whole.energies.copy()
+    changed[:3, whole.energy_entries.index("residual")] = 2 * changed[-1, whole.energy_entries.index("scale")]
+    (sentence,) = dataclasses.replace(whole, energies=changed).unbalanced()
     assert sentence.startswith("energy balance: ")
-    assert f"of {whole.book_parts[0]} are unaccounted for" in sentence
+    assert f"of {whole.energy_parts[0]} are unaccounted for" in sentence
     assert "2 more" in sentence
 
 
@@ -86,15 +86,15 @@ def test_what_a_small_part_leaves_over_is_not_worth_a_word(band):
     """Modes beyond the band are missing from the balance of shaft and casing, which dissipate next to nothing."""
     machine = train(1, profile=RAMP)
     result = simulate(assemble(machine, rigid_casing(machine, extra=10), (), band=band), Settings(end=0.03, step=5e-6))
-    assert abs(result.book("shaft_1", "residual")) > 0.01 * result.book("shaft_1", "scale")
-    assert result.open_books() == ()
+    assert abs(result.energy("shaft_1", "residual")) > 0.01 * result.energy("shaft_1", "scale")
+    assert result.unbalanced() == ()
 
 
 def test_books_close_without_damping():
     machine = train(1, profile=RAMP, shaft_tau=0.0, bearing_tau=0.0, coupling_damping=0.0)
     machine = dataclasses.replace(machine, meshes=(dataclasses.replace(machine.meshes[0], damping_time=0.0),))
     result = books(machine, no_casing(), end=0.05, step=5e-6)
-    assert result.book("total", "dissipated") == pytest.approx(0.0, abs=1e-12)
+    assert result.energy("total", "dissipated") == pytest.approx(0.0, abs=1e-12)
     assert_closed(result)
 
 
@@ -106,7 +106,7 @@ def test_the_motor_lifts_the_load():
     angle = machine.profile.angle(result.time)
     motors = np.sum(0.5 * (torque[1:] + torque[:-1]) * np.diff(angle))
     lifted = 60.0 * machine.ratios()["shaft_2"] * angle[-1]
-    assert motors - lifted == pytest.approx(result.book("total", "received"), rel=0.05, abs=0.02 * lifted)
+    assert motors - lifted == pytest.approx(result.energy("total", "received"), rel=0.05, abs=0.02 * lifted)
 
 
 def test_a_book_sampled_every_few_steps_is_the_same(monkeypatch):
@@ -114,8 +114,8 @@ def test_a_book_sampled_every_few_steps_is_the_same(monkeypatch):
     every = books(machine, end=0.1, step=5e-6, integrator="trapezoidal")
     monkeypatch.setattr("mbd.energy.sampled_integrals.MAX_SAMPLES", 5000)
     some = books(machine, end=0.1, step=5e-6, integrator="trapezoidal")
-    column = every.book_columns.index("dissipated")
-    np.testing.assert_allclose(some.books[:, column], every.books[:, column], rtol=0.02)
+    column = every.energy_entries.index("dissipated")
+    np.testing.assert_allclose(some.energies[:, column], every.energies[:, column], rtol=0.02)
 
 
 def test_a_missing_tooth_runs_and_books_close():

@@ -1,4 +1,4 @@
-"""Build ledger: counts of the dear things that finite elements do, kept by whoever asks for them.
+"""Build ledger: counts of the expensive things that finite elements do, kept by whoever asks for them.
 
 The code that does the work says so at the place where it is done, ``count("factorisations")``; a caller that wants to
 know opens a book around it. Without an open book counting does nothing.

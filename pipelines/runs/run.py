@@ -225,12 +225,12 @@ def _cost_row(record: StepRecord) -> dict[str, Any]:
 
 
 def provenance(name: str, plant: Plant, outcome: Outcome) -> dict[str, Any]:
-    """Versions of what the steps say they use, rungs and keys: the same for the same result; `name` of the scene."""
+    """Versions of what the steps say they use, models and keys: the same for the same result; `name` of the scene."""
     used = {library: version for record in outcome.records for library, version in record.libraries.items()}
     return {
         "scene": name,
         "versions": {"python": platform.python_version(), **library_versions("gearcase", *WRITERS), **used},
-        "rungs": plant.rungs,
+        "models": plant.models,
         "threads per process": 1,
         "keys": {record.name: record.key[:32] for record in outcome.records},
     }
@@ -265,7 +265,7 @@ def _write_response(path: Path, motion: Trajectory, plant: Plant, facts: Mapping
     from pipelines.signals.response_file import write_response
 
     told = {
-        "provenance": json.dumps({name: facts[name] for name in ("scene", "versions", "rungs", "keys")}),
+        "provenance": json.dumps({name: facts[name] for name in ("scene", "versions", "models", "keys")}),
         "steps": json.dumps(facts["steps"]),
         "build_ledger": json.dumps(facts["ledger"]),
     }

@@ -132,7 +132,7 @@ def _window_lines(
         difference=difference,
         over_floor=over_floor,
         healthy_over_floor=healthy_over_floor,
-        stands=(difference >= settings.difference_limit) & (over_floor >= settings.floor_limit),
+        detected=(difference >= settings.difference_limit) & (over_floor >= settings.floor_limit),
         healthy_shows=healthy_over_floor >= settings.floor_limit,
         rope_mode=np.full(count, rope),
         near_rope=(rope > 0) & (np.abs(offset - rope) <= width),

@@ -105,8 +105,8 @@ def coordinates(motion: Trajectory) -> dict[str, list]:
 def facts(motion: Trajectory) -> dict[str, Any]:
     """What the motion says of itself, as attributes."""
     books = {
-        part: dict(zip(motion.book_columns, map(float, row), strict=True))
-        for part, row in zip(motion.book_parts, motion.books, strict=True)
+        part: dict(zip(motion.energy_entries, map(float, row), strict=True))
+        for part, row in zip(motion.energy_parts, motion.energies, strict=True)
     }
     return {
         "integrator": motion.integrator,

@@ -48,10 +48,10 @@ def criterion(diagnosis: Diagnosis) -> str:
 def grade(lines: LineTable) -> str:
     """ "seen", "partly" (some line stands) or "not seen" for the lines of one case and window."""
     sidebands = lines.where(kind="sideband")
-    most = max((sidebands.where(mesh_harmonic=n).stands.sum() for n in set(sidebands.mesh_harmonic)), default=0)
-    if most >= SIDEBANDS_WANTED and lines.where(kind="envelope").stands.any():
+    most = max((sidebands.where(mesh_harmonic=n).detected.sum() for n in set(sidebands.mesh_harmonic)), default=0)
+    if most >= SIDEBANDS_WANTED and lines.where(kind="envelope").detected.any():
         return "seen"
-    return "partly" if lines.without_mesh().stands.any() else "not seen"
+    return "partly" if lines.without_mesh().detected.any() else "not seen"
 
 
 def sentences(diagnosis: Diagnosis) -> tuple[str, ...]:
@@ -107,10 +107,10 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
     rows, marked = [], set()
     for i in range(len(lines)):
         where = "envelope " if lines.kind[i] in ("envelope", "bearing") else ""
-        stands = "stands" if lines.stands[i] else "-"
+        stands = "stands" if lines.detected[i] else "-"
         if lines.kind[i] in ("mesh", "bearing"):
             stands = f"{lines.kind[i]} line"
-        elif lines.stands[i]:
+        elif lines.detected[i]:
             marked.add(i)
         near = "on this line" if lines.near_rope[i] else (f"{rope:.2f}" if rope else "-")
         rows.append(
@@ -153,9 +153,9 @@ def seeds_grid(diagnoses: Sequence[Diagnosis], load: str, window: str) -> Grid:
     rows = []
     for i, label in enumerate(tables[0].label):
         where = "envelope " if tables[0].kind[i] == "envelope" else ""
-        cells = [f"{t.difference[i]:+.1f}" + (" ●" if t.stands[i] else "") for t in tables]
+        cells = [f"{t.difference[i]:+.1f}" + (" ●" if t.detected[i] else "") for t in tables]
         rows.append(
-            (where + label, f"{tables[0].frequency[i]:.3f}", *cells, str(sum(int(t.stands[i]) for t in tables)))
+            (where + label, f"{tables[0].frequency[i]:.3f}", *cells, str(sum(int(t.detected[i]) for t in tables)))
         )
     names = ["error-free" if d.deviations == "off" else d.deviations for d in chosen]
     title = f"{_capital(window)}, {LOADS.get(load, load)}: faulty over healthy in dB (● stands)"
@@ -185,25 +185,25 @@ def _counts(lines: LineTable) -> str:
     parts = [lines.where(kind="envelope")]
     sidebands = lines.where(kind="sideband")
     parts += [sidebands.where(mesh_harmonic=n) for n in dict.fromkeys(sidebands.mesh_harmonic.tolist())]
-    return " · ".join(f"{int(part.stands.sum())}/{len(part)}" for part in parts)
+    return " · ".join(f"{int(part.detected.sum())}/{len(part)}" for part in parts)
 
 
 def _standing(diagnosis: Diagnosis, lines: LineTable) -> str:
     settings, (low, high) = diagnosis.settings, diagnosis.band
     counted = lines.without_mesh()
-    if not counted.stands.any():
+    if not counted.detected.any():
         return f"none of {len(counted)} lines stands. {_reason(diagnosis, counted)}"
     envelope = lines.where(kind="envelope")
     parts = [
-        f"{int(envelope.stands.sum())} of {len(envelope)} harmonics of f_r = {settings.revolution_frequency:.4f} Hz "
+        f"{int(envelope.detected.sum())} of {len(envelope)} harmonics of f_r = {settings.revolution_frequency:.4f} Hz "
         f"in the envelope of {low:.4g} to {high:.4g} Hz"
     ]
     for n in settings.mesh_harmonics:
         around = lines.where(kind="sideband", mesh_harmonic=n)
         parts.append(
-            f"{int(around.stands.sum())} of {len(around)} sidebands around {n * settings.mesh_frequency:.4g} Hz"
+            f"{int(around.detected.sum())} of {len(around)} sidebands around {n * settings.mesh_frequency:.4g} Hz"
         )
-    best = int(np.argmax(np.where(counted.stands == 1, counted.difference, -np.inf)))
+    best = int(np.argmax(np.where(counted.detected == 1, counted.difference, -np.inf)))
     where = "in the envelope" if counted.kind[best] == "envelope" else "in the spectrum"
     return (
         f"{', '.join(parts[:-1])} and {parts[-1]} stand; the largest rise is "

@@ -77,4 +77,4 @@ def simulated(loaded: LoadedScene, cache: Path) -> Any:
 def unexplained(trajectory: Any) -> list[str]:
     """What is not finite, and books that do not close; empty for a good run."""
     finite = np.isfinite(trajectory.values).all()
-    return [*(() if finite else ["a channel is not finite"]), *trajectory.open_books()]
+    return [*(() if finite else ["a channel is not finite"]), *trajectory.unbalanced()]

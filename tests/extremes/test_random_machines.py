@@ -1,4 +1,4 @@
-"""Valid machines drawn at random within what engineers build: each moves finitely, with closed energy books."""
+"""Valid machines drawn at random within what engineers build: each moves finitely, with closed energy balance."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def moved(gear, rest, teeth, cache) -> bool:
         finer = simulated(load_scene("minimal", change | {"simulation.step_us": 1.25}), cache)
         assert np.isfinite(finer.values).all()
         for part in trajectory.open_parts():
-            left = [abs(run.book(part, "residual")) for run in (trajectory, finer)]
+            left = [abs(run.energy(part, "residual")) for run in (trajectory, finer)]
             assert part not in finer.open_parts() or left[1] < left[0] / 4, part
     return True
 

@@ -29,7 +29,7 @@ class MeshModel(ABC):
 
         Raises
         ------
-        RungError, GeometryError : the pair is outside the range of the model
+        ModelError, GeometryError : the pair is outside the range of the model
         """
 
     def check(self, pair: GearPair) -> None:
