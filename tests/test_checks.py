@@ -14,6 +14,7 @@ from mbd.parts.checks import MachineError
 from mbd.system.system import assemble
 from pipelines.border.errors import SceneError
 from pipelines.cli import main
+from pipelines.plant.bearings import bearing_points, bearing_specs
 from pipelines.plant.checks import cost
 from pipelines.plant.checks.doubts import doubts
 from pipelines.plant.checks.strength import STATIC_STRENGTH, TORSION_STRENGTH, contact_pressure, torques_along, torsions
@@ -229,15 +230,14 @@ def test_check_says_what_a_run_costs(capsys):
 
 @pytest.mark.parametrize("scene", ["minimal", "rig-healthy"])
 def test_the_channels_counted_are_those_recorded(scene):
-    from pipelines.plant.machine import bearing_specs
-
     loaded = load_scene(scene).scene
     motors = [name for n in range(loaded.drive.motors) for name in motor_channels(f"motor_{n}")]
     shafts = [name for n in range(len(loaded.shafts)) for name in shaft_channels(f"shaft_{n}")]
     meshes = [name for n in range(len(loaded.stages)) for name in mesh_channels(f"mesh_{n}")]
     others = SimpleNamespace(channel_names=(*motors, *shafts, *meshes))
-    load = load_spec(loaded, lay_out(loaded).loaded)
-    recorded = SimpleNamespace(components=(others, *bearing_specs(loaded), load))
+    drums = (0.0,) * len(loaded.load.drum_positions_mm or (0, 0))
+    load = load_spec(loaded.load, "shaft_2", drums)
+    recorded = SimpleNamespace(components=(others, *bearing_specs(loaded.shafts, loaded.bearings), load))
     names = channel_names(recorded, tuple(sensor.name for sensor in loaded.sensors))
     assert cost.cost(loaded).channels == len(names)
 
@@ -289,7 +289,8 @@ def test_the_seat_found_on_the_solid_is_the_seat_of_its_mesh():
     from pipelines.plant.housing import housing
 
     scene = load_scene("rig-step").scene
-    made = housing(scene, scene.casing.housing, lay_out(scene))
+    layout = lay_out(scene)
+    made = housing(scene.casing.housing, scene.sensors, layout, bearing_points(scene.shafts, layout))
     assert isinstance(made.seats[0], Seat)
     assert isinstance(made.seats[0].locator, ByCylinder)
     for seat, point in zip(made.seats, find_seats(made).values(), strict=True):

@@ -12,6 +12,7 @@ from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.registry import elastic_casing
 from fem.elements.materials import Material
 from pipelines.border.errors import Problem, SceneError
+from pipelines.plant.bearings import bearing_points
 from pipelines.plant.housing import housing
 from pipelines.plant.layout import Layout, material
 from pipelines.plant.units import si_options
@@ -76,7 +77,8 @@ def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
     table = scene.casing
     if isinstance(table, NoCasingTable):
         return None
-    box, iron = housing(scene, table.housing, layout, source), material("casing", table.material)
+    box = housing(table.housing, scene.sensors, layout, bearing_points(scene.shafts, layout), source)
+    iron = material("casing", table.material)
     if isinstance(table, RigidCasingTable):
         mount = table.mount_stiffness_N_per_um * 1e6
         if isinstance(box, Housing) and box.plain:

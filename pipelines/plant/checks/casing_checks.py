@@ -78,8 +78,8 @@ def _elements(made: Housing, size: float) -> float:
 
 def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], what: str) -> Iterator[Problem]:
     """Bearings that are not in the middle of their seat, where the casing takes their load."""
-    places = {name: (shaft, place) for name, shaft, place in bearing_names(scene)}
-    for number, wanted in enumerate(bearing_points(scene, layout), 1):
+    places = {name: (shaft, place) for name, shaft, place in bearing_names(scene.shafts)}
+    for number, wanted in enumerate(bearing_points(scene.shafts, layout), 1):
         name = f"bearing_{number}"
         if name not in points:
             continue
@@ -100,7 +100,7 @@ def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
     if not isinstance(table, ImportedTable):
         return
     numbers = {seat.name: number for number, seat in enumerate(table.bearings, 1)}
-    shafts = {name: shaft + 1 for name, shaft, _ in bearing_names(scene)}
+    shafts = {name: shaft + 1 for name, shaft, _ in bearing_names(scene.shafts)}
     for seat in made.seats:
         path = f"casing.housing.bearings.{numbers[seat.name]}"
         if isinstance(seat.locator, ByGroup) and made.is_step:

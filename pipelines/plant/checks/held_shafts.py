@@ -51,8 +51,8 @@ def _springs(scene: Scene, layout: Layout) -> Iterator[np.ndarray]:
         found[6 * shaft : 6 * shaft + 6] = coefficients + [0.0, 0.0, 0.0, y * z, 0.0, -y * x]
         return found
 
-    shafts = (shaft for _, shaft, _ in bearing_names(scene))
-    for shaft, bearing in zip(shafts, bearing_specs(scene), strict=True):
+    shafts = (shaft for _, shaft, _ in bearing_names(scene.shafts))
+    for shaft, bearing in zip(shafts, bearing_specs(scene.shafts, scene.bearings), strict=True):
         for axis, stiffness in zip(BEARING_AXES, bearing.stiffness, strict=True):
             if stiffness > 0.0:
                 yield row(shaft, bearing.y, np.eye(6)[_AXES.index(axis)])

@@ -30,9 +30,11 @@ def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
             "drive.speeds_rpm", "the motors stand: no shaft turns, there is nothing to diagnose", "Let them turn"
         )
         return
-    rate, drive = scene.simulation.output_rate_Hz, speed_profile(scene)
-    rolling, faults = rolling_bearings(scene), tooth_faults(scene)
-    settings = diagnosis_settings(looked_for(scene), layout, hoist(scene), drive, rolling, faults)
+    rate, drive = scene.simulation.output_rate_Hz, speed_profile(scene.drive)
+    rolling, faults = rolling_bearings(scene.shafts, scene.bearings), tooth_faults(scene.faults, layout.pinion_senses)
+    settings = diagnosis_settings(
+        looked_for(scene.diagnosis, scene.sensors), layout, hoist(scene.load), drive, rolling, faults
+    )
     if settings is None:
         return
     profile = SpeedProfile(times=np.array(scene.drive.times_s), speeds=np.array(scene.drive.speeds_rpm))
