@@ -53,16 +53,20 @@ class Pool:
         return self
 
     def __exit__(self, *_: object) -> None:
-        children = [*self._idle, *(child for child, _ in self._working)]
-        for child in children:
+        self._idle += [child for child, _ in self._working]
+        self._working.clear()
+        self.end_waiting()
+        if self._folder is not None:
+            self._folder.cleanup()
+
+    def end_waiting(self) -> None:
+        """End the children without work: one that has built a casing holds its memory, over 1 GB."""
+        for child in self._idle:
             child.kill()
-        for child in children:
+        for child in self._idle:
             child.wait()
             _input(child).close()
         self._idle.clear()
-        self._working.clear()
-        if self._folder is not None:
-            self._folder.cleanup()
 
     def __len__(self) -> int:
         return len(self._working)

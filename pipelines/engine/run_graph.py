@@ -106,6 +106,9 @@ def run_graph(
             if ready:
                 step, key = ready[0]
                 observer.started(step)
+                started = {*results, *pool.names(), step.name}
+                if not any(other.seconds >= _LONG_SECONDS for other in graph if other.name not in started):
+                    pool.end_waiting()
                 _keep(results, step, build_here(step, key, _upstream(step, results), cache), observer)
             elif len(pool):
                 for step in graph:
