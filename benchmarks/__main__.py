@@ -1,7 +1,7 @@
 """Measures gearcase on the shipped scenes: python -m benchmarks [PART ...].
 
 Every part runs in a process of its own, BLAS on one thread. Writes benchmarks/results/latest.json (each of the other
-programs its own file beside it), docs/benchmarks.md and the measured tables of docs/choosing-a-rung.md. Parts named
+programs its own file beside it), docs/benchmarks.md and the measured tables of docs/choosing-a-model.md. Parts named
 on the command line are measured again, the others are taken over from the last result; a part that needs what another
 leaves behind measures that one, too.
 """
@@ -29,7 +29,7 @@ NEEDS = {
     "modes": ("mesh",),
     "static": ("mesh",),
     "loop": ("laws", "mesh", "modes"),
-    "rungs": ("laws", "mesh", "modes", "static"),
+    "models": ("laws", "mesh", "modes", "static"),
     "precision": ("laws", "mesh", "modes"),
 }
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.clock import timed
-from benchmarks.rig import casing_parts, casing_rung, keep, kept, read
+from benchmarks.rig import casing_model, casing_parts, keep, kept, read
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.body import MODES_OVER_BAND
@@ -24,9 +24,9 @@ def mesh(folder: Path) -> list[dict[str, Any]]:
     """Geometry and tetrahedra."""
     plant = read()
     box, _ = casing_parts(plant)
-    rung = casing_rung(plant)
-    assert isinstance(rung, CraigBamptonCasing)
-    seconds, found = timed(lambda: rung.mesh(box))
+    model = casing_model(plant)
+    assert isinstance(model, CraigBamptonCasing)
+    seconds, found = timed(lambda: model.mesh(box))
     keep(folder, "mesh", found)
     size = f"{len(found.nodes)} nodes, {len(found.elements)} tetrahedra"
     return [{"step": "mesh", "size": size, "solver": "", **seconds}]
@@ -61,10 +61,10 @@ def modes(folder: Path) -> list[dict[str, Any]]:
     """Craig-Bampton reduction at the shipped band, and its check-up; keeps the body."""
     plant = read()
     found, (box, iron) = kept(folder, "mesh"), casing_parts(plant)
-    rung = casing_rung(plant)
-    assert isinstance(rung, CraigBamptonCasing)
+    model = casing_model(plant)
+    assert isinstance(model, CraigBamptonCasing)
     grounding, casing = timed(lambda: ground_casing(found, iron), repeats=1)
-    limit = MODES_OVER_BAND * rung.band
+    limit = MODES_OVER_BAND * model.band
     counting, counted = timed(
         lambda: count_fixed_modes(casing.interface, casing.K_free, casing.M_free, limit), repeats=1
     )
@@ -73,7 +73,7 @@ def modes(folder: Path) -> list[dict[str, Any]]:
     )
     checking, checked = timed(lambda: check_up(casing, reduction), repeats=1)
     result = casing_modes(casing, reduction, model="craig-bampton", band_limit=limit)
-    recovering, body = timed(lambda: rung.body(result, box.sensors))
+    recovering, body = timed(lambda: model.body(result, box.sensors))
     keep(folder, "craig-bampton", body)
     n_fixed, total = reduction.n_fixed, len(result.mass)
     size = f"{n_fixed} modes to {limit:.0f} Hz, {total} coordinates"
@@ -90,9 +90,9 @@ def static(folder: Path) -> list[dict[str, Any]]:
     """Static condensation, check-up included; keeps the body."""
     plant = read(casing__model="static")
     found, (box, iron) = kept(folder, "mesh"), casing_parts(plant)
-    rung = casing_rung(plant)
-    assert isinstance(rung, StaticCasing)
-    seconds, body = timed(lambda: rung.body(rung.modes(found, iron)[0], box.sensors), repeats=1)
+    model = casing_model(plant)
+    assert isinstance(model, StaticCasing)
+    seconds, body = timed(lambda: model.body(model.modes(found, iron)[0], box.sensors), repeats=1)
     keep(folder, "static", body)
     size = f"{len(body.coordinate_names)} coordinates"
-    return [{"step": "rung static, all but the mesh", "size": size, "solver": "", **seconds}]
+    return [{"step": "model static, all but the mesh", "size": size, "solver": "", **seconds}]

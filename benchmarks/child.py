@@ -19,7 +19,7 @@ PARTS = {
     "modes": ("benchmarks.casing", "modes"),
     "static": ("benchmarks.casing", "static"),
     "loop": ("benchmarks.motion", "loop"),
-    "rungs": ("benchmarks.motion", "rungs"),
+    "models": ("benchmarks.motion", "models"),
     "precision": ("benchmarks.motion", "precision"),
     "presets": ("benchmarks.presets", "presets"),
 }

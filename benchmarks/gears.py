@@ -26,7 +26,7 @@ def _many(tables, cycle, delta, psi, pinion, wheel):
 
 
 def laws(folder: Path) -> list[dict[str, Any]]:
-    """Seconds of rungs iso and plane for every stage of the rig; keeps the plane laws."""
+    """Seconds of models iso and plane for every stage of the rig; keeps the plane laws."""
     rows, found = [], []
     cheap = read(**{f"stages__{n}__mesh__model": "iso" for n in (1, 2, 3)})
     plant = read()
@@ -35,21 +35,21 @@ def laws(folder: Path) -> list[dict[str, Any]]:
         iso, _ = timed(lambda n=stage: stage_law(cheap, n))
         plane, pair_laws = timed(lambda n=stage: stage_law(plant, n))
         found.append(pair_laws)
-        for rung, time_taken in (("iso", iso), ("plane", plane)):
-            rows.append({"stage": stage + 1, "pair": pair.label.split()[-1], "rung": rung, **time_taken})
+        for model, time_taken in (("iso", iso), ("plane", plane)):
+            rows.append({"stage": stage + 1, "pair": pair.label.split()[-1], "model": model, **time_taken})
     keep(folder, "laws", found)
     return rows
 
 
 def evaluation(folder: Path) -> list[dict[str, Any]]:
-    """Microseconds per call of the compiled law at the load of the rig, stage 1, by rung and number of slices."""
+    """Microseconds per call of the compiled law at the load of the rig, stage 1, by model and number of slices."""
     plant = read()
     force = plant.facts.stages[0].mesh_force
     rows = []
-    for rung, slices in (("iso", 15), ("plane", 7), ("plane", 15), ("plane", 31)):
-        settings = {"stages__1__mesh__model": rung, "stages__1__mesh__slices": slices}
+    for model, slices in (("iso", 15), ("plane", 7), ("plane", 15), ("plane", 31)):
+        settings = {"stages__1__mesh__model": model, "stages__1__mesh__slices": slices}
         drive, _ = stage_law(*read(**settings), 0)
-        rows.append({"rung": rung, "slices": slices, "force_N": force, **per_call((drive, drive), force)})
+        rows.append({"model": model, "slices": slices, "force_N": force, **per_call((drive, drive), force)})
     return rows
 
 

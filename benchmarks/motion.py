@@ -1,4 +1,4 @@
-"""Parts `loop`, `rungs` and `precision`: the time loop on the shipped scenes, rung by rung and method by method."""
+"""Parts `loop`, `models` and `precision`: the time loop on the shipped scenes, model by model and method by method."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def rig(folder: Path, **settings: Any) -> System:
     """The rig with a moving start, from what the earlier parts kept as far as the settings leave it valid."""
     plant = moving(**settings)
     laws = kept(folder, "laws") if plant.laws[0].model == "plane" else [stage_law(plant, n) for n in range(3)]
-    model = plant.rungs["casing"]
+    model = plant.models["casing"]
     body = kept(folder, model) if model in ("static", "craig-bampton") else casing_body(plant)
     return system(plant, laws, body)
 
@@ -78,8 +78,8 @@ VARIANTS: dict[str, dict[str, Any]] = {
 }
 
 
-def rungs(folder: Path) -> list[dict[str, Any]]:
-    """The rig with one rung changed: size, seconds per second of motion, and the RMS it gives."""
+def models(folder: Path) -> list[dict[str, Any]]:
+    """The rig with one model changed: size, seconds per second of motion, and the RMS it gives."""
     rows = []
     for name, settings in VARIANTS.items():
         building, machine = timed(lambda s=settings: rig(folder, **s), repeats=1)
@@ -141,19 +141,19 @@ def precision(folder: Path) -> list[dict[str, Any]]:
 
 
 def shares(folder: Path) -> list[dict[str, Any]]:
-    """CPU microseconds per step of the full rig: the loop, the channels, the books of linear parts and elements."""
-    from mbd.energy.balance import Books
+    """CPU microseconds per step of the full rig: loop, channels, energy balance of linear parts and of elements."""
+    from mbd.energy.balance import EnergyBalance
     from mbd.output.recorder import Recorder
     from mbd.system.statics import equilibrium
 
     machine, n, block = rig(folder), 6000, 480
     clock = time.process_time()
     method = METHODS["exponential"](machine, STEP)
-    recorder, books = Recorder(machine, method, 3, n), Books(machine, method, STEP, n)
-    spent = {"set-up (s)": time.process_time() - clock, "loop": 0.0, "channels": 0.0, "books": 0.0}
+    recorder, balance = Recorder(machine, method, 3, n), EnergyBalance(machine, method, STEP, n)
+    spent = {"set-up (s)": time.process_time() - clock, "loop": 0.0, "channels": 0.0, "energy balance": 0.0}
     start = method.start(equilibrium(machine))
     recorder.take(start)
-    books.take(start, 0)
+    balance.take(start, 0)
     times = STEP * np.arange(n + 1)
     angles, speeds = machine.machine.profile.angle(times), machine.machine.profile.speed(times)
     rates = np.diff(speeds) / STEP
@@ -164,7 +164,7 @@ def shares(folder: Path) -> list[dict[str, Any]]:
         for name, act in (
             ("loop", None),
             ("channels", recorder.take),
-            ("books", lambda b, f=first: books.take(b, f + 1)),
+            ("energy balance", lambda b, f=first: balance.take(b, f + 1)),
         ):
             if act is not None:
                 act(done)

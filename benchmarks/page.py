@@ -1,4 +1,4 @@
-"""docs/benchmarks.md, and the measured blocks of docs/choosing-a-rung.md, from the results."""
+"""docs/benchmarks.md, and the measured blocks of docs/choosing-a-model.md, from the results."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ BEGIN, END = "<!-- measured: {} -->", "<!-- end of measured -->"
 
 
 def write(result: dict[str, Any], docs: Path) -> None:
-    """Write docs/benchmarks.md and fill the blocks of docs/choosing-a-rung.md."""
+    """Write docs/benchmarks.md and fill the blocks of docs/choosing-a-model.md."""
     (docs / "benchmarks.md").write_text(benchmarks_page(result), encoding="utf-8")
-    choosing = docs / "choosing-a-rung.md"
+    choosing = docs / "choosing-a-model.md"
     if choosing.exists():
         text = choosing.read_text(encoding="utf-8")
         for name, block in blocks(result).items():
@@ -30,7 +30,7 @@ def blocks(result: dict[str, Any]) -> dict[str, str]:
         "conditions": conditions_text(result["conditions"]),
         "mesh": _part(parts, "laws", law_table),
         "casing": "\n\n".join([_part(parts, "modes", casing_table), _part(parts, "static", casing_table)]),
-        "rungs": _part(parts, "rungs", rung_table),
+        "models": _part(parts, "models", model_table),
         "precision": _part(parts, "precision", precision_table),
         "presets": _part(parts, "presets", preset_table),
     }
@@ -56,16 +56,16 @@ def benchmarks_page(result: dict[str, Any]) -> str:
         ("Casing: mesh", "The housing of `rig-healthy`, element size 22 mm.", "mesh", casing_table),
         ("Casing: assembly and factorisation", "Quadratic tetrahedra. The factorised matrix is K + s M of the free "
          "body.", "factors", casing_table),
-        ("Casing: reduction", "Rung craig-bampton to a band of 5 kHz, check-up of the report included.", "modes",
+        ("Casing: reduction", "Model craig-bampton to a band of 5 kHz, check-up of the report included.", "modes",
          casing_table),
         ("Casing: static condensation", "", "static", casing_table),
         ("Time loop", "Time steps, output filter and energy balance; assembly, modes, equilibrium and the start of the "
          "filter are set-up. The rig starts at once: 900 rpm at 0.05 s. Compiled code is loaded beforehand.", "loop",
          loop_table),
-        ("One rung changed", "`rig-healthy` with one word changed, 0.3 s of motion, 900 rpm from 0.05 s on; "
+        ("One model changed", "`rig-healthy` with one word changed, 0.3 s of motion, 900 rpm from 0.05 s on; "
          "figures of the vibration from 0.1 s to 0.3 s (standard deviation; the mesh force holds the bounce of the "
-         "container). Bearings to ground have no casing sensor; the journal of bearing 3 stands in.", "rungs",
-         rung_table),
+         "container). Bearings to ground have no casing sensor; the journal of bearing 3 stands in.", "models",
+         model_table),
         ("Integrators: error against seconds", "The full rig over 0.2 s of motion, channel sensor_3 z after the output "
          "filter. Error: RMS of the difference to the exponential method at 1.25 us over the RMS of the signal.",
          "precision", precision_table),
@@ -106,15 +106,15 @@ def _seconds(row: dict[str, Any]) -> str:
 
 
 def law_table(rows: list[dict[str, Any]]) -> str:
-    """Rungs of the mesh law."""
-    cells = [[str(r["stage"]), r["pair"], r["rung"], _seconds(r), str(r["calls"])] for r in rows]
-    return markdown(("stage", "teeth", "rung", "seconds", "calls"), cells)
+    """Models of the mesh law."""
+    cells = [[str(r["stage"]), r["pair"], r["model"], _seconds(r), str(r["calls"])] for r in rows]
+    return markdown(("stage", "teeth", "model", "seconds", "calls"), cells)
 
 
 def evaluation_table(rows: list[dict[str, Any]]) -> str:
     """The compiled kernel."""
-    cells = [[r["rung"], str(r["slices"]), f"{r['force_N']:.0f}", f"{r['microseconds']:.2f}"] for r in rows]
-    return markdown(("rung", "slices", "force N", "µs per call"), cells)
+    cells = [[r["model"], str(r["slices"]), f"{r['force_N']:.0f}", f"{r['microseconds']:.2f}"] for r in rows]
+    return markdown(("model", "slices", "force N", "µs per call"), cells)
 
 
 def casing_table(rows: list[dict[str, Any]]) -> str:
@@ -138,8 +138,8 @@ def loop_table(rows: list[dict[str, Any]]) -> str:
     return markdown(headers, cells)
 
 
-def rung_table(rows: list[dict[str, Any]]) -> str:
-    """The rig with one rung changed."""
+def model_table(rows: list[dict[str, Any]]) -> str:
+    """The rig with one model changed."""
     cells = [
         [
             r["variant"], str(r["coordinates"]), str(r["modes"]),
@@ -148,7 +148,7 @@ def rung_table(rows: list[dict[str, Any]]) -> str:
         ]
         for r in rows
     ]  # fmt: skip
-    headers = ("rung changed", "coordinates", "modes kept", "seconds per second of motion", "acceleration m/s²",
+    headers = ("model changed", "coordinates", "modes kept", "seconds per second of motion", "acceleration m/s²",
                "mesh force, stage 1, N", "approach peak to peak, stage 1, µm")  # fmt: skip
     return markdown(headers, cells)
 

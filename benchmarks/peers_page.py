@@ -41,23 +41,23 @@ def _conditions(found: Found) -> str:
 
 
 def contact_table(found: Found) -> str:
-    """Approach at the load of the rig by CalculiX and by the rungs."""
-    names = list(found["positions"][0]["rungs"])
+    """Approach at the load of the rig by CalculiX and by the models."""
+    names = list(found["positions"][0]["models"])
     rows = []
     for place in found["positions"]:
         if not place["meshes"]:
             continue
         meshes = ", ".join(f"{1e6 * m['delta_m']:.3f} ({m['face_elements']})" for m in place["meshes"])
         seconds = sum(m["cpu_seconds"] for m in place["meshes"])
-        rungs = [f"{100 * place['rungs'][name]['deviation']:+.1f} %" for name in names]
+        models = [f"{100 * place['models'][name]['deviation']:+.1f} %" for name in names]
         what = "wheel tooth missing" if place["missing"] else "healthy"
         rows.append(
-            [f"{place['cycle']:g}", what, meshes, f"{1e6 * place['extrapolated_m']:.3f}", f"{seconds:.0f}", *rungs]
+            [f"{place['cycle']:g}", what, meshes, f"{1e6 * place['extrapolated_m']:.3f}", f"{seconds:.0f}", *models]
         )
     headers = ("mesh cycle", "state", "µm by CalculiX (elements along the face)", "extrapolated µm", "s", *names)
     lead = (
         f"Approach of stage 1 (20/55, b 12 mm) at {found['force_N']:.0f} N: full 3-D contact model of both wheels, "
-        f"{found['element']}, penalty {found['penalty_N_per_mm3']:.0e} N/mm³; deviation of each rung."
+        f"{found['element']}, penalty {found['penalty_N_per_mm3']:.0e} N/mm³; deviation of each model."
     )
     return f"{lead}\n\n{markdown(headers, rows)}"
 
@@ -96,7 +96,7 @@ def ross_table(found: Found) -> str:
         for name, row in found["rows"].items()
     ]
     table = markdown(("by", "smallest N/µm", "mean N/µm", "largest N/µm", "s"), rows)
-    return f"Spur pair 62/62, m 2 mm, b 20 mm, bore 35 mm, 1000 positions; rung plane at 1000 N.\n\n{table}"
+    return f"Spur pair 62/62, m 2 mm, b 20 mm, bore 35 mm, 1000 positions; model plane at 1000 N.\n\n{table}"
 
 
 def floor_table(found: Found) -> str:

@@ -76,10 +76,10 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
 
     with threadpool_limits(1):
         box, iron = casing_parts(*read())
-        rung = CraigBamptonCasing(element_size=element_size / 1000, band=band, solver=solver)  # type: ignore[arg-type]
+        model = CraigBamptonCasing(element_size=element_size / 1000, band=band, solver=solver)  # type: ignore[arg-type]
         limit = MODES_OVER_BAND * band
-        mesh = step("geometry and mesh", lambda: rung.mesh(box))
-        casing = step("assembly, factorisation, constraint modes", lambda: rung.casing(mesh, iron))
+        mesh = step("geometry and mesh", lambda: model.mesh(box))
+        casing = step("assembly, factorisation, constraint modes", lambda: model.casing(mesh, iron))
         reduction, counted = step(
             "fixed-interface modes and their count, inertia correction",
             lambda: reduced_and_counted(casing.interface, casing.K_free, casing.M_free, highest=limit),
@@ -89,7 +89,7 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
             lambda: casing_modes(casing, reduction, model="craig-bampton", band_limit=limit, counted=counted),
         )
         checked = step("check-up", lambda: check_up(casing, reduction))
-        step("reduced body with nine sensors", lambda: rung.body(modes, box.sensors))
+        step("reduced body with nine sensors", lambda: model.body(modes, box.sensors))
     return {
         "element_size_mm": element_size,
         "band_Hz": band,

@@ -42,12 +42,12 @@ def moving(name: str = SCENE, **settings: Any) -> Plant:
 
 
 def stage_law(plant: Plant, stage: int) -> Laws:
-    """The laws of one stage (0-based) by the rung of the scene."""
+    """The laws of one stage (0-based) by the model of the scene."""
     return plant.laws[stage].laws()
 
 
 def plane_law(pair: GearPair, slices: int = 15, refinement: float = 1.0) -> Laws:
-    """The laws of rung plane."""
+    """The laws of model plane."""
     return Plane(slices=slices, refinement=refinement).laws(pair)
 
 
@@ -59,8 +59,8 @@ def casing_parts(plant: Plant) -> tuple[Housing, Material]:
     return box, plant.casing.material
 
 
-def casing_rung(plant: Plant) -> RigidCasing | ElasticCasing:
-    """The rung of a plant with a housing."""
+def casing_model(plant: Plant) -> RigidCasing | ElasticCasing:
+    """The model of a plant with a housing."""
     part = plant.casing
     assert part is not None
     if not isinstance(part, ElasticPart):
@@ -69,10 +69,10 @@ def casing_rung(plant: Plant) -> RigidCasing | ElasticCasing:
 
 
 def casing_body(plant: Plant) -> ReducedBody:
-    """The casing of a plant by its rung."""
+    """The casing of a plant by its model."""
     if plant.casing is None:
         return NoCasing().reduce({f"bearing_{n}": point for n, point in enumerate(plant.bearing_points, 1)})
-    return casing_rung(plant).reduce(*casing_parts(plant))
+    return casing_model(plant).reduce(*casing_parts(plant))
 
 
 def system(plant: Plant, laws: list[Laws], body: ReducedBody) -> System:

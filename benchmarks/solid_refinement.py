@@ -1,4 +1,4 @@
-"""Refinement of the rung `solid`: `python -m benchmarks.solid_refinement [OUTPUT.json [PLOT.png]]`.
+"""Refinement of the model `solid`: `python -m benchmarks.solid_refinement [OUTPUT.json [PLOT.png]]`.
 
 Three levels along each of two axes: the mesh (sizes of section, face and patches together) with the default slices, and
 the slices of the contact lines with the default mesh. Mean of the secant stiffness and peak-to-peak of the transmission
@@ -100,7 +100,7 @@ def plot(entries: list[dict[str, Any]], path: Path) -> None:
             panel.set_xticks(places, [f"{place:.3g}" for place in places])
             panel.minorticks_off()
             panel.legend(fontsize=8)
-    figure.suptitle("Rung solid: z 20/55, m_n 2 mm, 100 N/mm")
+    figure.suptitle("Model solid: z 20/55, m_n 2 mm, 100 N/mm")
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=110)
 

@@ -93,7 +93,7 @@ def diagnose(response: xarray.Dataset, settings: Settings = ()) -> Diagnosis:
     >>> fault = {"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 0}
     >>> scene = gearcase.Scene.from_file("minimal").changed(faults=[fault], diagnosis={"gear": "pinion"})
     >>> found = gearcase.diagnose(gearcase.run(scene.changed(control="without-faults"), out="missing"))
-    >>> bool(found.lines.stands.sum() > 5)
+    >>> bool(found.lines.detected.sum() > 5)
     True
     """
     return diagnose_folder(Path(_folder(response.attrs)), settings)

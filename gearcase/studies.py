@@ -45,7 +45,7 @@ def converge(
 
 
 def tradeoff(scene: Scene, *, processes: int | None = None, progress: ProgressFunction | None = None) -> Tradeoff:
-    """What every rung and main setting costs, and how far it is from the reference. Takes minutes.
+    """What every model and main setting costs, and how far it is from the reference. Takes minutes.
 
     Parameters
     ----------

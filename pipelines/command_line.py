@@ -272,7 +272,7 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
     ),
     (
         "tradeoff",
-        "measure what every rung and setting costs and gains",
+        "measure what every model and setting costs and gains",
         "gearcase tradeoff minimal --error 2%",
         _tradeoff,
     ),

@@ -1,4 +1,4 @@
-"""Settings that make a shipped scene quick: coarse rungs and a short motion, for tests of the whole chain."""
+"""Settings that make a shipped scene quick: coarse models and a short motion, for tests of the whole chain."""
 
 from pipelines.scene.file import load_scene
 

@@ -1,4 +1,4 @@
-"""Housings, their meshes, rungs and check-up."""
+"""Housings, their meshes, models and check-up."""
 
 import threading
 from dataclasses import replace
@@ -198,14 +198,14 @@ def test_a_sensor_away_from_the_casing_is_refused(modes):
         reduced_body(modes, sensors=[Sensor(name="sensor_1", position=(0.0, 1.0, 0.0))])
 
 
-def test_rung_none_has_rows_without_coordinates(small):
+def test_model_none_has_rows_without_coordinates(small):
     body = NoCasing().reduce(small)
     assert body.rows.shape == (20, 0)
     assert body.row("bearing_4:rz").size == 0
     assert NoCasing().reduce({"bearing_1": (0.0, -0.1, 0.0)}).point_names == ("bearing_1",)
 
 
-def test_rung_rigid_moves_as_one_body(small):
+def test_model_rigid_moves_as_one_body(small):
     body = RigidCasing(mount_stiffness=1e8, damping_ratio=0.0).reduce(small, CAST_IRON)
     mass, centre, _ = housing_mass(small, CAST_IRON.density)
     assert body.mass[0, 0] == mass
@@ -221,11 +221,11 @@ def test_rung_rigid_moves_as_one_body(small):
         RigidCasing(mount_stiffness=0.0).reduce(small, CAST_IRON)
 
 
-def test_rung_static_has_only_interface_coordinates(mesh, casing, small):
-    rung = StaticCasing(element_size=0.04)
-    modes, check = rung.modes(mesh, CAST_IRON)
+def test_model_static_has_only_interface_coordinates(mesh, casing, small):
+    model = StaticCasing(element_size=0.04)
+    modes, check = model.modes(mesh, CAST_IRON)
     assert check.failures == ()
-    body = rung.body(modes, small.with_sensors("sensor_3").sensors)
+    body = model.body(modes, small.with_sensors("sensor_3").sensors)
     assert body.model == "static"
     assert body.mass.shape == (20, 20)
     assert la.inv(body.stiffness) == pytest.approx(la.inv(casing.interface.stiffness), rel=1e-9)
@@ -251,8 +251,8 @@ def test_stiffer_material_scales_frequencies(mesh):
 
 @pytest.mark.slow
 def test_rig_housing_passes_its_check_up(rig):
-    rung = CraigBamptonCasing(band=2000.0, element_size=0.03)
-    casing = ground_casing(rung.mesh(rig), CAST_IRON)
+    model = CraigBamptonCasing(band=2000.0, element_size=0.03)
+    casing = ground_casing(model.mesh(rig), CAST_IRON)
     reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, highest=3000.0)
     found = check_up(casing, reduction, full_band=2000.0)
     assert found.failures == ()

@@ -16,7 +16,7 @@ from pipelines.border.errors import SceneError
 from pipelines.cli import main
 from pipelines.plant.bearings import bearing_points, bearing_specs
 from pipelines.plant.checks import cost
-from pipelines.plant.checks.doubts import doubts
+from pipelines.plant.checks.design_warnings import design_warnings
 from pipelines.plant.checks.strength import STATIC_STRENGTH, TORSION_STRENGTH, contact_pressure, torques_along, torsions
 from pipelines.plant.checks.validity import checked_plant
 from pipelines.plant.hoist import load_spec
@@ -245,14 +245,14 @@ def test_the_channels_counted_are_those_recorded(scene):
 def test_the_output_rate_is_held_against_the_fastest_mesh():
     settings = {"stages.2.pinion_teeth": 150, "stages.2.wheel_teeth": 160, "simulation.output_rate_Hz": 7500.0}
     scene = load_scene("rig-healthy", settings).scene
-    told = [text for text in doubts(scene, lay_out(scene)) if "output_rate_Hz" in text]
+    told = [text for text in design_warnings(scene, lay_out(scene)) if "output_rate_Hz" in text]
     assert [("stage 2, 818.2 Hz" in text) for text in told] == [True]
 
 
 def test_a_window_in_the_run_up_is_a_warning_where_nothing_is_compared():
     settings = {"faults": FAULT["faults"], **SLOW, "diagnosis.windows_s": {"start": [0.0, 2.0]}}
     scene = load_scene("minimal", settings).scene
-    assert any("rpm in the mean" in text for text in doubts(scene, lay_out(scene)))
+    assert any("rpm in the mean" in text for text in design_warnings(scene, lay_out(scene)))
 
 
 def test_contact_pressure_of_spur_gears_is_that_of_two_cylinders():

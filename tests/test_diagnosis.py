@@ -1,4 +1,4 @@
-"""Diagnosis: known modulations stand, equal runs show nothing, noise buries what it should."""
+"""Diagnosis: known modulations are detected, equal runs show nothing, noise buries what it should."""
 
 import csv
 import json
@@ -60,7 +60,7 @@ def test_known_modulation_comes_back(clear):
 def test_counts_and_verdict_of_a_clear_fault(clear):
     lifting = clear.lines.where(window="lifting")
     assert len(clear.lines) == 2 * (5 + 2 * 9)
-    assert lifting.where(kind="sideband").stands.sum() == 16
+    assert lifting.where(kind="sideband").detected.sum() == 16
     assert grade(lifting) == "seen"
     assert "seen at sensor_3 (resultant of its axes) in all 2 cases" in headline([clear])
     first = sentences(clear)[0]
@@ -72,7 +72,7 @@ def test_counts_and_verdict_of_a_clear_fault(clear):
 def test_equal_runs_show_nothing_and_say_why():
     healthy = response("healthy")
     found = diagnose(healthy, healthy, settings(reason="The face is too wide."))
-    assert found.lines.without_mesh().stands.sum() == 0
+    assert found.lines.without_mesh().detected.sum() == 0
     # the noise of the two runs is drawn independently, so equal runs differ in the noise alone
     strong = found.lines.over_floor > 30
     assert np.abs(found.lines.difference[strong]).max() < 1.0
@@ -85,7 +85,7 @@ def test_equal_runs_show_nothing_and_say_why():
 
 def test_noise_buries_the_fault():
     found = diagnose(response(noise=30.0), response("healthy", noise=30.0), settings())
-    assert found.lines.without_mesh().stands.sum() <= 1
+    assert found.lines.without_mesh().detected.sum() <= 1
     assert "do not clear the local floor" in sentences(found)[0]
 
 
@@ -93,9 +93,9 @@ def test_run_out_hides_the_fault_in_its_own_order():
     masked = diagnose(response(runout=0.5), response("healthy", runout=0.5), settings())
     first = masked.lines.where(window="lifting", kind="sideband", order=1)
     third = masked.lines.where(window="lifting", kind="sideband", order=3)
-    assert first.stands.sum() == 0
+    assert first.detected.sum() == 0
     assert first.healthy_shows.all()
-    assert third.stands.all()
+    assert third.detected.all()
 
 
 def test_weaker_lowering_reads_weaker():
@@ -120,7 +120,7 @@ def test_band_rules_do_not_look_at_the_faulty_run(clear):
     assert clear.band == (150.0, 450.0)
     given = diagnose(response(), response("healthy"), settings(band=(500.0, 700.0)))
     assert given.band == (500.0, 700.0)
-    assert given.lines.where(window="lifting", kind="envelope").stands[:4].all()
+    assert given.lines.where(window="lifting", kind="envelope").detected[:4].all()
 
 
 def test_noise_of_a_sensor_does_not_depend_on_the_other_sensors(clear):
@@ -165,9 +165,9 @@ def test_tables_name_every_line(clear):
     assert len(grid.rows) == 23
     assert {row[0] for row in grid.rows} >= {"envelope f_r", "envelope 5 f_r", "f_m - 4 f_r", "2 f_m + f_r", "f_m"}
     assert (
-        grid.to_markdown().count("stands")
+        grid.to_markdown().count("detected")
         == len(grid.marked)
-        == clear.lines.where(window="lifting").without_mesh().stands.sum()
+        == clear.lines.where(window="lifting").without_mesh().detected.sum()
     )
     assert len(grid.to_text().splitlines()) == 26
     assert grid.to_html().count("<tr") == 24
@@ -189,7 +189,7 @@ def test_seed_summary_has_a_column_per_seed():
     assert grid.rows[0][2] == "4/5 · 8/8 · 8/8"
     assert grid.rows[2][2] == "-"
     differences = seeds_grid([*seeds, free, torque], "rope", "lifting")
-    assert differences.headers == ("line", "Hz", "error-free", "seed 1", "seed 2", "stands in")
+    assert differences.headers == ("line", "Hz", "error-free", "seed 1", "seed 2", "detected in")
     row = next(row for row in differences.rows if row[0] == "f_m + 2 f_r")
     assert all(cell.endswith("●") for cell in row[2:5])
     assert row[5] == "3"

@@ -1,4 +1,4 @@
-"""The hand-written pages name what exists: every rung a scene may choose, every integrator, every module."""
+"""The hand-written pages name what exists: every model a scene may choose, every integrator, every module."""
 
 import json
 import re
@@ -20,7 +20,7 @@ def choices(table, field="model"):
     return typing.get_args(table.model_fields[field].annotation)
 
 
-RUNGS = [
+MODELS = [
     *(choices(t)[0] for t in (gears.IsoMesh, gears.EnergyMesh, gears.PlaneMesh, gears.SolidMesh)),
     *(choices(t)[0] for t in (casing.NoCasingTable, casing.RigidCasingTable, casing.StaticCasingTable)),
     *(choices(t)[0] for t in (casing.CraigBamptonCasingTable, motion.StaticTorqueTable, motion.RopeTable)),
@@ -32,10 +32,10 @@ RUNGS = [
 ]
 
 
-@pytest.mark.parametrize("rung", RUNGS)
-def test_every_rung_has_its_row_in_the_guide(rung):
-    text = (DOCS / "choosing-a-rung.md").read_text(encoding="utf-8")
-    assert f"| `{rung}` |" in text or f"`{rung}` is the one rung" in text
+@pytest.mark.parametrize("model", MODELS)
+def test_every_model_has_its_row_in_the_guide(model):
+    text = (DOCS / "choosing-a-model.md").read_text(encoding="utf-8")
+    assert f"| `{model}` |" in text or f"`{model}` is the one model" in text
 
 
 def test_every_integrator_of_the_scene_exists():
@@ -67,9 +67,9 @@ def test_links_between_pages_lead_somewhere(page):
         assert (DOCS / target).exists()
 
 
-@pytest.mark.parametrize("name", ["conditions", "presets", "mesh", "casing", "rungs", "precision"])
+@pytest.mark.parametrize("name", ["conditions", "presets", "mesh", "casing", "models", "precision"])
 def test_measured_blocks_of_the_guide_are_what_was_measured(name):
-    text = (DOCS / "choosing-a-rung.md").read_text(encoding="utf-8")
+    text = (DOCS / "choosing-a-model.md").read_text(encoding="utf-8")
     block = page.blocks(json.loads(RESULTS.read_text(encoding="utf-8")))[name]
     assert page.BEGIN.format(name) in text
     assert page.filled(text, name, block) == text, "run: python -m benchmarks"

@@ -127,9 +127,9 @@ def test_a_kind_that_nothing_else_knows_runs_and_its_energy_is_balanced():
         assemble(machine, rigid_casing(machine), ("snubber:force",)), Settings(end=0.06, output_rate=5e3, step=1e-5)
     )
     assert run.channel("snubber:force").std() > 1.0
-    assert run.book("snubber", "dissipated") > 0.0
-    assert abs(run.book("snubber", "residual")) < 1e-3 * run.book("snubber", "scale")
-    assert abs(run.book("total", "residual")) < 1e-6 * run.book("total", "scale")
+    assert run.energy("snubber", "dissipated") > 0.0
+    assert abs(run.energy("snubber", "residual")) < 1e-3 * run.energy("snubber", "scale")
+    assert abs(run.energy("total", "residual")) < 1e-6 * run.energy("total", "scale")
     assert "snubber" in linear_modes(system).part_names
 
 
@@ -148,9 +148,9 @@ def test_a_torque_over_time_reaches_the_motors_and_its_work_is_booked(method):
     taken = 8.0 * machine.ratios()["shaft_2"]
     late = run.time > 0.25
     assert torque[0] - torque[late].mean() == pytest.approx(taken, rel=1e-3)
-    assert run.book("push", "stored") == 0.0
-    assert run.book("push", "dissipated") < 0.0  # it gives work
-    assert abs(run.book("total", "residual")) < 1e-5 * run.book("total", "scale")
+    assert run.energy("push", "stored") == 0.0
+    assert run.energy("push", "dissipated") < 0.0  # it gives work
+    assert abs(run.energy("total", "residual")) < 1e-5 * run.energy("total", "scale")
 
 
 def test_a_torque_works_on_the_rolling_train():
@@ -160,5 +160,5 @@ def test_a_torque_works_on_the_rolling_train():
     machine = dataclasses.replace(train(1, profile=profile), forces=(push,))
     run = simulate(assemble(machine, no_casing(), ("shaft_2:angle",)), Settings(end=0.05, output_rate=1e5, step=1e-5))
     turned = run.channel("shaft_2:angle")[-1] - run.channel("shaft_2:angle")[0]
-    assert run.book("push", "dissipated") == pytest.approx(-4.0 * turned, rel=1e-3)
-    assert abs(run.book("total", "residual")) < 1e-6 * run.book("total", "scale")
+    assert run.energy("push", "dissipated") == pytest.approx(-4.0 * turned, rel=1e-3)
+    assert abs(run.energy("total", "residual")) < 1e-6 * run.energy("total", "scale")

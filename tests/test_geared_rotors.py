@@ -151,9 +151,9 @@ def test_the_time_step_whirls_as_the_linearised_view():
     push = np.linalg.solve(system.mass, tilt)
     start = dataclasses.replace(state, velocity=1e-3 * push / (tilt @ push))
     run = simulate(system, Settings(end=0.3, output_rate=rate, step=2e-5), start=start)
-    assert abs(run.book("total", "residual")) < 1e-6 * max(run.book("total", "scale"), 1.0)
+    assert abs(run.energy("total", "residual")) < 1e-6 * max(run.energy("total", "scale"), 1.0)
     kinetic = 0.5 * start.velocity @ system.mass @ start.velocity
-    stored = sum(run.book(part, "stored") for part in run.book_parts if part != "total")
+    stored = sum(run.energy(part, "stored") for part in run.energy_parts if part != "total")
     assert abs(stored) < 1e-3 * kinetic  # it goes back and forth between tilts and springs
     bearing = run.channel("bearing:fx")
     assert np.isfinite(bearing).all()

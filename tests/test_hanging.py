@@ -106,8 +106,8 @@ def test_a_container_is_picked_from_the_ground_and_set_down_again():
     assert force[t > 1.5].max() < 1e-3 * weight
     assert lift[-1] == pytest.approx(slack - weight / 1e7, abs=1e-4)
     for part in ("ground", "rope"):
-        assert abs(run.book(part, "residual")) < 0.01 * run.book(part, "scale")
-    assert abs(run.book("total", "residual")) < 1e-5 * run.book("total", "scale")
+        assert abs(run.energy(part, "residual")) < 0.01 * run.energy(part, "scale")
+    assert abs(run.energy("total", "residual")) < 1e-5 * run.energy("total", "scale")
 
 
 @pytest.mark.parametrize("load", ["rope", "torque"])

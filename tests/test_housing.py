@@ -184,8 +184,8 @@ def test_a_housing_with_everything_on_is_reduced_and_stiffer():
     plain, full = housing_for_shafts(), everything(housing_for_shafts())
     first = []
     for housing in (plain, replace(full, walls=plain.walls, feet=plain.feet)):
-        rung = CraigBamptonCasing(band=800.0, element_size=0.03)
-        modes, check = rung.modes(rung.mesh(housing), CAST_IRON)
+        model = CraigBamptonCasing(band=800.0, element_size=0.03)
+        modes, check = model.modes(model.mesh(housing), CAST_IRON)
         assert check.failures == ()
         first.append(modes.fixed_frequencies[0])
     assert first[1] > 1.02 * first[0]

@@ -58,7 +58,7 @@ def test_the_keys_of_the_parametric_housing():
     assert np.ptp(gaps) < 1e-12
 
 
-def test_the_rigid_rung_takes_the_mesh_of_a_housing_that_is_no_plain_box():
+def test_the_rigid_model_takes_the_mesh_of_a_housing_that_is_no_plain_box():
     assert "casing mesh" not in stages("minimal")
     assert stages("minimal", FEATURES)["casing"].takes == ("casing mesh",)
 

@@ -48,7 +48,7 @@ def state_of(pair, record, law, wheel, index=24):
         pair=pair, modifications=PairModifications(), pinion_damage=(), wheel_damage=(), pinion_wear=(), wheel_wear=()
     )
     spec = stress.StressSpec(
-        flanks=flanks, rung=COARSE, index=index, force=LOAD, pinion_terms=np.zeros(20), wheel_terms=wheel
+        flanks=flanks, model=COARSE, index=index, force=LOAD, pinion_terms=np.zeros(20), wheel_terms=wheel
     )
     return stress.build(spec, record, (law, law))
 
@@ -194,7 +194,7 @@ def stress_view(pair, healthy, faulty):
         damaged=gear_view(pair, ("wheel", 3), in_mesh=True),
         marked="missing tooth 3 of the wheel",
         note="",
-        rung="rung solid, refinement 0.6, 5 slices along the face",
+        model="model solid, refinement 0.6, 5 slices along the face",
         force=LOAD,
         cycle=3.0,
         names=("healthy", "missing tooth"),
@@ -218,7 +218,7 @@ def test_the_stress_picture_says_what_it_shows(solved):
         pytest.skip("solved for the right hand")
     said = words(stress_figure(stress_view(pair, healthy, faulty), [blank(**PLACES)] * 2, 5e8))
     for phrase in (
-        "A pair: stage 1, 20/55 teeth", "mesh cycle 3", "load 1200 N", "rung solid, refinement 0.6", "contact lines",
+        "A pair: stage 1, 20/55 teeth", "mesh cycle 3", "load 1200 N", "model solid, refinement 0.6", "contact lines",
         "von Mises stress, MPa", "missing tooth 3 of the wheel", "pinion", "wheel", "face width 12 mm", "healthy",
     ):  # fmt: skip
         assert phrase in said

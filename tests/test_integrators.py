@@ -222,4 +222,4 @@ def test_torsional_shafts_still_shake_the_casing():
     system = assemble(machine, rigid_casing(machine), ("sensor_1:az", "stage_1:drive_force"))
     result = simulate(system, Settings(end=0.06))
     assert result.channel("sensor_1:az").std() > 0.1
-    assert abs(result.book("total", "residual")) < 1e-6 * result.book("total", "scale")
+    assert abs(result.energy("total", "residual")) < 1e-6 * result.energy("total", "scale")

@@ -1,4 +1,4 @@
-"""Rung iso: published stiffness figures, exact mean, shape of the contact line, limits in helix angle and load."""
+"""Model iso: published stiffness figures, exact mean, shape of the contact line, limits in helix angle and load."""
 
 import math
 from dataclasses import replace
@@ -10,7 +10,7 @@ from mesh_laws import missing_tooth
 from benchmarks.gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import evaluate_law
-from fem.contact.frame import RungError, flank_frame
+from fem.contact.frame import ModelError, flank_frame
 from fem.contact.models.iso import Iso, blank_factor, rack_factor
 from fem.elements.materials import CAST_IRON, STEEL, Material, MaterialError
 from fem.gears.path import line_length
@@ -140,18 +140,18 @@ def test_spur_gears_drop_onto_the_tip_edges_where_a_tooth_is_missing():
     ],
 )
 def test_outside_the_standard_is_refused(pair, message):
-    with pytest.raises(RungError, match=message):
+    with pytest.raises(ModelError, match=message):
         Iso().law(pair)
 
 
 @pytest.mark.parametrize("option", [{"slices": 0}, {"line_load": -1.0}, {"edge_onset": 1.0}, {"blank_factor": 0.0}])
 def test_bad_options_are_refused(option):
-    with pytest.raises(RungError, match=next(iter(option))):
+    with pytest.raises(ModelError, match=next(iter(option))):
         Iso(**option)
 
 
 def test_unknown_flank_is_refused():
-    with pytest.raises(RungError, match="drive, coast"):
+    with pytest.raises(ModelError, match="drive, coast"):
         Iso().law(gear_pair((20, 55), 2, 0, 12), "left")
 
 

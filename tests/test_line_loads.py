@@ -18,10 +18,10 @@ def pair():
     return gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
 
 
-@pytest.mark.parametrize("rung", [Iso(), Plane(slices=9, refinement=0.6)], ids=["iso", "plane"])
+@pytest.mark.parametrize("model", [Iso(), Plane(slices=9, refinement=0.6)], ids=["iso", "plane"])
 @pytest.mark.parametrize("flank", ["drive", "coast"])
-def test_loads_sum_to_the_forces_of_the_pairs_and_to_the_moment(pair, rung, flank):
-    law = rung.law(pair, flank)
+def test_loads_sum_to_the_forces_of_the_pairs_and_to_the_moment(pair, model, flank):
+    law = model.law(pair, flank)
     cycle, delta, psi = 0.37, 8e-6, 4e-4
     pairs, loads = line_loads(law, cycle, delta, psi)
     numbers, force = shares(law, cycle, delta, psi)

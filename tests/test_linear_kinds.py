@@ -168,7 +168,7 @@ def test_an_outside_part_that_nothing_else_knows_runs_and_its_energy_is_balanced
     machine = dataclasses.replace(hoisting(), forces=springs, profile=profile)
     run = simulate(assemble(machine, rigid_casing(machine), ()), Settings(end=0.02, output_rate=5e3, step=1e-5))
     assert not run.open_parts()
-    assert run.book("spring_2", "dissipated") > 0.0
+    assert run.energy("spring_2", "dissipated") > 0.0
     assert "spring_3" in linear_modes(assemble(machine, rigid_casing(machine), ())).part_names
 
 
@@ -208,8 +208,8 @@ def test_the_energy_of_every_part_is_balanced(method):
     system = assemble(machine, rigid_casing(machine), ())
     run = simulate(system, Settings(end=0.02, output_rate=5e3, step=1e-5, integrator=method))
     assert not run.open_parts()
-    assert {part.name for part in system.parts} < set(run.book_parts)
-    assert run.book("coupling_1", "dissipated") > 0.0
+    assert {part.name for part in system.parts} < set(run.energy_parts)
+    assert run.energy("coupling_1", "dissipated") > 0.0
 
 
 def test_modes_are_called_by_the_words_of_the_kinds(system):

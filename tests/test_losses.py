@@ -1,4 +1,4 @@
-"""Losses: torque by efficiency, friction that reverses at the pitch point, drag, brake; what is lost is booked."""
+"""Losses: torque by efficiency, friction that reverses at the pitch point, drag, brake; all in the energy balance."""
 
 import dataclasses
 import math
@@ -94,23 +94,23 @@ def test_lowering_differs_from_lifting_and_the_books_hold_what_is_lost(losses):
     torque = run.channel("motor_1:torque") + run.channel("motor_2:torque")
     up, down = (torque[(run.time > a) & (run.time < b)].mean() for a, b in ((0.045, 0.08), (0.12, 0.16)))
     assert up > 1.02 * down
-    assert abs(run.book("total", "residual")) <= 1e-6 * run.book("total", "scale")
-    parts = [p for p in run.book_parts if "losses" in p or "drag" in p]
+    assert abs(run.energy("total", "residual")) <= 1e-6 * run.energy("total", "scale")
+    parts = [p for p in run.energy_parts if "losses" in p or "drag" in p]
     assert len(parts) == (2 if isinstance(losses, Efficiency) else 8)
     for part in parts:
-        assert run.book(part, "dissipated") > 0.0
-        assert abs(run.book(part, "residual")) <= 1e-5 * run.book(part, "dissipated")
+        assert run.energy(part, "dissipated") > 0.0
+        assert abs(run.energy(part, "residual")) <= 1e-5 * run.energy(part, "dissipated")
     if isinstance(losses, Efficiency):
         work = abs(torque[1:] * np.diff(machine.profile.angle(run.time))).sum()
-        lost = sum(run.book(p, "dissipated") for p in parts)
+        lost = sum(run.energy(p, "dissipated") for p in parts)
         assert lost == pytest.approx(2 * 0.03 * work, rel=0.1)
 
 
 def test_the_brake_takes_part_of_a_swing_at_standstill_only():
     _, free = there_and_back(NoLosses())
     _, braked = there_and_back(NoLosses(), brake=Brake(shaft="shaft_1", y=-0.2, torque=40.0))
-    assert "brake" in braked.book_parts
-    assert 0.0 < braked.book("brake", "dissipated") < 1.0
+    assert "brake" in braked.energy_parts
+    assert 0.0 < braked.energy("brake", "dissipated") < 1.0
     moving = (free.time > 0.05) & (free.time < 0.075)
     np.testing.assert_allclose(
         braked.channel("motor_1:torque")[moving], free.channel("motor_1:torque")[moving], atol=0.25

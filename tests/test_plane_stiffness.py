@@ -1,4 +1,4 @@
-"""Rung `plane`: ring against published tooth compliances and a whole ring, contact split, limits of the law."""
+"""Model `plane`: ring against published tooth compliances and a whole ring, contact split, limits of the law."""
 
 import math
 

@@ -84,7 +84,7 @@ def test_full_report_answers_first_and_fetches_nothing(tmp_path, runs, diagnosis
         windows=WINDOWS,
         steps=({"step": "laws", "seconds": 1.25}, {"step": "run", "seconds": 3.0}),
         energy=({"part": "mesh 1", "residual": 1e-4},),
-        provenance={"gearcase": "0.1.0", "rungs": {"mesh": "plane"}},
+        provenance={"gearcase": "0.1.0", "models": {"mesh": "plane"}},
     )
     text = write_report(tmp_path / "report.html", contents).read_text(encoding="utf-8")
     page = Page(text)

@@ -1,4 +1,4 @@
-"""Rolling bearings: Hertz constants, load distribution, potential, pass frequencies, varying compliance, books."""
+"""Rolling bearings: Hertz constants, load shares, potential, pass frequencies, varying compliance, energy balance."""
 
 import dataclasses
 import math
@@ -158,8 +158,8 @@ def test_the_turning_cage_shakes_the_shaft_at_the_outer_pass_frequency():
     weight = (30.0 + 7850 * math.pi * 0.03**2 * 0.2) * machine.gravity
     assert run.channel(names[1])[late].mean() == pytest.approx(-weight / 2, rel=5e-3)
     for part in ("bearing_1", "bearing_2"):
-        assert abs(run.book(part, "residual")) < 0.01 * run.book(part, "scale")
-    assert abs(run.book("total", "residual")) < 1e-6 * run.book("total", "scale")
+        assert abs(run.energy(part, "residual")) < 0.01 * run.energy(part, "scale")
+    assert abs(run.energy("total", "residual")) < 1e-6 * run.energy("total", "scale")
 
 
 def test_nothing_is_lost_in_an_undamped_bearing_that_stands():
@@ -175,8 +175,8 @@ def test_nothing_is_lost_in_an_undamped_bearing_that_stands():
     start = dataclasses.replace(state, velocity=0.02 * lift / abs(lift).max())
     run = simulate(system, Settings(end=0.1, output_rate=2000.0, step=2.5e-6), start=start)  # 8 times less per halving
     energy = 0.5 * start.velocity @ system.mass @ start.velocity
-    stored = sum(run.book(part, "stored") for part in run.book_parts if part != "total")
-    works = run.book("total", "received")
+    stored = sum(run.energy(part, "stored") for part in run.energy_parts if part != "total")
+    works = run.energy("total", "received")
     assert abs(stored - works) < 2e-4 * energy
 
 
@@ -200,9 +200,9 @@ def test_a_geared_pair_runs_in_rolling_bearings(names):
     assert equilibrium(system).motor_torque == pytest.approx(exact, rel=1e-9)
     run = simulate(system, Settings(end=0.06, output_rate=5e3, step=1e-5))
     assert np.isfinite(run.values).all()
-    assert abs(run.book("total", "residual")) < 2e-6 * run.book("total", "scale")
+    assert abs(run.energy("total", "residual")) < 2e-6 * run.energy("total", "scale")
     for b in machine.bearings:
-        assert abs(run.book(b.name, "residual")) < 0.01 * run.book(b.name, "scale")
+        assert abs(run.energy(b.name, "residual")) < 0.01 * run.energy(b.name, "scale")
 
 
 @pytest.mark.parametrize(

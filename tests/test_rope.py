@@ -60,7 +60,7 @@ def test_a_slack_container_falls_freely():
     result = run(hoist(speed=-2.0, tau=2e-3), end=0.2, step=1e-5)
     fall = result.channel("container:acceleration")
     assert fall.min() == pytest.approx(-STANDARD_GRAVITY, rel=0.01)  # the filter rings by 0.3 %
-    assert abs(result.book("total", "residual")) < 1e-6 * result.book("total", "scale")
+    assert abs(result.energy("total", "residual")) < 1e-6 * result.energy("total", "scale")
 
 
 def test_a_shorter_rope_is_stiffer():

@@ -99,7 +99,7 @@ def test_provenance_is_what_the_stages_say_of_themselves(here):
     """The list by hand named scikit-fem, which no stage uses, gmsh for a casing without a mesh, and left out losses."""
     assert main(RUN) == 0
     facts = json.loads((run_folder.find_run("mine") / run_folder.RUN).read_text(encoding="utf-8"))
-    assert facts["rungs"]["losses"] == "none"
-    assert facts["rungs"] | {"mesh": ["iso"], "casing": "rigid", "integrator": "exponential"} == facts["rungs"]
+    assert facts["models"]["losses"] == "none"
+    assert facts["models"] | {"mesh": ["iso"], "casing": "rigid", "integrator": "exponential"} == facts["models"]
     assert {"python", "gearcase", "numpy", "scipy", "numba", "xarray", "matplotlib"} <= facts["versions"].keys()
     assert not {"scikit-fem", "gmsh", "pymetis"} & facts["versions"].keys()

@@ -56,7 +56,7 @@ def test_one_item_of_an_array_is_changed_by_its_number(tmp_path):
         assert widths == [12.0, 19.0, 28.0]
 
 
-def test_another_rung_takes_what_it_knows_and_drops_the_rest(tmp_path):
+def test_another_model_takes_what_it_knows_and_drops_the_rest(tmp_path):
     scene = load_scene("rig-healthy", ["casing.model=rigid", "load.model=static-torque"]).scene
     assert scene.casing.model == "rigid"
     assert scene.casing.housing.length_mm == 600.0

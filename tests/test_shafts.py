@@ -1,4 +1,4 @@
-"""Shafts: beam theory, rigid motion, the two rungs."""
+"""Shafts: beam theory, rigid motion, the two models."""
 
 import math
 
@@ -110,7 +110,7 @@ def test_torsion_of_a_clamped_bar(model):
     assert first == pytest.approx(math.pi / 2 * wave / LENGTH, rel=1e-3)
 
 
-def test_the_torsion_rung_moves_rigidly_and_keeps_the_mass():
+def test_the_torsion_model_moves_rigidly_and_keeps_the_mass():
     spec = shaft(model="torsion")
     nodes, mass, stiffness = matrices(spec)
     basis, names = shaft_basis(spec, nodes)

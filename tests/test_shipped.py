@@ -1,4 +1,4 @@
-"""Every shipped scene runs: 0.1 s of motion with coarse rungs, finite numbers, the ledger as it should be."""
+"""Every shipped scene runs: 0.1 s of motion with coarse models, finite numbers, the ledger as it should be."""
 
 import json
 
@@ -59,7 +59,7 @@ def test_a_whole_run_leaves_everything_in_its_folder(whole_run):
     facts = json.loads((folder / "run.json").read_text(encoding="utf-8"))
     assert facts["ledger"]["simulations"] == 4
     assert facts["ledger"]["casing_meshes"] == facts["ledger"]["factorisations"] == 1
-    assert facts["rungs"]["casing"] == "craig-bampton"
+    assert facts["models"]["casing"] == "craig-bampton"
     assert all(step["seconds"] >= 0 and step["peak MB"] > 10 for step in facts["steps"])
 
 

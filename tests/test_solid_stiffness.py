@@ -1,11 +1,11 @@
-"""Rung `solid`: against contact solutions in space and in the plane, limits, symmetries, faults, stress."""
+"""Model `solid`: against contact solutions in space and in the plane, limits, symmetries, faults, stress."""
 
 import numpy as np
 import pytest
 
 from benchmarks.checks import solid
 from benchmarks.gear_pairs import thick_rimmed_pair
-from fem.contact.frame import RungError
+from fem.contact.frame import ModelError
 from fem.contact.models.plane import Plane
 from fem.contact.models.solid import Solid
 from fem.contact.models.solid_stress import stress_field
@@ -167,7 +167,7 @@ def test_stress_field_is_held_at_the_bore_and_highest_in_loaded_teeth(helical):
 
 
 def test_bad_options_and_impossible_loads_are_refused(spur):
-    with pytest.raises(RungError, match="slices is 1"):
+    with pytest.raises(ModelError, match="slices is 1"):
         Solid(slices=1)
-    with pytest.raises(RungError, match="no tooth pair can touch"):
+    with pytest.raises(ModelError, match="no tooth pair can touch"):
         solve(spur, np.array([0]), force=1.0, clearance=dict.fromkeys(range(-3, 4), np.inf))

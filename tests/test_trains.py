@@ -76,7 +76,7 @@ def test_a_branch_without_load_leaves_the_torque_of_the_other_alone():
     assert state.mesh_force[1] < 1e-6 * state.mesh_force[0]
     run = simulate(system, Settings(end=0.02, output_rate=5e3, step=1e-5))
     assert np.isfinite(run.values).all()
-    assert abs(run.book("total", "residual")) < 2e-6 * run.book("total", "scale")
+    assert abs(run.energy("total", "residual")) < 2e-6 * run.energy("total", "scale")
 
 
 def test_two_motors_on_two_shafts_share_one_wheel():
@@ -150,7 +150,7 @@ def test_cross_terms_turn_the_axes_of_a_bearing():
     run = dataclasses.replace(base, bearings=tuple(both))
     found = simulate(assemble(run, rigid_casing(run)), Settings(end=0.02, output_rate=5e3, step=1e-5))
     for b in both:
-        assert abs(found.book(b.name, "residual")) <= 0.01 * found.book(b.name, "scale")
+        assert abs(found.energy(b.name, "residual")) <= 0.01 * found.energy(b.name, "scale")
     for wrong, message in (((("ux", "uz", 1e9),), "indefinite"), ((("ux", "ux", 1.0),), "two of")):
         with pytest.raises(MachineError, match=message):
             dataclasses.replace(bearing, cross=wrong)
@@ -170,8 +170,8 @@ def test_damping_of_its_own_axes_is_booked():
         Settings(end=0.03, output_rate=5e3, step=1e-5),
     )
     for b in bearings:
-        assert run.book(b.name, "dissipated") > 0.0
-        assert abs(run.book(b.name, "residual")) <= 0.01 * run.book(b.name, "scale")
+        assert run.energy(b.name, "dissipated") > 0.0
+        assert abs(run.energy(b.name, "residual")) <= 0.01 * run.energy(b.name, "scale")
 
 
 def test_rigid_bearings_are_the_limit_of_stiff_ones():

@@ -98,7 +98,7 @@ SUBJECTS = (
               "ISO 1328-1:2013, 5.3, by hand", "µm", (6.0, 17.0, 6.0, 19.0, 12.0, 34.0), 1e-9, _tolerances,
               "test_deviations.py::test_tolerances_by_hand", "absolute"),
     )),
-    Subject("Mesh stiffness, rung iso", (
+    Subject("Mesh stiffness, model iso", (
         Check("C_R (b_s/b 0.25, s_R/m_n 5) and C_B of the helical pair", KISSSOFT, "", (0.898, 0.975), 1e-3,
               lambda: [blank_factor(0.25, 5.0), rack_factor(kisssoft_helical().pinion)],
               "test_iso_stiffness.py::test_published_helical_pair"),

@@ -1,4 +1,4 @@
-"""Rung plane: tooth compliances, a contact solution in the section, and one in space."""
+"""Model plane: tooth compliances, a contact solution in the section, and one in space."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def _single_pair_check(load: int, reference: float) -> Check:
 
 
 SUBJECT = Subject(
-    "Mesh stiffness, rung plane",
+    "Mesh stiffness, model plane",
     (
         _tooth_check(17, 8.0023, 0.01626),
         _tooth_check(17, 8.5, 0.02226),

@@ -1,4 +1,4 @@
-"""Mesh stiffness, rung solid: contact solutions in space and in the plane."""
+"""Mesh stiffness, model solid: contact solutions in space and in the plane."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def _calculix_check(cycle: float, missing: bool, approach: float) -> Check:
 
 
 SUBJECT = Subject(
-    "Mesh stiffness, rung solid",
+    "Mesh stiffness, model solid",
     (
         *helical_checks(
             2e-2,

@@ -1,11 +1,11 @@
 """Approach of stage 1 of the rig by CalculiX, whole wheels in 3-D: python -m benchmarks.peers.calculix_contact
 
 Computes what benchmarks/results/calculix_contact.json does not hold yet (minutes to half an hour per position and
-mesh), then compares the rungs with it. --compare leaves CalculiX alone.
+mesh), then compares the models with it. --compare leaves CalculiX alone.
 
 Every position is computed on two meshes of equal flank, fillet and body elements and more along the face; the
 extrapolated value takes the error as quadratic in the element length along the face. The approach is set near the value
-wanted and brought to the load by the local exponent d ln F / d ln(delta - delta_0) of rung `plane`, a correction of
+wanted and brought to the load by the local exponent d ln F / d ln(delta - delta_0) of model `plane`, a correction of
 some per cent at most.
 """
 
@@ -51,7 +51,7 @@ def sizes(pair: GearPair, face: int) -> tuple[Sizes, Sizes]:
 
 
 def approach(law: MeshLaw, force: float, cycle: float, missing: bool) -> tuple[float, float]:
-    """delta (m) at the force (N) from the rigid position, and d ln F / d ln(delta - delta_0), by a rung."""
+    """delta (m) at the force (N) from the rigid position, and d ln F / d ln(delta - delta_0), by a model."""
     wheel = np.zeros(law.wheel_teeth)
     wheel[0] = np.inf if missing else 0.0
     found = stiffness_curve(law, force, np.array([cycle]), clearance_wheel=wheel)
@@ -101,7 +101,7 @@ def extrapolated(rows: list[dict[str, Any]]) -> float:
 
 
 def compare(result: dict[str, Any], pair: GearPair, force: float) -> None:
-    """Add the approach by every rung, and its deviation from the extrapolated value, to the positions."""
+    """Add the approach by every model, and its deviation from the extrapolated value, to the positions."""
     laws = {"iso": Iso().laws(pair)[0], "energy": Energy().laws(pair)[0], "plane": Plane().laws(pair)[0]}
     solid = Solid(positions=POSITIONS_PER_CYCLE).compliance(pair)
     for place in result["positions"]:
@@ -112,13 +112,13 @@ def compare(result: dict[str, Any], pair: GearPair, force: float) -> None:
         index = np.array([round(place["cycle"] * POSITIONS_PER_CYCLE)])
         state = solve_solid(solid, index, force=force, clearance={0: math.inf} if place["missing"] else None)
         found["solid"] = float(state.approach[0])
-        place["rungs"] = {name: {"delta_m": delta, "deviation": delta / exact - 1.0} for name, delta in found.items()}
+        place["models"] = {name: {"delta_m": delta, "deviation": delta / exact - 1.0} for name, delta in found.items()}
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Compute what is missing, compare, write."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.peers.calculix_contact")
-    parser.add_argument("--compare", action="store_true", help="only compare the rungs with the stored figures")
+    parser.add_argument("--compare", action="store_true", help="only compare the models with the stored figures")
     only = parser.parse_args(arguments).compare
     plant = read()
     pair, force = plant.layout.pairs[0], plant.facts.stages[0].mesh_force
@@ -140,7 +140,7 @@ def main(arguments: list[str] | None = None) -> int:
     compare(result, pair, force)
     output.keep(result, RESULTS)
     for place in result["positions"]:
-        found = ", ".join(f"{name} {100 * r['deviation']:+.2f} %" for name, r in place.get("rungs", {}).items())
+        found = ", ".join(f"{name} {100 * r['deviation']:+.2f} %" for name, r in place.get("models", {}).items())
         where = f"cycle {place['cycle']:g}, {'tooth missing' if place['missing'] else 'healthy'}"
         print(f"{where}: delta {1e6 * place['extrapolated_m']:.4f} um; {found}")
     return 0

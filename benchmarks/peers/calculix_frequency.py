@@ -17,7 +17,7 @@ import numpy as np
 
 from benchmarks.clock import conditions, timed
 from benchmarks.peers import ccx, output
-from benchmarks.rig import casing_parts, casing_rung, read
+from benchmarks.rig import casing_model, casing_parts, read
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.reduced.grounded import ground_casing
@@ -61,11 +61,11 @@ def measure(element_size: float | None = None) -> dict[str, Any]:
     """Frequencies and seconds of both."""
     plant = read()
     box, iron = casing_parts(plant)
-    rung = casing_rung(plant)
-    assert isinstance(rung, CraigBamptonCasing)
+    model = casing_model(plant)
+    assert isinstance(model, CraigBamptonCasing)
     if element_size is not None:
-        rung = replace(rung, element_size=element_size)
-    mesh = straightened(rung.mesh(box))
+        model = replace(model, element_size=element_size)
+    mesh = straightened(model.mesh(box))
     taken, reduction = timed(lambda: ours(mesh, iron), repeats=1)
     with tempfile.TemporaryDirectory(prefix="gearcase-calculix-") as folder:
         path = Path(folder) / "casing.inp"

@@ -19,7 +19,7 @@ from benchmarks.peers import environment, output
 
 RESULTS = Path(__file__).resolve().parent.parent / "results" / "ross_stiffness.json"
 POINTS = 1000
-FORCE = 1000.0  # N, at which rung plane is evaluated
+FORCE = 1000.0  # N, at which model plane is evaluated
 
 
 def theirs(helix_deg: float = 0.0) -> dict[str, float]:
@@ -43,7 +43,7 @@ def theirs(helix_deg: float = 0.0) -> dict[str, float]:
 
 
 def ours() -> dict[str, dict[str, float]]:
-    """The same by the rungs energy and plane, with the steel of ROSS."""
+    """The same by the models energy and plane, with the steel of ROSS."""
     from fem.contact.evaluation.curves import stiffness_curve
     from fem.contact.models.energy import Energy
     from fem.contact.models.plane import Plane
@@ -55,9 +55,9 @@ def ours() -> dict[str, dict[str, float]]:
     pair = GearPair(pinion=gear, wheel=gear, pinion_material=steel, wheel_material=steel)
     cycle = np.arange(POINTS) / POINTS
     rows = {}
-    for name, rung in (("energy", Energy(slices=1)), ("plane", Plane(slices=1))):
-        stiffness_curve(rung.laws(pair)[0], FORCE, cycle)  # compiled code is loaded beforehand
-        taken, curve = timed(lambda r=rung: stiffness_curve(r.laws(pair)[0], FORCE, cycle))
+    for name, model in (("energy", Energy(slices=1)), ("plane", Plane(slices=1))):
+        stiffness_curve(model.laws(pair)[0], FORCE, cycle)  # compiled code is loaded beforehand
+        taken, curve = timed(lambda r=model: stiffness_curve(r.laws(pair)[0], FORCE, cycle))
         found = curve.secant
         rows[name] = {
             "largest": float(found.max()), "smallest": float(found.min()), "mean": float(found.mean()), **taken,

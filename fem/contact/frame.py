@@ -1,4 +1,4 @@
-"""Slices, signs and offsets of a MeshLaw: what every sliced rung takes from the gear pair, for either flank."""
+"""Slices, signs and offsets of a MeshLaw: what every sliced model takes from the gear pair, for either flank."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from fem.gears.path import PathPoints, path_points
 FLANKS = ("drive", "coast")
 
 
-class RungError(ValueError):
-    """A rung is asked for something outside its valid range."""
+class ModelError(ValueError):
+    """A model is asked for something outside its valid range."""
 
 
 def flank_frame(pair: GearPair, flank: str, slices: int) -> dict[str, Any]:
@@ -29,12 +29,12 @@ def flank_frame(pair: GearPair, flank: str, slices: int) -> dict[str, Any]:
 
     Raises
     ------
-    RungError : unknown flank, no slice
+    ModelError : unknown flank, no slice
     """
     if flank not in FLANKS:
-        raise RungError(f"{pair.label}: flank is {flank!r}; choose one of {', '.join(FLANKS)}")
+        raise ModelError(f"{pair.label}: flank is {flank!r}; choose one of {', '.join(FLANKS)}")
     if slices < 1:
-        raise RungError(f"{pair.label}: slices is {slices!r}; give a whole number >= 1")
+        raise ModelError(f"{pair.label}: slices is {slices!r}; give a whole number >= 1")
     sign = 1 if flank == "drive" else -1
     width = pair.face_width / slices
     face = (np.arange(slices) + 0.5) * width - pair.face_width / 2.0

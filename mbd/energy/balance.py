@@ -1,10 +1,10 @@
-"""Energy books: what every part stored, dissipated and received, and what is left over.
+"""Energy balance: what every part stored, dissipated and received, and what is left over.
 
 residual = received + parametric - change of stored energy - dissipated.
 
-The books of the parts (`mbd.energy.linear_energy`, `mbd.energy.element_energy`) are kept in the frame that rolls with
-the train, where the inertia force of a speed ramp counts as received. The total is that of the real motion R phi_m + q:
-it receives the works of motors, gravity and drum torque, and the parametric works.
+The balances of the parts (`mbd.energy.linear_energy`, `mbd.energy.element_energy`) are kept in the frame that rolls
+with the train, where the inertia force of a speed ramp counts as received. The total is that of the real motion
+R phi_m + q: it receives the works of motors, gravity and drum torque, and the parametric works.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from mbd.energy.linear_energy import LinearWork
 from mbd.integrators.base import ACCELERATION, ANGLE, Block, Integrator
 from mbd.system.system import System
 
-BOOK_COLUMNS = ("stored", "dissipated", "received", "parametric", "residual", "scale")
+ENERGY_ENTRIES = ("stored", "dissipated", "received", "parametric", "residual", "scale")
 
 
-class Books:
+class EnergyBalance:
     """Accumulates the blocks of a run of at least ``n_steps`` steps; it must be fed exactly ``steps`` of them."""
 
     def __init__(self, system: System, integrator: Integrator, step: float, n_steps: int) -> None:
@@ -57,11 +57,11 @@ class Books:
         return self._elements.events()
 
     def table(self) -> tuple[tuple[str, ...], np.ndarray]:
-        """Part names and the entries of BOOK_COLUMNS (part, entry), J; ``scale`` is what the residual is held against:
+        """Part names and ENERGY_ENTRIES (part, entry) in J; ``scale`` is what the residual is held against:
         the dissipated energy of the part (its peak stored energy if undamped), all work of the sources for the total.
         """
-        linear, motor_work = self._linear.books(self._ramp_work)
-        rows = linear | self._elements.books()
+        linear, motor_work = self._linear.entries(self._ramp_work)
+        rows = linear | self._elements.entries()
         parts = np.array(list(rows.values()))
         stored = float(parts[:, 0].sum()) + self._rigid_energy()
         dissipated, parametric = float(parts[:, 1].sum()), float(parts[:, 3].sum())

@@ -61,7 +61,7 @@ class ElementWork:
         self._known = [values[-3:].copy() for values in (rows, elastic, lost, push)]
         self._log, self._clock = log[-3:].copy(), clock[-3:].copy()
 
-    def books(self) -> dict[str, list[float]]:
+    def entries(self) -> dict[str, list[float]]:
         """Stored, dissipated, received, parametric, residual, scale of every part, J."""
         n = len(self._elements)
         received, loss, shifted = (

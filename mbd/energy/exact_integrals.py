@@ -1,4 +1,4 @@
-"""Integrals for the books of the linear parts, exact for an integrator that follows a `Flow`.
+"""Integrals for the energy balance of the linear parts, exact for an integrator that follows a `Flow`.
 
 eta' = values eta + sum_i r_i s_i(t) with the signals s = lambda (polynomials of degree p within a step, see `Block`),
 the motor acceleration (held), 1, and the motor speed (linear, enters nothing). With theta = 0..1 over a step of length

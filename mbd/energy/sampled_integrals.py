@@ -1,4 +1,4 @@
-"""Integrals for the books of the linear parts as sums over the instants, for an integrator without a `Flow`.
+"""Integrals for the energy balance of the linear parts as sums over the instants, for an integrator without a `Flow`.
 
 Sums are those of the trapezoidal rule, accurate beyond all orders for smooth oscillations that the instants resolve. A
 jump D phi'' of the motor acceleration turns v by J D phi'', J = -M^-1 M R, so that by Euler and Maclaurin's formula a

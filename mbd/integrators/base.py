@@ -13,8 +13,8 @@ Contract
 6. Nonlinear forces hold at the end of each step to ``TOLERANCE`` of their scale, or to less than the error of the step
    (`mbd.elements.newton`); a step that does not converge raises StepError with its time.
 7. ``counters`` has "steps" (whole ones), "cuts" (instants beyond the whole steps) and "iterations" (Newton solves).
-8. ``flow`` is the `Flow` that the states follow exactly under the held forces of the blocks (the energy books are then
-   exact integrals of it), or None (they are sums over the instants).
+8. ``flow`` is the `Flow` that the states follow exactly under the held forces of the blocks (the energy balance is then
+   made of exact integrals), or None (it is made of sums over the instants).
 9. The same input gives the same bits; nothing depends on how steps are cut into blocks.
 10. ``branch(change)`` is a second integrator of this kind at the same instant, its state moved by ``change`` (x,); the
    two go on independently. ``advance(..., like=block)`` cuts the steps as those of ``block`` (the same instants of the

@@ -30,7 +30,7 @@ def low_pass(steps_per_sample: int) -> np.ndarray:
     """Filter taps (odd number, sum 1); the single tap 1 when every step is a sample."""
     if steps_per_sample == 1:
         return np.ones(1)
-    from scipy import signal  # dear to import, and not needed where every step is a sample
+    from scipy import signal  # expensive to import, and not needed where every step is a sample
 
     width = 2 * (1 - 2 * PASS_SHARE) / steps_per_sample  # of the Nyquist frequency of the steps
     taps, beta = signal.kaiserord(ATTENUATION, width)

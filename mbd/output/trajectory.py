@@ -1,4 +1,4 @@
-"""Trajectory: what a run returns, sampled at the output rate, with its books and counters."""
+"""Trajectory: what a run returns, sampled at the output rate, with its energy balance and counters."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ class Trajectory(Record):
     pass_band: float = scalar(units="Hz")  # flat up to here; above output_rate - pass_band removed
     counter_names: tuple[str, ...] = names("counter")
     counters: np.ndarray = array("counter", units="1")
-    book_parts: tuple[str, ...] = names("part")
-    book_columns: tuple[str, ...] = names("entry")
-    books: np.ndarray = array("part", "entry", units="J")
+    energy_parts: tuple[str, ...] = names("part")
+    energy_entries: tuple[str, ...] = names("entry")
+    energies: np.ndarray = array("part", "entry", units="J")
 
     def channel(self, name: str) -> np.ndarray:
         """Values (time,) of one channel; KeyError with the known names if absent."""
@@ -54,9 +54,9 @@ class Trajectory(Record):
         """One counter, e.g. ``"steps"``."""
         return int(self.counters[self.counter_names.index(name)])
 
-    def book(self, part: str, entry: str) -> float:
-        """One entry (J) of the energy book, e.g. ``("total", "residual")``."""
-        return float(self.books[self.book_parts.index(part), self.book_columns.index(entry)])
+    def energy(self, part: str, entry: str) -> float:
+        """One entry (J) of the energy balance, e.g. ``("total", "residual")``."""
+        return float(self.energies[self.energy_parts.index(part), self.energy_entries.index(entry)])
 
     def open_parts(self) -> tuple[str, ...]:
         """Parts, and the total, whose energy balance leaves a residual that counts; none for a sound run.
@@ -64,21 +64,23 @@ class Trajectory(Record):
         Parts are held against the flow of energy through the machine, not against their own: what a shaft that
         dissipates a millijoule leaves over says nothing about the motion.
         """
-        floor = ROUND_OFF * max(1.0, self.book("total", "scale"))
+        floor = ROUND_OFF * max(1.0, self.energy("total", "scale"))
         _, flow = self._largest_flow()
-        limits = dict.fromkeys(self.book_parts, PART_LIMIT * flow)
-        limits["total"] = TOTAL_LIMIT * self.book("total", "scale")
-        return tuple(part for part in self.book_parts if abs(self.book(part, "residual")) > max(limits[part], floor))
+        limits = dict.fromkeys(self.energy_parts, PART_LIMIT * flow)
+        limits["total"] = TOTAL_LIMIT * self.energy("total", "scale")
+        return tuple(
+            part for part in self.energy_parts if abs(self.energy(part, "residual")) > max(limits[part], floor)
+        )
 
-    def open_books(self) -> tuple[str, ...]:
+    def unbalanced(self) -> tuple[str, ...]:
         """One sentence on the worst of `open_parts`; none if there is none."""
         parts = self.open_parts()
         if not parts:
             return ()
-        worst = max(parts, key=lambda part: abs(self.book(part, "residual")))
-        left = f"energy balance: {abs(self.book(worst, 'residual')):.2g} J of {worst} are unaccounted for"
+        worst = max(parts, key=lambda part: abs(self.energy(part, "residual")))
+        left = f"energy balance: {abs(self.energy(worst, 'residual')):.2g} J of {worst} are unaccounted for"
         if worst == "total":
-            limit = f"{TOTAL_LIMIT:g} of the {self.book('total', 'scale'):.2g} J that the sources turn over"
+            limit = f"{TOTAL_LIMIT:g} of the {self.energy('total', 'scale'):.2g} J that the sources turn over"
         else:
             name, flow = self._largest_flow()
             limit = f"{PART_LIMIT:g} of the {flow:.2g} J that flow through {name}"
@@ -88,8 +90,8 @@ class Trajectory(Record):
     def _largest_flow(self) -> tuple[str, float]:
         """The part with the largest energy stored, dissipated, received or taken up by changing stiffness, and J."""
         flows = {
-            part: max(abs(self.book(part, entry)) for entry in ("stored", "dissipated", "received", "parametric"))
-            for part in self.book_parts
+            part: max(abs(self.energy(part, entry)) for entry in ("stored", "dissipated", "received", "parametric"))
+            for part in self.energy_parts
             if part != "total"
         }
         name = max(flows, key=lambda part: flows[part])

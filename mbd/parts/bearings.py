@@ -1,4 +1,4 @@
-"""Bearings between a shaft and the casing, or the ground: rungs `rigid`, `linear`, and nonlinear ones such as `hertz`.
+"""Bearings between a shaft and the casing, or the ground: models `rigid`, `linear`, and nonlinear ones such as `hertz`.
 
 With u = (ux, uy, uz, rx, rz) of the shaft less that of its support, the force on the shaft is -K u - C u'; rotation
 about the shaft axis is free. K and C are symmetric and positive semidefinite, with any cross terms: the circulatory

@@ -1,4 +1,4 @@
-"""Losses of meshes and bearings: rungs `none`, `efficiency`, `coulomb`; and the holding brake. All are internal
+"""Losses of meshes and bearings: models `none`, `efficiency`, `coulomb`; and the holding brake. All are internal
 torques.
 
 The forces stand in `mbd.forces`: `efficiency`, `sliding`, `drag`. All reverse smoothly with the speed omega of the
@@ -16,7 +16,7 @@ from mbd.parts.checks import MachineError, not_negative
 
 
 class Losses:
-    """What every rung answers; the elements of `mbd.forces` that these numbers are for are left out where they are 0
+    """What every model answers; the elements of `mbd.forces` that these numbers are for are left out where they are 0
     or None."""
 
     mesh_efficiency: float | None = None

@@ -1,4 +1,4 @@
-"""Shafts: stepped beams along y with disks; rungs `timoshenko` and `torsion`.
+"""Shafts: stepped beams along y with disks; models `timoshenko` and `torsion`.
 
 A node has six displacements (ux, uy, uz, rx, ry, rz) in global axes. The matrices of sections and disks are those of
 `mbd.parts.beam`.
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
-RIGID_MOTIONS = 5  # of the rung "torsion", its first coordinates
+RIGID_MOTIONS = 5  # of the model "torsion", its first coordinates
 WORDS = ModeWords("shaft", "shafts")
 MOST_NODES = 333  # of a shaft: just below 2000 coordinates, whose matrices take 32 MB each
 
@@ -251,7 +251,7 @@ def free_shaft(spec: ShaftSpec, nodes: np.ndarray) -> Part:
 
 
 def shaft_basis(spec: ShaftSpec, nodes: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """T (6 node, coordinate) with node displacements = T q, and the coordinate names of the rung ``spec.model``."""
+    """T (6 node, coordinate) with node displacements = T q, and the coordinate names of the model ``spec.model``."""
     n = len(nodes)
     if spec.model == "timoshenko":
         return np.eye(6 * n), tuple(f"{spec.name}:{i}:{axis}" for i in range(n) for axis in AXES)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def main(options: argparse.Namespace) -> int:
-    """Build the casing; print check-up, modes and error (elastic rungs) and the coordinates; write the files asked."""
+    """Build the casing; print check-up, modes and error (elastic models) and the coordinates; write the files asked."""
     from pipelines.border.errors import InputError
     from pipelines.engine.working import Work
     from pipelines.runs.casing_export import checked_target, write_casing

@@ -52,7 +52,7 @@ def main(options: argparse.Namespace) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     if options.casing_mode:
         if not elastic:
-            raise InputError(f"--casing-mode: a {plant.rungs['casing']} casing has no elastic modes")
+            raise InputError(f"--casing-mode: a {plant.models['casing']} casing has no elastic modes")
         sys.stdout.write(_listed(casing_mode_files(outcome, graph, plant.title, options.casing_mode, folder)))
         return 0
     if options.screen:
@@ -77,7 +77,7 @@ def main(options: argparse.Namespace) -> int:
     mesh = write_mesh(mesh_view(plant, stage, outcome, options), folder / f"mesh_{stage}.png")
     sys.stdout.write(_listed(mesh))
     if not meshed:
-        sys.stdout.write(f"casing {plant.rungs['casing']}: no mesh to show\n")
+        sys.stdout.write(f"casing {plant.models['casing']}: no mesh to show\n")
     return 0
 
 

@@ -1,4 +1,4 @@
-"""`gearcase tradeoff`: the price of every rung and main setting, on this machine and this scene."""
+"""`gearcase tradeoff`: the price of every model and main setting, on this machine and this scene."""
 
 from __future__ import annotations
 

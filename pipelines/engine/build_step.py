@@ -76,7 +76,7 @@ def _built(
     step: Step, key: str, upstream: Mapping[str, Result], cache: Cache, inputs: list[Any], **place: Path | None
 ) -> Result:
     start = time.perf_counter()
-    with peak_memory() as peak, counting() as book:
+    with peak_memory() as peak, counting() as counts:
         try:
             made = step.build(step.spec, *inputs, **place)
         except Exception as error:
@@ -88,7 +88,7 @@ def _built(
         "content": digest(built.value),
         "seconds": round(time.perf_counter() - start, 6),
         "peak_bytes": peak.bytes,
-        "ledger": {**book, **built.ledger},
+        "ledger": {**counts, **built.ledger},
         "step": step.name,
     }
     entry = None

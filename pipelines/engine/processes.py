@@ -1,8 +1,8 @@
 """Build steps in processes of their own: started as commands, so that a user's script needs no main guard.
 
 The parent writes a job file and its name on the child's standard input; the child (`pipelines.engine.worker`) stores
-its result in the cache, answers with a file and waits for the next job, because starting Python and its libraries is
-dear. A child whose parent is gone reads the end of its input and stops. The files lie in a folder that only this user
+its result in the cache, answers with a file and waits for the next job, because starting Python and its libraries takes
+long. A child whose parent is gone reads the end of its input and stops. The files lie in a folder that only this user
 can read and write: reading one runs what it holds.
 """
 

@@ -82,9 +82,9 @@ def healthy_faulty_figure(diagnosis: Diagnosis, window: str) -> Figure:
     title = f"Healthy and faulty, {window}, {LOADS.get(diagnosis.load, diagnosis.load)}"
     figure = comparison_figure(traces, diagnosis.settings, title, (HEALTHY, FAULTY), window)
     for axes, kind, n in zip(figure.axes, ("envelope", "sideband", "sideband"), (0, 1, 2), strict=False):
-        lines = diagnosis.lines.where(window=window, kind=kind, mesh_harmonic=n, stands=1)
+        lines = diagnosis.lines.where(window=window, kind=kind, mesh_harmonic=n, detected=1)
         if len(lines):
-            axes.plot(lines.frequency, lines.faulty, "v", ms=5, color=FAULTY, label="line stands", zorder=4)
+            axes.plot(lines.frequency, lines.faulty, "v", ms=5, color=FAULTY, label="detected", zorder=4)
     legend(figure.axes[0])
     return figure
 

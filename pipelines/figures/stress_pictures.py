@@ -38,7 +38,7 @@ class StressView:
     damaged: GearPairView | None
     marked: str
     note: str  # what the stress does not hold, "" if nothing
-    rung: str
+    model: str
     force: float  # N
     cycle: float
     names: tuple[str, ...]
@@ -126,7 +126,7 @@ def stress_figure(view: StressView, pictures: Sequence[Picture], most: float) ->
 
     figure = new_figure(2.2 + 4.6 * len(pictures), 9.0)
     figure.suptitle(
-        f"{plain(view.title)}\nvon Mises stress, mesh cycle {view.cycle:.4g}, load {view.force:.4g} N\n{view.rung}",
+        f"{plain(view.title)}\nvon Mises stress, mesh cycle {view.cycle:.4g}, load {view.force:.4g} N\n{view.model}",
         fontsize=11,
     )
     boxes = np.atleast_1d(figure.subplots(len(pictures), 1))

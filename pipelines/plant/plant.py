@@ -34,12 +34,12 @@ from pipelines.signals.analysis import DiagnosisSettings
 class Drivetrain:
     """Everything but the casing, which may need a file. Tuples `laws` and `flanks` by stage.
 
-    `title`, `labels` (attributes of every response) and `rungs` (the model of every effect) are words of the scene.
+    `title`, `labels` (attributes of every response) and `models` (the model of every effect) are words of the scene.
     """
 
     title: str
     labels: Mapping[str, Any]
-    rungs: Mapping[str, Any]
+    models: Mapping[str, Any]
     layout: Layout
     laws: tuple[LawSpec, ...]
     flanks: tuple[FlanksSpec, ...]
@@ -105,7 +105,7 @@ def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None =
     return Drivetrain(
         title=scene.title,
         labels=_labels(scene),
-        rungs=scene.models(),
+        models=scene.models(),
         layout=layout,
         laws=tuple(law_specs(scene, layout)),
         flanks=tuple(

@@ -39,10 +39,10 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
 
     stage = options.stage
     target = None if options.mesh is None else checked_mesh_file(options.mesh)
-    pair, rung = plant.layout.pairs[stage - 1], stress_rung(plant.laws[stage - 1])
+    pair, model = plant.layout.pairs[stage - 1], stress_model(plant.laws[stage - 1])
     first = first_tooth_fault(plant.faults, stage)
     cycle = float(first.tooth or 0) if first is not None else 0.0
-    index = round((cycle if options.position is None else options.position) * rung.positions)
+    index = round((cycle if options.position is None else options.position) * model.positions)
     force = plant.facts.stages[stage - 1].shown_force
     added = stress_steps(plant, stage, index, force)
     full = Graph([*graph.needed([f"law_{stage}"]), *added])
@@ -65,9 +65,9 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
         damaged=None if first is None else gear_view(pair, (first.gear, first.tooth or 0), missing=gone, in_mesh=True),
         marked="" if first is None else f"{first.name.replace('-', ' ')} of the {first.gear}",
         note="the crack itself is not in the finite elements" if "cracked-tooth" in kinds else "",
-        rung=f"rung solid, refinement {rung.refinement:g}, {rung.slices} slices along the face",
+        model=f"model solid, refinement {model.refinement:g}, {model.slices} slices along the face",
         force=force,
-        cycle=index / rung.positions,
+        cycle=index / model.positions,
         names=("healthy", ", ".join(kind.replace("-", " ") for kind in kinds))[: len(states)],
         states=states,
     )
@@ -75,8 +75,8 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     return picture if isinstance(picture, LeftOut) else [picture, *written]
 
 
-def stress_rung(law: LawSpec) -> Solid:
-    """The rung `solid` with the options of a law, or with its defaults where the law has another rung."""
+def stress_model(law: LawSpec) -> Solid:
+    """The model `solid` with the options of a law, or with its defaults where the law has another model."""
     from fem.contact.models.solid import Solid
 
     mesh = law.mesh
@@ -91,7 +91,7 @@ def stress_steps(plant: Plant, stage: int, index: int, force: float) -> list[Ste
     from pipelines.plant.assembly import mesh_faults
     from pipelines.steps import stress
 
-    modified, rung = plant.flanks[stage - 1], stress_rung(plant.laws[stage - 1])
+    modified, model = plant.flanks[stage - 1], stress_model(plant.laws[stage - 1])
     worn = replace(modified, pinion_damage=(), wheel_damage=())
     sound, pair = replace(worn, pinion_wear=(), wheel_wear=()), modified.pair
     found = [
@@ -99,7 +99,7 @@ def stress_steps(plant: Plant, stage: int, index: int, force: float) -> list[Ste
             name=f"compliance_{stage}",
             kind="compliance",
             build=stress.build_compliance,
-            spec=stress.ComplianceSpec(pair=pair, rung=rung),
+            spec=stress.ComplianceSpec(pair=pair, model=model),
             libraries=("numpy", "scipy"),
             seconds=6.0,
         )
@@ -115,7 +115,7 @@ def stress_steps(plant: Plant, stage: int, index: int, force: float) -> list[Ste
                 kind="stress",
                 build=stress.build,
                 spec=stress.StressSpec(
-                    flanks=spec, rung=rung, index=index, force=force, pinion_terms=pinion, wheel_terms=wheel
+                    flanks=spec, model=model, index=index, force=force, pinion_terms=pinion, wheel_terms=wheel
                 ),
                 takes=(f"compliance_{stage}", f"law_{stage}"),
                 libraries=("numpy", "scipy"),

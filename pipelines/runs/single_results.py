@@ -112,7 +112,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
 
 def no_full_model(plant: Plant) -> str:
     """Why a casing cannot be compared, or has no field of modes."""
-    return f"a {plant.rungs['casing']} casing has no full model; choose casing.model craig-bampton"
+    return f"a {plant.models['casing']} casing has no full model; choose casing.model craig-bampton"
 
 
 def build_machine_modes(

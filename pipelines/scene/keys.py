@@ -48,7 +48,7 @@ def meaning(field: FieldInfo) -> str:
         return field.description
     inner = tables(field.annotation)
     return (
-        (inner[0].__doc__ or "").split("\n")[0].strip() if len(inner) == 1 else "one of the rungs below" * bool(inner)
+        (inner[0].__doc__ or "").split("\n")[0].strip() if len(inner) == 1 else "one of the models below" * bool(inner)
     )
 
 
@@ -64,7 +64,7 @@ def default(field: FieldInfo) -> str:
 
 def section(path: str, table: type[BaseModel], seen: list[str]) -> list[str]:
     """The lines of one table and of the tables in it."""
-    lines = [f"\n## {path or 'top level'}" + (f" ({table.model_fields['model'].default})" if _is_rung(table) else "")]
+    lines = [f"\n## {path or 'top level'}" + (f" ({table.model_fields['model'].default})" if _is_model(table) else "")]
     lines += ["", " ".join((table.__doc__ or "").split()), ""]
     lines += ["| key | meaning | limits | default |", "|---|---|---|---|"]
     inner: list[tuple[str, type[BaseModel]]] = []
@@ -78,7 +78,7 @@ def section(path: str, table: type[BaseModel], seen: list[str]) -> list[str]:
     return lines
 
 
-def _is_rung(table: type[BaseModel]) -> bool:
+def _is_model(table: type[BaseModel]) -> bool:
     return "model" in table.model_fields and isinstance(table.model_fields["model"].default, str)
 
 

@@ -2,8 +2,8 @@
 
 Tables merge key by key, everything else is replaced. A table whose keys are all whole numbers changes single
 items of an array, counted from 1: ``[stages.1]`` in a variant, or ``--set stages.1.face_width_mm=32``.
-A table that is switched to another rung (its key `model` changes) keeps what it inherits, but those inherited keys
-are only offers: `Merged.offers` names them, and the ones that the new rung does not know are dropped.
+A table that is switched to another model (its key `model` changes) keeps what it inherits, but those inherited keys
+are only offers: `Merged.offers` names them, and the ones that the new model does not know are dropped.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Whole(dict):
 
 @dataclass(frozen=True)
 class Merged:
-    """A merged tree, the problems met on the way, and inherited keys that a newly chosen rung may not know."""
+    """A merged tree, the problems met on the way, and inherited keys that a newly chosen model may not know."""
 
     tree: dict[str, Any]
     offers: frozenset[Path] = frozenset()

@@ -1,7 +1,7 @@
 """Presets: what `draft`, `standard` and `reference` set in a scene. Chosen from the table of `gearcase tradeoff`.
 
-A preset changes only how finely a scene is computed, never what it contains: rungs that leave out physics the scene
-asks for (a torsion-only shaft, a casing without modes) are not among them. Of the mesh stiffness it takes the rung,
+A preset changes only how finely a scene is computed, never what it contains: models that leave out physics the scene
+asks for (a torsion-only shaft, a casing without modes) are not among them. Of the mesh stiffness it takes the model,
 too.
 
 What decides, on the shipped rig: `plane` shifts the lines of the fault by 5 dB, which no refinement of it cures, so all

@@ -53,7 +53,7 @@ def _own_words(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths
 
 
 def user_path(location: Iterable[int | str], model: Any, tree: Any, *, missing: bool = False) -> tuple[str, ...]:
-    """A validator's location as the path a user would write: items count from 1, rung tags are left out."""
+    """A validator's location as the path a user would write: items count from 1, model tags are left out."""
     path: tuple[str, ...] = ()
     annotation, value, steps = model, tree, list(location)
     for place, step in enumerate(steps):
@@ -179,7 +179,7 @@ def nearest(word: str, known: Iterable[str]) -> str:
 
 
 def known_keys(path: tuple[str, ...], model: Any, tree: Any) -> list[str]:
-    """The keys that the table at `path` may have (with the rung that the tree chooses there)."""
+    """The keys that the table at `path` may have (with the model that the tree chooses there)."""
     annotation, value = model, tree
     for step in path:
         members = _chosen(_models(annotation), value)

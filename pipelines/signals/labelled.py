@@ -104,9 +104,9 @@ def coordinates(motion: Trajectory) -> dict[str, list]:
 
 def facts(motion: Trajectory) -> dict[str, Any]:
     """What the motion says of itself, as attributes."""
-    books = {
-        part: dict(zip(motion.book_columns, map(float, row), strict=True))
-        for part, row in zip(motion.book_parts, motion.books, strict=True)
+    balance = {
+        part: dict(zip(motion.energy_entries, map(float, row), strict=True))
+        for part, row in zip(motion.energy_parts, motion.energies, strict=True)
     }
     return {
         "integrator": motion.integrator,
@@ -115,6 +115,6 @@ def facts(motion: Trajectory) -> dict[str, Any]:
         "repeatable_until_s": motion.parted_at or "the end",
         "pass_band_Hz": motion.pass_band,
         "counters": json.dumps(dict(zip(motion.counter_names, map(int, motion.counters), strict=True))),
-        "energy_balance_J": json.dumps(books),
+        "energy_balance_J": json.dumps(balance),
         ATTRIBUTE: json.dumps(motion_warnings(motion)),
     }

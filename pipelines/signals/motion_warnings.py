@@ -31,7 +31,7 @@ def motion_warnings(trajectory: Trajectory) -> dict[str, str]:
             f"{math.log(2.0) / trajectory.parting_rate * 1000:.2g} ms); no step cures that. Use levels, spectra and "
             f'lines, not the waveform, and see how far they spread over several starts: "{STARTS}".'
         )
-    for text in trajectory.open_books():
+    for text in trajectory.unbalanced():
         found["energy"] = (
             f"{text[:1].upper()}{text[1:]} Forces and motion do not belong together within that: take a smaller "
             "simulation.step_us, or a larger simulation.band_Hz."

@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class GroundSpec:
-    """Rung `none`: bearing points (m) held by the ground."""
+    """Model `none`: bearing points (m) held by the ground."""
 
     points: Mapping[str, tuple[float, float, float]]
 
 
 @dataclass(frozen=True, kw_only=True)
 class RigidSpec:
-    """Rung `rigid`: a housing with its sensors on mount springs (N/m)."""
+    """Model `rigid`: a housing with its sensors on mount springs (N/m)."""
 
     housing: Housing
     material: Material
@@ -40,7 +40,7 @@ class RigidSpec:
 
 @dataclass(frozen=True, kw_only=True)
 class RigidMeshSpec:
-    """Rung `rigid` of a housing whose mass and key points come from its mesh."""
+    """Model `rigid` of a housing whose mass and key points come from its mesh."""
 
     density: float
     sensors: tuple[Sensor, ...]
@@ -50,10 +50,10 @@ class RigidMeshSpec:
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticSpec:
-    """Rungs `static` and `craig-bampton`: what is added to the modes, and how many of them are kept.
+    """Models `static` and `craig-bampton`: what is added to the modes, and how many of them are kept.
 
     `mounts` in N/m, a row for all feet or one per foot, None on fixed ground; `limit` (Hz) of the kept modes, None for
-    the rung static.
+    the model static.
     """
 
     sensors: tuple[Sensor, ...]
@@ -74,8 +74,8 @@ def build_rigid(spec: RigidSpec) -> CountedResult:
     """Six coordinates."""
     from fem.casing.models.rigid_casing import RigidCasing
 
-    rung = RigidCasing(mount_stiffness=spec.mount_stiffness, damping_ratio=spec.damping_ratio)
-    return _built(rung.reduce(spec.housing, spec.material))
+    model = RigidCasing(mount_stiffness=spec.mount_stiffness, damping_ratio=spec.damping_ratio)
+    return _built(model.reduce(spec.housing, spec.material))
 
 
 def build_rigid_mesh(spec: RigidMeshSpec, mesh: CasingMesh) -> CountedResult:

@@ -2,7 +2,7 @@
 
     sound_law_i -> law_i                    one per gear pair; equal pairs share one; law_i alone where the flanks are
                                             neither modified nor damaged (a missing tooth is no damage here)
-    casing mesh -> casing modes -> casing   finite elements only for the rungs static and craig-bampton
+    casing mesh -> casing modes -> casing   finite elements only for the models static and craig-bampton
     simulate                                a missing tooth, deviations, drive and load enter here
 
 Plants that are run together (`pipelines.steps.study`) share the steps that do not differ.

@@ -104,20 +104,20 @@ def _runs(spec: ReportSpec, responses: Sequence[xarray.Dataset]) -> dict[str, xa
 
 
 def _summary(plant: Plant) -> dict[str, Any]:
-    facts, rungs, labels = plant.facts, plant.rungs, plant.labels
+    facts, models, labels = plant.facts, plant.models, plant.labels
     return {
         "motor speed": f"{facts.motor_speed * 30 / np.pi:.4g} rpm",
         "total ratio": facts.total_ratio,
         "torque at the input": f"{facts.input_torque:.4g} N m",
         "torque at the drums": f"{facts.output_torque:.4g} N m",
-        "mesh stiffness": ", ".join(rungs["mesh"]),
-        "casing": rungs["casing"],
-        "shafts": rungs["shaft_model"],
-        "load": f"{rungs['load']}, {plant.hoist.mass:g} kg",
+        "mesh stiffness": ", ".join(models["mesh"]),
+        "casing": models["casing"],
+        "shafts": models["shaft_model"],
+        "load": f"{models['load']}, {plant.hoist.mass:g} kg",
         "rope mode at the start": f"{facts.rope_frequency:.3g} Hz" if facts.rope_frequency else "no rope",
         "faults": ", ".join(f"{f.name}, stage {f.stage} {f.gear}" for f in plant.faults) or "none",
         "deviations": "none" if labels["seed"] == "none" else f"grade {labels['iso_grade']}, seed {labels['seed']}",
-        "integrator": rungs["integrator"],
+        "integrator": models["integrator"],
     }
 
 
@@ -232,5 +232,5 @@ def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[st
 
 def energy_rows(run: xarray.Dataset) -> list[dict[str, Any]]:
     """The energy balance of a run, J, one row per part."""
-    books: dict[str, dict[str, float]] = json.loads(run.attrs.get("energy_balance_J", "{}"))
-    return [{"part": part, **{f"{name} J": value for name, value in row.items()}} for part, row in books.items()]
+    balance: dict[str, dict[str, float]] = json.loads(run.attrs.get("energy_balance_J", "{}"))
+    return [{"part": part, **{f"{name} J": value for name, value in row.items()}} for part, row in balance.items()]

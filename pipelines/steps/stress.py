@@ -1,6 +1,6 @@
 """Steps `compliance` and `stress`: the contact of a pair in space, and the stress of its teeth at one position.
 
-Both use the rung `solid`, whatever rung the law of the stage has. Missing teeth, modifications, wear and chips enter
+Both use the model `solid`, whatever model the law of the stage has. Missing teeth, modifications, wear and chips enter
 the contact; a crack does not, because the finite elements are those of sound teeth.
 """
 
@@ -24,18 +24,18 @@ from pipelines.plant.flanks_spec import FlanksSpec
 
 @dataclass(frozen=True, kw_only=True)
 class ComplianceSpec:
-    """A gear pair without its play, and the rung."""
+    """A gear pair without its play, and the model."""
 
     pair: GearPair
-    rung: Solid
+    model: Solid
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StressSpec:
-    """One state of the teeth: position index / rung.positions, force (N), terms of the teeth (tooth,) or (tooth, 6)."""
+    """One state of the teeth: index / model.positions, force (N), terms of the teeth (tooth,) or (tooth, 6)."""
 
     flanks: FlanksSpec  # pair and modifications
-    rung: Solid
+    model: Solid
     index: int
     force: float
     pinion_terms: np.ndarray
@@ -44,7 +44,7 @@ class StressSpec:
 
 def build_compliance(spec: ComplianceSpec) -> ContactCompliance:
     """The compliances between all contact places."""
-    return spec.rung.compliance(spec.pair)
+    return spec.model.compliance(spec.pair)
 
 
 def build(spec: StressSpec, record: ContactCompliance, laws: tuple[MeshLaw, MeshLaw]) -> LoadedTeeth:
@@ -52,7 +52,7 @@ def build(spec: StressSpec, record: ContactCompliance, laws: tuple[MeshLaw, Mesh
 
     Raises
     ------
-    RungError : no tooth can carry the force
+    ModelError : no tooth can carry the force
     """
     law, pair = laws[0], spec.flanks.pair
     turns, place = divmod(spec.index, len(record.position))
@@ -66,7 +66,7 @@ def build(spec: StressSpec, record: ContactCompliance, laws: tuple[MeshLaw, Mesh
     extra = np.where(np.isfinite(record.gap[place]), _gaps(spec.flanks, law, record, xi, terms), 0.0)
     clearance = dict(zip(numbers.tolist(), extra, strict=True))
     state = solve(record, np.array([spec.index]), force=spec.force, clearance=clearance)
-    pinion, wheel = stress_field(pair, spec.rung, record, state)
+    pinion, wheel = stress_field(pair, spec.model, record, state)
     return LoadedTeeth(
         cycle=spec.index / len(record.position),
         hand=record.hand,

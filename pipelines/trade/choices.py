@@ -1,4 +1,4 @@
-"""The settings whose price is measured: every rung and main setting that a scene can switch.
+"""The settings whose price is measured: every model and main setting that a scene can switch.
 
 The presets first, then each effect alone changed from the reference, then the combinations from which the presets were
 chosen. What the presets and the combinations share (laws, casings) is built once.
@@ -61,7 +61,7 @@ def choices(scene: Scene) -> Iterator[Choice]:
 
 
 def _replaced(change: Settings) -> tuple[str, ...]:
-    """Tables whose keys of another rung must go when this change switches the rung."""
+    """Tables whose keys of another model must go when this change switches the model."""
     return tuple(f"{key.removesuffix('.model')}." for key in change if key.endswith((".mesh", ".model")))
 
 

@@ -39,7 +39,7 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     Raises
     ------
     AxisError : the scene has nothing to refine along the axis
-    SceneError, WorkError : a level is outside what a rung allows, or failed
+    SceneError, WorkError : a level is outside what a model allows, or failed
     ConvergenceError : fewer than three levels
     """
     chosen = AXES[axis]

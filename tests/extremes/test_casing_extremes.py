@@ -64,7 +64,7 @@ def test_frequencies_go_with_the_root_of_stiffness_over_density(mesh, usual, cha
     assert frequencies(modes) == pytest.approx(factor * frequencies(usual), rel=1e-6)
 
 
-def test_a_stiff_housing_tends_to_the_rigid_rung(mesh):
+def test_a_stiff_housing_tends_to_the_rigid_model(mesh):
     """On equal mounts, to 1e6 GPa: the accelerance across all mount modes tends to the rigid one as 1/E."""
     mounts, sensor = 2e7, Sensor(name="sensor_1", position=(0.03, 0.0, 0.08))
     rigid = rigid_from_mesh(mesh, density=7200.0, mount_stiffness=mounts, damping_ratio=0.01, sensors=[sensor])
@@ -119,8 +119,8 @@ def test_thin_thick_and_long_housings_are_meshed_with_the_right_mass(change, siz
 @pytest.mark.slow
 @EXTREMES
 def test_thin_thick_and_long_housings_pass_the_check_up(change, size):
-    rung = StaticCasing(element_size=size)
-    modes, check = rung.modes(rung.mesh(small_housing(**change)), material())
+    model = StaticCasing(element_size=size)
+    modes, check = model.modes(model.mesh(small_housing(**change)), material())
     assert check.failures == ()
     assert (la.eigvalsh(modes.stiffness) > 0.0).all()
 

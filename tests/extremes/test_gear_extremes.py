@@ -1,4 +1,4 @@
-"""Extreme gear pairs on every rung: finite, convex, converged laws of one potential, or a refusal in words.
+"""Extreme gear pairs on every model: finite, convex, converged laws of one potential, or a refusal in words.
 
 z 12 (undercut) to 250, beta 0 to 35 degrees, b / m_n 2 to 40, rims down to 1.2 m_n; loads from nothing to 100 times the
 nominal one; a tilt that unloads half of the face; spur limit, exchange of pinion and wheel, mirror image.
@@ -15,7 +15,7 @@ import pytest
 from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import evaluate_law, shares
-from fem.contact.frame import RungError
+from fem.contact.frame import ModelError
 from fem.contact.models.energy import Energy
 from fem.contact.models.iso import Iso
 from fem.contact.models.plane import Plane
@@ -33,31 +33,31 @@ PAIRS = {
     "rims of 1.2 and 4 m_n": gear_pair((20, 250), 2, 20, 30, bores_mm=(16.3, 240)),
     "usual": gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5)),
 }
-RUNGS = {
+MODELS = {
     "iso": Iso(slices=5, line_load=NOMINAL),
     "energy": Energy(slices=5),
     "plane": Plane(refinement=0.5, slices=5, patch=0.08),
     "solid": Solid(refinement=0.6, slices=5, positions=16),
 }
 FAST = ("iso", "energy", "plane")
-EVERY_RUNG = pytest.mark.parametrize("rung", [*FAST, pytest.param("solid", marks=pytest.mark.slow)])
+EVERY_RUNG = pytest.mark.parametrize("model", [*FAST, pytest.param("solid", marks=pytest.mark.slow)])
 EVERY_PAIR = pytest.mark.parametrize("name", PAIRS)
 
 
 @cache
-def laws(rung: str, pair: GearPair):
-    """Both flanks; the refusal where the rung does not take the pair."""
-    chosen = RUNGS[rung]
+def laws(model: str, pair: GearPair):
+    """Both flanks; the refusal where the model does not take the pair."""
+    chosen = MODELS[model]
     try:
         return chosen.laws(pair) if hasattr(chosen, "laws") else (chosen.law(pair, "drive"), chosen.law(pair, "coast"))
-    except RungError as error:
+    except ModelError as error:
         return error
 
 
-def law_of(rung: str, pair: GearPair, flank: str = "drive"):
+def law_of(model: str, pair: GearPair, flank: str = "drive"):
     """The law of a flank; a refusal ends the test once it is seen to give its reason."""
-    found = laws(rung, pair)
-    if isinstance(found, RungError):
+    found = laws(model, pair)
+    if isinstance(found, ModelError):
         assert len(str(found)) > 40
         pytest.skip(f"refused: {found}")
     return found[flank == "coast"]
@@ -74,8 +74,8 @@ def states(law, count: int, seed: int = 3):
 
 @EVERY_RUNG
 @EVERY_PAIR
-def test_every_force_and_moment_is_that_of_one_convex_potential(rung, name):
-    law = law_of(rung, PAIRS[name])
+def test_every_force_and_moment_is_that_of_one_convex_potential(model, name):
+    law = law_of(model, PAIRS[name])
     c, delta, psi = states(law, 200)
     _, other, tilt = states(law, 200, seed=8)
     here, there = evaluate_law(law, c, delta, psi), evaluate_law(law, c, other, tilt)
@@ -98,13 +98,13 @@ def test_every_force_and_moment_is_that_of_one_convex_potential(rung, name):
         numeric = (getattr(ahead, field) - getattr(behind, field)) / (2 * (dd + dp))
         close = np.abs(exact - numeric) <= 1e-4 * np.abs(exact) + 1e-6 * np.abs(exact).max()
         assert close.mean() >= 0.95, field  # the rest stand where a slice of a pair is just touching
-    print(f"{rung}, {name}: {3 * c.size} states")
+    print(f"{model}, {name}: {3 * c.size} states")
 
 
 @EVERY_RUNG
 @EVERY_PAIR
-def test_from_no_load_to_a_hundred_times_the_nominal_one(rung, name):
-    law = law_of(rung, PAIRS[name])
+def test_from_no_load_to_a_hundred_times_the_nominal_one(model, name):
+    law = law_of(model, PAIRS[name])
     face = law.slice_width.sum()
     cycle = np.linspace(0, 1, 9)
     light, usual, heavy = (stiffness_curve(law, load * NOMINAL * face, cycle) for load in (1e-6, 1.0, 100.0))
@@ -120,8 +120,8 @@ def test_from_no_load_to_a_hundred_times_the_nominal_one(rung, name):
 
 @EVERY_RUNG
 @EVERY_PAIR
-def test_a_tilt_that_unloads_half_of_the_face_moves_the_load(rung, name):
-    law = law_of(rung, PAIRS[name])
+def test_a_tilt_that_unloads_half_of_the_face_moves_the_load(model, name):
+    law = law_of(model, PAIRS[name])
     y, face = law.face_coordinate, law.slice_width.sum()
     curve = stiffness_curve(law, NOMINAL * face, np.linspace(0, 1, 9), psi=0.0)
     psi = 10 * curve.transmission_error.max() / face  # an even line of stiffness is half unloaded at 8 e / b
@@ -137,12 +137,12 @@ def test_a_tilt_that_unloads_half_of_the_face_moves_the_load(rung, name):
 
 @EVERY_RUNG
 @EVERY_PAIR
-def test_a_left_hand_pair_is_the_mirror_image(rung, name):
+def test_a_left_hand_pair_is_the_mirror_image(model, name):
     """Mirror in the plane of the axes: the coast flank at -c. Tilting a pair the other way is its own other flank."""
     pair = PAIRS[name]
-    drive, coast = law_of(rung, pair), law_of(rung, pair, "coast")
+    drive, coast = law_of(model, pair), law_of(model, pair, "coast")
     hands = [replace(gear, hand=hand) for gear, hand in ((pair.pinion, "left"), (pair.wheel, "right"))]
-    left = law_of(rung, replace(pair, pinion=hands[0], wheel=hands[1]), "coast")
+    left = law_of(model, replace(pair, pinion=hands[0], wheel=hands[1]), "coast")
     c, delta, psi = states(drive, 60)
     there = pair.thickness_cycle - c  # cycle of the coast flank, which trails by the thickness of a tooth
     one = evaluate_law(drive, c, delta, psi)
@@ -152,16 +152,16 @@ def test_a_left_hand_pair_is_the_mirror_image(rung, name):
             assert b == pytest.approx(a, rel=1e-7, abs=1e-9 * np.abs(a).max())
 
 
-@pytest.mark.parametrize("rung", ["energy", "plane", pytest.param("solid", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("model", ["energy", "plane", pytest.param("solid", marks=pytest.mark.slow)])
 @EVERY_PAIR
-def test_exchange_of_pinion_and_wheel_runs_the_law_backwards(rung, name):
+def test_exchange_of_pinion_and_wheel_runs_the_law_backwards(model, name):
     """Seen turned by half a turn about the shafts: equal at -c on the path of contact.
 
     The gap of a tip edge is measured by turning the wheel, so beyond the path only to second order: light loads, which
     hardly reach it. Not for `iso`: the series of the standard weighs the teeth of pinion and wheel differently.
     """
     pair = PAIRS[name]
-    law, other = law_of(rung, pair), law_of(rung, GearPair(pinion=pair.wheel, wheel=pair.pinion))
+    law, other = law_of(model, pair), law_of(model, GearPair(pinion=pair.wheel, wheel=pair.pinion))
     cycle = np.linspace(0, 1, 17)[:-1] + 1 / 64
     load = NOMINAL * pair.face_width / 10
     for psi in (0.0, 2e-6 / pair.face_width):
@@ -173,9 +173,9 @@ def test_exchange_of_pinion_and_wheel_runs_the_law_backwards(rung, name):
 
 
 @EVERY_RUNG
-def test_no_helix_gives_the_spur_law(rung):
+def test_no_helix_gives_the_spur_law(model):
     shape = ((20, 55), 2), (12,), {"bores_mm": (12.5, 17.5)}
-    spur, nearly = (law_of(rung, gear_pair(*shape[0], beta, *shape[1], **shape[2])) for beta in (0.0, 0.02))
+    spur, nearly = (law_of(model, gear_pair(*shape[0], beta, *shape[1], **shape[2])) for beta in (0.0, 0.02))
     load, cycle = NOMINAL * 12e-3, np.linspace(0, 1, 17)
     one, other = (stiffness_curve(law, load, cycle).transmission_error for law in (spur, nearly))
     assert other.mean() == pytest.approx(one.mean(), rel=5e-3)

@@ -1,4 +1,4 @@
-"""Extreme machines: finite with closed books, or refused with a reason."""
+"""Extreme machines: finite with a closed energy balance, or refused with a reason."""
 
 import dataclasses
 import tracemalloc
@@ -39,9 +39,9 @@ def runs(machine, casing=None, step=5e-6, end=0.05, total=1e-6, parts=PARTS, rat
     result = simulate(system, Settings(end=end, output_rate=rate, step=step))
     assert np.isfinite(result.values).all()
     floor = ROUND_OFF * stored_energy(system)
-    for part in result.book_parts:
+    for part in result.energy_parts:
         share = total if part == "total" else parts
-        assert abs(result.book(part, "residual")) <= max(share * result.book(part, "scale"), floor), part
+        assert abs(result.energy(part, "residual")) <= max(share * result.energy(part, "scale"), floor), part
     return result
 
 
@@ -85,7 +85,7 @@ def test_no_damping_at_all():
         rope={"damping_ratio": 0.0}, shaft_tau=0.0, bearing_tau=0.0, coupling_damping=0.0, stage={"tau": 0.0}
     )
     result = runs(machine, no_casing(), step=2.5e-6)
-    assert result.book("total", "dissipated") == pytest.approx(0.0, abs=1e-9)
+    assert result.energy("total", "dissipated") == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e10, 1e12])
@@ -128,7 +128,7 @@ def test_two_missing_teeth_side_by_side_in_every_mesh():
     """The load falls through the gap: impacts of many times the load, begun and ended within the shortest step; the
     total then closes to 6e-6 only."""
     result = runs(toothless({"pinion": 1, "wheel": 2}), total=1e-5)
-    assert result.book("total", "scale") > 10 * runs(lifted()).book("total", "scale")
+    assert result.energy("total", "scale") > 10 * runs(lifted()).energy("total", "scale")
 
 
 @pytest.mark.parametrize("length", [0.5, 100.0])
@@ -156,7 +156,7 @@ def test_reversal_within_a_sample():
 
 @pytest.mark.slow
 def test_ten_minutes_of_motion():
-    """Nothing drifts, the books stay closed, and memory does not grow: it is that of a run of 20 s."""
+    """Nothing drifts, the energy balance stays closed, and memory does not grow: it is that of a run of 20 s."""
     machine = train(1, model="torsion", speed=20.0, stage={"tau": 1e-5})
     names = ("stage_1:delta", "stage_1:drive_force", "motor_1:torque", "motor_2:torque")
     system, peaks = assemble(machine, no_casing(), names), []
@@ -168,10 +168,10 @@ def test_ten_minutes_of_motion():
     tracemalloc.stop()
     print(f"peak memory {peaks[0] / 1e6:.1f} and {peaks[1] / 1e6:.1f} MB")
     assert peaks[1] < 1.1 * peaks[0]
-    for part in run.book_parts:
+    for part in run.energy_parts:
         share = 1e-6 if part == "total" else PARTS
-        print(f"{part}: {run.book(part, 'residual'):.2g} of {run.book(part, 'scale'):.3g} J")
-        assert abs(run.book(part, "residual")) <= share * run.book(part, "scale"), part
+        print(f"{part}: {run.energy(part, 'residual'):.2g} of {run.energy(part, 'scale'):.3g} J")
+        assert abs(run.energy(part, "residual")) <= share * run.energy(part, "scale"), part
     early, late = run.values[:, 1000:7000], run.values[:, -6000:]
     np.testing.assert_allclose(late.mean(axis=1), early.mean(axis=1), rtol=1e-4)
     np.testing.assert_allclose(late.std(axis=1), early.std(axis=1), rtol=0.05)

@@ -87,7 +87,7 @@ def state_error(
     springs: np.ndarray | None = None,
     solver: Solver = "auto",
 ) -> ErrorStatement:
-    """Compare a reduced casing with its mesh; as dear as the reduction itself.
+    """Compare a reduced casing with its mesh; as expensive as the reduction itself.
 
     Parameters
     ----------

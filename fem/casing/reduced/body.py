@@ -1,4 +1,4 @@
-"""ReducedBody: a casing as the multibody model sees it, whatever rung made it."""
+"""ReducedBody: a casing as the multibody model sees it, whatever model made it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class ReducedBody(Record):
 
     Coordinates are relative to the ground (grounding is already in `stiffness`). ``row_names`` are
     ``"<point>:<axis>"`` with axis in ux uy uz (m) rx ry rz (rad), e.g. ``"bearing_3:ux"``, ``"sensor_3:uz"``;
-    a bearing's generalised force enters by the transposed row. Rung `none` has 0 coordinates and zero rows.
+    a bearing's generalised force enters by the transposed row. Model `none` has 0 coordinates and zero rows.
     """
 
     model: str = text()  # "none" | "rigid" | "static" | "craig-bampton"

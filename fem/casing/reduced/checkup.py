@@ -130,7 +130,7 @@ def check_up(casing: GroundedCasing, reduction: Reduction, *, full_band: float |
 
     Parameters
     ----------
-    full_band : Hz; if given, the modes of the full grounded model up to it are computed, too (as dear as a reduction)
+    full_band : Hz; if given, modes of the full grounded model up to it are computed as well (costs a reduction)
     """
     mesh = casing.mesh
     mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)

@@ -64,7 +64,7 @@ def lowest_frequencies(
     ground: Ground = "fixed",
     attachment: Attachment = "mean",
 ) -> LowestFrequencies:
-    """The frequencies of a coarser mesh; `static`: of its matrices condensed to the interface, as the rung static has.
+    """The frequencies of a coarser mesh; `static`: of its matrices condensed to the interface, as the model static has.
 
     Raises
     ------

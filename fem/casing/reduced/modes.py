@@ -241,7 +241,7 @@ def natural_modes(
 
 
 def grounded_body(bearings: Mapping[str, Sequence[float]]) -> ReducedBody:
-    """The rung `none`: bearings held by the ground; no coordinates, rows without entries."""
+    """The model `none`: bearings held by the ground; no coordinates, rows without entries."""
     row_names = [f"{name}:{axis}" for name in bearings for axis in BEARING_AXES]
     nothing = np.zeros((0, 0))
     return ReducedBody(

@@ -1,4 +1,4 @@
-"""The rung `rigid`: a rigid housing on six mount springs, its mass from the volumes of its parts; no mesh.
+"""The model `rigid`: a rigid housing on six mount springs, its mass from the volumes of its parts; no mesh.
 
 q = [translation of the centre of gravity, rotation], M = diag(m, m, m, I), K = sum R_i^T k_i R_i with
 u(x) = R q = t + r x (x - x_cg).

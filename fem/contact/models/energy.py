@@ -1,4 +1,4 @@
-"""Rung `energy`: the potential-energy method of the literature, slice by slice on the true tooth profile.
+"""Model `energy`: the potential-energy method of the literature, slice by slice on the true tooth profile.
 
 A tooth is a cantilever of varying section, clamped where its fillet meets the root circle. A force f per unit face
 width along the line of action at the height u_c and the half thickness y_c, inclined by alpha to the normal of the
@@ -14,7 +14,7 @@ and turns the body under the tooth (fillet foundation, fitted on an elastic ring
 u_f from the root circle to where the line of action crosses the tooth axis, s_f = 2 r_f theta_f the arc of the
 root. The contact is linear, C_h = 2/pi sum (1 - nu^2)/E (Yang & Lin). A pair is the sum over both gears, per unit
 face width; helical gears are cut into slices whose transverse sections act as spur gears, with C_h / cos(beta_b) as
-in rung `plane`.
+in model `plane`.
 
 Known bias, measured in tests: neighbouring teeth do not feel each other, each brings its own foundation, so that a
 double contact counts the body twice apart; the root circle is taken as clamping line although the fillet yields
@@ -34,7 +34,7 @@ from typing import Literal
 
 import numpy as np
 
-from fem.contact.frame import FLANKS, RungError, flank_frame, window_fraction
+from fem.contact.frame import FLANKS, ModelError, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
 from fem.elements.materials import Material
@@ -112,11 +112,11 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
 
     Raises
     ------
-    RungError : a gear with a web, or the fit of the body gives no positive compliance
+    ModelError : a gear with a web, or the fit of the body gives no positive compliance
     """
     if gear.rim_thickness is not None:
-        raise RungError(
-            f"rung energy, gear z={gear.teeth}: the fitted body is a solid disc; use rung 'plane' for a web"
+        raise ModelError(
+            f"model energy, gear z={gear.teeth}: the fitted body is a solid disc; use model 'plane' for a web"
         )
     half = half_tooth_profile(gear, _POINTS, _POINTS, 1)
     width, height = half.points[: half.tip_index + 1].T
@@ -126,8 +126,8 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
     inside = BORE_RANGE[0] <= ratio <= BORE_RANGE[1] and ROOT_RANGE[0] <= root_angle <= ROOT_RANGE[1]
     if not inside:
         logger.warning(
-            "rung energy, gear z=%d: the body is outside the range of its fit: r_f/r_bore %.3f (range %g to %g), "
-            "theta_f %.4f rad (range %g to %g); rung plane has no such limit",
+            "model energy, gear z=%d: the body is outside the range of its fit: r_f/r_bore %.3f (range %g to %g), "
+            "theta_f %.4f rad (range %g to %g); model plane has no such limit",
             gear.teeth, ratio, *BORE_RANGE, root_angle, *ROOT_RANGE,
         )  # fmt: skip
     factors = foundation_factors(ratio, root_angle)
@@ -149,9 +149,9 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
         )
     bending, shearing, axial, foundation = np.array(rows).T
     if foundation.min() <= 0.0:
-        raise RungError(
-            f"rung energy, gear z={gear.teeth}: the fitted body has no positive compliance at r_f/r_bore {ratio:.3f} "
-            f"and theta_f {root_angle:.4f} rad; use rung 'plane' for this gear"
+        raise ModelError(
+            f"model energy, gear z={gear.teeth}: the fitted body has no positive compliance at r_f/r_bore {ratio:.3f} "
+            f"and theta_f {root_angle:.4f} rad; use model 'plane' for this gear"
         )
     return ToothParts(bending=bending, shear=shearing, axial=axial, foundation=foundation)
 
@@ -172,7 +172,7 @@ class Energy(MeshModel):
         for name, low, high in (("slices", 1, 1000), ("positions", 16, 1024), ("largest_gap", 0.001, 0.08)):
             value = getattr(self, name)
             if not low <= value <= high:
-                raise RungError(f"rung energy: {name} is {value!r}; give a value in [{low}, {high}]")
+                raise ModelError(f"model energy: {name} is {value!r}; give a value in [{low}, {high}]")
 
     def pair_compliance(self, pair: GearPair, pinion_radius: np.ndarray, wheel_radius: np.ndarray) -> np.ndarray:
         """Compliance (position,) of a single pair per unit face width (m2/N) at the contact radii (m)."""
@@ -214,5 +214,5 @@ class Energy(MeshModel):
     def law(self, pair: GearPair, flank: str = "drive") -> MeshLaw:
         """The law of one flank."""
         if flank not in FLANKS:
-            raise RungError(f"{pair.label}: flank is {flank!r}; choose one of {', '.join(FLANKS)}")
+            raise ModelError(f"{pair.label}: flank is {flank!r}; choose one of {', '.join(FLANKS)}")
         return self.laws(pair)[FLANKS.index(flank)]

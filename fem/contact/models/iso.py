@@ -1,4 +1,4 @@
-"""Rung `iso`: tooth stiffness after ISO 6336-1:2019, clause 9, method B, spread evenly along the contact lines.
+"""Model `iso`: tooth stiffness after ISO 6336-1:2019, clause 9, method B, spread evenly along the contact lines.
 
 Single stiffness (N/(m m), per metre of face width and metre along the transverse line of action)
 
@@ -24,7 +24,7 @@ from typing import Literal
 
 import numpy as np
 
-from fem.contact.frame import RungError, flank_frame, window_fraction
+from fem.contact.frame import ModelError, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
 from fem.elements.materials import STEEL
@@ -53,7 +53,7 @@ def blank_factor(web_ratio: float, rim_ratio: float) -> float:
     A solid disc (b_s = b) has C_R = 1. Gears of different design: use the mean of their factors.
     """
     if not (web_ratio > 0.0 and rim_ratio > 0.0):
-        raise RungError(
+        raise ModelError(
             f"iso: web_ratio {web_ratio!r} and rim_ratio {rim_ratio!r} must be > 0 (solid disc: web_ratio 1)"
         )
     return 1.0 + math.log(min(max(web_ratio, 0.2), 1.2)) / (5.0 * math.exp(max(rim_ratio, 1.0) / 5.0))
@@ -98,18 +98,18 @@ class Iso(MeshModel):
         ):
             value = getattr(self, name)
             if not low <= value <= high:
-                raise RungError(f"iso: {name} is {value!r}; give a value in [{low}, {high}]")
+                raise ModelError(f"iso: {name} is {value!r}; give a value in [{low}, {high}]")
         for name in ("blank_factor", "line_load"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0.0):
-                raise RungError(f"iso: {name} is {value!r}; give a value > 0 or leave it out")
+                raise ModelError(f"iso: {name} is {value!r}; give a value > 0 or leave it out")
 
     def stiffness(self, pair: GearPair) -> IsoStiffness:
         """c', c_gamma_alpha and c_gamma_beta of the pair.
 
         Raises
         ------
-        RungError : the pair is outside the range of the standard's fit
+        ModelError : the pair is outside the range of the standard's fit
         """
         p, w = pair.pinion, pair.wheel
         shift = p.profile_shift + w.profile_shift
@@ -122,7 +122,7 @@ class Iso(MeshModel):
             (not -0.5 <= shift <= 2.0, f"x1 + x2 is {shift:.4f}, the range [-0.5, 2]"),
         ):
             if bad:
-                raise RungError(f"iso, {pair.label}: {what} of ISO 6336-1 method B; use rung 'plane' for this pair")
+                raise ModelError(f"iso, {pair.label}: {what} of ISO 6336-1 method B; use model 'plane' for this pair")
         x1, x2 = p.profile_shift, w.profile_shift
         z1, z2 = p.virtual_teeth, w.virtual_teeth
         terms = (1.0, 1 / z1, 1 / z2, x1, x1 / z1, x2, x2 / z2, x1**2, x2**2)
@@ -164,15 +164,15 @@ class Iso(MeshModel):
         """The laws of drive and coast flank."""
         return self.law(pair, "drive"), self.law(pair, "coast")
 
-    def doubts(self, modifications: PairModifications) -> Iterator[str]:
+    def warnings(self, modifications: PairModifications) -> Iterator[str]:
         """The low-load reduction where it acts, and relief, whose effect on the load sharing is not modelled."""
         if self.line_load is not None and self.line_load < LOW_LINE_LOAD:
             yield (
-                f"line load {self.line_load / 1000:.1f} N/mm is below {LOW_LINE_LOAD / 1000:g} N/mm; the iso rung "
+                f"line load {self.line_load / 1000:.1f} N/mm is below {LOW_LINE_LOAD / 1000:g} N/mm; the iso model "
                 "applies the low-load reduction of ISO 6336-1"
             )
         if modifications.pinion.tip_relief or modifications.wheel.tip_relief:
-            yield "tip relief under the rung iso acts on a stiffness that knows no load sharing; prefer plane"
+            yield "tip relief under the model iso acts on a stiffness that knows no load sharing; prefer plane"
 
     def _contact(self, pair: GearPair, xi: np.ndarray, step: float, ramp: float) -> tuple[np.ndarray, np.ndarray]:
         """Gap and fraction: the path of contact with its ramps, beyond it tip edges from the onset on."""

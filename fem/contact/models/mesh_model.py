@@ -29,14 +29,14 @@ class MeshModel(ABC):
 
         Raises
         ------
-        RungError, GeometryError : the pair is outside the range of the model
+        ModelError, GeometryError : the pair is outside the range of the model
         """
 
     def check(self, pair: GearPair) -> None:
         """Refuse what `laws` would refuse, before anything expensive is computed."""
         self.laws(pair)
 
-    def doubts(self, modifications: PairModifications) -> Iterable[str]:
+    def warnings(self, modifications: PairModifications) -> Iterable[str]:
         """What a user should know before trusting the model with these flanks; none for most models."""
         return ()
 

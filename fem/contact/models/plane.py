@@ -1,4 +1,4 @@
-"""Rung `plane`: finite elements of the whole toothed rings in the transverse section, cut into slices along the face.
+"""Model `plane`: finite elements of the whole toothed rings in the transverse section, cut into slices along the face.
 
 The slices take the compliances of one section (`fem.contact.wheels.plane_section`) and are independent of one another.
 """
@@ -28,7 +28,7 @@ class Plane(PlaneSection, MeshModel):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not 1 <= self.slices <= 1000:
-            raise PlaneError(f"rung plane: slices is {self.slices!r}; give a value in [1, 1000]")
+            raise PlaneError(f"model plane: slices is {self.slices!r}; give a value in [1, 1000]")
 
     def check(self, pair: GearPair) -> None:
         """Refuse a pair without a path of contact."""
@@ -62,5 +62,5 @@ class Plane(PlaneSection, MeshModel):
 
 def _flank_index(flank: str) -> int:
     if flank not in FLANKS:
-        raise PlaneError(f"rung plane: flank is {flank!r}; choose 'drive' or 'coast'")
+        raise PlaneError(f"model plane: flank is {flank!r}; choose 'drive' or 'coast'")
     return FLANKS.index(flank)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from fem.contact.frame import RungError
+from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model import MeshModel
 from fem.named_classes import named_class
 
@@ -22,9 +22,9 @@ def mesh_model(name: str, *, line_load: float, **options: Any) -> MeshModel:
 
     Raises
     ------
-    RungError : no such model, or an option outside its range
+    ModelError : no such model, or an option outside its range
     """
-    made: type[MeshModel] = named_class(MODELS, name, "mesh model", RungError)
+    made: type[MeshModel] = named_class(MODELS, name, "mesh model", ModelError)
     if any(field.name == "line_load" for field in dataclasses.fields(made)):
         options["line_load"] = line_load or None
     return made(**options)

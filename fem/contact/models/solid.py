@@ -1,4 +1,4 @@
-"""Rung `solid`: finite elements in space of both toothed wheels, whole rings with free end faces, and contact on them.
+"""Model `solid`: finite elements in space of both toothed wheels, whole rings with free end faces, and contact on them.
 
 Twenty-seven-node hexahedra over the face; one sector of each wheel is condensed and closed to the ring exactly
 (`fem.contact.wheels.solid_ring`). The compliances between all contact places are kept
@@ -16,7 +16,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from fem.contact.frame import RungError
+from fem.contact.frame import ModelError
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
 from fem.contact.models.solid_condensation import condense
@@ -53,7 +53,7 @@ class Solid(MeshModel):
         for name, (low, high) in limits.items():
             value = getattr(self, name)
             if not low <= value <= high:
-                raise RungError(f"rung solid: {name} is {value!r}; give a value in [{low}, {high}]")
+                raise ModelError(f"model solid: {name} is {value!r}; give a value in [{low}, {high}]")
 
     def axial_elements(self, pair: GearPair) -> int:
         """Elements along the face: 8, and more where one would be longer than 1.25 m_n; times the refinement."""

@@ -1,4 +1,4 @@
-"""Displacement and von Mises stress of the loaded teeth at one solved contact state, on the hexahedra of the rung.
+"""Displacement and von Mises stress of the loaded teeth at one solved contact state, on the hexahedra of the model.
 
 The line loads of a `ContactState` act on the flank rows as the patches of the compliance do (half-width 0.2 m_n at the
 default refinement: below that depth the subsurface stress of the Hertz contact is not resolved, its pressure stands in
@@ -57,27 +57,27 @@ class LoadedTeeth:
 
 
 def stress_field(
-    pair: GearPair, rung: Solid, record: ContactCompliance, state: ContactState, index: int = 0
+    pair: GearPair, model: Solid, record: ContactCompliance, state: ContactState, index: int = 0
 ) -> tuple[StressField, StressField]:
     """Pinion and wheel at one row of a solved state: the teeth of all candidate pairs, each with its share of the body.
 
-    Solves both gears anew with all factors kept: seconds. `record` and `state` must come from `rung` and `pair`.
+    Solves both gears anew with all factors kept: seconds. `record` and `state` must come from `model` and `pair`.
     """
     touching = np.isfinite(record.gap[round(state.cycle[index] * len(record.position)) % len(record.position)])
     xi = state.cycle[index] - state.pair[index][:, None] + record.cycle_shift
     loads = np.where(touching, state.line_load[index] * record.slice_width, 0.0)
     points = path_points(pair, xi.ravel(), 0.4 * pair.pinion.normal_module)
-    bounds = np.linspace(-pair.face_width / 2, pair.face_width / 2, rung.slices + 1)
-    ends = axial_ends(pair.face_width, rung.axial_elements(pair))
+    bounds = np.linspace(-pair.face_width / 2, pair.face_width / 2, model.slices + 1)
+    ends = axial_ends(pair.face_width, model.axial_elements(pair))
     out = []
     for gear, material, radius, turn in (
         (pair.pinion, pair.pinion_material, points.pinion_radius, 1),
         (pair.wheel, pair.wheel_material, points.wheel_radius, -1),
     ):
-        mesh = sector_mesh(gear, SECTION * rung.refinement)
+        mesh = sector_mesh(gear, SECTION * model.refinement)
         arc = (radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius)
         flank = FlankCompliance(arc=mesh.flank_arc, tip_arc=mesh.tip_arc, matrix={})
-        weight, _ = flank.patches(arc, PATCH / rung.refinement * gear.normal_module)
+        weight, _ = flank.patches(arc, PATCH / model.refinement * gear.normal_module)
         weight = weight.reshape(*loads.shape, -1)
         nodal = np.einsum("ps,psr,sa->pra", loads, weight, slice_means(ends, bounds)[:, ::turn], optimize=True)
         # pair p + n, which follows, has tooth -n of the pinion and n of the wheel, counted towards the loaded flank

@@ -11,7 +11,7 @@ deformation, where a fine mesh is cheap,
 
     C_ij = G_ij + delta_ij (C_fine(xi_i) - G_coarse(xi_i)) / w_i,
 
-C_fine from the rung `plane` with its matched Hertz split, G_coarse from plane deformation of the same coarse section
+C_fine from the model `plane` with its matched Hertz split, G_coarse from plane deformation of the same coarse section
 under the same patches. Both agree for a load that hardly changes along the face, and the difference shrinks as the
 section is refined, so the sum is exact for such loads and converges for all others. The end faces of the teeth are
 free. d is at most a fifth of a module: a larger one would make the approach of short slices negative without the Hertz
@@ -84,7 +84,7 @@ def axial_ends(face_width: float, elements: int) -> np.ndarray:
 def _contacts(
     pair: GearPair, position: np.ndarray, shift: np.ndarray, plane: PlaneSection
 ) -> tuple[_Contacts, np.ndarray]:
-    """The contacts within the reach of the rung `plane`, and the candidate pair numbers."""
+    """The contacts within the reach of the model `plane`, and the candidate pair numbers."""
     known = plane.path(pair)
     finite = np.isfinite(known.gap)
     first, last = known.xi[finite][[0, -1]]
@@ -161,7 +161,7 @@ def contact_compliance(
     ----------
     slices : slices of equal width over the face;  positions : grid points per mesh cycle
     section_refinement, axial_elements : mesh of the rings in space, see `sector_mesh`
-    plane : the rung that gives C_fine, A, B and the reach of tip-edge contact
+    plane : the model that gives C_fine, A, B and the reach of tip-edge contact
     patch : half-width of the patches on the coarse section, in m_n
     """
     width, module = pair.face_width / slices, pair.pinion.normal_module

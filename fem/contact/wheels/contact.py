@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.contact.frame import RungError
+from fem.contact.frame import ModelError
 from fem.contact.wheels.compliance import ContactCompliance
 
 _ROUNDS = 200
@@ -70,7 +70,7 @@ def solve(
 
     Raises
     ------
-    RungError : no contact can carry the force, or the iteration fails
+    ModelError : no contact can carry the force, or the iteration fails
     """
     count = len(record.position)
     index = np.arange(count) if index is None else np.atleast_1d(np.asarray(index, dtype=int))
@@ -169,8 +169,8 @@ def _newton(
     psi = np.zeros(states) if tilt is None else tilt.copy()
     free = np.where(np.isfinite(problem.gap), problem.gap - psi[:, None] * problem.y, np.inf)
     if force is not None and not np.isfinite(free).any(axis=1).all():
-        raise RungError(
-            f"rung solid: no tooth pair can touch at state {int(np.argmin(np.isfinite(free).any(axis=1)))}; too many "
+        raise ModelError(
+            f"model solid: no tooth pair can touch at state {int(np.argmin(np.isfinite(free).any(axis=1)))}; too many "
             "teeth are missing side by side, or largest_gap is too small"
         )
     near = free - (free.min(axis=1, initial=np.inf) if approach is None else approach)[:, None]
@@ -187,8 +187,8 @@ def _newton(
         busy = busy[~done]
         if not len(busy):
             return loads, delta, psi
-    raise RungError(
-        f"rung solid: the contact iteration of {len(busy)} of {states} states has not settled within {_ROUNDS} rounds "
+    raise ModelError(
+        f"model solid: the contact iteration of {len(busy)} of {states} states has not settled within {_ROUNDS} rounds "
         f"(first at state {busy[0]}, delta {delta[busy[0]]:.4g} m); give a larger force, or fewer slices"
     )
 

@@ -31,7 +31,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.contact.frame import RungError
+from fem.contact.frame import ModelError
 from fem.contact.wheels.ring import FlankCompliance, flank_compliance
 from fem.gears.geometry import GearPair
 from fem.gears.path import PathPoints, contact_window, path_points
@@ -41,8 +41,8 @@ from fem.storage.ledger import count
 BRIDGE = 2.05  # pitches: with a tooth missing, the pairs before and after it then take over from each other
 
 
-class PlaneError(RungError):
-    """An option of the rung `plane` is outside its valid range."""
+class PlaneError(ModelError):
+    """An option of the model `plane` is outside its valid range."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -85,10 +85,10 @@ class PlaneSection:
         for name, (low, high) in limits.items():
             value = getattr(self, name)
             if not low <= value <= high:
-                raise PlaneError(f"rung plane: {name} is {value!r}; give a value in [{low}, {high}]")
+                raise PlaneError(f"model plane: {name} is {value!r}; give a value in [{low}, {high}]")
         if self.patch * self.refinement < 0.04:
             raise PlaneError(
-                f"rung plane: patch {self.patch} m_n is not resolved by flank elements of "
+                f"model plane: patch {self.patch} m_n is not resolved by flank elements of "
                 f"{0.05 / self.refinement:.3g} m_n; give refinement >= {0.04 / self.patch:.2g} or a larger patch"
             )
 

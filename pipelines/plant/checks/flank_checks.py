@@ -43,7 +43,7 @@ def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
 
 
 def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Iterator[str]:
-    """What a gear designer would frown at, and what hides a fault."""
+    """What a gear designer would question, and what hides a fault."""
     for number, (spec, pair, modification) in enumerate(
         zip(law_specs(scene, layout), layout.pairs, layout.modifications, strict=True), 1
     ):
@@ -65,7 +65,7 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
                     f"{place}.{name}.web_offset_mm: the mesh models see the web in the section only; its offset "
                     "changes nothing there"
                 )
-        yield from (f"{place}: {doubt}" for doubt in spec.mesh.doubts(modification))
+        yield from (f"{place}: {text}" for text in spec.mesh.warnings(modification))
     for number, fault in enumerate(scene.faults, 1):
         stage, pair = scene.stages[fault.stage - 1], layout.pairs[fault.stage - 1]
         width = pair.face_width / stage.mesh.slices

@@ -6,7 +6,7 @@ import difflib
 import functools
 from collections.abc import Iterator
 
-from fem.contact.frame import RungError
+from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model import LawSpec
 from fem.gears.geometry import GeometryError
 from mbd.parts.checks import MachineError
@@ -122,7 +122,7 @@ def _bad_load(scene: Scene, layout: Layout) -> Iterator[Problem]:
 
 
 def bad_laws(scene: Scene, layout: Layout) -> Iterator[Problem]:
-    """Mesh rungs that refuse their pair; those of finite elements are asked for their settings and path of contact."""
+    """Mesh models that refuse their pair; those of finite elements are asked for their settings and path of contact."""
     for number, spec in enumerate(law_specs(scene, layout), 1):
         if reason := _law_refusal(spec):
             yield Problem(f"stages.{number}.mesh", reason)
@@ -133,6 +133,6 @@ def _law_refusal(spec: LawSpec) -> str:
     """Why a law cannot be built, "" where nothing is known against it."""
     try:
         spec.mesh.check(spec.pair)
-    except (RungError, GeometryError) as error:
+    except (ModelError, GeometryError) as error:
         return str(error)
     return ""

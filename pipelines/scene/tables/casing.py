@@ -1,4 +1,4 @@
-"""Tables of the casing: its housing, its rungs, its sensors."""
+"""Tables of the casing: its housing, its models, its sensors."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class FlexibleBase(Table):
     housing: HousingModel
     material: MaterialTable
     element_size_mm: Annotated[
-        Number, Field(gt=0, description="of the tetrahedra; the rung rigid meshes only a housing that is no plain box")
+        Number, Field(gt=0, description="of the tetrahedra; the model rigid meshes only a housing that is no plain box")
     ] = 22.0
     bore_element_size_mm: Annotated[Positive | None, Field(description="at the bearing seats, where smaller")] = None
     foot_element_size_mm: Annotated[Positive | None, Field(description="at the ground faces, where smaller")] = None
@@ -53,7 +53,7 @@ class RigidCasingTable(FlexibleBase):
 
 
 class ElasticBase(FlexibleBase):
-    """What the rungs with finite elements have."""
+    """What the models with finite elements have."""
 
     ground: Annotated[
         Literal["fixed", "springs"],

@@ -1,4 +1,4 @@
-"""Tables of the gear pairs: stages with their mesh rungs, and deviations."""
+"""Tables of the gear pairs: stages with their mesh models, and deviations."""
 
 from __future__ import annotations
 

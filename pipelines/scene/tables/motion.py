@@ -125,7 +125,7 @@ class SimulationTable(Table):
         Number, Field(ge=1000, description="modes of the whole machine above it are kept by their static response only")
     ] = 20000.0
     integrator: Annotated[
-        Literal["exponential", "trapezoidal", "generalised-alpha"], Field(description="see docs/choosing-a-rung.md")
+        Literal["exponential", "trapezoidal", "generalised-alpha"], Field(description="see docs/choosing-a-model.md")
     ] = "exponential"
 
     @model_validator(mode="after")

@@ -1,4 +1,4 @@
-"""Rung energy: exact cantilevers, published tooth compliances, limits, and its bias against rung plane."""
+"""Model energy: exact cantilevers, published tooth compliances, limits, and its bias against model plane."""
 
 import math
 
@@ -8,7 +8,7 @@ import pytest
 from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import evaluate_law
-from fem.contact.frame import RungError
+from fem.contact.frame import ModelError
 from fem.contact.models.energy import Energy, cantilever, foundation_factors, tooth_parts
 from fem.contact.models.plane import Plane
 from fem.elements.materials import Material
@@ -112,5 +112,5 @@ def test_coast_flank_is_the_mirror_image():
 
 @pytest.mark.parametrize("options", [{"slices": 0}, {"positions": 8}, {"largest_gap": 0.5}])
 def test_refused_options(options):
-    with pytest.raises(RungError, match=next(iter(options))):
+    with pytest.raises(ModelError, match=next(iter(options))):
         Energy(**options)
