@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -9,6 +10,7 @@ from mbd_rigs import no_casing, train
 
 from fem.casing.meshing.imported import Seat
 from fem.casing.meshing.locate import ByCylinder
+from fem.storage.cache_folder import cache_root
 from mbd.coordinates.channels import channel_names, mesh_channels, motor_channels, shaft_channels
 from mbd.parts.checks import MachineError
 from mbd.system.system import assemble
@@ -217,10 +219,30 @@ def test_a_wavelength_needs_the_thickness_of_an_imported_wall():
         checked_plant(without, "rig-step")
 
 
-def test_signals_that_find_no_room_are_refused_before_the_work(monkeypatch):
-    monkeypatch.setattr(cost.shutil, "disk_usage", lambda _: type("Usage", (), {"free": 1e6})())
-    with pytest.raises(SceneError, match=r"signals of 1 simulations take about 2\.32 MB .*, 1 MB are free"):
+def free_bytes(monkeypatch, **free):
+    """Disks with so many free bytes under the cache and elsewhere."""
+
+    def disk_usage(folder):
+        inside = Path(folder).resolve() in (cache_root(), *cache_root().parents)
+        return SimpleNamespace(free=free["cache"] if inside else free["elsewhere"])
+
+    monkeypatch.setattr(cost.shutil, "disk_usage", disk_usage)
+
+
+def test_signals_that_find_no_room_are_refused_before_the_work(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    free_bytes(monkeypatch, cache=1e12, elsewhere=1e6)
+    with pytest.raises(SceneError, match=r"signals of 1 simulations take about 1\.16 MB in runs, 1 MB are free"):
         plan_study(load_scene("minimal"))
+
+
+def test_a_full_cache_stops_only_signals_that_memory_cannot_hold(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    free_bytes(monkeypatch, cache=0.0, elsewhere=1e12)
+    plan_study(load_scene("minimal"))
+    long = {"simulation.end_s": 1000.0, "drive.times_s": [0.0, 0.2, 1000.0], "drive.speeds_rpm": [0.0, 900.0, 900.0]}
+    with pytest.raises(SceneError, match=r"signals of 1 simulations take about 2\.32 GB in .*, 0 B are free"):
+        plan_study(load_scene("minimal", long))
 
 
 def test_check_says_what_a_run_costs(capsys):

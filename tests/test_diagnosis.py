@@ -78,7 +78,7 @@ def test_equal_runs_show_nothing_and_say_why():
     assert np.abs(found.lines.difference[strong]).max() < 1.0
     assert "not seen" in headline([found])
     text = sentences(found)[0]
-    assert "none of 21 lines stands" in text
+    assert "none of 21 lines is detected" in text
     assert "pitch deviations repeat with the same revolution" in text
     assert "The face is too wide." in text
 
