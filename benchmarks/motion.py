@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks.clock import timed
 from benchmarks.rig import casing_body, kept, moving, read, stage_law, system
 from mbd.integrators.base import Integrator
-from mbd.integrators.methods import METHODS
+from mbd.integrators.methods import make_integrator
 from mbd.output.trajectory import Trajectory
 from mbd.simulate import Settings, simulate
 from mbd.system.system import System, mesh_mode_frequency
@@ -148,7 +148,7 @@ def shares(folder: Path) -> list[dict[str, Any]]:
 
     machine, n, block = rig(folder), 6000, 480
     clock = time.process_time()
-    method = METHODS["exponential"](machine, STEP)
+    method = make_integrator("exponential", machine, STEP)
     recorder, balance = Recorder(machine, method, 3, n), EnergyBalance(machine, method, STEP, n)
     spent = {"set-up (s)": time.process_time() - clock, "loop": 0.0, "channels": 0.0, "energy balance": 0.0}
     start = method.start(equilibrium(machine))
@@ -184,7 +184,7 @@ def reference_cost(machine: System) -> str:
     from mbd.system.statics import equilibrium
 
     step, n = 10e-6, 2
-    method: Integrator = METHODS["reference"](machine, step)
+    method: Integrator = make_integrator("reference", machine, step)
     method.start(equilibrium(machine))
     profile = machine.machine.profile
     times = step * np.arange(1, n + 1)

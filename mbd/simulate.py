@@ -17,7 +17,7 @@ from mbd.accuracy.step_check import StepCheck
 from mbd.coordinates.channels import sensor_names
 from mbd.energy.balance import ENERGY_ENTRIES, EnergyBalance
 from mbd.integrators.base import LENGTH, Block, Integrator
-from mbd.integrators.methods import METHODS
+from mbd.integrators.methods import METHODS, make_integrator
 from mbd.output.recorder import PASS_SHARE, Recorder
 from mbd.output.trajectory import Trajectory
 from mbd.parts.checks import StepError, positive
@@ -99,7 +99,7 @@ def _simulate(
     system.machine.check_run(settings.end)
     every = steps_per_sample(system, settings)
     step = 1 / (settings.output_rate * every)
-    integrator = METHODS[settings.integrator](system, step)
+    integrator = make_integrator(settings.integrator, system, step)
     shape = (len(system.channels.names), settings.n_samples)
     values = np.zeros(shape) if file is None else StoredArray.create(file, shape)
     recorder = Recorder(system, integrator, every, settings.output_rate, values)

@@ -11,7 +11,8 @@ from mbd.elements.element import ENERGY, PARAMETRIC
 from mbd.energy.element_energy import ElementWork
 from mbd.energy.exact_integrals import FlowWork
 from mbd.integrators.base import ACCELERATION, LENGTH, SPEED
-from mbd.integrators.exponential import exponential, phi_functions
+from mbd.integrators.exponential import exponential
+from mbd.integrators.phi_functions import phi_functions
 from mbd.parts.drive import SpeedProfile
 from mbd.simulate import Settings, simulate
 from mbd.system.statics import equilibrium

@@ -19,7 +19,7 @@ import math
 import numpy as np
 
 from mbd.integrators.base import ACCELERATION, LENGTH, SPEED, Block, Flow
-from mbd.integrators.exponential import phi_functions
+from mbd.integrators.phi_functions import phi_functions
 
 NODES = 64  # of the Gauss quadrature of chi, exact to rounding for |z| < 40
 UNDAMPED = 1e-13  # |values_a + values_b| below this share of |values|: the pair dissipates nothing

@@ -2,7 +2,7 @@
 
 Contract
 --------
-1. It is made from a `System` and a fixed step h (s): ``METHODS[name](system, h)``. Making it does all work that does
+1. It is made from a `System` and a fixed step h (s), see `mbd.integrators.methods`. Making it does all work that does
    not depend on the state; it raises StepError if h is outside its range.
 2. ``start(state)`` sets the state at t = 0 and returns a `Block` of that one instant.
 3. ``advance(angles, speeds, accelerations)`` takes len(angles) steps. ``angles`` and ``speeds`` are those of the motor

@@ -14,6 +14,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from mbd.integrators.methods import METHODS
 from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from pipelines.engine.step import Graph, Step
 from pipelines.plant.casing import RigidBox, RigidMeshed
@@ -39,7 +40,7 @@ def plant_steps(plant: Plant) -> list[Step]:
             build=motion.build,
             spec=motion.MotionSpec(machine=plant.machine, recorded=plant.recorded, motion=plant.motion),
             takes=(casing[-1].name, *plant.law_names),
-            modules=("mbd.simulate",),
+            modules=("mbd.simulate", METHODS[plant.motion.integrator][0]),
             libraries=_NUMERIC,
             seconds=1.5 * plant.motion.end,
             streams=True,
