@@ -62,7 +62,14 @@ class SampledWork:
     def integrals(
         self, latest: np.ndarray, to_q: np.ndarray, to_v: np.ndarray, turn: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """int f v^T dt (port, coordinate) and int v v^T dt; ``turn`` is J."""
+        """int f v^T dt (port, coordinate) and int v v^T dt (coordinate, coordinate) over the run.
+
+        Parameters
+        ----------
+        latest : (x,) state at the last instant
+        to_q, to_v : (coordinate, x) displacements and velocities of a state
+        turn : (coordinate,) J, see above
+        """
         start = self._to_force @ self._origin
         start[: self._m] -= self._origin_force
         v_0, v_1 = to_v @ self._origin, to_v @ self._first

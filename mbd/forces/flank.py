@@ -43,7 +43,7 @@ def touches(values, delta, psi):
 
 
 @inner()
-def store(energy_at, force, stiffness, log, found):
+def _store(energy_at, force, stiffness, log, found):
     """Spread F, M, U, dF/d delta, dF/d psi, dM/d psi."""
     force[0], force[1], log[energy_at] = found[0], found[1], found[2]
     stiffness[0, 0], stiffness[0, 1] = found[3], found[4]
@@ -69,11 +69,11 @@ def flank_rule(values, motion, answer):
         found = evaluate_two(
             law, cycle, delta - back, psi, before[0] - back, before[1], pinion_terms, wheel_terms
         )  # fmt: skip
-        store(ENERGY, answer.elastic, answer.stiffness, answer.log, found[:6])
-        store(FROZEN_ENERGY, answer.frozen, answer.frozen_stiffness, answer.log, found[6:])
+        _store(ENERGY, answer.elastic, answer.stiffness, answer.log, found[:6])
+        _store(FROZEN_ENERGY, answer.frozen, answer.frozen_stiffness, answer.log, found[6:])
     else:
         alone = evaluate(law, cycle, delta - back, psi, pinion_terms, wheel_terms)
-        store(ENERGY, answer.elastic, answer.stiffness, answer.log, alone[:6])
+        _store(ENERGY, answer.elastic, answer.stiffness, answer.log, alone[:6])
     if answer.elastic[0] > 0.0:
         damp(values, motion, answer)
 
@@ -159,11 +159,11 @@ def _values(mesh: MeshSpec, side: int, ratio: float) -> np.ndarray:
 
 
 def _touching(mesh: MeshSpec, side: int, seen: np.ndarray, rows: np.ndarray) -> float:
-    """`no_load_approach` at what the element observes and at its rows."""
-    return no_load_approach(mesh, side, float(seen[0]), float(rows[1]))
+    """`_no_load_approach` at what the element observes and at its rows."""
+    return _no_load_approach(mesh, side, float(seen[0]), float(rows[1]))
 
 
-def no_load_approach(mesh: MeshSpec, side: int, rotation: float, psi: float = 0.0) -> float:
+def _no_load_approach(mesh: MeshSpec, side: int, rotation: float, psi: float = 0.0) -> float:
     """delta (m) at which a flank just touches, at the rotation (rad) of the driving gear since t = 0."""
     cycle, (pinion, wheel) = mesh.cycle_at_start + mesh.cycles_per_radian * rotation, mesh.terms[side]
     if side:

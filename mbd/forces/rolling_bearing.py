@@ -247,7 +247,16 @@ def hertz_bearing(
     name: str, shaft: str, y: float, elements: RollingElements, damping_time: float,
     support: Literal["casing", "ground"] = "casing",
 ) -> BearingSpec:  # fmt: skip
-    """A bearing with rolling elements; its linear reference is the tangent at a small share of what it can carry."""
+    """A bearing with rolling elements; its linear reference is the tangent at a small share of what it can carry.
+
+    Parameters
+    ----------
+    name, shaft : names of the bearing and of the shaft in it
+    y : m, place on the shaft
+    elements : the rolling elements and their races
+    damping_time : damping over stiffness, s
+    support : what carries the outer ring
+    """
     radial, axial, tilt = tangent_at_load(elements)
     return BearingSpec(
         name=name, shaft=shaft, y=y, stiffness_x=radial, stiffness_z=radial, stiffness_axial=axial,

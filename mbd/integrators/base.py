@@ -37,7 +37,14 @@ LENGTH, ANGLE, SPEED, ACCELERATION = range(4)  # columns of a block's clock: s, 
 
 
 def uniform_clock(step: float, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> np.ndarray:
-    """The clock of steps that are all whole."""
+    """The clock (step, 4) of steps that are all whole.
+
+    Parameters
+    ----------
+    step : length of a step, s
+    angles, speeds : (step,) of the motor at the end of each step, rad and rad/s
+    accelerations : (step,) of the motor during it, rad/s2
+    """
     return np.column_stack([np.full(len(angles), step), angles, speeds, accelerations])
 
 
@@ -93,7 +100,14 @@ class Integrator(Protocol):
     def advance(
         self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray, like: Block | None = None
     ) -> Block:
-        """Take len(angles) steps, cut as those of ``like`` were if it is given."""
+        """Take len(angles) steps.
+
+        Parameters
+        ----------
+        angles, speeds : (step,) of the motor at the end of each step, rad and rad/s
+        accelerations : (step,) of the motor during it, rad/s2
+        like : block whose cuts of the same steps are taken, or None
+        """
 
     def branch(self, change: np.ndarray) -> Integrator:
         """A second integrator at this instant, its state moved by ``change`` (x,)."""

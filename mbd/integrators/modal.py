@@ -130,7 +130,13 @@ class ModalIntegrator:
     def advance(
         self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray, like: Block | None = None
     ) -> Block:
-        """Take len(angles) steps, cut as those of ``like`` were if it is given."""
+        """Take len(angles) steps.
+
+        Parameters
+        ----------
+        angles, speeds, accelerations : (step,) of the motor as in `mbd.integrators.base`, rad, rad/s and rad/s2
+        like : block whose cuts of the same steps are taken, or None
+        """
         plan = np.zeros(0, dtype=np.int64) if like is None else self._levels(like)
         parts, done = [], 0
         while done < len(angles):

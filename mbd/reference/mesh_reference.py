@@ -23,7 +23,15 @@ SHARE_POSITIONS = 64  # places of the sliding shares over a mesh cycle
 def approach_at(
     law: MeshLaw, cycle: float, force: float, pinion: np.ndarray, wheel: np.ndarray, psi: float = 0.0
 ) -> float:
-    """delta (m) at which the law carries ``force`` (N, > 0) at ``cycle`` and ``psi``; by bisection, F rises with delta.
+    """delta (m) at which a law carries a force; by bisection, F rises with delta.
+
+    Parameters
+    ----------
+    law : of one flank
+    cycle : mesh cycle
+    force : N, above 0
+    pinion, wheel : (tooth, 6) tooth terms, see `fem.contact.teeth`
+    psi : tilt in the plane of action, rad
 
     Raises
     ------
@@ -55,7 +63,12 @@ def approach_at(
 
 
 def touching_approach(law: MeshLaw, cycle: float, pinion: np.ndarray, wheel: np.ndarray, psi: float) -> float:
-    """delta_0 (m): the largest approach without force, the no-load error at tilt ``psi``."""
+    """delta_0 (m): the largest approach without force, the no-load error.
+
+    Parameters
+    ----------
+    law, cycle, pinion, wheel, psi : those of `approach_at`
+    """
     return approach_at(law, cycle, 1e-9, pinion, wheel, psi)
 
 

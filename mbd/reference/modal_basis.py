@@ -25,6 +25,7 @@ def modal_basis(
     mass, stiffness : (coordinate, coordinate), symmetric
     forces : (coordinate, force), patterns whose static response is kept exactly
     band : Hz, modes above it are left out; inf keeps all
+    names : (coordinate,), for messages
 
     Raises
     ------

@@ -152,10 +152,14 @@ def _without_matrices(system: System, slope: np.ndarray) -> np.ndarray:
 def linear_modes(
     system: System, state: State | None = None, up_to: float = DEFAULT_UP_TO, speed: float = 0.0
 ) -> LinearModes:
-    """Modes of small motion about ``state`` (if None the loaded equilibrium at the motor ``speed``, rad/s) up to a
-    frequency (Hz).
+    """Modes of small motion about a state of rest.
 
-    Keep ``up_to`` well below the band the system was assembled for.
+    Parameters
+    ----------
+    system : the machine in its casing
+    state : None for the loaded equilibrium at the motor speed
+    up_to : Hz, highest frequency; keep it well below the band the system was assembled for
+    speed : of the motors for the equilibrium, rad/s
 
     Raises
     ------

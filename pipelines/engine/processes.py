@@ -80,7 +80,18 @@ class Pool:
         return any(key == job.key for _, job in self._working)
 
     def start(self, step: Step, key: str, upstream: Mapping[str, Result], cache_folder: Path) -> None:
-        """Begin to build a step."""
+        """Begin to build a step.
+
+        Parameters
+        ----------
+        step, key : the step, and the key of its result
+        upstream : results by the names of the steps that it takes
+        cache_folder : of the cache where the result is stored
+
+        Raises
+        ------
+        WorkError : the process ended before it took the step
+        """
         if self._folder is None:
             self._folder = tempfile.TemporaryDirectory(prefix="gearcase-", ignore_cleanup_errors=True)
         job = _Job(step, key, Path(self._folder.name) / f"{self._jobs}.job")

@@ -73,6 +73,9 @@ def run_graph(
 
     Parameters
     ----------
+    graph, cache : the steps, and where their results are stored
+    wanted : names of steps
+    observer : is told of every step; None: nobody
     processes : long steps built at the same time; default 2, or 1 on a single core
     known : results of steps of this graph that are at hand
 

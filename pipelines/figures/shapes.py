@@ -26,6 +26,7 @@ def gear_view(
 
     Parameters
     ----------
+    pair : the gears in mesh
     marked : gear ("pinion" or "wheel") and number of the damaged tooth, or None
     missing : the marked tooth is not there
     in_mesh : keep the cycle 0 instead

@@ -98,7 +98,13 @@ def comparison_figure(
 ) -> Figure:
     """Envelope spectrum to 8 f_r, and the spectrum within 6 f_r of f_m and of 2 f_m, cases over one another.
 
-    The rope mode of `window` is marked in the envelope where it is given.
+    Parameters
+    ----------
+    traces : one case or two
+    settings : f_r, f_m, the rope modes and the channel
+    title : of the figure
+    colours : of the cases
+    window : whose rope mode is marked in the envelope, or None
     """
     f_r, f_m = settings.revolution_frequency, settings.mesh_frequency
     figure = new_figure(8.2)

@@ -90,7 +90,19 @@ def _bearing(
 def linear_bearing(
     table: LinearBearings, name: str, shaft: str, y: float, support: Literal["casing", "ground"]
 ) -> BearingSpec:
-    """A bearing of springs and dampers. MachineError if its cross terms outweigh the others."""
+    """A bearing of springs and dampers.
+
+    Parameters
+    ----------
+    table : its table of the scene
+    name, shaft : names of the bearing and of the shaft in it
+    y : m, place on the shaft
+    support : what carries the bearing
+
+    Raises
+    ------
+    MachineError : the cross terms outweigh the others
+    """
     radial, vertical = table.radial_stiffness_N_per_um, table.vertical_stiffness_N_per_um
     cross = table.cross_stiffness_N_per_um * 1e6
     return BearingSpec(

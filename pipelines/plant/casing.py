@@ -104,7 +104,17 @@ def _options(table: ElasticBase) -> dict[str, Any]:
 
 
 def element_sizes(table: FlexibleBase, box: Geometry, iron: Material, source: str) -> Sizes:
-    """Element sizes of a casing; at most a share of the bending wavelength of its thinnest wall where that is asked."""
+    """Element sizes of a casing; at most a share of the bending wavelength of its thinnest wall where that is asked.
+
+    Parameters
+    ----------
+    table, box, iron : the table of the casing, its housing and its material
+    source : of the scene, for messages
+
+    Raises
+    ------
+    SceneError : the share is asked for, but the thickness of the wall is not known
+    """
     size = table.element_size_mm / 1000
     if isinstance(table, CraigBamptonCasingTable) and table.elements_per_wavelength is not None:
         if isinstance(box, Housing):

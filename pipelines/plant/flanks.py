@@ -39,7 +39,14 @@ class Fault:
 
 
 def flanks_spec(pair: GearPair, modifications: PairModifications, faults: Sequence[Fault], stage: int) -> FlanksSpec:
-    """What is added to the law of a stage (from 1); no law depends on the play between the flanks."""
+    """What is added to the law of a stage; no law depends on the play between the flanks.
+
+    Parameters
+    ----------
+    pair, modifications : the gears of the stage and the modifications of their flanks
+    faults : of all stages
+    stage : number of the stage, from 1
+    """
     return FlanksSpec(
         pair=replace(pair, backlash_allowance=0.0),
         modifications=modifications,

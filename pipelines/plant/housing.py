@@ -86,7 +86,15 @@ def housing(
     points: Sequence[Point],
     source: str = "scene",
 ) -> Geometry:
-    """The housing with the sensors on it, for bearings at `points` (m).
+    """The housing with the sensors on it.
+
+    Parameters
+    ----------
+    table : of the housing
+    on_it : tables of the sensors
+    layout : where the shafts are
+    points : (x, y, z) of the bearings that it carries, m
+    source : of the scene, for messages
 
     Raises
     ------

@@ -24,7 +24,7 @@ from pipelines.scene.tables.motion import DriveTable
 from pipelines.scene.tables.shafts import CouplingTable
 
 
-def annulus(name: str, y: float, inner: float, outer: float, width: float, density: float) -> Disk:
+def _annulus(name: str, y: float, inner: float, outer: float, width: float, density: float) -> Disk:
     """A ring of rectangular section as a rigid disk: m, J = m (R^2 + r^2)/2 and m (3 (R^2 + r^2) + b^2)/12."""
     mass = density * math.pi * (outer**2 - inner**2) * width
     square = outer**2 + inner**2
@@ -38,8 +38,16 @@ def annulus(name: str, y: float, inner: float, outer: float, width: float, densi
 
 
 def gear_disk(name: str, y: float, gear: Gear, density: float) -> Disk:
-    """The gear body from its bore to its reference circle."""
-    return annulus(name, y, gear.bore_radius, gear.reference_radius, gear.face_width, density)
+    """The gear body from its bore to its reference circle.
+
+    Parameters
+    ----------
+    name : of the disk
+    y : m, place on the shaft
+    gear : the gear
+    density : kg/m3
+    """
+    return _annulus(name, y, gear.bore_radius, gear.reference_radius, gear.face_width, density)
 
 
 def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
@@ -130,7 +138,14 @@ def coupling_specs(tables: Sequence[CouplingTable]) -> tuple[ShaftCoupling, ...]
 
 
 def gear_teeth(table: DeviationTable, faults: Sequence[Fault], stage: int, gear: str) -> GearTeeth:
-    """The teeth of a gear of a stage (from 1)."""
+    """The teeth of one gear.
+
+    Parameters
+    ----------
+    table : of the deviations
+    faults : of all stages
+    stage, gear : number of the stage, from 1, and "pinion" or "wheel"
+    """
     deviations = None
     if table.enabled and table.include:
         seed = 1000 * table.seed + 2 * (stage - 1) + GEARS.index(gear)  # every gear its own sequence

@@ -165,7 +165,19 @@ def control_differences(loaded: LoadedScene, control: LoadedScene) -> list[str]:
 def validate(
     merged: Merged, model: type[BaseModel], source: str, problems: Iterable[Problem] = ()
 ) -> tuple[Any, dict[str, Any]]:
-    """The model's object and the tree it was made of, or SceneError with everything that is wrong."""
+    """The model's object and the tree it was made of.
+
+    Parameters
+    ----------
+    merged : the tree
+    model : class that it is to fit
+    source : of the scene, for messages
+    problems : found before
+
+    Raises
+    ------
+    SceneError : with everything that is wrong
+    """
     from pydantic import ValidationError
 
     from pipelines.scene.problems import problems_of, user_path

@@ -94,6 +94,8 @@ def analyse(
 
     Parameters
     ----------
+    run : its signals
+    settings : channel, windows and lines of the diagnosis
     stream : number of the noise, 0 for the healthy run, 1 for the faulty one
     band : Hz, of the envelope; by the rule of the settings, applied to this run, if None
 

@@ -89,7 +89,14 @@ def signals(motion: Trajectory) -> Iterator[Signal]:
 
 
 def read(motion: Trajectory, signal: Signal, time: int | slice, place: tuple[int | slice, ...] = ()) -> np.ndarray:
-    """A part of a signal (time, ...) as it is stored; only its channels and instants are read."""
+    """A part of a signal (time, ...) as it is stored; only its channels and instants are read.
+
+    Parameters
+    ----------
+    motion, signal : the motion, and one of its signals
+    time : instants, from 0
+    place : number or slice along each dimension of the signal but time; the last ones may be left out
+    """
     rows = signal.rows[place]
     values = np.asarray(motion.values[np.ravel(rows), time]).T.astype(signal.dtype)
     return values.reshape(values.shape[:-1] + np.shape(rows))

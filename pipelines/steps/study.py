@@ -57,6 +57,7 @@ def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bo
 
     Parameters
     ----------
+    loaded : the scene
     with_control : run the control that the scene names
     both_loads : with a rope and a control, run the equivalent constant torque as well
     seeds : number of seeds of the deviations 1, 2, ... to compare, and error-free gears; 0 for the scene's own only

@@ -36,6 +36,12 @@ def fineness_levels(ratio: float, count: int) -> tuple[float, ...]:
 def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> RefinementStudy:
     """Build every level and study every value of the axis' probe.
 
+    Parameters
+    ----------
+    loaded, work : the scene, and what builds its steps
+    axis : one of `pipelines.trade.axes.AXES`
+    count : number of levels, the finest first
+
     Raises
     ------
     AxisError : the scene has nothing to refine along the axis

@@ -27,7 +27,14 @@ LARGEST_LOOK = 10e6  # bytes of a housing file that is looked into without being
 
 
 def bad_casing(scene: Scene, layout: Layout, made: Geometry, source: str) -> Iterator[Problem]:
-    """Everything that the casing's mesh would refuse and can be known without it."""
+    """Everything that the casing's mesh would refuse and can be known without it.
+
+    Parameters
+    ----------
+    scene, layout : the scene and where its shafts are
+    made : its housing
+    source : of the scene, for messages
+    """
     table = scene.casing
     if not isinstance(table, FlexibleBase):
         return
