@@ -170,8 +170,8 @@ def _pinion_edge(pair: GearPair, xi: np.ndarray, tip: float) -> tuple[np.ndarray
     y = tip * np.sin(corner_angle)
     radius = np.hypot(x, y)
     flank_angle = math.pi - alpha + l2 / w.base_radius - _inv_at(radius, w.base_radius)
-    turn = np.arctan2(y, x) - flank_angle
-    return w.base_radius * (turn - 2.0 * math.pi * np.round(turn / (2.0 * math.pi))), radius
+    roll_angle = np.arctan2(y, x) - flank_angle
+    return w.base_radius * (roll_angle - 2.0 * math.pi * np.round(roll_angle / (2.0 * math.pi))), radius
 
 
 def _wheel_edge(pair: GearPair, xi: np.ndarray, tip: float) -> tuple[np.ndarray, np.ndarray]:

@@ -238,8 +238,8 @@ def _count(length: float, size: float) -> int:
 
 def _fillet_normal(fillet: _Fillet, arc: np.ndarray) -> np.ndarray:
     """Unit normal out of the tooth (x, y) on the fillet of the loaded side."""
-    rise, turn = fillet.radius(arc, 1), fillet.radius(arc) * fillet.angle(arc, 1)
-    along, angle = np.column_stack([rise, turn]) / np.hypot(rise, turn)[:, None], fillet.angle(arc)
+    rise, around = fillet.radius(arc, 1), fillet.radius(arc) * fillet.angle(arc, 1)
+    along, angle = np.column_stack([rise, around]) / np.hypot(rise, around)[:, None], fillet.angle(arc)
     radial = np.column_stack([np.cos(angle), np.sin(angle)])
     around = np.column_stack([-np.sin(angle), np.cos(angle)])
     return -along[:, 1:] * radial + along[:, :1] * around

@@ -140,7 +140,7 @@ class ModalIntegrator:
         plan = np.zeros(0, dtype=np.int64) if like is None else self._levels(like)
         parts, done = [], 0
         while done < len(angles):
-            part, done = self._fill(done, angles, speeds, accelerations, plan)
+            part, done = self._fill(done, angles, accelerations, plan)
             plan = plan[len(part.states) :]
             parts.append(part)
         return join(parts)
@@ -168,9 +168,7 @@ class ModalIntegrator:
         quarters = np.log(self._step / block.clock[:, LENGTH]) / np.log(QUARTERS)
         return np.round(quarters).astype(np.int64)
 
-    def _fill(
-        self, done: int, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray, plan: np.ndarray
-    ) -> tuple[Block, int]:
+    def _fill(self, done: int, angles: np.ndarray, accelerations: np.ndarray, plan: np.ndarray) -> tuple[Block, int]:
         """One block from step ``done`` on, as far as its arrays reach, and the steps done then."""
         constants, table, memory = self._constants, self._system.table, self._memory
         assert memory is not None, "call start first"
@@ -192,7 +190,7 @@ class ModalIntegrator:
             holds=np.empty((n, past, m)),
         )
         now, used, iterations, failed = advance_modes(
-            table, done, angles, speeds, accelerations, constants, memory, block, TOLERANCE, plan
+            table, done, angles, accelerations, constants, memory, block, TOLERANCE, plan
         )
         if failed:
             at = self.counters["steps"] + now - done

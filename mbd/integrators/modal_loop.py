@@ -147,14 +147,14 @@ def _remember(constants, memory, hold, level, kink, eta, force, row_values, now,
 
 
 @stored(__file__)
-def advance_modes(table, first, angles, speeds, accelerations, constants, memory, block, tolerance, plan):
+def advance_modes(table, first, angles, accelerations, constants, memory, block, tolerance, plan):
     """Steps as far as the block reaches: next step, instants and iterations taken, True if a step failed.
 
     Parameters
     ----------
     table : elements of the machine
     first : number of the first step to take
-    angles, speeds : (step,) of the motor at the end of each step, rad and rad/s; the speeds are not read
+    angles : (step,) of the motor at the end of each step, rad
     accelerations : (step,) of the motor during it, rad/s2
     constants, memory : what does not change, and what a step leaves for the next (changed in place)
     block : `mbd.integrators.base.Block` with room for the instants of one step or more, filled in

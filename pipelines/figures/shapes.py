@@ -40,8 +40,8 @@ def gear_view(
         gear, tooth = marked
         teeth = pair.pinion.teeth if gear == "pinion" else pair.wheel.teeth
         cycle = 0 if in_mesh else shown_cycle(pair, marked)
-        turn = 2 * math.pi * (cycle - tooth) / teeth
-        angle = pinion_zero + turn if gear == "pinion" else wheel_zero - turn
+        rotation = 2 * math.pi * (cycle - tooth) / teeth
+        angle = pinion_zero + rotation if gear == "pinion" else wheel_zero - rotation
     return GearPairView(
         pinion_outline=outline(pair.pinion, pinion_zero),
         wheel_outline=outline(pair.wheel, wheel_zero),
@@ -70,8 +70,8 @@ def outline(gear: Gear, centre_angle: float) -> np.ndarray:
     tooth = np.vstack([half[:-1], half[::-1] * [-1.0, 1.0]])[:-1]  # counter-clockwise, mid space kept once
     corners = []
     for number in range(gear.teeth):
-        turn = centre_angle - math.pi / 2 + 2 * math.pi * number / gear.teeth
-        rotation = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
+        angle = centre_angle - math.pi / 2 + 2 * math.pi * number / gear.teeth
+        rotation = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
         corners.append(tooth @ rotation)
     return np.concatenate(corners)
 

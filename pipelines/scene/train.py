@@ -65,8 +65,8 @@ def shaft_senses(count: int, stages: Sequence[StageTable], couplings: Sequence[C
         ready = next((link for link in links if (link[0] in senses) != (link[1] in senses)), None)
         if ready is None:
             return [senses.get(shaft, 1) for shaft in range(count)]
-        one, other, turn = ready if ready[0] in senses else (ready[1], ready[0], ready[2])
-        senses[other] = senses[one] * turn
+        one, other, sense = ready if ready[0] in senses else (ready[1], ready[0], ready[2])
+        senses[other] = senses[one] * sense
 
 
 def place_shafts(
