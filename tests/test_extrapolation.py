@@ -119,6 +119,12 @@ def test_a_second_mesh_is_made_only_where_it_is_asked_for():
     assert names[True] == ["casing mesh", "coarser casing mesh", "coarser casing", "casing modes", "casing"]
 
 
+def test_linear_elements_cannot_be_extrapolated():
+    settings = {"casing.element": "tetrahedron-4", "casing.extrapolated": True}
+    with pytest.raises(SceneError, match="its order was measured with tetrahedron-10, not with tetrahedron-4"):
+        load_scene("rig-healthy", settings)
+
+
 def test_a_mesh_file_cannot_be_extrapolated():
     settings = {"casing.housing.model": "mesh", "casing.extrapolated": True}
     with pytest.raises(SceneError, match="one element size only"):

@@ -118,6 +118,21 @@ def test_a_group_of_quadrilaterals_is_a_seat(tmp_path):
     assert len(found.patch("bearing_1")) == inside.sum() == 16 * 4
 
 
+def test_the_nodes_of_a_file_stand_in_the_order_of_vtk():
+    """Corners, then edges 01 12 23 30 45 56 67 74 04 15 26 37, then faces -x +x -y +y -z +z, then the middle."""
+    kind = SOLIDS["hexahedron-27"]
+    places = kind.library.doflocs[kind.in_vtk]
+    corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
+    assert np.array_equal(places[:8], corners)
+    ends = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+    assert np.array_equal(places[8:20], [(places[a] + places[b]) / 2 for a, b in ends])
+    faces = [[0, 0.5, 0.5], [1, 0.5, 0.5], [0.5, 0, 0.5], [0.5, 1, 0.5], [0.5, 0.5, 0], [0.5, 0.5, 1]]
+    assert np.array_equal(places[20:], [*faces, [0.5, 0.5, 0.5]])
+    for name in ("hexahedron-8", "hexahedron-20"):
+        smaller = SOLIDS[name]
+        assert np.array_equal(smaller.library.doflocs[smaller.in_vtk], places[: smaller.nodes])
+
+
 @pytest.mark.parametrize("element", ["hexahedron-20", "hexahedron-27"])
 def test_fields_on_hexahedra_are_read_back(tmp_path, element):
     mesh = mesh_geometry(housing(written(tmp_path / "ring.vtu", element)), SIZES, element)

@@ -64,9 +64,8 @@ class SolidElement:
         """Places (k,) of our nodes in the order of VTK: elements[:, in_vtk] are written to files."""
         if self.corners == 4:
             return np.arange(self.nodes)
-        from skfem.io.meshio import HEX_MAPPING
-
-        return np.array(HEX_MAPPING[: self.nodes])
+        ours = [tuple(place) for place in self.library.doflocs.tolist()]
+        return np.array([ours.index(place) for place in _vtk_places()[: self.nodes]])
 
 
 SOLIDS = {
@@ -146,14 +145,24 @@ def curved(nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Elements that share a rule: `numbers` (e,) with values (q, a), gradients (e, q, a, 3), places (3, e, q), dV."""
+    """Elements that share a mapping and a rule."""
 
-    numbers: np.ndarray
+    numbers: np.ndarray  # (e,)
     affine: bool
-    values: np.ndarray
-    gradients: np.ndarray
-    places: np.ndarray
+    values: np.ndarray  # (q, a)
     volume: np.ndarray  # (e, q), m3
+    _slopes: np.ndarray
+    _mapping: Any
+    _points: np.ndarray
+
+    def gradients(self) -> np.ndarray:
+        """Of the shape functions in space, (e, q, a, 3)."""
+        inverse = self._mapping.invDF(self._points, self.numbers)  # d reference_r / d x_d, (3, 3, e, q)
+        return np.einsum("qar,rdeq->eqad", self._slopes, inverse, optimize=True)
+
+    def places(self) -> np.ndarray:
+        """Of the quadrature points in space, (3, e, q)."""
+        return self._mapping.F(self._points, self.numbers)
 
 
 def cells(nodes: np.ndarray, elements: np.ndarray) -> Iterator[Cells]:
@@ -177,17 +186,16 @@ def cells(nodes: np.ndarray, elements: np.ndarray) -> Iterator[Cells]:
             if not len(part):
                 continue
             mapping = MappingAffine(mesh, part) if affine else mesh.mapping()
-            determinant = _determinant(nodes, elements, mapping, points, part)
-            inverse = mapping.invDF(points, part)  # d reference_r / d x_d, (3, 3, e, q)
-            gradients = np.einsum("qar,rdeq->eqad", slopes, inverse, optimize=True)
-            yield Cells(part, affine, values, gradients, mapping.F(points, part), determinant * weights)
+            volume = weights * _determinant(nodes, elements, mapping, points, part)
+            yield Cells(part, affine, values, volume, slopes, mapping, points)
 
 
 def _determinant(
     nodes: np.ndarray, elements: np.ndarray, mapping: Any, points: np.ndarray, part: np.ndarray
 ) -> np.ndarray:
     """Jacobian determinants (e, q) of a part of the elements, all positive."""
-    found = np.linalg.det(mapping.DF(points, part).transpose(2, 3, 0, 1))
+    first, second, third = mapping.DF(points, part)  # rows d x_i / d reference, (3, e, q)
+    found = (first * np.cross(second, third, axis=0)).sum(axis=0)
     if (bad := found <= 0.0).any():
         worst = int(np.argmin(found.min(axis=1)))
         kind = solid_element(elements)
@@ -198,6 +206,19 @@ def _determinant(
             "Use a smaller element size, straight sides, or check the order of the nodes"
         )
     return found
+
+
+def _vtk_places() -> list[tuple[float, ...]]:
+    """Nodes of VTK's triquadratic hexahedron in the unit cube; scikit-fem's own order for files turns cells inside out.
+
+    Reference: VTK, class vtkTriQuadraticHexahedron; the first 8 and 20 are those of its smaller hexahedra.
+    """
+    square = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    low, high = ([(x, y, z) for x, y in square] for z in (0, 1))
+    ends = [*zip(low, low[1:] + low[:1], strict=True), *zip(high, high[1:] + high[:1], strict=True)]
+    middles = np.mean([*ends, *zip(low, high, strict=True)], axis=1)
+    faces = [0.5 + 0.5 * sign * np.eye(3)[axis] for axis in range(3) for sign in (-1, 1)]
+    return [tuple(map(float, place)) for place in (*low, *high, *middles, *faces, (0.5, 0.5, 0.5))]
 
 
 @cache

@@ -29,6 +29,9 @@ def lame(elastic_modulus: float, poisson_ratio: float) -> tuple[float, float]:
     return elastic_modulus * poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio)), mu
 
 
+_AXES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # i, j of the products that are kept: G_ji is G_ij turned
+
+
 @dataclass(frozen=True)
 class _Pattern:
     """Where element entries land in the node-by-node sparse matrix."""
@@ -80,11 +83,12 @@ def assemble(
     pattern = _Pattern.of(n, elements)
     products, mass = _products(nodes, elements)
     blocks = np.zeros((pattern.indices.size, 3, 3))
-    trace = mu * pattern.sum(products[0, 0] + products[1, 1] + products[2, 2])
-    for i in range(3):
-        for j in range(3):
-            blocks[:, i, j] = pattern.sum(lam * products[i, j] + mu * products[j, i])
-        blocks[:, i, i] += trace
+    blocks[:, [0, 1, 2], [0, 1, 2]] = mu * pattern.sum(products[:3].sum(axis=0))[:, None]
+    for (i, j), product in zip(_AXES, products, strict=True):
+        turned = product.transpose(0, 2, 1)  # G_ji
+        blocks[:, i, j] += pattern.sum(lam * product + mu * turned)
+        if i != j:
+            blocks[:, j, i] = pattern.sum(lam * turned + mu * product)
     shape = (3 * n, 3 * n)
     stiffness = sp.bsr_matrix((blocks, pattern.indices, pattern.indptr), shape=shape).tocsr()
     scalar = sp.csr_matrix((density * pattern.sum(mass), pattern.indices, pattern.indptr), shape=(n, n))
@@ -92,19 +96,18 @@ def assemble(
 
 
 def _products(nodes: np.ndarray, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Gradient products G_ij (3, 3, e, k, k) in m and masses of unit density (e, k, k) in m3 of all elements."""
+    """Gradient products G_ij (6, e, k, k) in m by `_AXES`, masses of unit density (e, k, k) in m3, of all elements."""
     kind = solid_element(elements)
     shape = (len(elements), kind.nodes, kind.nodes)
-    products, mass = np.empty((3, 3, *shape)), np.empty(shape)
+    products, mass = np.empty((len(_AXES), *shape)), np.empty(shape)
     points, weights = rule(kind.library, 2 * kind.degree)
     values, _ = shapes(kind.library, points)
     of_unit_volume = values.T @ (weights[:, None] * values) / weights.sum()
     for cell in cells(nodes, elements):
-        scaled = cell.gradients * cell.volume[:, :, None, None]
-        for i in range(3):
-            left = np.ascontiguousarray(scaled[..., i].transpose(0, 2, 1))
-            for j in range(3):
-                products[i, j, cell.numbers] = left @ cell.gradients[..., j]
+        gradients = cell.gradients()
+        scaled = (gradients * cell.volume[:, :, None, None]).transpose(3, 0, 2, 1)
+        for place, (i, j) in enumerate(_AXES):
+            products[place, cell.numbers] = scaled[i] @ gradients[..., j]
         if cell.affine:
             mass[cell.numbers] = cell.volume.sum(axis=1)[:, None, None] * of_unit_volume
         else:
@@ -130,7 +133,7 @@ def mass_properties(nodes: np.ndarray, elements: np.ndarray, density: float) -> 
     """Mass (kg), centre of gravity (3,) (m) and inertia tensor about it (3, 3) (kg m2) by integration over the mesh."""
     moment = np.zeros((4, 4))  # integral of [1, x]^T [1, x] dV
     for cell in cells(nodes, elements):
-        place = np.concatenate([np.ones((1, *cell.volume.shape)), cell.places]).reshape(4, -1)
+        place = np.concatenate([np.ones((1, *cell.volume.shape)), cell.places()]).reshape(4, -1)
         moment += (place * cell.volume.ravel()) @ place.T
     mass, centre = density * moment[0, 0], moment[0, 1:] / moment[0, 0]
     second = density * moment[1:, 1:] - mass * np.outer(centre, centre)

@@ -115,7 +115,9 @@ def _facet_groups(raw: RawMesh, facets: np.ndarray) -> dict[str, np.ndarray]:
     number[kept] = np.arange(len(kept))
     corners = np.sort(facets[:, : 3 if kind.corners == 4 else 4], axis=1)
     found = {name: np.asarray(np.isin(corners, number[items]).all(axis=1)) for name, items in raw.node_sets.items()}
+    place = {tuple(corner): index for index, corner in enumerate(corners.tolist())} if raw.facets else {}
     for name, items in raw.facets.items():
-        wanted = {tuple(corner) for corner in np.sort(number[items], axis=1).tolist()}
-        found[name] = np.array([tuple(corner) in wanted for corner in corners.tolist()], bool)
+        found[name] = np.zeros(len(corners), bool)
+        wanted = (tuple(corner) for corner in np.sort(number[items], axis=1).tolist())
+        found[name][[place[corner] for corner in wanted if corner in place]] = True
     return found
