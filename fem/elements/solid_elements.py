@@ -172,7 +172,7 @@ def cells(nodes: np.ndarray, elements: np.ndarray) -> Iterator[Cells]:
     ------
     ElementError : inverted elements, with the place of the worst
     """
-    from skfem.mapping import MappingAffine
+    from skfem.mapping import MappingAffine, MappingIsoparametric  # not mesh.mapping(), which keeps every Jacobian
 
     kind, mesh = solid_element(elements), solid_mesh(nodes, elements)
     library = kind.library
@@ -185,7 +185,7 @@ def cells(nodes: np.ndarray, elements: np.ndarray) -> Iterator[Cells]:
         for part in np.array_split(members, -(-len(members) * len(weights) // _CHUNK) or 1):
             if not len(part):
                 continue
-            mapping = MappingAffine(mesh, part) if affine else mesh.mapping()
+            mapping = MappingAffine(mesh, part) if affine else MappingIsoparametric(mesh, library)
             volume = weights * _determinant(nodes, elements, mapping, points, part)
             yield Cells(part, affine, values, volume, slopes, mapping, points)
 

@@ -30,7 +30,9 @@ class FlexibleBase(Table):
     ] = 22.0
     element: Annotated[
         Literal["tetrahedron-4", "tetrahedron-10", "hexahedron-20", "hexahedron-27"],
-        Field(description="by its nodes; hexahedra (20: serendipity) need a mesh file of hexahedra"),
+        Field(
+            description="tetrahedron-4 is too stiff in thin walls: to compare with; hexahedra need a mesh file of them"
+        ),
     ] = "tetrahedron-10"
     bore_element_size_mm: Annotated[Positive | None, Field(description="at the bearing seats, where smaller")] = None
     foot_element_size_mm: Annotated[Positive | None, Field(description="at the ground faces, where smaller")] = None
