@@ -169,6 +169,15 @@ def test_physical_groups_of_gmsh_are_known_by_name(native, small, tmp_path):
         mesh_geometry(imported(path, small, seats=(Seat(name="bearing_1", locator=ByGroup(group="BORE")),)), SIZES)
 
 
+def test_four_node_tetrahedra_stand_between_the_corners_of_those_of_ten(native, small):
+    linear = mesh_housing(small, sizes=SIZES, element="tetrahedron-4")
+    assert np.array_equal(linear.elements, native.elements[:, :4])
+    assert np.array_equal(linear.nodes, native.nodes[: len(linear.nodes)])
+    assert np.array_equal(linear.facets, native.facets[:, :3])
+    assert np.array_equal(linear.facet_patch, native.facet_patch)
+    assert not linear.curved
+
+
 def test_linear_tetrahedra_are_upgraded_on_request_only(native, small, tmp_path):
     path = write(tmp_path / "housing.vtu", native, elements=native.elements[:, :4])
     with pytest.raises(MeshError, match=r"has linear tetrahedra.*Set upgrade = true"):

@@ -14,7 +14,8 @@ from fem.elements.solid_elements import ElementError, rule, shapes, solid_elemen
 
 _ELEMENTS = {3: "ElementTriP1", 6: "ElementTriP2", 4: "ElementQuad1", 8: "ElementQuadS2", 9: "ElementQuad2"}
 _DEGREE = 7  # to which integrals over facets are exact, in each direction
-_TURNED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 8: [0, 3, 2, 1, 7, 6, 5, 4], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
+_TURNED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 4: [0, 3, 2, 1]}
+_TURNED |= {8: [*_TURNED[4], 7, 6, 5, 4], 9: [*_TURNED[4], 7, 6, 5, 4, 8]}
 _CORNERS = {3: [[0, 1, 2]], 4: [[0, 1, 2], [0, 2, 3]]}
 _DRAWN = {
     3: [[0, 1, 2]],

@@ -13,7 +13,8 @@ of the section, and the stiffness matrix is a sum of Kronecker products of small
     K = M x A_00 + D x A_01 + D^T x A_01^T + S x A_11,
     A_mn = int B_m^T C B_n dA,   M = int L L^T,   D = int L L'^T,   S = int L' L'^T dz.
 
-No loop over hexahedra, no quadrature in space: the section is integrated once with three points in each direction.
+No loop over hexahedra, no quadrature in space: the section is integrated once with three points in each direction. The
+factors N_a and L_i are the nine-node quadrilateral and the three-node line of scikit-fem.
 Degrees of freedom are numbered ``(axial node * section nodes + section node) * 3 + component``.
 """
 
