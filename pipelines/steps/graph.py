@@ -59,7 +59,7 @@ def _law_steps(plant: Plant) -> list[Step]:
                 kind="law",
                 build=laws.build,
                 spec=spec,
-                libraries=("numpy", "scipy", "scikit-fem"),
+                libraries=spec.mesh.libraries,
                 seconds=spec.mesh.seconds,
             )
         )
