@@ -14,7 +14,7 @@ from fem.casing.reduced.checkup import check_up
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.modes import casing_modes
 from fem.casing.reduced.reduction import count_fixed_modes, reduce_body
-from fem.elements.tetrahedra import assemble
+from fem.elements.solids import assemble
 from fem.numerics.linear_solver import cholmod_available, factorize
 
 SHIFT = 4e7  # 1/s2: K + SHIFT M of the free body is definite and has the pattern of K

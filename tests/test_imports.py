@@ -14,7 +14,7 @@ ONLY_IN = {  # package: modules or packages that may import it
     "pyvista": {"pipelines.figures.view"},
     "vtk": {"pipelines.figures.view"},
     "sksparse": {"fem.numerics.linear_solver"},
-    "skfem": {"fem"},
+    "skfem": {"fem.elements"},
     "pydantic": {"pipelines"},
     "rich": {"pipelines"},
     "tomlkit": {"pipelines.scene.new"},

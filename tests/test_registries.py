@@ -10,6 +10,7 @@ from fem.casing.models.registry import CASINGS, elastic_casing
 from fem.contact.faults.registry import FAULTS, tooth_fault
 from fem.contact.frame import ModelError
 from fem.contact.models.registry import MODELS, mesh_model
+from fem.elements.solid_elements import CHOICES
 from fem.gears.rack import GeometryError
 from mbd.integrators.methods import METHODS, make_integrator
 from pipelines.engine.code_version import reachable
@@ -17,6 +18,7 @@ from pipelines.engine.storage import class_modules
 from pipelines.plant.plant import make_plant
 from pipelines.plant.units import si_options
 from pipelines.scene.file import load_scene
+from pipelines.scene.tables.casing import FlexibleBase
 from pipelines.scene.tables.faults import FaultBase, FaultTable, WornToothTable
 from pipelines.scene.tables.gears import MeshModel
 from pipelines.scene.tables.motion import SimulationTable
@@ -55,6 +57,7 @@ def extremes(table):
 def test_every_scene_table_has_a_model_and_every_model_a_table():
     assert set(MESHES) == set(MODELS)
     assert set(tables(FaultTable, "kind")) == set(FAULTS)
+    assert get_args(FlexibleBase.model_fields["element"].annotation) == CHOICES
 
 
 @pytest.mark.parametrize("name", MESHES)

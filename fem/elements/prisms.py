@@ -13,7 +13,8 @@ of the section, and the stiffness matrix is a sum of Kronecker products of small
     K = M x A_00 + D x A_01 + D^T x A_01^T + S x A_11,
     A_mn = int B_m^T C B_n dA,   M = int L L^T,   D = int L L'^T,   S = int L' L'^T dz.
 
-No loop over hexahedra, no quadrature in space: the section is integrated once with three points in each direction.
+No loop over hexahedra, no quadrature in space: the section is integrated once with three points in each direction. The
+factors N_a and L_i are the nine-node quadrilateral and the three-node line of scikit-fem.
 Degrees of freedom are numbered ``(axial node * section nodes + section node) * 3 + component``.
 """
 
@@ -24,7 +25,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from fem.elements.sections import elasticity, gauss_grid, geometry, lagrange, shape_functions, strains_in_space
+from fem.elements.sections import (
+    elasticity,
+    gauss_grid,
+    gauss_line,
+    geometry,
+    lagrange,
+    shape_functions,
+    strains_in_space,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,14 +103,14 @@ def section_blocks(
 def axial_matrices(ends: np.ndarray) -> AxialMatrices:
     """Integrals of quadratic functions along the axis; `ends` (elements + 1,) are the element ends in m, rising."""
     nodes = 2 * len(ends) - 1
-    x, w = np.polynomial.legendre.leggauss(3)
+    x, w = gauss_line(3)
     values, slopes = lagrange(x)
     parts = [np.zeros((nodes, nodes)) for _ in range(3)]
     for k, length in enumerate(np.diff(ends)):
         here = slice(2 * k, 2 * k + 3)
-        parts[0][here, here] += values.T @ (w[:, None] * values) * length / 2
+        parts[0][here, here] += values.T @ (w[:, None] * values) * length
         parts[1][here, here] += values.T @ (w[:, None] * slopes)
-        parts[2][here, here] += slopes.T @ (w[:, None] * slopes) * 2 / length
+        parts[2][here, here] += slopes.T @ (w[:, None] * slopes) / length
     return AxialMatrices(*parts)
 
 
@@ -122,10 +131,10 @@ def product_stiffness(section: SectionBlocks, dofs: np.ndarray, size: int, axial
 def slice_means(ends: np.ndarray, bounds: np.ndarray) -> np.ndarray:
     """Mean of every axial function over the intervals between `bounds`; (intervals, nodes), rows sum to 1."""
     out = np.zeros((len(bounds) - 1, 2 * len(ends) - 1))
-    x, w = np.polynomial.legendre.leggauss(2)  # exact: the functions are quadratic inside a piece
+    x, w = gauss_line(2)  # exact: the functions are quadratic inside a piece
     for k, (start, end) in enumerate(zip(ends[:-1], ends[1:], strict=True)):
         low, high = np.clip(bounds[:-1], start, end), np.clip(bounds[1:], start, end)
-        place = (low + high)[:, None] / 2 + (high - low)[:, None] / 2 * x
-        values, _ = lagrange(2 * (place - start) / (end - start) - 1)
-        out[:, 2 * k : 2 * k + 3] += np.einsum("sq,sqi->si", w * (high - low)[:, None] / 2, values)
+        place = low[:, None] + (high - low)[:, None] * x
+        values, _ = lagrange((place - start) / (end - start))
+        out[:, 2 * k : 2 * k + 3] += np.einsum("sq,sqi->si", w * (high - low)[:, None], values)
     return out / np.diff(bounds)[:, None]

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fem.elements.facets import corner_triangles
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.profile import half_tooth_profile
@@ -82,10 +83,10 @@ def casing_view(nodes: np.ndarray, facets: np.ndarray, names: Sequence[str], pos
     Parameters
     ----------
     nodes : float (n, 3), m
-    facets : int (f, 3 or 6), the three corners first
+    facets : int (f, k), see `fem.elements.facets`
     names, positions : key points, float (p, 3), m
     """
-    corners = np.asarray(facets)[:, :3]
+    corners = corner_triangles(np.asarray(facets)).reshape(-1, 3)
     used, triangles = np.unique(corners, return_inverse=True)
     return CasingView(
         nodes=np.asarray(nodes, dtype=float)[used],

@@ -48,6 +48,7 @@ class RigidMeshed:
     geometry: Geometry
     material: Material
     sizes: Sizes
+    element: str
     mount_stiffness: float
     damping: DampingRatio
 
@@ -63,6 +64,7 @@ class ElasticPart:
     geometry: Geometry
     material: Material
     sizes: Sizes
+    element: str
     damping: DampingRatio
     mounts: tuple[tuple[float, float, float], ...] | None
     frequency_error: float | None
@@ -84,13 +86,21 @@ def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
         if isinstance(box, Housing) and box.plain:
             return RigidBox(geometry=box, material=iron, mount_stiffness=mount, damping=table.damping_ratio)
         sizes = element_sizes(table, box, iron, source)
-        return RigidMeshed(geometry=box, material=iron, sizes=sizes, mount_stiffness=mount, damping=table.damping_ratio)
+        return RigidMeshed(
+            geometry=box,
+            material=iron,
+            sizes=sizes,
+            element=table.element,
+            mount_stiffness=mount,
+            damping=table.damping_ratio,
+        )
     fixed = table.ground == "fixed"
     return ElasticPart(
         model=elastic_casing(table.model, ground=table.ground, attachment=table.attachment, **_options(table)),
         geometry=box,
         material=iron,
         sizes=element_sizes(table, box, iron, source),
+        element=table.element,
         damping=table.damping_ratio,
         mounts=None if fixed else tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um),
         frequency_error=getattr(table, "frequency_error", None),

@@ -3,7 +3,7 @@
 .h5    everything, as `fem.casing.reduced.body.ReducedBody` writes it (HDF5 with named dimensions)
 .mat   matrices, rows and names for MATLAB
 .uff   universal file of modal testing: key points (2411), their modes (55), accelerances bearing -> sensor (58)
-.vtu   the mesh with every natural mode as a field on its nodes (quadratic tetrahedra)
+.vtu   the mesh with every natural mode as a field on its nodes (in its elements)
 """
 
 from __future__ import annotations

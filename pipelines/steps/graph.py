@@ -60,7 +60,7 @@ def _law_steps(plant: Plant) -> list[Step]:
                 kind="law",
                 build=laws.build,
                 spec=spec,
-                libraries=("numpy", "scipy"),
+                libraries=spec.mesh.libraries,
                 seconds=spec.mesh.seconds,
             )
         )
@@ -99,8 +99,10 @@ def _casing_steps(plant: Plant) -> list[Step]:
         name="casing mesh",
         kind="casing-mesh",
         build=casing_mesh.build,
-        spec=casing_mesh.CasingMeshSpec(housing=replace(part.geometry, sensors=()), sizes=part.sizes),
-        libraries=("numpy", "gmsh", "meshio"),
+        spec=casing_mesh.CasingMeshSpec(
+            housing=replace(part.geometry, sensors=()), sizes=part.sizes, element=part.element
+        ),
+        libraries=("numpy", "gmsh", "meshio", "scikit-fem"),
         seconds=8.0,
     )
     if isinstance(part, RigidMeshed):
@@ -124,7 +126,7 @@ def _casing_steps(plant: Plant) -> list[Step]:
             build=casing_modes.build,
             spec=reduced,
             takes=("casing mesh",),
-            libraries=("numpy", "scipy", "pymetis"),
+            libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
             seconds=30.0,
             enough="model.band" if part.model.limit else "",
         ),
@@ -164,7 +166,7 @@ def _coarser_steps(mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str
                 attachment=reduced.model.attachment,
             ),
             takes=("coarser casing mesh",),
-            libraries=("numpy", "scipy", "pymetis"),
+            libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
             seconds=8.0,
         ),
     ]
@@ -187,7 +189,7 @@ def casing_error_step(graph: Graph, band: float) -> Step:
             mounts=body.mounts,
         ),
         takes=("casing mesh", "casing modes", "casing"),
-        libraries=("numpy", "scipy", "pymetis"),
+        libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
         seconds=40.0,
     )
 

@@ -22,7 +22,7 @@ import scipy.sparse as sp
 from fem.casing.reduced.grounded import GroundedCasing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.reduction import Reduction
-from fem.elements.tetrahedra import mass_properties, rigid_body_modes
+from fem.elements.solids import mass_properties, rigid_body_modes
 from fem.numerics.threads import side_by_side
 from fem.storage.records import Record, array, names, scalar
 

@@ -22,7 +22,7 @@ from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_row
 from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.reduction import Interface, held_interface
 from fem.elements.materials import Material
-from fem.elements.tetrahedra import assemble, rigid_body_modes
+from fem.elements.solids import assemble, rigid_body_modes
 from fem.numerics.linear_solver import Solver
 
 GROUND_AXES = ("ux", "uy", "uz")

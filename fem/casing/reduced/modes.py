@@ -21,7 +21,7 @@ from fem.casing.reduced.damping import DampingRatio, modal_damping
 from fem.casing.reduced.grounded import GROUND_AXES, GroundedCasing
 from fem.casing.reduced.reduction import Reduction
 from fem.casing.reduced.truncation import ModeSet, fewest_modes, kept
-from fem.elements.tetrahedra import mass_properties, rigid_body_modes
+from fem.elements.solids import mass_properties, rigid_body_modes
 from fem.storage.records import Record, array, integer, names, scalar, text
 
 Mounts = Sequence[Sequence[float]]  # stiffness in x, y, z (N/m): one row for all feet, or one per foot in their order

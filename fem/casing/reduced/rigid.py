@@ -18,7 +18,7 @@ from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.reduced.attachment import AXES, nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES, ReducedBody
 from fem.casing.reduced.damping import DampingRatio, modal_damping
-from fem.elements.tetrahedra import mass_properties, rigid_body_modes
+from fem.elements.solids import mass_properties, rigid_body_modes
 
 
 def housing_mass(housing: Housing, density: float) -> tuple[float, np.ndarray, np.ndarray]:

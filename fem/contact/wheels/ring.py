@@ -75,7 +75,7 @@ class FlankCompliance:
         place = centre[:, None] + used[:, None] * np.cos(angle)
         element = np.clip(np.searchsorted(self.arc[2::2], place), 0, len(self.arc) // 2 - 1)
         start, end = self.arc[2 * element], self.arc[2 * element + 2]
-        values, _ = lagrange(2 * (place - start) / (end - start) - 1)
+        values, _ = lagrange((place - start) / (end - start))
         out = np.zeros((len(centre), len(self.arc)))
         row = np.arange(len(centre))[:, None, None]
         np.add.at(out, (row, 2 * element[..., None] + np.arange(3)), weight[:, None] * values)

@@ -156,10 +156,10 @@ def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
 
 def _seats_in_file(scene: Scene, layout: Layout, made: ImportedHousing) -> Iterator[Problem]:
     """Seats that are not in the file, or not where the bearings are."""
-    table = getattr(scene.casing, "housing", None)
-    if not isinstance(table, ImportedTable):
+    casing = scene.casing
+    if not isinstance(casing, FlexibleBase) or not isinstance(table := casing.housing, ImportedTable):
         return
-    found = _looked_up(made)
+    found = _looked_up(made, casing.element)
     if isinstance(found, MeshError):
         yield Problem("casing.housing.file", str(found), "", f'"{table.file}"')
         return
@@ -172,7 +172,7 @@ def _seats_in_file(scene: Scene, layout: Layout, made: ImportedHousing) -> Itera
 
 
 @functools.lru_cache(maxsize=8)
-def _looked_up(made: ImportedHousing) -> dict[str, np.ndarray | MeshError] | MeshError:
+def _looked_up(made: ImportedHousing, element: str) -> dict[str, np.ndarray | MeshError] | MeshError:
     """Bearing points by name with what is wrong with them; empty where the file cannot be looked into quickly."""
     if not looked_into(made):
         return {}
@@ -183,7 +183,7 @@ def _looked_up(made: ImportedHousing) -> dict[str, np.ndarray | MeshError] | Mes
             return find_seats(made)
         from fem.casing.meshing.imported import mesh_from_file
 
-        mesh = mesh_from_file(made)
+        mesh = mesh_from_file(made, element)
         return dict(zip(mesh.patch_names, mesh.patch_points, strict=True))
     except MeshError as error:
         return error
