@@ -30,6 +30,7 @@ MBD_TAKES = {
     "fem.casing.reduced.body",
     "fem.storage.records",
     "fem.storage.stored_array",
+    "fem.named_classes",
 }
 HEAVY = {"numba", "scipy", "h5py", "xarray", "matplotlib", "gmsh", "pyvista", "skfem", "numpy", "pydantic", "pandas"}
 
