@@ -70,7 +70,11 @@ def strain_matrices(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Strains (xx, yy, zz, yz, xz, xy) by the section functions and by their axial derivative, (e, q, 6, 27) each.
 
-    places (e, q, 2), gradients (e, q, 9, 2) and values (q, 9) as from `fem.elements.sections.geometry`.
+    Parameters
+    ----------
+    places, gradients : (e, q, 2) m and (e, q, 9, 2) 1/m, of `fem.elements.sections.geometry`
+    values : (q, 9), of `fem.elements.sections.shape_functions` at the same points
+    twist : rad/m
     """
     e, q = places.shape[:2]
     along = np.zeros((e, q, 6, 9, 3))
@@ -85,8 +89,10 @@ def section_blocks(
 
     Parameters
     ----------
-    points : float (nodes, 2), m;  elements : int (elements, 9), tensor order
-    young, poisson : Pa, 1;  twist : rad/m
+    points : float (nodes, 2), m
+    elements : int (elements, 9), tensor order
+    young, poisson : Pa, 1
+    twist : rad/m
     filling : (elements,) part of the length that is filled with material
     """
     places, gradients, weight = geometry(points, elements)
@@ -117,7 +123,11 @@ def axial_matrices(ends: np.ndarray) -> AxialMatrices:
 def product_stiffness(section: SectionBlocks, dofs: np.ndarray, size: int, axial: AxialMatrices) -> np.ndarray:
     """Dense stiffness matrix (N/m) of the hexahedra over some section elements and a piece of the axis.
 
-    dofs (elements, 27) are the positions of their unknowns among the `size` unknowns of one section.
+    Parameters
+    ----------
+    section, axial : integrals over these elements and over this piece
+    dofs : int (elements, 27), positions of their unknowns among those of one section
+    size : number of unknowns of one section
     """
     rows, cols = np.repeat(dofs, 27, axis=1).ravel(), np.tile(dofs, (1, 27)).ravel()
     plane, mixed, along = (

@@ -97,6 +97,12 @@ def strain_operator(places: np.ndarray, gradients: np.ndarray, values: np.ndarra
     """Matrix B (e, q, strain, 9 * components) with the engineering strains of every shape function.
 
     Strains: (xx, yy, xy) in plane strain, (xx, yy, zz, yz, xz, xy) for twist != 0.
+
+    Parameters
+    ----------
+    places, gradients : (e, q, 2) m and (e, q, 9, 2) 1/m, of `geometry`
+    values : (q, 9), of `shape_functions` at the same points
+    twist : rad/m, 0 for plane strain
     """
     if twist != 0.0:
         return strains_in_space(places, gradients, values, twist)
@@ -109,7 +115,12 @@ def strain_operator(places: np.ndarray, gradients: np.ndarray, values: np.ndarra
 
 
 def strains_in_space(places: np.ndarray, gradients: np.ndarray, values: np.ndarray, twist: float) -> np.ndarray:
-    """Engineering strains (xx, yy, zz, yz, xz, xy) of three components that turn with the section: (e, q, 6, 27)."""
+    """Engineering strains (xx, yy, zz, yz, xz, xy) of three components that turn with the section: (e, q, 6, 27).
+
+    Parameters
+    ----------
+    places, gradients, values, twist : those of `strain_operator`
+    """
     e, q = places.shape[:2]
     dx, dy = gradients[..., 0], gradients[..., 1]
     around = twist * (places[..., :1] * dy - places[..., 1:] * dx)  # twist d/dtheta

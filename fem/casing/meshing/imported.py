@@ -136,7 +136,19 @@ def mesh_from_file(housing: ImportedHousing, element: str) -> CasingMesh:
 
 
 def finish(housing: ImportedHousing, raw: RawMesh, *, element: str, element_size: float | None) -> CasingMesh:
-    """Check a mesh (nodes in units of the file, or those of a solid in m), find its surface and its key points."""
+    """Check a mesh, find its surface and its key points.
+
+    Parameters
+    ----------
+    housing : where the mesh lies in the frame of the scene, and where its key points are
+    raw : nodes in units of the file, or in m if `element_size` is given
+    element : one of `fem.elements.solid_elements.SOLIDS`, of the same shape
+    element_size : m, that a solid was meshed with; None for a mesh from a file
+
+    Raises
+    ------
+    MeshError : as `finished_mesh`, or a key point that is not found
+    """
     name, made_here = Path(housing.path).name, element_size is not None
     return finished_mesh(
         replace(raw, nodes=housing.placed(raw.nodes, 1.0 if made_here else UNITS[housing.unit])),

@@ -143,13 +143,16 @@ def _named_cells(mesh: Any) -> Iterator[tuple[str, int, np.ndarray]]:
 def write_hexahedra(
     nodes: np.ndarray, cells: np.ndarray, fields: Mapping[str, np.ndarray], groups: Mapping[str, np.ndarray], path: Path
 ) -> None:
-    """Write linear hexahedra (cell, 8) as .vtu, .inp, .msh or .bdf.
+    """Write linear hexahedra as .vtu, .inp, .msh or .bdf.
 
     Parameters
     ----------
+    nodes : (node, 3) m
+    cells : int (cell, 8), into the nodes, in the order of VTK
     fields : (node,) or (node, 3) by name, kept by .vtu and .msh; the others have no place for them
     groups : bool (cell,) by name; every cell is in one. Element sets in .inp, physical groups in .msh, property numbers
         1, 2, ... in .bdf and in the array "group" of .vtu
+    path : its ending names the format
     """
     import meshio
 

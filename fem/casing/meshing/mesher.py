@@ -169,7 +169,20 @@ def _broken_pipes_kept() -> Iterator[None]:
 def tetrahedra(
     gmsh: Any, element: float, refinements: list[Refinement], patches: Mapping[str, list[int]], *, curved: bool
 ) -> RawMesh:
-    """Mesh the current model with ten-node tetrahedra, nodes in m, and the triangles of every patch."""
+    """Mesh the current model with ten-node tetrahedra, nodes in m, and the triangles of every patch.
+
+    Parameters
+    ----------
+    gmsh : an open session whose model is in mm
+    element : m, edge length where nothing is refined
+    refinements : where it is shorter
+    patches : tags of the surfaces of every patch by its name
+    curved : whether mid-side nodes follow the surfaces, or lie halfway between the corners
+
+    Raises
+    ------
+    MeshError : gmsh made other elements than these
+    """
     set_sizes(gmsh, element, refinements)
     gmsh.option.setNumber("Mesh.SecondOrderLinear", 0 if curved else 1)
     gmsh.model.mesh.generate(3)

@@ -79,7 +79,11 @@ def ground_casing(
 
     Parameters
     ----------
+    mesh, material : of the casing
     interfaces : bearing patches that carry loads with the axes they carry; all with `BEARING_AXES` by default
+    ground : "fixed" clamps the feet, "springs" leaves them free and holds them by springs while factorising
+    attachment : a point has the "mean" motion of its patch, or the patch is "rigid"
+    solver : see `fem.numerics.linear_solver.factorize`
 
     Raises
     ------

@@ -52,7 +52,16 @@ LONGEST = 10.0  # face widths: bound of the length a, where the influence is eve
 def condense(
     record: ContactCompliance, pair: GearPair, flank: str, plane: PlaneSection, model: str = "solid"
 ) -> MeshLaw:
-    """The law of one flank; `plane` gives the path of contact and the positions of the tables."""
+    """The law of one flank.
+
+    Parameters
+    ----------
+    record : compliances of the pair
+    pair : the gears in mesh
+    flank : "drive" or "coast"
+    plane : gives the path of contact and the positions of the tables
+    model : name of the model that the law carries
+    """
     path = plane.path(pair)
     slope, cosine = record.contact_slope, math.cos(pair.base_helix_angle)
     radius = plane.contact_radius(pair, path) / cosine

@@ -61,7 +61,13 @@ def stress_field(
 ) -> tuple[StressField, StressField]:
     """Pinion and wheel at one row of a solved state: the teeth of all candidate pairs, each with its share of the body.
 
-    Solves both gears anew with all factors kept: seconds. `record` and `state` must come from `model` and `pair`.
+    Solves both gears anew with all factors kept: seconds.
+
+    Parameters
+    ----------
+    pair, model : the gears in mesh and their model
+    record, state : compliances of this pair by this model, and a solution on them
+    index : row of the state
     """
     touching = np.isfinite(record.gap[round(state.cycle[index] * len(record.position)) % len(record.position)])
     xi = state.cycle[index] - state.pair[index][:, None] + record.cycle_shift
