@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.clock import timed
-from benchmarks.rig import casing_parts, casing_model, keep, kept, read
+from benchmarks.rig import casing_model, casing_parts, keep, kept, read
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.body import MODES_OVER_BAND
@@ -14,7 +14,7 @@ from fem.casing.reduced.checkup import check_up
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.modes import casing_modes
 from fem.casing.reduced.reduction import count_fixed_modes, reduce_body
-from fem.elements.tetrahedra import assemble
+from fem.elements.solids import assemble
 from fem.numerics.linear_solver import cholmod_available, factorize
 
 SHIFT = 4e7  # 1/s2: K + SHIFT M of the free body is definite and has the pattern of K

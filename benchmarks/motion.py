@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks.clock import timed
 from benchmarks.rig import casing_body, kept, moving, read, stage_law, system
 from mbd.integrators.base import Integrator
-from mbd.integrators.methods import METHODS
+from mbd.integrators.methods import make_integrator
 from mbd.output.trajectory import Trajectory
 from mbd.simulate import Settings, simulate
 from mbd.system.system import System, mesh_mode_frequency
@@ -141,19 +141,19 @@ def precision(folder: Path) -> list[dict[str, Any]]:
 
 
 def shares(folder: Path) -> list[dict[str, Any]]:
-    """CPU microseconds per step of the full rig: the loop, the channels, the books of linear parts and elements."""
+    """CPU microseconds per step of the full rig: loop, channels, energy balance of linear parts and of elements."""
     from mbd.energy.balance import EnergyBalance
     from mbd.output.recorder import Recorder
     from mbd.system.statics import equilibrium
 
     machine, n, block = rig(folder), 6000, 480
     clock = time.process_time()
-    method = METHODS["exponential"](machine, STEP)
-    recorder, books = Recorder(machine, method, 3, n), EnergyBalance(machine, method, STEP, n)
-    spent = {"set-up (s)": time.process_time() - clock, "loop": 0.0, "channels": 0.0, "books": 0.0}
+    method = make_integrator("exponential", machine, STEP)
+    recorder, balance = Recorder(machine, method, 3, n), EnergyBalance(machine, method, STEP, n)
+    spent = {"set-up (s)": time.process_time() - clock, "loop": 0.0, "channels": 0.0, "energy balance": 0.0}
     start = method.start(equilibrium(machine))
     recorder.take(start)
-    books.take(start, 0)
+    balance.take(start, 0)
     times = STEP * np.arange(n + 1)
     angles, speeds = machine.machine.profile.angle(times), machine.machine.profile.speed(times)
     rates = np.diff(speeds) / STEP
@@ -164,7 +164,7 @@ def shares(folder: Path) -> list[dict[str, Any]]:
         for name, act in (
             ("loop", None),
             ("channels", recorder.take),
-            ("books", lambda b, f=first: books.take(b, f + 1)),
+            ("energy balance", lambda b, f=first: balance.take(b, f + 1)),
         ):
             if act is not None:
                 act(done)
@@ -184,7 +184,7 @@ def reference_cost(machine: System) -> str:
     from mbd.system.statics import equilibrium
 
     step, n = 10e-6, 2
-    method: Integrator = METHODS["reference"](machine, step)
+    method: Integrator = make_integrator("reference", machine, step)
     method.start(equilibrium(machine))
     profile = machine.machine.profile
     times = step * np.arange(1, n + 1)

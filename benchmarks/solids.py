@@ -1,4 +1,4 @@
-"""Small solids that benchmarks and tests share: boxes cut into quadratic tetrahedra, straight, distorted or bent."""
+"""Small solids that benchmarks and tests share: boxes of any solid element, straight, distorted or bent."""
 
 from __future__ import annotations
 
@@ -7,13 +7,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fem.elements.tetrahedra import EDGES
+from fem.elements.facets import outer_facets
+from fem.elements.solid_elements import SOLIDS, converted
 
 
 def box_mesh(
-    size: Sequence[float], divisions: Sequence[int], *, distortion: float = 0.0, seed: int = 0
+    size: Sequence[float],
+    divisions: Sequence[int],
+    *,
+    element: str = "tetrahedron-10",
+    distortion: float = 0.0,
+    seed: int = 0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes (n, 3) and tet10 (e, 10) of a box from the origin; every cell gives six tetrahedra (Kuhn's cut).
+    """Nodes (n, 3) and elements (e, k) of a box from the origin; a cell is a hexahedron or six tetrahedra (Kuhn's cut).
 
     `distortion` moves interior corners by up to this part of a cell; mid-sides stay in the middle.
     """
@@ -25,6 +31,13 @@ def box_mesh(
         move = np.random.default_rng(seed).uniform(-distortion, distortion, corners.shape)
         corners[inner] += (move * np.array(size) / np.array(divisions))[inner]
     index = np.arange(counts.prod()).reshape(counts)
+
+    def at(start: Sequence[int]) -> np.ndarray:
+        return index[tuple(slice(s, s + d) for s, d in zip(start, divisions, strict=True))].ravel()
+
+    if element.startswith("hexahedron"):
+        cells = np.column_stack([at(start) for start in SOLIDS[element].library.refdom.p.T.astype(int)])
+        return converted(corners, cells, SOLIDS[element])
     tets = []
     for order in itertools.permutations(range(3)):
         step, path = np.zeros(3, int), [np.zeros(3, int)]
@@ -33,28 +46,14 @@ def box_mesh(
             path.append(step)
         if np.linalg.det(np.array(path[1:]) - path[0]) < 0:
             path[1], path[2] = path[2], path[1]
-        window = [
-            index[tuple(slice(s, s + d) for s, d in zip(start, divisions, strict=True))].ravel() for start in path
-        ]
-        tets.append(np.column_stack(window))
-    return quadratic(corners, np.vstack(tets))
-
-
-def quadratic(corners: np.ndarray, tets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Add mid-side nodes to linear tetrahedra; negative ones are turned round."""
-    volume = np.linalg.det(corners[tets[:, 1:]] - corners[tets[:, :1]])
-    tets = np.where((volume < 0)[:, None], tets[:, [1, 0, 2, 3]], tets)
-    pairs = np.sort(tets[:, EDGES].reshape(-1, 2), axis=1)
-    unique, number = np.unique(pairs, axis=0, return_inverse=True)
-    nodes = np.vstack([corners, corners[unique].mean(axis=1)])
-    return nodes, np.hstack([tets, len(corners) + number.reshape(-1, 6)])
+        tets.append(np.column_stack([at(start) for start in path]))
+    return converted(corners, np.vstack(tets), SOLIDS[element])
 
 
 def facets_on(nodes: np.ndarray, elements: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """Six-node facets (f, 6) all of whose nodes are in the boolean mask `chosen` (n,)."""
-    sides = [(0, 1, 2, 4, 5, 6), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (0, 2, 3, 6, 9, 7)]
-    found = [elements[:, list(side)] for side in sides]
-    return np.vstack([f[chosen[f].all(axis=1)] for f in found])
+    """Outer facets (f, k) all of whose nodes are in the boolean mask `chosen` (n,)."""
+    facets = outer_facets(nodes, elements)
+    return facets[chosen[facets].all(axis=1)]
 
 
 def unknowns(nodes: np.ndarray) -> np.ndarray:

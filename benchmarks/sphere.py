@@ -18,7 +18,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from fem.casing.reduced.lanczos import block_lanczos
-from fem.elements.tetrahedra import EDGES, assemble, lame
+from fem.elements.solid_elements import SOLIDS, converted
+from fem.elements.solids import assemble, lame
 from fem.numerics.linear_solver import factorize
 
 INNER, OUTER = 0.6, 1.0  # m
@@ -54,7 +55,7 @@ def octant(n: int) -> tuple[np.ndarray, np.ndarray]:
     for i in range(n + 1):
         for j in range(n + 1 - i):
             corner[i, j] = len(flat)
-            flat.append((i, j, n - i - j))
+            flat.append((i, j))
     places = np.array([(*p, layer) for layer in range(layers + 1) for p in flat], float)
     size = len(flat)
     triangles = [(corner[i, j], corner[i + 1, j], corner[i, j + 1]) for i in range(n) for j in range(n - i)]
@@ -69,16 +70,18 @@ def octant(n: int) -> tuple[np.ndarray, np.ndarray]:
             tets += [(a + low, b + low, c + low, c + high), (a + low, b + low, c + high, b + high)]
             tets += [(a + low, b + high, c + high, a + high)]
     corners = np.array(tets)
-    ends = np.sort(corners[:, EDGES].reshape(-1, 2), axis=1)
-    pairs, place = np.unique(ends, axis=0, return_inverse=True)
-    parameters = np.vstack([places, places[pairs].mean(axis=1)])
-    direction = parameters[:, :3] / np.linalg.norm(parameters[:, :3], axis=1)[:, None]
-    nodes = direction * (INNER + (OUTER - INNER) * parameters[:, 3:] / layers)
-    elements = np.hstack([corners, len(places) + place.reshape(-1, 6)])
-    edges = nodes[corners[:, 1:]] - nodes[corners[:, :1]]
-    turned = np.linalg.det(edges) < 0.0
-    elements[turned] = elements[turned][:, [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]]
-    return nodes, elements
+    edges = _on_sphere(places, n, layers)[corners]
+    inward = np.linalg.det(edges[:, 1:] - edges[:, :1]) < 0.0
+    corners[inward] = corners[inward][:, [0, 2, 1, 3]]
+    parameters, elements = converted(places, corners, SOLIDS["tetrahedron-10"])
+    return _on_sphere(parameters, n, layers), elements
+
+
+def _on_sphere(parameters: np.ndarray, n: int, layers: int) -> np.ndarray:
+    """Places (k, 3) of the parameters (i, j, layer)."""
+    i, j, layer = parameters.T
+    direction = np.column_stack([i, j, n - i - j])
+    return direction * ((INNER + (OUTER - INNER) * layer / layers) / np.linalg.norm(direction, axis=1))[:, None]
 
 
 def frequency(n: int) -> tuple[float, int]:

@@ -11,7 +11,19 @@ from typing import Any
 
 
 def named_class(known: Mapping[str, tuple[str, str]], name: str, what: str, error: type[Exception]) -> Any:
-    """The class that `known` gives as (module, class) under `name`; `error` with the known names if there is none."""
+    """The class of a name, imported.
+
+    Parameters
+    ----------
+    known : (module, class) by name
+    name : the one asked for
+    what : what it is called in the message, e.g. "casing model"
+    error : what is raised
+
+    Raises
+    ------
+    error : no such name, with the known ones
+    """
     if name not in known:
         raise error(f"{what} {name!r} is unknown; known: {', '.join(known)}")
     module, kind = known[name]

@@ -21,6 +21,7 @@ def casing(
 
     Parameters
     ----------
+    scene : the scene
     error_check : compare frequencies and responses with the full model; costs about as much as the reduction
     processes : long steps built side by side, 2 by default
     progress : is told of every step

@@ -30,6 +30,7 @@ def modes(
 
     Parameters
     ----------
+    scene : the scene
     up_to : Hz, highest frequency
     cycle : mesh cycle of stage 1; that of the start by default
     speed : of the motors in rpm; losses and gyroscopic moments follow it

@@ -34,6 +34,7 @@ def run(
 
     Parameters
     ----------
+    scene : the scene
     out : result folder instead of ./runs/<scene>/<timestamp>
     control : run the healthy control, too, and diagnose against it
     both_loads : with a rope, run the equivalent constant torque as well

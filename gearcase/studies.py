@@ -23,6 +23,7 @@ def converge(
 
     Parameters
     ----------
+    scene : the scene
     over : "gear-mesh", "slices", "positions", "casing-mesh", "modes", "shaft-elements" or "step"
     levels : one finer than in use, the rest coarser
     processes : long steps built side by side, 2 by default

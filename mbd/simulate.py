@@ -17,7 +17,7 @@ from mbd.accuracy.step_check import StepCheck
 from mbd.coordinates.channels import sensor_names
 from mbd.energy.balance import ENERGY_ENTRIES, EnergyBalance
 from mbd.integrators.base import LENGTH, Block, Integrator
-from mbd.integrators.methods import METHODS
+from mbd.integrators.methods import METHODS, make_integrator
 from mbd.output.recorder import PASS_SHARE, Recorder
 from mbd.output.trajectory import Trajectory
 from mbd.parts.checks import StepError, positive
@@ -99,31 +99,31 @@ def _simulate(
     system.machine.check_run(settings.end)
     every = steps_per_sample(system, settings)
     step = 1 / (settings.output_rate * every)
-    integrator = METHODS[settings.integrator](system, step)
+    integrator = make_integrator(settings.integrator, system, step)
     shape = (len(system.channels.names), settings.n_samples)
     values = np.zeros(shape) if file is None else StoredArray.create(file, shape)
     recorder = Recorder(system, integrator, every, settings.output_rate, values)
-    books = EnergyBalance(system, integrator, step, recorder.steps_needed)
+    balance = EnergyBalance(system, integrator, step, recorder.steps_needed)
     state = equilibrium(system, float(system.machine.profile.speed(np.zeros(1))[0])) if start is None else start
-    step_check = StepCheck(recorder, system.machine.profile, step, every, books.steps)
-    repeatability = Repeatability(system, recorder, step, books.steps)
-    _feed(integrator.start(state), 0, recorder, books)
+    step_check = StepCheck(recorder, system.machine.profile, step, every, balance.steps)
+    repeatability = Repeatability(system, recorder, step, balance.steps)
+    _feed(integrator.start(state), 0, recorder, balance)
     size = max(every, BLOCK_STATES // integrator.displacement.shape[1])
     done = 0
-    while done < books.steps:
+    while done < balance.steps:
         for check in (step_check, repeatability):
             check.before(integrator, done)
-        n = min(size, books.steps - done, step_check.reach(done), repeatability.reach(done))
+        n = min(size, balance.steps - done, step_check.reach(done), repeatability.reach(done))
         block = _advance(integrator, system, done, n, step)
-        _feed(block, done + 1, recorder, books)
+        _feed(block, done + 1, recorder, balance)
         for check in (step_check, repeatability):
             check.after(done, n, block)
         done += n
         if progress is not None:
-            progress(done / books.steps)
-    counters = integrator.counters | books.events()
+            progress(done / balance.steps)
+    counters = integrator.counters | balance.events()
     logger.info("simulated %d steps of %.3g s: %s", done, step, counters)
-    return _trajectory(system, settings, step, recorder, books, counters, step_check, repeatability)
+    return _trajectory(system, settings, step, recorder, balance, counters, step_check, repeatability)
 
 
 def _advance(integrator: Integrator, system: System, done: int, n: int, step: float) -> Block:
@@ -136,17 +136,17 @@ def _advance(integrator: Integrator, system: System, done: int, n: int, step: fl
     return block
 
 
-def _feed(block: Block, first: int, recorder: Recorder, books: EnergyBalance) -> None:
+def _feed(block: Block, first: int, recorder: Recorder, balance: EnergyBalance) -> None:
     recorder.take(block)
-    books.take(block, first)
+    balance.take(block, first)
 
 
 def _trajectory(
-    system: System, settings: Settings, step: float, recorder: Recorder, books: EnergyBalance, counters: dict[str, int],
-    step_check: StepCheck, repeatability: Repeatability,
+    system: System, settings: Settings, step: float, recorder: Recorder, balance: EnergyBalance,
+    counters: dict[str, int], step_check: StepCheck, repeatability: Repeatability,
 ) -> Trajectory:  # fmt: skip
     rows, machine = system.channels, system.machine
-    parts, table = books.table()
+    parts, table = balance.table()
     return Trajectory(
         integrator=settings.integrator,
         time=np.arange(settings.n_samples) / settings.output_rate,

@@ -16,15 +16,16 @@ from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.models.no_casing import NoCasing
 from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.models.static_casing import StaticCasing
-from fem.casing.reduced.attachment import AttachmentError, surface_weights
+from fem.casing.reduced.attachment import AttachmentError
 from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.checkup import _asymmetry, check_up
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.modes import CasingModes, casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.rigid import housing_mass
+from fem.elements.facets import surface_weights
 from fem.elements.materials import CAST_IRON
-from fem.elements.tetrahedra import mass_properties
+from fem.elements.solids import mass_properties
 
 BAND = 1500.0
 

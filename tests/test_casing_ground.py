@@ -87,9 +87,9 @@ def test_without_mounts_the_body_is_free(sprung):
 def test_mounts_change_without_finite_elements_and_agree_with_the_full_model(sprung):
     casing, _, modes = sprung
     for mounts in (MOUNTS, ((1e9, 1e9, 1e9),), tuple((1e7 * (i + 1), 2e7, 4e7) for i in range(6))):
-        with counting() as book:
+        with counting() as counts:
             body = reduced_body(modes, mounts=mounts)
-        assert not book
+        assert not counts
         full = full_frequencies(casing, modes.springs(mounts), BAND)
         found = frequencies(body)[: len(full)]
         assert (found >= full * (1 - 1e-9)).all()
@@ -171,9 +171,9 @@ def test_fewer_modes_without_finite_elements_equal_a_new_computation(fixed):
     casing, _, modes = fixed
     low = 1000.0
     _, anew = reduced(casing, highest=low)
-    with counting() as book:
+    with counting() as counts:
         cut = reduced_body(modes, limit=low)
-    assert not book
+    assert not counts
     expected = reduced_body(anew)
     assert cut.coordinate_names == expected.coordinate_names
     assert frequencies(cut) == pytest.approx(frequencies(expected), rel=1e-7)

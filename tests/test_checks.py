@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -9,13 +10,15 @@ from mbd_rigs import no_casing, train
 
 from fem.casing.meshing.imported import Seat
 from fem.casing.meshing.locate import ByCylinder
+from fem.storage.cache_folder import cache_root
 from mbd.coordinates.channels import channel_names, mesh_channels, motor_channels, shaft_channels
 from mbd.parts.checks import MachineError
 from mbd.system.system import assemble
 from pipelines.border.errors import SceneError
 from pipelines.cli import main
+from pipelines.plant.bearings import bearing_points, bearing_specs
 from pipelines.plant.checks import cost
-from pipelines.plant.checks.doubts import doubts
+from pipelines.plant.checks.design_warnings import design_warnings
 from pipelines.plant.checks.strength import STATIC_STRENGTH, TORSION_STRENGTH, contact_pressure, torques_along, torsions
 from pipelines.plant.checks.validity import checked_plant
 from pipelines.plant.hoist import load_spec
@@ -216,10 +219,30 @@ def test_a_wavelength_needs_the_thickness_of_an_imported_wall():
         checked_plant(without, "rig-step")
 
 
-def test_signals_that_find_no_room_are_refused_before_the_work(monkeypatch):
-    monkeypatch.setattr(cost.shutil, "disk_usage", lambda _: type("Usage", (), {"free": 1e6})())
-    with pytest.raises(SceneError, match=r"signals of 1 simulations take about 2\.32 MB .*, 1 MB are free"):
+def free_bytes(monkeypatch, **free):
+    """Disks with so many free bytes under the cache and elsewhere."""
+
+    def disk_usage(folder):
+        inside = Path(folder).resolve() in (cache_root(), *cache_root().parents)
+        return SimpleNamespace(free=free["cache"] if inside else free["elsewhere"])
+
+    monkeypatch.setattr(cost.shutil, "disk_usage", disk_usage)
+
+
+def test_signals_that_find_no_room_are_refused_before_the_work(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    free_bytes(monkeypatch, cache=1e12, elsewhere=1e6)
+    with pytest.raises(SceneError, match=r"signals of 1 simulations take about 1\.16 MB in runs, 1 MB are free"):
         plan_study(load_scene("minimal"))
+
+
+def test_a_full_cache_stops_only_signals_that_memory_cannot_hold(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    free_bytes(monkeypatch, cache=0.0, elsewhere=1e12)
+    plan_study(load_scene("minimal"))
+    long = {"simulation.end_s": 1000.0, "drive.times_s": [0.0, 0.2, 1000.0], "drive.speeds_rpm": [0.0, 900.0, 900.0]}
+    with pytest.raises(SceneError, match=r"signals of 1 simulations take about 2\.32 GB in .*, 0 B are free"):
+        plan_study(load_scene("minimal", long))
 
 
 def test_check_says_what_a_run_costs(capsys):
@@ -229,15 +252,14 @@ def test_check_says_what_a_run_costs(capsys):
 
 @pytest.mark.parametrize("scene", ["minimal", "rig-healthy"])
 def test_the_channels_counted_are_those_recorded(scene):
-    from pipelines.plant.machine import bearing_specs
-
     loaded = load_scene(scene).scene
     motors = [name for n in range(loaded.drive.motors) for name in motor_channels(f"motor_{n}")]
     shafts = [name for n in range(len(loaded.shafts)) for name in shaft_channels(f"shaft_{n}")]
     meshes = [name for n in range(len(loaded.stages)) for name in mesh_channels(f"mesh_{n}")]
     others = SimpleNamespace(channel_names=(*motors, *shafts, *meshes))
-    load = load_spec(loaded, lay_out(loaded).loaded)
-    recorded = SimpleNamespace(components=(others, *bearing_specs(loaded), load))
+    drums = (0.0,) * len(loaded.load.drum_positions_mm or (0, 0))
+    load = load_spec(loaded.load, "shaft_2", drums)
+    recorded = SimpleNamespace(components=(others, *bearing_specs(loaded.shafts, loaded.bearings), load))
     names = channel_names(recorded, tuple(sensor.name for sensor in loaded.sensors))
     assert cost.cost(loaded).channels == len(names)
 
@@ -245,14 +267,14 @@ def test_the_channels_counted_are_those_recorded(scene):
 def test_the_output_rate_is_held_against_the_fastest_mesh():
     settings = {"stages.2.pinion_teeth": 150, "stages.2.wheel_teeth": 160, "simulation.output_rate_Hz": 7500.0}
     scene = load_scene("rig-healthy", settings).scene
-    told = [text for text in doubts(scene, lay_out(scene)) if "output_rate_Hz" in text]
+    told = [text for text in design_warnings(scene, lay_out(scene)) if "output_rate_Hz" in text]
     assert [("stage 2, 818.2 Hz" in text) for text in told] == [True]
 
 
 def test_a_window_in_the_run_up_is_a_warning_where_nothing_is_compared():
     settings = {"faults": FAULT["faults"], **SLOW, "diagnosis.windows_s": {"start": [0.0, 2.0]}}
     scene = load_scene("minimal", settings).scene
-    assert any("rpm in the mean" in text for text in doubts(scene, lay_out(scene)))
+    assert any("rpm in the mean" in text for text in design_warnings(scene, lay_out(scene)))
 
 
 def test_contact_pressure_of_spur_gears_is_that_of_two_cylinders():
@@ -289,7 +311,8 @@ def test_the_seat_found_on_the_solid_is_the_seat_of_its_mesh():
     from pipelines.plant.housing import housing
 
     scene = load_scene("rig-step").scene
-    made = housing(scene, scene.casing.housing, lay_out(scene))
+    layout = lay_out(scene)
+    made = housing(scene.casing.housing, scene.sensors, layout, bearing_points(scene.shafts, layout))
     assert isinstance(made.seats[0], Seat)
     assert isinstance(made.seats[0].locator, ByCylinder)
     for seat, point in zip(made.seats, find_seats(made).values(), strict=True):

@@ -1,4 +1,4 @@
-"""Diagnosis: known modulations stand, equal runs show nothing, noise buries what it should."""
+"""Diagnosis: known modulations are detected, equal runs show nothing, noise buries what it should."""
 
 import csv
 import json
@@ -78,7 +78,7 @@ def test_equal_runs_show_nothing_and_say_why():
     assert np.abs(found.lines.difference[strong]).max() < 1.0
     assert "not seen" in headline([found])
     text = sentences(found)[0]
-    assert "none of 21 lines stands" in text
+    assert "none of 21 lines is detected" in text
     assert "pitch deviations repeat with the same revolution" in text
     assert "The face is too wide." in text
 
@@ -165,7 +165,7 @@ def test_tables_name_every_line(clear):
     assert len(grid.rows) == 23
     assert {row[0] for row in grid.rows} >= {"envelope f_r", "envelope 5 f_r", "f_m - 4 f_r", "2 f_m + f_r", "f_m"}
     assert (
-        grid.to_markdown().count("stands")
+        grid.to_markdown().count("detected")
         == len(grid.marked)
         == clear.lines.where(window="lifting").without_mesh().detected.sum()
     )
@@ -189,7 +189,7 @@ def test_seed_summary_has_a_column_per_seed():
     assert grid.rows[0][2] == "4/5 · 8/8 · 8/8"
     assert grid.rows[2][2] == "-"
     differences = seeds_grid([*seeds, free, torque], "rope", "lifting")
-    assert differences.headers == ("line", "Hz", "error-free", "seed 1", "seed 2", "stands in")
+    assert differences.headers == ("line", "Hz", "error-free", "seed 1", "seed 2", "detected in")
     row = next(row for row in differences.rows if row[0] == "f_m + 2 f_r")
     assert all(cell.endswith("●") for cell in row[2:5])
     assert row[5] == "3"

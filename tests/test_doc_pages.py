@@ -20,7 +20,7 @@ def choices(table, field="model"):
     return typing.get_args(table.model_fields[field].annotation)
 
 
-RUNGS = [
+MODELS = [
     *(choices(t)[0] for t in (gears.IsoMesh, gears.EnergyMesh, gears.PlaneMesh, gears.SolidMesh)),
     *(choices(t)[0] for t in (casing.NoCasingTable, casing.RigidCasingTable, casing.StaticCasingTable)),
     *(choices(t)[0] for t in (casing.CraigBamptonCasingTable, motion.StaticTorqueTable, motion.RopeTable)),
@@ -32,7 +32,7 @@ RUNGS = [
 ]
 
 
-@pytest.mark.parametrize("model", RUNGS)
+@pytest.mark.parametrize("model", MODELS)
 def test_every_model_has_its_row_in_the_guide(model):
     text = (DOCS / "choosing-a-model.md").read_text(encoding="utf-8")
     assert f"| `{model}` |" in text or f"`{model}` is the one model" in text

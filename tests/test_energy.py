@@ -11,7 +11,8 @@ from mbd.elements.element import ENERGY, PARAMETRIC
 from mbd.energy.element_energy import ElementWork
 from mbd.energy.exact_integrals import FlowWork
 from mbd.integrators.base import ACCELERATION, LENGTH, SPEED
-from mbd.integrators.exponential import exponential, phi_functions
+from mbd.integrators.exponential import exponential
+from mbd.integrators.phi_functions import phi_functions
 from mbd.parts.drive import SpeedProfile
 from mbd.simulate import Settings, simulate
 from mbd.system.statics import equilibrium
@@ -21,7 +22,7 @@ RAMP = SpeedProfile(times=np.array([0.01, 0.04]), speeds=np.array([0.0, 94.25]))
 JERK = SpeedProfile(times=np.array([0.01, 0.0105]), speeds=np.array([0.0, -94.25]))
 
 
-def books(machine, casing=None, channels=(), end=0.1, **settings):
+def balanced(machine, casing=None, channels=(), end=0.1, **settings):
     casing = rigid_casing(machine, extra=10) if casing is None else casing
     return simulate(assemble(machine, casing, channels), Settings(end=end, **settings))
 
@@ -35,15 +36,15 @@ def assert_closed(result, part_limit=0.01):
 
 @pytest.mark.parametrize("integrator", ["exponential", "trapezoidal"])
 @pytest.mark.parametrize("load", ["torque", "rope"])
-def test_books_close(integrator, load):
+def test_energy_balances_close(integrator, load):
     machine = train(1, load=load, profile=RAMP, rope={"container_mass": 300.0})
-    result = books(machine, integrator=integrator, step=5e-6)
+    result = balanced(machine, integrator=integrator, step=5e-6)
     assert_closed(result)
     assert (result.energies[:-1, result.energy_entries.index("dissipated")] >= 0).all()
 
 
-def test_books_close_through_contact_loss_and_impacts():
-    result = books(train(1, profile=JERK), end=0.06, step=2.5e-6)
+def test_energy_balances_close_through_contact_loss_and_impacts():
+    result = balanced(train(1, profile=JERK), end=0.06, step=2.5e-6)
     assert result.counter("stage_1:contact_losses") > 0
     assert result.counter("stage_1:coast_contacts") > 0
     assert_closed(result)
@@ -51,7 +52,7 @@ def test_books_close_through_contact_loss_and_impacts():
 
 def test_a_residual_that_counts_is_said_in_one_sentence():
     """Of all parts together, the worst named with what it is held against."""
-    whole = books(train(1, profile=RAMP), end=0.03, step=5e-6)
+    whole = balanced(train(1, profile=RAMP), end=0.03, step=5e-6)
     assert whole.unbalanced() == ()
     changed = whole.energies.copy()
     changed[:3, whole.energy_entries.index("residual")] = 2 * changed[-1, whole.energy_entries.index("scale")]
@@ -77,7 +78,7 @@ def test_a_wrong_force_law_opens_the_balance(monkeypatch, what):
         take(self, block._replace(elastic=elastic, lost=lost, log=log))
 
     monkeypatch.setattr(ElementWork, "take", wrong)
-    result = books(train(1, profile=RAMP), end=0.1, step=5e-6)
+    result = balanced(train(1, profile=RAMP), end=0.1, step=5e-6)
     assert "stage_1" in result.open_parts() or "total" in result.open_parts()
 
 
@@ -90,10 +91,10 @@ def test_what_a_small_part_leaves_over_is_not_worth_a_word(band):
     assert result.unbalanced() == ()
 
 
-def test_books_close_without_damping():
+def test_energy_balances_close_without_damping():
     machine = train(1, profile=RAMP, shaft_tau=0.0, bearing_tau=0.0, coupling_damping=0.0)
     machine = dataclasses.replace(machine, meshes=(dataclasses.replace(machine.meshes[0], damping_time=0.0),))
-    result = books(machine, no_casing(), end=0.05, step=5e-6)
+    result = balanced(machine, no_casing(), end=0.05, step=5e-6)
     assert result.energy("total", "dissipated") == pytest.approx(0.0, abs=1e-12)
     assert_closed(result)
 
@@ -101,7 +102,7 @@ def test_books_close_without_damping():
 def test_the_motor_lifts_the_load():
     """Work of motors and gravity over a lift: their difference is small, each is torque x angle."""
     machine = train(1, profile=RAMP)
-    result = books(machine, channels=("motor_1:torque", "motor_2:torque"), end=0.1)
+    result = balanced(machine, channels=("motor_1:torque", "motor_2:torque"), end=0.1)
     torque = result.channel("motor_1:torque") + result.channel("motor_2:torque")
     angle = machine.profile.angle(result.time)
     motors = np.sum(0.5 * (torque[1:] + torque[:-1]) * np.diff(angle))
@@ -111,20 +112,20 @@ def test_the_motor_lifts_the_load():
 
 def test_a_book_sampled_every_few_steps_is_the_same(monkeypatch):
     machine = train(1, profile=RAMP)
-    every = books(machine, end=0.1, step=5e-6, integrator="trapezoidal")
+    every = balanced(machine, end=0.1, step=5e-6, integrator="trapezoidal")
     monkeypatch.setattr("mbd.energy.sampled_integrals.MAX_SAMPLES", 5000)
-    some = books(machine, end=0.1, step=5e-6, integrator="trapezoidal")
+    some = balanced(machine, end=0.1, step=5e-6, integrator="trapezoidal")
     column = every.energy_entries.index("dissipated")
     np.testing.assert_allclose(some.energies[:, column], every.energies[:, column], rtol=0.02)
 
 
-def test_a_missing_tooth_runs_and_books_close():
+def test_a_missing_tooth_runs_and_its_energy_balances():
     machine = train(1, speed=60.0)
     wheel = np.zeros(55)
     wheel[3] = np.inf
     gap = dataclasses.replace(machine.meshes[0], drive_clearance_wheel=wheel, coast_clearance_wheel=wheel)
-    result = books(dataclasses.replace(machine, meshes=(gap,)), channels=("stage_1:delta",), end=0.05, step=5e-6)
-    healthy = books(machine, channels=("stage_1:delta",), end=0.05, step=5e-6)
+    result = balanced(dataclasses.replace(machine, meshes=(gap,)), channels=("stage_1:delta",), end=0.05, step=5e-6)
+    healthy = balanced(machine, channels=("stage_1:delta",), end=0.05, step=5e-6)
     assert result.channel("stage_1:delta").max() > 1.1 * healthy.channel("stage_1:delta").max()
     assert_closed(result)
 

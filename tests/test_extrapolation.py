@@ -25,6 +25,7 @@ from fem.elements.materials import CAST_IRON
 from pipelines.border.errors import SceneError
 from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
+from pipelines.scene.presets import preset_on
 from pipelines.steps.graph import plant_steps
 
 BAND = 1500.0
@@ -117,6 +118,15 @@ def test_a_second_mesh_is_made_only_where_it_is_asked_for():
         names[bool(settings)] = [stage.name for stage in stages if "casing" in stage.name]
     assert names[False] == ["casing mesh", "casing modes", "casing"]
     assert names[True] == ["casing mesh", "coarser casing mesh", "coarser casing", "casing modes", "casing"]
+
+
+def test_linear_elements_cannot_be_extrapolated_and_presets_leave_it_out():
+    settings = {"casing.element": "tetrahedron-4", "casing.extrapolated": True}
+    with pytest.raises(SceneError, match="its order was measured with tetrahedron-10, not with tetrahedron-4"):
+        load_scene("rig-healthy", settings)
+    linear = preset_on(load_scene("rig-healthy", {"casing.element": "tetrahedron-4"}), "draft")
+    assert linear.scene.casing.element == "tetrahedron-4"
+    assert not linear.scene.casing.extrapolated
 
 
 def test_a_mesh_file_cannot_be_extrapolated():

@@ -19,7 +19,7 @@ from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.reduced.rigid import housing_mass
 from fem.elements.materials import CAST_IRON, Material
-from fem.elements.tetrahedra import mass_properties
+from fem.elements.solids import mass_properties
 
 RIBS = Ribs(thickness=0.008, height=0.012, per_boss=1, end_wall=2, cover=2)
 

@@ -15,9 +15,10 @@ from fem.casing.meshing.mesher import mesh_housing, session, write_step
 from fem.casing.meshing.quality import measure
 from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.source import mesh_geometry
-from fem.casing.reduced.attachment import surface_weights
 from fem.casing.reduced.rigid import rigid_body, rigid_from_mesh
-from fem.elements.tetrahedra import EDGES, mass_properties
+from fem.elements.facets import surface_weights
+from fem.elements.solid_elements import SOLIDS, converted
+from fem.elements.solids import mass_properties
 
 SIZES = Sizes(element=0.05)
 PLANE = ByPlane(through=(0.0, 0.0, -0.095), normal=(0.0, 0.0, -1.0))
@@ -168,6 +169,15 @@ def test_physical_groups_of_gmsh_are_known_by_name(native, small, tmp_path):
         mesh_geometry(imported(path, small, seats=(Seat(name="bearing_1", locator=ByGroup(group="BORE")),)), SIZES)
 
 
+def test_four_node_tetrahedra_stand_between_the_corners_of_those_of_ten(native, small):
+    linear = mesh_housing(small, sizes=SIZES, element="tetrahedron-4")
+    assert np.array_equal(linear.elements, native.elements[:, :4])
+    assert np.array_equal(linear.nodes, native.nodes[: len(linear.nodes)])
+    assert np.array_equal(linear.facets, native.facets[:, :3])
+    assert np.array_equal(linear.facet_patch, native.facet_patch)
+    assert not linear.curved
+
+
 def test_linear_tetrahedra_are_upgraded_on_request_only(native, small, tmp_path):
     path = write(tmp_path / "housing.vtu", native, elements=native.elements[:, :4])
     with pytest.raises(MeshError, match=r"has linear tetrahedra.*Set upgrade = true"):
@@ -294,8 +304,12 @@ def test_other_files_are_refused(native, small, tmp_path):
     hexahedra = tmp_path / "hexahedra.vtu"
     cube = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1.0]])
     meshio.write(hexahedra, meshio.Mesh(cube, [("hexahedron", np.arange(8)[None])]))
-    with pytest.raises(MeshError, match="1 hexahedron elements; only tetrahedra"):
+    with pytest.raises(MeshError, match=r"has hexahedra.*Set casing\.element to 'hexahedron-20' or 'hexahedron-27'"):
         mesh_geometry(imported(hexahedra, small), SIZES)
+    wedge = tmp_path / "wedge.vtu"
+    meshio.write(wedge, meshio.Mesh(cube[[0, 1, 3, 4, 5, 7]], [("wedge", np.arange(6)[None])]))
+    with pytest.raises(MeshError, match=r"1 wedge elements; only tetra, tetra10, hexahedron"):
+        mesh_geometry(imported(wedge, small), SIZES)
     broken = tmp_path / "broken.msh"
     broken.write_text("$MeshFormat\n", encoding="utf-8")
     with pytest.raises(MeshError, match="cannot be read as a mesh"):
@@ -312,10 +326,10 @@ REGULAR = np.array([[0, 0, 0], [1, 0, 0], [0.5, 3**0.5 / 2, 0], [0.5, 3**0.5 / 6
 
 
 def one_element(corners, mid=None):
-    nodes = np.vstack([corners, corners[EDGES].mean(axis=1)])
+    nodes, elements = converted(corners, np.arange(4)[None], SOLIDS["tetrahedron-10"])
     if mid is not None:
-        nodes[4] += mid
-    return measure(nodes, np.arange(10)[None])
+        nodes[elements[0, 4]] += mid
+    return measure(nodes, elements)
 
 
 def test_quality_of_single_elements():

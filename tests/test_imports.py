@@ -14,7 +14,7 @@ ONLY_IN = {  # package: modules or packages that may import it
     "pyvista": {"pipelines.figures.view"},
     "vtk": {"pipelines.figures.view"},
     "sksparse": {"fem.numerics.linear_solver"},
-    "skfem": {"fem"},
+    "skfem": {"fem.elements"},
     "pydantic": {"pipelines"},
     "rich": {"pipelines"},
     "tomlkit": {"pipelines.scene.new"},
@@ -30,6 +30,7 @@ MBD_TAKES = {
     "fem.casing.reduced.body",
     "fem.storage.records",
     "fem.storage.stored_array",
+    "fem.named_classes",
 }
 HEAVY = {"numba", "scipy", "h5py", "xarray", "matplotlib", "gmsh", "pyvista", "skfem", "numpy", "pydantic", "pandas"}
 

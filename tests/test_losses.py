@@ -1,4 +1,4 @@
-"""Losses: torque by efficiency, friction that reverses at the pitch point, drag, brake; what is lost is booked."""
+"""Losses: torque by efficiency, friction that reverses at the pitch point, drag, brake; all in the energy balance."""
 
 import dataclasses
 import math

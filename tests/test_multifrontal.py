@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 import fem.numerics.multifrontal
 from benchmarks.solids import box_mesh, unknowns
-from fem.elements.tetrahedra import assemble
+from fem.elements.solids import assemble
 from fem.numerics import blas
 from fem.numerics.elimination import plan_elimination
 from fem.numerics.multifrontal import Cholesky, NearlySingularError, NotDefiniteError, count_negative

@@ -87,7 +87,7 @@ def test_helical_strains_are_those_of_the_body_in_space():
         c, s = np.cos(twist * position[2]), np.sin(twist * position[2])
         turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
         section = turn.T[:2, :2] @ position[:2]
-        local = 2 * (section - low) / (high - low) - 1
+        local = (section - low) / (high - low)
         return turn @ (shape_functions(local[None])[0][0] @ nodal)
 
     step = 1e-6
@@ -105,9 +105,9 @@ def test_helical_strains_are_those_of_the_body_in_space():
         gradient[0, 2] + gradient[2, 0],
         gradient[0, 1] + gradient[1, 0],
     ]
-    local = 2 * (place - low) / (high - low) - 1
+    local = (place - low) / (high - low)
     values, slopes = shape_functions(local[None])
-    gradients = slopes * 2 / (high - low)
+    gradients = slopes / (high - low)
     operator = strain_operator(place[None, None], gradients[None], values, twist)[0, 0]
     assert operator @ nodal.ravel() == pytest.approx(expected, rel=1e-6, abs=1e-6)
 

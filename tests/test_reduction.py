@@ -20,7 +20,7 @@ from benchmarks.solids import box_mesh, facets_on, unknowns
 from fem.casing.reduced.attachment import AttachmentError, mean_motion_rows, nearest_surface_point
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.reduction import ReductionError, craig_bampton, held_interface, reduce_body
-from fem.elements.tetrahedra import assemble, rigid_body_modes
+from fem.elements.solids import assemble, rigid_body_modes
 from fem.numerics.linear_solver import factorize
 
 IRON = {"elastic_modulus": 1.1e11, "poisson_ratio": 0.26, "density": 7200.0}

@@ -10,14 +10,18 @@ from fem.casing.models.registry import CASINGS, elastic_casing
 from fem.contact.faults.registry import FAULTS, tooth_fault
 from fem.contact.frame import ModelError
 from fem.contact.models.registry import MODELS, mesh_model
+from fem.elements.solid_elements import CHOICES
 from fem.gears.rack import GeometryError
+from mbd.integrators.methods import METHODS, make_integrator
 from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules
 from pipelines.plant.plant import make_plant
 from pipelines.plant.units import si_options
 from pipelines.scene.file import load_scene
+from pipelines.scene.tables.casing import FlexibleBase
 from pipelines.scene.tables.faults import FaultBase, FaultTable, WornToothTable
 from pipelines.scene.tables.gears import MeshModel
+from pipelines.scene.tables.motion import SimulationTable
 from pipelines.steps.graph import plant_steps
 
 PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
@@ -53,6 +57,7 @@ def extremes(table):
 def test_every_scene_table_has_a_model_and_every_model_a_table():
     assert set(MESHES) == set(MODELS)
     assert set(tables(FaultTable, "kind")) == set(FAULTS)
+    assert get_args(FlexibleBase.model_fields["element"].annotation) == CHOICES
 
 
 @pytest.mark.parametrize("name", MESHES)
@@ -77,6 +82,8 @@ def test_an_unknown_name_is_refused_with_those_that_are_known():
         mesh_model("shell", line_load=0.0)
     with pytest.raises(GeometryError, match="'bent-tooth' is unknown; known: missing-tooth"):
         tooth_fault("bent-tooth")
+    with pytest.raises(ValueError, match="'euler' is unknown; known: exponential, trapezoidal"):
+        make_integrator("euler", None, 1e-5)
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -93,6 +100,14 @@ def test_the_key_of_a_damaged_law_takes_the_code_of_its_own_faults_alone():
     stage = next(stage for stage in plant_steps(make_plant(scene)) if stage.kind == "flanks")
     code = set(own_code(stage))
     assert {FAULTS["chipped-tooth"][0]} == code & {module for module, _ in FAULTS.values()}
+
+
+@pytest.mark.parametrize("name", get_args(SimulationTable.model_fields["integrator"].annotation))
+def test_the_key_of_a_motion_takes_the_code_of_its_own_integrator_alone(name):
+    scene = load_scene("minimal", [f"simulation.integrator={name}"]).scene
+    motion = plant_steps(make_plant(scene))[-1]
+    code = set(own_code(motion))
+    assert {METHODS[name][0]} == code & {module for module, _ in METHODS.values()}
 
 
 def test_units_are_the_ends_of_keys():

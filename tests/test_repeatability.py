@@ -6,7 +6,7 @@ from mbd_rigs import rigid_casing, train
 
 from mbd.accuracy.repeatability import other_start
 from mbd.integrators.base import LENGTH
-from mbd.integrators.methods import METHODS
+from mbd.integrators.methods import make_integrator
 from mbd.parts.drive import SpeedProfile
 from mbd.simulate import Settings, simulate
 from mbd.system.statics import equilibrium
@@ -62,7 +62,7 @@ def test_a_neighbour_takes_the_cuts_of_the_motion():
     machine = train(1, profile=JERK)
     system = assemble(machine, rigid_casing(machine), ())
     step = 2e-5
-    integrator = METHODS["exponential"](system, step)
+    integrator = make_integrator("exponential", system, step)
     block = integrator.start(equilibrium(system))
     before = integrator.advance(*JERK.motion(0, 520, step))
     alike, free = (integrator.branch(1e-9 * before.states[-1]) for _ in range(2))

@@ -1,4 +1,4 @@
-"""Rolling bearings: Hertz constants, load distribution, potential, pass frequencies, varying compliance, books."""
+"""Rolling bearings: Hertz constants, load shares, potential, pass frequencies, varying compliance, energy balance."""
 
 import dataclasses
 import math

@@ -96,7 +96,7 @@ def test_a_report_whose_pictures_were_left_out_is_made_again(here):
 
 
 def test_provenance_is_what_the_stages_say_of_themselves(here):
-    """The list by hand named scikit-fem, which no stage uses, gmsh for a casing without a mesh, and left out losses."""
+    """A scene without finite elements names none of their libraries; a list by hand did, and left out losses."""
     assert main(RUN) == 0
     facts = json.loads((run_folder.find_run("mine") / run_folder.RUN).read_text(encoding="utf-8"))
     assert facts["models"]["losses"] == "none"

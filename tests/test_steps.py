@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
+import psutil
 import pytest
 from test_cache import manifest_of
 
@@ -52,6 +53,10 @@ def make_slowly(seconds):
 
 def make_nothing(message):
     raise ValueError(message)
+
+
+def count_children(_, *slow):
+    return {"children": len(psutil.Process().children()), "slow": len(slow)}
 
 
 def end_at_once(_):
@@ -217,6 +222,13 @@ def test_long_stages_run_side_by_side(cache):
     children = set(processes) - {os.getpid()}  # the last one is built here if both children ended at the same time
     assert len(children) == 2
     assert all(record.peak_bytes > 1e6 for record in outcome.records)
+
+
+def test_children_without_further_work_have_ended_when_the_last_long_stage_runs(cache):
+    last = Step(name="last", kind="last", build=count_children, spec=0, takes=("s0", "s1"), seconds=60.0)
+    outcome = run_graph(Graph([*long_graph(2), last]), cache, ["last"], processes=2)
+    assert os.getpid() not in {outcome.value(n)["process"] for n in ("s0", "s1")}
+    assert outcome.value("last") == {"children": 0, "slow": 2}
 
 
 def test_a_child_that_dies_while_it_waits_for_work_is_replaced(cache):

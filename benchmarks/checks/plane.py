@@ -71,11 +71,11 @@ def _point_load(mesh: SectorMesh, place: np.ndarray, direction: np.ndarray) -> n
     """Load vector of a unit force at a point inside the mesh."""
     nearest = np.argsort(np.linalg.norm(mesh.points[mesh.elements[:, 4]] - place, axis=1))[:20]
     for element in mesh.elements[nearest]:
-        corners, local = mesh.points[element], np.zeros(2)
+        corners, local = mesh.points[element], np.full(2, 0.5)
         for _ in range(20):
-            values, slopes = shape_functions(np.clip(local, -2, 2)[None])
-            local = np.clip(local, -2, 2) - np.linalg.solve(corners.T @ slopes[0], values[0] @ corners - place)
-        if np.abs(local).max() <= 1 + 1e-9:
+            values, slopes = shape_functions(np.clip(local, -0.5, 1.5)[None])
+            local = np.clip(local, -0.5, 1.5) - np.linalg.solve(corners.T @ slopes[0], values[0] @ corners - place)
+        if np.abs(local - 0.5).max() <= 0.5 + 1e-9:
             out = np.zeros((len(mesh.points), 2))
             out[element] = shape_functions(local[None])[0][0][:, None] * direction
             return out.ravel()

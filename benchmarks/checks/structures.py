@@ -13,7 +13,7 @@ from benchmarks.checks.record import Check, Subject
 from benchmarks.solids import box_mesh, unknowns
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.reduction import craig_bampton
-from fem.elements.tetrahedra import assemble
+from fem.elements.solids import assemble
 from fem.numerics.linear_solver import factorize
 
 COFE = "MSC Nastran superelement run, published in vtpasquale/NASTRAN_CoFE (cantilever_bar)"

@@ -17,13 +17,13 @@ import numpy as np
 
 from benchmarks.clock import conditions, timed
 from benchmarks.peers import ccx, output
-from benchmarks.rig import casing_parts, casing_model, read
+from benchmarks.rig import casing_model, casing_parts, read
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.reduction import Reduction, reduce_body
 from fem.elements.materials import Material
-from fem.elements.tetrahedra import EDGES
+from fem.elements.solid_elements import straight_places
 
 RESULTS = Path(__file__).resolve().parent.parent / "results" / "calculix_frequency.json"
 HIGHEST = 7500.0  # Hz
@@ -46,8 +46,7 @@ def deck(mesh: CasingMesh, material: Material, count: int) -> str:
 def straightened(mesh: CasingMesh) -> CasingMesh:
     """The mesh with its mid-side nodes in the middle of their edges: CalculiX refuses some of the curved elements."""
     nodes = mesh.nodes.copy()
-    for column, (a, b) in enumerate(EDGES, 4):
-        nodes[mesh.elements[:, column]] = (nodes[mesh.elements[:, a]] + nodes[mesh.elements[:, b]]) / 2.0
+    nodes[mesh.elements] = straight_places(nodes, mesh.elements)
     return replace(mesh, nodes=nodes, curved=0)
 
 

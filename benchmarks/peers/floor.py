@@ -98,7 +98,7 @@ def column_counts(matrix: Any) -> np.ndarray:
 
 def measure() -> dict[str, Any]:
     """Counts, rates and the seconds that follow."""
-    from benchmarks.rig import casing_parts, casing_model, read
+    from benchmarks.rig import casing_model, casing_parts, read
     from fem.casing.models.craig_bampton import CraigBamptonCasing
     from fem.casing.reduced.grounded import ground_casing
 

@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.clock import conditions, timed
 from benchmarks.peers import output
 from benchmarks.peers.single_stage import CLOSE, RATE, SPAN, SPEED, Equations, error, instants, seconds_at, system
-from mbd.integrators.methods import METHODS
+from mbd.integrators.methods import make_integrator
 from mbd.system.statics import equilibrium
 from mbd.system.system import System
 
@@ -31,7 +31,7 @@ LONG = 300.0  # s; a method is not driven further once a run takes this long
 def gearcase(machine: System, step: float, method: str = "exponential") -> np.ndarray:
     """Approach (instants,) by a fixed-step method of the library, start included."""
     every, steps = round(1.0 / (RATE * step)), round(SPAN / step)
-    integrator = METHODS[method](machine, step)
+    integrator = make_integrator(method, machine, step)
     integrator.start(equilibrium(machine))
     block = integrator.advance(SPEED * step * np.arange(1, steps + 1), np.full(steps, SPEED), np.zeros(steps))
     return np.asarray(block.rows[every - 1 :: every, 0])

@@ -1,6 +1,6 @@
 """One gear stage between two rotors in linear bearings to ground, as equations that any integrator can take.
 
-Stage 1 of the rig (z 20/55, m_n 2 mm, beta 12 deg, b 12 mm, law of model `plane`, 80 um of backlash), a motor at 900 rpm
+Stage 1 of the rig (z 20/55, m_n 2 mm, beta 12 deg, b 12 mm, mesh model `plane`, 80 um backlash), a motor at 900 rpm
 through a torsional coupling, a constant load torque. All integrators get the same modal equations
 
     p'' + C p' + omega^2 p = f0 + B^T lambda(t, B p, B p')

@@ -40,6 +40,14 @@ def tooth_terms(
 ) -> np.ndarray:
     """Tooth terms (teeth, 6) of one gear and flank, from numbers or arrays (teeth,).
 
+    Parameters
+    ----------
+    teeth : number of teeth
+    clearance : m, +inf for a missing tooth
+    profile_slope, profile_curvature : m per base pitch, m per base pitch squared
+    lead_slope, lead_curvature : m, of y/b and of (y/b)^2
+    variant : number of the damaged form in the law, 0 for a sound tooth
+
     Raises
     ------
     LawError : wrong length, NaN, infinite terms other than clearance = +inf, a variant that is no whole number >= 0
@@ -106,8 +114,12 @@ def least_clearance(law: MeshLaw, pinion: np.ndarray, wheel: np.ndarray) -> floa
 def with_variants(law: MeshLaw, gear: str, compliance: np.ndarray | float, gap: np.ndarray | float) -> MeshLaw:
     """The law with one more damaged tooth form of "pinion" or "wheel"; its number is how many there are then.
 
-    compliance (m2/N, >= 0) and gap (m, +inf where the tooth is chipped away) are what the form adds to its pair; they
-    broadcast to (slice, position).
+    Parameters
+    ----------
+    law : of the pair
+    gear : "pinion" or "wheel"
+    compliance : m2/N, >= 0, that the form adds to its pair; broadcasts to (slice, position)
+    gap : m, likewise; +inf where the tooth is chipped away
 
     Raises
     ------

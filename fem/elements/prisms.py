@@ -13,7 +13,8 @@ of the section, and the stiffness matrix is a sum of Kronecker products of small
     K = M x A_00 + D x A_01 + D^T x A_01^T + S x A_11,
     A_mn = int B_m^T C B_n dA,   M = int L L^T,   D = int L L'^T,   S = int L' L'^T dz.
 
-No loop over hexahedra, no quadrature in space: the section is integrated once with three points in each direction.
+No loop over hexahedra, no quadrature in space: the section is integrated once with three points in each direction. The
+factors N_a and L_i are the nine-node quadrilateral and the three-node line of scikit-fem.
 Degrees of freedom are numbered ``(axial node * section nodes + section node) * 3 + component``.
 """
 
@@ -24,7 +25,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from fem.elements.sections import elasticity, gauss_grid, geometry, lagrange, shape_functions, strains_in_space
+from fem.elements.sections import (
+    elasticity,
+    gauss_grid,
+    gauss_line,
+    geometry,
+    lagrange,
+    shape_functions,
+    strains_in_space,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +70,11 @@ def strain_matrices(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Strains (xx, yy, zz, yz, xz, xy) by the section functions and by their axial derivative, (e, q, 6, 27) each.
 
-    places (e, q, 2), gradients (e, q, 9, 2) and values (q, 9) as from `fem.elements.sections.geometry`.
+    Parameters
+    ----------
+    places, gradients : (e, q, 2) m and (e, q, 9, 2) 1/m, of `fem.elements.sections.geometry`
+    values : (q, 9), of `fem.elements.sections.shape_functions` at the same points
+    twist : rad/m
     """
     e, q = places.shape[:2]
     along = np.zeros((e, q, 6, 9, 3))
@@ -76,8 +89,10 @@ def section_blocks(
 
     Parameters
     ----------
-    points : float (nodes, 2), m;  elements : int (elements, 9), tensor order
-    young, poisson : Pa, 1;  twist : rad/m
+    points : float (nodes, 2), m
+    elements : int (elements, 9), tensor order
+    young, poisson : Pa, 1
+    twist : rad/m
     filling : (elements,) part of the length that is filled with material
     """
     places, gradients, weight = geometry(points, elements)
@@ -94,21 +109,25 @@ def section_blocks(
 def axial_matrices(ends: np.ndarray) -> AxialMatrices:
     """Integrals of quadratic functions along the axis; `ends` (elements + 1,) are the element ends in m, rising."""
     nodes = 2 * len(ends) - 1
-    x, w = np.polynomial.legendre.leggauss(3)
+    x, w = gauss_line(3)
     values, slopes = lagrange(x)
     parts = [np.zeros((nodes, nodes)) for _ in range(3)]
     for k, length in enumerate(np.diff(ends)):
         here = slice(2 * k, 2 * k + 3)
-        parts[0][here, here] += values.T @ (w[:, None] * values) * length / 2
+        parts[0][here, here] += values.T @ (w[:, None] * values) * length
         parts[1][here, here] += values.T @ (w[:, None] * slopes)
-        parts[2][here, here] += slopes.T @ (w[:, None] * slopes) * 2 / length
+        parts[2][here, here] += slopes.T @ (w[:, None] * slopes) / length
     return AxialMatrices(*parts)
 
 
 def product_stiffness(section: SectionBlocks, dofs: np.ndarray, size: int, axial: AxialMatrices) -> np.ndarray:
     """Dense stiffness matrix (N/m) of the hexahedra over some section elements and a piece of the axis.
 
-    dofs (elements, 27) are the positions of their unknowns among the `size` unknowns of one section.
+    Parameters
+    ----------
+    section, axial : integrals over these elements and over this piece
+    dofs : int (elements, 27), positions of their unknowns among those of one section
+    size : number of unknowns of one section
     """
     rows, cols = np.repeat(dofs, 27, axis=1).ravel(), np.tile(dofs, (1, 27)).ravel()
     plane, mixed, along = (
@@ -122,10 +141,10 @@ def product_stiffness(section: SectionBlocks, dofs: np.ndarray, size: int, axial
 def slice_means(ends: np.ndarray, bounds: np.ndarray) -> np.ndarray:
     """Mean of every axial function over the intervals between `bounds`; (intervals, nodes), rows sum to 1."""
     out = np.zeros((len(bounds) - 1, 2 * len(ends) - 1))
-    x, w = np.polynomial.legendre.leggauss(2)  # exact: the functions are quadratic inside a piece
+    x, w = gauss_line(2)  # exact: the functions are quadratic inside a piece
     for k, (start, end) in enumerate(zip(ends[:-1], ends[1:], strict=True)):
         low, high = np.clip(bounds[:-1], start, end), np.clip(bounds[1:], start, end)
-        place = (low + high)[:, None] / 2 + (high - low)[:, None] / 2 * x
-        values, _ = lagrange(2 * (place - start) / (end - start) - 1)
-        out[:, 2 * k : 2 * k + 3] += np.einsum("sq,sqi->si", w * (high - low)[:, None] / 2, values)
+        place = low[:, None] + (high - low)[:, None] * x
+        values, _ = lagrange((place - start) / (end - start))
+        out[:, 2 * k : 2 * k + 3] += np.einsum("sq,sqi->si", w * (high - low)[:, None], values)
     return out / np.diff(bounds)[:, None]

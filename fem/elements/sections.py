@@ -10,8 +10,8 @@ J = [[0, -1], [1, 0]], and three-dimensional elasticity becomes a problem in the
 components (u, v, w). twist = 2 pi / lead = tan(beta) / r. For twist = 0 the axial component w decouples and is left
 out.
 
-Isoparametric, biquadratic, three Gauss points in each direction. Degrees of freedom are numbered
-``components * node + component``.
+Isoparametric, biquadratic (the nine-node quadrilateral of scikit-fem), three Gauss points in each direction. Degrees of
+freedom are numbered ``components * node + component``.
 """
 
 from __future__ import annotations
@@ -19,36 +19,53 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-
-class ElementError(ValueError):
-    """An element is turned inside out."""
+from fem.elements.solid_elements import ElementError, rule, shapes
 
 
 def lagrange(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Quadratic Lagrange functions of the nodes -1, 0, 1 and their derivatives at ``s``; both of shape (..., 3)."""
+    """Quadratic functions of the nodes 0, 1/2, 1 of a line and their derivatives at ``s``; both of shape (..., 3)."""
+    from skfem import ElementLineP2
+
     s = np.asarray(s, dtype=float)
-    values = np.stack([s * (s - 1) / 2, 1 - s * s, s * (s + 1) / 2], axis=-1)
-    slopes = np.stack([s - 0.5, -2 * s, s + 0.5], axis=-1)
-    return values, slopes
+    values, slopes = shapes(ElementLineP2(), s.reshape(1, -1))
+    start, end, middle = range(3)
+    order = [start, middle, end]
+    return values[:, order].reshape(*s.shape, 3), slopes[:, order, 0].reshape(*s.shape, 3)
+
+
+def gauss_line(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss rule on the unit line: points and weights (count,)."""
+    from skfem import ElementLineP2
+
+    points, weights = rule(ElementLineP2(), 2 * count - 1)
+    return points[0], weights
 
 
 def gauss_grid(order: int = 3) -> tuple[np.ndarray, np.ndarray]:
-    """Tensor Gauss rule on [-1, 1]^2: points (order^2, 2), weights (order^2,)."""
-    x, w = np.polynomial.legendre.leggauss(order)
-    return np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2), np.outer(w, w).ravel()
+    """Tensor Gauss rule on the unit square: points (order^2, 2), weights (order^2,)."""
+    from skfem import ElementQuad2
+
+    points, weights = rule(ElementQuad2(), 2 * order - 1)
+    return points.T, weights
 
 
 def shape_functions(local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Biquadratic functions (q, 9) and their local derivatives (q, 9, 2) at ``local`` (q, 2).
+    """Biquadratic functions (q, 9) and their local derivatives (q, 9, 2) at ``local`` (q, 2) in the unit square.
 
-    Node 3 i + j of an element sits at (s, t) = (i - 1, j - 1).
+    Node 3 i + j of an element sits at (s, t) = (i / 2, j / 2).
     """
-    (n_s, d_s), (n_t, d_t) = lagrange(local[:, 0]), lagrange(local[:, 1])
-    values = np.einsum("qi,qj->qij", n_s, n_t).reshape(-1, 9)
-    slopes = np.stack(
-        [np.einsum("qi,qj->qij", d_s, n_t).reshape(-1, 9), np.einsum("qi,qj->qij", n_s, d_t).reshape(-1, 9)], axis=-1
-    )
-    return values, slopes
+    from skfem import ElementQuad2
+
+    values, slopes = shapes(ElementQuad2(), local.T)
+    order = np.argsort(_tensor_places())
+    return values[:, order], slopes[:, order]
+
+
+def _tensor_places() -> np.ndarray:
+    """Place (9,) of every node of scikit-fem's nine-node quadrilateral in tensor order."""
+    from skfem import ElementQuad2
+
+    return (2 * ElementQuad2.doflocs @ [3, 1]).astype(int)
 
 
 def geometry(points: np.ndarray, elements: np.ndarray, order: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -58,12 +75,13 @@ def geometry(points: np.ndarray, elements: np.ndarray, order: int = 3) -> tuple[
     ------
     ElementError : the Jacobian is not positive at a quadrature point
     """
+    from skfem import MeshQuad2
+
     local, weight = gauss_grid(order)
-    values, slopes = shape_functions(local)
-    corners = points[elements]  # (e, 9, 2)
-    places = np.einsum("qa,eai->eqi", values, corners)
-    jacobian = np.einsum("qas,eai->eqis", slopes, corners)
-    determinant = jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
+    mesh = MeshQuad2(np.array(points.T, order="C"), np.array(elements[:, _tensor_places()].T, order="C"))
+    mapping = mesh.mapping()
+    places = mapping.F(local.T).transpose(1, 2, 0)
+    determinant = np.linalg.det(mapping.DF(local.T).transpose(2, 3, 0, 1))
     if (determinant <= 0).any():
         element = int(np.argmin(determinant.min(axis=1)))
         raise ElementError(
@@ -71,17 +89,7 @@ def geometry(points: np.ndarray, elements: np.ndarray, order: int = 3) -> tuple[
             f"out, the worst is element {element} near {places[element].mean(axis=0)} m (Jacobian must be positive). "
             "Check the tooth profile or change the mesh refinement."
         )
-    inverse = (
-        np.stack(
-            [
-                np.stack([jacobian[..., 1, 1], -jacobian[..., 0, 1]], axis=-1),
-                np.stack([-jacobian[..., 1, 0], jacobian[..., 0, 0]], axis=-1),
-            ],
-            axis=-2,
-        )
-        / determinant[..., None, None]
-    )  # (e, q, s, i) = d local_s / d x_i
-    gradients = np.einsum("qas,eqsi->eqai", slopes, inverse)
+    gradients = np.einsum("qas,sieq->eqai", shape_functions(local)[1], mapping.invDF(local.T), optimize=True)
     return places, gradients, determinant * weight
 
 
@@ -89,6 +97,12 @@ def strain_operator(places: np.ndarray, gradients: np.ndarray, values: np.ndarra
     """Matrix B (e, q, strain, 9 * components) with the engineering strains of every shape function.
 
     Strains: (xx, yy, xy) in plane strain, (xx, yy, zz, yz, xz, xy) for twist != 0.
+
+    Parameters
+    ----------
+    places, gradients : (e, q, 2) m and (e, q, 9, 2) 1/m, of `geometry`
+    values : (q, 9), of `shape_functions` at the same points
+    twist : rad/m, 0 for plane strain
     """
     if twist != 0.0:
         return strains_in_space(places, gradients, values, twist)
@@ -101,7 +115,12 @@ def strain_operator(places: np.ndarray, gradients: np.ndarray, values: np.ndarra
 
 
 def strains_in_space(places: np.ndarray, gradients: np.ndarray, values: np.ndarray, twist: float) -> np.ndarray:
-    """Engineering strains (xx, yy, zz, yz, xz, xy) of three components that turn with the section: (e, q, 6, 27)."""
+    """Engineering strains (xx, yy, zz, yz, xz, xy) of three components that turn with the section: (e, q, 6, 27).
+
+    Parameters
+    ----------
+    places, gradients, values, twist : those of `strain_operator`
+    """
     e, q = places.shape[:2]
     dx, dy = gradients[..., 0], gradients[..., 1]
     around = twist * (places[..., :1] * dy - places[..., 1:] * dx)  # twist d/dtheta

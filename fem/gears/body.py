@@ -18,7 +18,15 @@ def check_body(
     web_thickness: float | None,
     web_offset: float,
 ) -> None:
-    """Refuse a bore in the root, a rim below 1.2 m_n, a web that leaves the face (all lengths in m).
+    """Refuse a bore in the root, a rim below 1.2 m_n, a web that leaves the face.
+
+    Parameters
+    ----------
+    label : name of the gear in messages
+    normal_module, face_width, root_radius, bore_radius : m
+    rim_thickness : m, from the root circle inwards; None for a solid body
+    web_thickness : m, or None for that of the face
+    web_offset : m, middle of the web from mid face along the axis
 
     Raises
     ------

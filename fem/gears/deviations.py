@@ -101,6 +101,13 @@ def sample_pitch_deviations(gear: Gear, grade: int, seed: int, *, use: float = 0
     random part of each flank. It is scaled so that the largest single pitch deviation is at most use * f_pT and the
     range of the cumulative deviation at most use * F_pT, one of them exactly, over both flanks.
 
+    Parameters
+    ----------
+    gear : the gear whose teeth deviate
+    grade : int, tolerance class of ISO 1328-1
+    seed : int, of the random numbers
+    use : (0, 1], part of the tolerance
+
     Raises
     ------
     GeometryError : outside ISO 1328-1, or `use` not in (0, 1]

@@ -94,11 +94,20 @@ def sample_flank_deviations(
     helix: bool = True,
     use: float = 0.9,
 ) -> dict[str, FlankDeviations]:
-    """Deviations of all teeth of "pinion" or "wheel" by flank, "drive" and "coast"; equal arguments, equal values.
+    """Deviations of all teeth of one gear by flank, "drive" and "coast"; equal arguments, equal values.
 
     Half of a slope is common to all teeth of a flank, half belongs to the tooth; each of the four quantities is scaled
     so that the largest over the teeth of both flanks uses the part `use` of its tolerance, and slope and form of a
     tooth together stay within `use` of the total tolerance. Form deviations are hollow or full at random.
+
+    Parameters
+    ----------
+    pair : the gears in mesh
+    gear : "pinion" or "wheel"
+    grade : int, tolerance class of ISO 1328-1
+    seed : int, of the random numbers
+    profile, helix : False leaves the deviations of the profile or of the helix at 0
+    use : (0, 1], part of the tolerance
 
     Raises
     ------

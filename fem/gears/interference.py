@@ -16,9 +16,16 @@ from fem.gears.profile import form_point, generate_trochoid
 
 
 def root_penetration(own: Gear, tip: Gear, axis_distance: float, working_pressure_angle: float) -> float:
-    """Largest depth (m, along the circle) to which the tip of the gear `tip` cuts into the root fillet of `own`.
+    """Largest depth (m, along the circle) to which the tip of one gear cuts into the root fillet of the other.
 
-    Axis distance in m, working pressure angle in rad. Below 0 the tip stays clear by that much.
+    Below 0 the tip stays clear by that much.
+
+    Parameters
+    ----------
+    own : the gear whose root fillet is looked at
+    tip : the gear whose tip edge comes there
+    axis_distance : m
+    working_pressure_angle : rad, transverse
     """
     alpha = working_pressure_angle
     radius, junction = form_point(own)

@@ -138,7 +138,7 @@ def check_modifications(pair: GearPair, modifications: PairModifications) -> Non
             require(amount <= limit, f"{label}: {key} is {amount:.4g} m; the limit is 0.1 m_n = {limit:.4g} m")
         low, high = active_roll(pair, name)
         starts = [
-            relief_start(gear, relief, end, low, high, f"{label}: {key}")
+            _relief_start(gear, relief, end, low, high, f"{label}: {key}")
             for key, relief, end in (("root_relief", own.root_relief, low), ("tip_relief", own.tip_relief, high))
             if relief is not None
         ]
@@ -158,7 +158,7 @@ def check_modifications(pair: GearPair, modifications: PairModifications) -> Non
             )
 
 
-def relief_start(gear: Gear, relief: Relief, end: float, low: float, high: float, label: str) -> float:
+def _relief_start(gear: Gear, relief: Relief, end: float, low: float, high: float, label: str) -> float:
     """Roll length (m) at which a relief that ends at `end` starts, checked against the active profile low .. high."""
     if relief.length is not None:
         start = end - relief.length if end == high else end + relief.length
@@ -184,7 +184,7 @@ def profile_gap(pair: GearPair, modifications: PairModifications, points: PathPo
         low, high = active_roll(pair, name)
         for relief, end in ((own.tip_relief, high), (own.root_relief, low)):
             if relief is not None:
-                start = relief_start(gear, relief, end, low, high, pair.label)
+                start = _relief_start(gear, relief, end, low, high, pair.label)
                 part = np.maximum((roll - start) / (end - start), 0.0)
                 total += relief.amount * part ** SHAPES[relief.shape]
         total += own.profile_crowning * ((2 * roll - low - high) / (high - low)) ** 2
@@ -192,7 +192,14 @@ def profile_gap(pair: GearPair, modifications: PairModifications, points: PathPo
 
 
 def lead_gap(pair: GearPair, modifications: PairModifications, flank: str, face: np.ndarray) -> np.ndarray:
-    """Gap (slice,), m, by helix modifications and misalignment at the face coordinates (slice,); of either sign."""
+    """Gap (slice,), m, by helix modifications and misalignment; of either sign.
+
+    Parameters
+    ----------
+    pair, modifications : the gears in mesh and what their flanks depart from the involute
+    flank : "drive" or "coast"
+    face : (slice,) face coordinates, m from mid face
+    """
     b, sign = pair.face_width, 1.0 if flank == "drive" else -1.0
     face = np.asarray(face, dtype=float)
     total = np.zeros(len(face))

@@ -46,9 +46,14 @@ class PathPoints:
 def path_points(
     pair: GearPair, xi: np.ndarray, largest_gap: float = LARGEST_GAP, tips: tuple[float, float] | None = None
 ) -> PathPoints:
-    """Gap, contact radii and curvature at the positions xi (base pitches from the pitch point).
+    """Gap, contact radii and curvature at positions on the path of contact.
 
-    `tips` are other radii (pinion, wheel) at which the flanks end in an edge, as where a tooth is chipped (m).
+    Parameters
+    ----------
+    pair : the gears in mesh
+    xi : (n,) positions, base pitches from the pitch point
+    largest_gap : m, up to which the contact of tip edges is followed
+    tips : m, other radii (pinion, wheel) at which the flanks end in an edge, as where a tooth is chipped; or None
     """
     xi = np.atleast_1d(np.asarray(xi, dtype=float))
     if tips is not None:
@@ -165,8 +170,8 @@ def _pinion_edge(pair: GearPair, xi: np.ndarray, tip: float) -> tuple[np.ndarray
     y = tip * np.sin(corner_angle)
     radius = np.hypot(x, y)
     flank_angle = math.pi - alpha + l2 / w.base_radius - _inv_at(radius, w.base_radius)
-    turn = np.arctan2(y, x) - flank_angle
-    return w.base_radius * (turn - 2.0 * math.pi * np.round(turn / (2.0 * math.pi))), radius
+    roll_angle = np.arctan2(y, x) - flank_angle
+    return w.base_radius * (roll_angle - 2.0 * math.pi * np.round(roll_angle / (2.0 * math.pi))), radius
 
 
 def _wheel_edge(pair: GearPair, xi: np.ndarray, tip: float) -> tuple[np.ndarray, np.ndarray]:
@@ -187,9 +192,13 @@ def _wheel_edge(pair: GearPair, xi: np.ndarray, tip: float) -> tuple[np.ndarray,
 
 
 def slice_fraction(xi: np.ndarray, start: float, end: float, ramp: float) -> np.ndarray:
-    """Part of a slice in contact: the slice covers the positions xi - ramp/2 .. xi + ramp/2, the path start .. end.
+    """Part of a slice in contact, in [0, 1]: the slice covers xi - ramp/2 .. xi + ramp/2, the path start .. end.
 
-    ramp = slice width * tan(beta_b) / p_bt (cycles); 0 gives the box of a spur gear. Returns (n,) in [0, 1].
+    Parameters
+    ----------
+    xi : positions of any shape, base pitches
+    start, end : of the path of contact, base pitches
+    ramp : slice width * tan(beta_b) / p_bt, base pitches; 0 gives the box of a spur gear
     """
     xi = np.asarray(xi, dtype=float)
     if ramp == 0.0:

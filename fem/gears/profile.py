@@ -136,6 +136,11 @@ def half_tooth_profile(gear: Gear, n_fillet: int, n_flank: int, n_tip: int) -> H
     Root arc and trochoid are divided evenly by arc length, the involute evenly by roll length (so evenly along the path
     of contact), the tip arc evenly by angle. Consecutive points never coincide.
 
+    Parameters
+    ----------
+    gear : the gear
+    n_fillet, n_flank, n_tip : intervals of root arc and trochoid, of the involute, of the tip arc; 1 or more
+
     Returns
     -------
     HalfTooth with points (n_fillet + n_flank + n_tip + 1, 2): from (r_f sin(pi/z), r_f cos(pi/z)) to (0, r_a)

@@ -98,7 +98,7 @@ def with_middles(ends: np.ndarray) -> np.ndarray:
     return out
 
 
-def growing(first: float, growth: float, largest: float, total: float) -> np.ndarray:
+def _growing(first: float, growth: float, largest: float, total: float) -> np.ndarray:
     """Element ends 0 .. total whose sizes start near `first` and grow by `growth` up to `largest`."""
     sizes = [first]
     while sum(sizes) < total:
@@ -127,7 +127,7 @@ def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -
     form_arc = roll_length(gear, form_radius(gear)) ** 2 / (2 * r_b)
     tip_arc = roll_length(gear, gear.tip_form_radius) ** 2 / (2 * r_b)
     lower = with_middles(np.linspace(fillet.middle, fillet.length, _count(fillet.length - fillet.middle, 0.08 * size)))
-    upper = with_middles(tip_arc - growing(0.025 * size, 1.15, 0.05 * size, tip_arc - form_arc)[::-1])
+    upper = with_middles(tip_arc - _growing(0.025 * size, 1.15, 0.05 * size, tip_arc - form_arc)[::-1])
     upper[[0, -1]] = form_arc, tip_arc
     point, radius, normal = flank_at_roll(gear, np.sqrt(2 * r_b * upper))
     flank_radius = np.concatenate([fillet.radius(lower[:-1]), radius])
@@ -138,7 +138,7 @@ def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -
     # columns of the tooth: from -1 to +1 on the loaded flank
     if slit is None:
         thickness = flank_radius[len(lower) :].mean() * flank_angle[len(lower) :].mean()
-        across = with_middles(growing(0.05 * size / thickness, 1.25, 0.3 / refinement, 2.0)) - 1.0  # -1 = loaded here
+        across = with_middles(_growing(0.05 * size / thickness, 1.25, 0.3 / refinement, 2.0)) - 1.0  # -1 = loaded here
         across = -across[::-1]  # rises to the loaded side
         line_r, line_t = np.full(len(across), flank_radius[0]), flank_angle[0] * across
         cracked = np.zeros(len(across), dtype=bool)
@@ -158,7 +158,7 @@ def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -
     even_t = np.linspace(-1.0, 1.0, len(top_t)) * math.pi / gear.teeth
     inner = max(gear.rim_inner_radius, r_bore)
     depth = flank_radius[0] - inner
-    layer = with_middles(growing(0.18 * size, 1.25, depth / 6 / refinement, depth) / depth)[:, None]
+    layer = with_middles(_growing(0.18 * size, 1.25, depth / 6 / refinement, depth) / depth)[:, None]
     body_r = top_r + layer * (inner - top_r)
     body_t = top_t + layer * (even_t - top_t)
     rim_rows = (len(layer) - 1) // 2
@@ -214,9 +214,9 @@ def _slit_line(radius: float, angle: float, slit: Slit, size: float) -> tuple[np
     tip, largest = min(0.04 * size, slit.depth / 8), 0.3 * size
     half = slit.depth / 2
     on_slit = np.concatenate(
-        [growing(tip, 1.25, largest, half), slit.depth - growing(min(0.05 * size, half), 1.25, largest, half)[-2::-1]]
+        [_growing(tip, 1.25, largest, half), slit.depth - _growing(min(0.05 * size, half), 1.25, largest, half)[-2::-1]]
     )  # distance from the tip
-    ends = with_middles(np.concatenate([-growing(tip, 1.25, largest, rest)[:0:-1], on_slit]))
+    ends = with_middles(np.concatenate([-_growing(tip, 1.25, largest, rest)[:0:-1], on_slit]))
     ahead = np.clip(ends, 0.0, None)[:, None] / slit.depth
     behind = np.clip(-ends, 0.0, None)[:, None] / rest
     line = end + ahead * (mouth - end) + behind * (other - end)
@@ -238,8 +238,8 @@ def _count(length: float, size: float) -> int:
 
 def _fillet_normal(fillet: _Fillet, arc: np.ndarray) -> np.ndarray:
     """Unit normal out of the tooth (x, y) on the fillet of the loaded side."""
-    rise, turn = fillet.radius(arc, 1), fillet.radius(arc) * fillet.angle(arc, 1)
-    along, angle = np.column_stack([rise, turn]) / np.hypot(rise, turn)[:, None], fillet.angle(arc)
+    rise, around = fillet.radius(arc, 1), fillet.radius(arc) * fillet.angle(arc, 1)
+    along, angle = np.column_stack([rise, around]) / np.hypot(rise, around)[:, None], fillet.angle(arc)
     radial = np.column_stack([np.cos(angle), np.sin(angle)])
     around = np.column_stack([-np.sin(angle), np.cos(angle)])
     return -along[:, 1:] * radial + along[:, :1] * around

@@ -29,7 +29,13 @@ _ARGUMENTS = {  # c: option, i: integer, f: factor, a: array
 
 
 def add_product(A: np.ndarray, B: np.ndarray, C: np.ndarray, factor: float) -> None:
-    """C += factor A B, with A (m, k), B (k, n), C (m, n)."""
+    """C += factor A B.
+
+    Parameters
+    ----------
+    A, B, C : float64 (m, k), (k, n) and (m, n), columns contiguous; C is changed in place
+    factor : of the product
+    """
     if C.size and B.size:
         sizes = (*C.shape, A.shape[1])
         _call("dgemm", b"N", b"N", *sizes, factor, A, _lead(A), B, _lead(B), 1.0, C, _lead(C))

@@ -25,7 +25,15 @@ class RecordError(ValueError):
 
 
 def array(*dims: str, units: str, dtype: type = float, infinite: bool = False) -> Any:
-    """Field for an array with the named dimensions ``dims``, in ``units`` ("1" if none); inf allowed on request."""
+    """Field for an array.
+
+    Parameters
+    ----------
+    *dims : names of its dimensions; those of one record with the same name have the same length
+    units : "1" if none
+    dtype : of its elements, e.g. int or np.int32
+    infinite : values may be inf
+    """
     return dataclasses.field(
         metadata={"kind": "array", "dims": dims, "units": units, "dtype": dtype, "infinite": infinite}
     )

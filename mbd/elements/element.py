@@ -153,7 +153,7 @@ class Element:
 
 
 @stored(__file__)
-def evaluate_rule(chosen, values, motion, answer):
+def _evaluate_rule(chosen, values, motion, answer):
     """A rule for callers in Python."""
     call_rule(chosen, values, motion, answer)
 
@@ -161,7 +161,16 @@ def evaluate_rule(chosen, values, motion, answer):
 def evaluated(
     chosen: int, values: np.ndarray, u: np.ndarray, v: np.ndarray | None = None, angle: float = 0.0
 ) -> Answer:
-    """What a rule answers at the rows u and their rates v (rest if None), motor at rest at ``angle`` (rad)."""
+    """What a rule answers at given rows, the motor at rest.
+
+    Parameters
+    ----------
+    chosen : number of the rule, from `rule`
+    values : (k,) numbers of the element as its kind packs them
+    u : (n,) displacements of its rows, m or rad
+    v : (n,) their rates, m/s or rad/s; None: at rest
+    angle : of the motor, rad
+    """
     n = len(u)
     none, still = np.zeros(0), np.zeros(n) if v is None else np.array(v, dtype=float)
     empty = np.zeros((0, WIDTH))
@@ -170,5 +179,5 @@ def evaluated(
         *(np.zeros(n), np.zeros((n, WIDTH)), np.zeros(n), np.zeros((n, WIDTH)), np.zeros((n, WIDTH))),
         *(np.zeros(n), np.zeros((n, WIDTH)), np.zeros(len(LOG_COLUMNS))),
     )
-    evaluate_rule(chosen, np.ascontiguousarray(values, dtype=float), motion, answer)
+    _evaluate_rule(chosen, np.ascontiguousarray(values, dtype=float), motion, answer)
     return answer

@@ -31,8 +31,11 @@ NEAR = 0.01  # of the scale: what is left is below 1e-5 of it in 99 of 100 steps
 
 
 @inner()
-def move_rows(predicted, flexibility, force, result):
-    """result = predicted + flexibility @ force; rows beyond the forces are observed only."""
+def _move_rows(predicted, flexibility, force, result):
+    """result = predicted + flexibility @ force; rows beyond the forces are observed only.
+
+    ``predicted`` and ``result`` (k,), ``flexibility`` (k, m), ``force`` (m,).
+    """
     for r in range(len(predicted)):
         result[r] = predicted[r]
     for j in range(len(force)):
@@ -64,15 +67,27 @@ def residual_size(force, target, scale):
 )
 @stored(__file__, entry=False)
 def iterate(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, near, limit, quality, before):
-    """Iterate on ``force`` (in: guess, out: solution); returns the iterations used, or -1 without convergence.
+    """Iterate on ``force``; the iterations used, or -1 without convergence.
 
-    ``clock`` is `mbd.elements.table.CLOCK`; residuals in units of the scale of the forces: below ``tolerance`` the
-    guess is taken, from below ``near`` one more step is, above ``limit`` nothing is. ``quality`` (1,) takes the
-    residual of the guess, ``now`` the answers of the elements. ``before`` as in `mbd.elements.table.row_forces`.
+    k rows, of which the first m have forces. Residuals are measured in units of the scale of the forces.
+
+    Parameters
+    ----------
+    table, clock : elements of the machine; motor angle, its speed and time, rad, rad/s and s
+    u_p, v_p : (k,) and (m,) displacements and rates without the new forces, m or rad, m/s or rad/s
+    g_u, g_v : (k, m) and (m, m) what a unit of force adds to displacements and rates
+    force : (m,) N or N m, in: the guess, out: the solution
+    u, v : (k,) and (m,) out: displacements and rates with the forces
+    now : out: answers of the elements
+    tolerance : residual below which the forces are taken as they are
+    near : residual from below which one more step is taken without evaluating the forces again
+    limit : residual of the guess above which nothing is tried
+    quality : (1,) out: residual of the guess
+    before : (m,) or more displacements of the last instant, for the answers at frozen rows, or (0,)
     """
     m = len(force)
     guess, held = force.copy(), np.empty((0, WIDTH))
-    used = newton(
+    used = _newton(
         table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, near, limit, quality, before
     )  # fmt: skip
     if used >= 0:
@@ -80,21 +95,21 @@ def iterate(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, near,
     if quality[0] > limit:
         return -1
     copy_to(force, guess)
-    move_rows(u_p, g_u, force, u)
-    move_rows(v_p, g_v, force, v)
+    _move_rows(u_p, g_u, force, u)
+    _move_rows(v_p, g_v, force, v)
     held = np.empty((m, WIDTH))
     row_forces(table, clock, u, v, before[:0], held[:0], guess, np.empty((m, WIDTH)), np.empty((m, WIDTH)), now)
     for r in range(m):
         copy_to(held[r], now.stiffness[r])
-    used = newton(
+    used = _newton(
         table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, near, limit, quality, before
     )  # fmt: skip
     return MAX_ITERATIONS + used if used >= 0 else -1
 
 
 @inner()
-def newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, near, limit, quality, before):
-    """`iterate` with the stiffnesses ``held`` (row, WIDTH) for the damping, or the present ones if that is empty."""
+def _newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, near, limit, quality, before):
+    """`iterate` with the stiffnesses ``held`` (m, WIDTH) for the damping, or the present ones if that is empty."""
     m = len(force)
     target, step, trial = np.empty(m), np.zeros(m), np.empty(m)
     slope_u, slope_v = np.empty((m, WIDTH)), np.empty((m, WIDTH))
@@ -104,8 +119,8 @@ def newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, 
         for _ in range(MAX_HALVINGS):
             for r in range(m):
                 trial[r] = force[r] + part * step[r]
-            move_rows(u_p, g_u, trial, u)
-            move_rows(v_p, g_v, trial, v)
+            _move_rows(u_p, g_u, trial, u)
+            _move_rows(v_p, g_v, trial, v)
             row_forces(table, clock, u, v, before, held, target, slope_u, slope_v, now)
             size = residual_size(trial, target, table.scale)
             if size < last:
@@ -120,22 +135,26 @@ def newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, 
             return iteration
         for r in range(m):
             step[r] = target[r] - force[r]
-        if not newton_step(table, g_u, g_v, slope_u, slope_v, step):
+        if not _newton_step(table, g_u, g_v, slope_u, slope_v, step):
             return -1
         if size <= near:
             for r in range(m):
                 force[r] += step[r]
             copy_to(trial, u[:m])
-            move_rows(u_p, g_u, force, u)
-            move_rows(v_p, g_v, force, v)
+            _move_rows(u_p, g_u, force, u)
+            _move_rows(v_p, g_v, force, v)
             follow_tangent(table, trial, u, v, force, now)
             return iteration + 1
     return -1
 
 
 @inner()
-def newton_step(table, g_u, g_v, slope_u, slope_v, step):
-    """Solve (1 - S_u G_u - S_v G_v) step = residual in place; rows whose force does not depend on the motion stay."""
+def _newton_step(table, g_u, g_v, slope_u, slope_v, step):
+    """Solve (1 - S_u G_u - S_v G_v) step = residual in place; rows whose force does not depend on the motion stay.
+
+    ``g_u`` and ``g_v`` as in `iterate`, the slopes S_u and S_v (m, WIDTH) as in `mbd.elements.table.row_forces`,
+    ``step`` (m,) in: the residual, out: the change of the forces. False if the matrix is singular.
+    """
     m = len(step)
     active, n = np.empty(m, dtype=np.int64), 0
     pushed, n_pushed = np.empty(m, dtype=np.int64), 0  # rows that move by a given force
@@ -199,7 +218,12 @@ def solve_dense(matrix, right):
 
 @stored(__file__)
 def solve_rows(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance):
-    """`iterate` for one instant, to the tolerance."""
+    """`iterate` for one instant, to the tolerance.
+
+    Parameters
+    ----------
+    table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance : those of `iterate`
+    """
     quality = np.empty(1)
     return iterate(
         table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, 0.0, np.inf, quality, quality[:0]
@@ -208,13 +232,24 @@ def solve_rows(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance):
 
 @stored(__file__)
 def forces_at(table, clock, u, v, before, held, force, slope_u, slope_v, now):
-    """`mbd.elements.table.row_forces` at one instant."""
+    """`mbd.elements.table.row_forces` at one instant.
+
+    Parameters
+    ----------
+    table, clock, u, v, before, held, force, slope_u, slope_v, now : those of `mbd.elements.table.row_forces`
+    """
     row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now)
 
 
 @stored(__file__)
 def work_between(table, angle_before, clock, u_before, u, v, last, now, push):
-    """`mbd.elements.table.parametric_work` of a step whose elements were not asked for frozen rows: they are here."""
+    """`mbd.elements.table.parametric_work` of a step whose elements were not asked for frozen rows: they are here.
+
+    Parameters
+    ----------
+    table, angle_before, u_before, last, push : those of `mbd.elements.table.parametric_work`
+    clock, u, v, now : end of the step, those of `mbd.elements.table.row_forces`
+    """
     m = len(v)
     force, slope_u, slope_v = np.empty(m), np.empty((m, WIDTH)), np.empty((m, WIDTH))
     row_forces(table, clock, u, v, u_before, slope_u[:0], force, slope_u, slope_v, now)

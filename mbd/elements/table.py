@@ -138,10 +138,19 @@ def slope_matrix(slope: np.ndarray, table: Table) -> np.ndarray:
 @apart(types.none, TABLE, CLOCK, VECTOR, VECTOR, VECTOR, MATRIX, VECTOR, MATRIX, MATRIX, INSTANT)
 @stored(__file__, entry=False)
 def row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now):
-    """Residual forces lambda = k0 u + c0 u' - F and their slopes at row displacements u and rates v; fills ``now``.
+    """Residual forces lambda = k0 u + c0 u' - F and their slopes at an instant.
 
-    ``slope_u[r]`` and ``slope_v[r]`` hold d force[r] by the rows ``pattern[r]``. ``before`` (row,) and ``held``
-    (row, WIDTH), either of which may be empty, are those of `mbd.elements.element.Motion`.
+    k rows, of which the first m belong to elements; the others are observed.
+
+    Parameters
+    ----------
+    table, clock : elements of the machine; motor angle, its speed and time, rad, rad/s and s
+    u, v : (k,) and (m,) displacements and rates of the rows, m or rad, m/s or rad/s
+    before : (m,) or more displacements of the last instant, see `mbd.elements.element.Motion`, or (0,)
+    held : (m, WIDTH) stiffness that damping takes, see `mbd.elements.element.Motion`, or (0, WIDTH)
+    force : (m,) out: lambda, N or N m
+    slope_u, slope_v : (m, WIDTH) out: slopes of lambda[r] by displacement and rate of the rows ``pattern[r]``
+    now : out: answers of the elements
     """
     m = len(force)
     rows, rates, old, hold = lent(u), lent(v), lent(before), lent(held)
@@ -179,7 +188,16 @@ def row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now):
 
 @inner()
 def follow_tangent(table, before, u, v, force, now):
-    """Move what the elements answered at the rows ``before`` to u, v nearby, where ``force`` is the solution."""
+    """Move what the elements answered to rows nearby, where the forces are known.
+
+    Parameters
+    ----------
+    table : elements of the machine, m rows
+    before : (m,) displacements where they were asked, m or rad
+    u, v : (m,) or more displacements and rates nearby, m or rad, m/s or rad/s
+    force : (m,) residual forces lambda there, N or N m
+    now : answers of the elements, changed in place
+    """
     for e in range(len(table.rule)):
         a, b = table.row[e], table.row[e + 1]
         energy = 0.0
@@ -198,8 +216,17 @@ def follow_tangent(table, before, u, v, force, now):
 
 @inner()
 def parametric_work(table, angle_before, angle, u_before, u, last, now, push):
-    """Fill the parametric work of the step from motor angle ``angle_before`` to ``angle`` (rad), and into ``push``
-    (row,) the change of the elastic forces by the parameter alone, of the elements that go by frozen rows."""
+    """Fill the parametric work (J) of a step.
+
+    Parameters
+    ----------
+    table : elements of the machine, m rows
+    angle_before, angle : of the motor at both ends of the step, rad
+    u_before, u : (m,) or more displacements of the rows there, m or rad
+    last, now : answers of the elements there; the log of ``now`` takes the work
+    push : (m,) out: change of the elastic forces by the parameter alone, N or N m; 0 for elements that do not
+        go by frozen rows
+    """
     for e in range(len(table.rule)):
         a, b = table.row[e], table.row[e + 1]
         for r in range(a, b):

@@ -2,9 +2,9 @@
 
 residual = received + parametric - change of stored energy - dissipated.
 
-The books of the parts (`mbd.energy.linear_energy`, `mbd.energy.element_energy`) are kept in the frame that rolls with
-the train, where the inertia force of a speed ramp counts as received. The total is that of the real motion R phi_m + q:
-it receives the works of motors, gravity and drum torque, and the parametric works.
+The balances of the parts (`mbd.energy.linear_energy`, `mbd.energy.element_energy`) are kept in the frame that rolls
+with the train, where the inertia force of a speed ramp counts as received. The total is that of the real motion
+R phi_m + q: it receives the works of motors, gravity and drum torque, and the parametric works.
 """
 
 from __future__ import annotations
@@ -57,11 +57,11 @@ class EnergyBalance:
         return self._elements.events()
 
     def table(self) -> tuple[tuple[str, ...], np.ndarray]:
-        """Part names and the entries of ENERGY_ENTRIES (part, entry), J; ``scale`` is what the residual is held against:
+        """Part names and ENERGY_ENTRIES (part, entry) in J; ``scale`` is what the residual is held against:
         the dissipated energy of the part (its peak stored energy if undamped), all work of the sources for the total.
         """
-        linear, motor_work = self._linear.books(self._ramp_work)
-        rows = linear | self._elements.books()
+        linear, motor_work = self._linear.entries(self._ramp_work)
+        rows = linear | self._elements.entries()
         parts = np.array(list(rows.values()))
         stored = float(parts[:, 0].sum()) + self._rigid_energy()
         dissipated, parametric = float(parts[:, 1].sum()), float(parts[:, 3].sum())

@@ -51,7 +51,7 @@ class ElementWork:
         self._touched += (~loaded[:-1] & loaded[1:]).sum(axis=0)
         turned = np.diff(clock[new, ANGLE])
         for force, sums in ((elastic + lost, self._received), (lost, self._loss)):
-            sums += path_work(force, rows, known, even)
+            sums += _path_work(force, rows, known, even)
             sums += self._rolls * (0.5 * turned @ (force[new][1:] + force[new][:-1]))
         parametric = log[known:, :, PARAMETRIC]
         self._parametric += parametric.sum(axis=0)
@@ -61,7 +61,7 @@ class ElementWork:
         self._known = [values[-3:].copy() for values in (rows, elastic, lost, push)]
         self._log, self._clock = log[-3:].copy(), clock[-3:].copy()
 
-    def books(self) -> dict[str, list[float]]:
+    def entries(self) -> dict[str, list[float]]:
         """Stored, dissipated, received, parametric, residual, scale of every part, J."""
         n = len(self._elements)
         received, loss, shifted = (
@@ -94,7 +94,7 @@ def even_steps(lengths: np.ndarray) -> np.ndarray:
     return ((lengths[1:-2] == lengths[2:-1]) & (lengths[2:-1] == lengths[3:]))[:, None] / 12
 
 
-def path_work(force: np.ndarray, motion: np.ndarray, known: int, even: np.ndarray) -> np.ndarray:
+def _path_work(force: np.ndarray, motion: np.ndarray, known: int, even: np.ndarray) -> np.ndarray:
     """Integral of force d(motion) after the first ``known`` instants; its cubic part lags by one step and is taken
     with the factor ``even``, see `even_steps`."""
     new = slice(max(known - 1, 0), None)

@@ -1,4 +1,4 @@
-"""Integrals for the books of the linear parts, exact for an integrator that follows a `Flow`.
+"""Integrals for the energy balance of the linear parts, exact for an integrator that follows a `Flow`.
 
 eta' = values eta + sum_i r_i s_i(t) with the signals s = lambda (polynomials of degree p within a step, see `Block`),
 the motor acceleration (held), 1, and the motor speed (linear, enters nothing). With theta = 0..1 over a step of length
@@ -19,7 +19,7 @@ import math
 import numpy as np
 
 from mbd.integrators.base import ACCELERATION, LENGTH, SPEED, Block, Flow
-from mbd.integrators.exponential import phi_functions
+from mbd.integrators.phi_functions import phi_functions
 
 NODES = 64  # of the Gauss quadrature of chi, exact to rounding for |z| < 40
 UNDAMPED = 1e-13  # |values_a + values_b| below this share of |values|: the pair dissipates nothing

@@ -59,7 +59,7 @@ class LinearWork:
             if part.name in self._peak:
                 self._peak[part.name] = max(self._peak[part.name], self._energy(part, self.latest))
 
-    def books(self, ramp_work: dict[str, float]) -> tuple[dict[str, list[float]], float]:
+    def entries(self, ramp_work: dict[str, float]) -> tuple[dict[str, list[float]], float]:
         """Stored, dissipated, received, parametric (0), residual, scale of every part, and the motors' work, J."""
         system, moved = self._system, self.to_q @ (self.latest - self.origin)
         port_work, velocity, motor_work = self._integrals()

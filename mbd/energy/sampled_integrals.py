@@ -1,4 +1,4 @@
-"""Integrals for the books of the linear parts as sums over the instants, for an integrator without a `Flow`.
+"""Integrals for the energy balance of the linear parts as sums over the instants, for an integrator without a `Flow`.
 
 Sums are those of the trapezoidal rule, accurate beyond all orders for smooth oscillations that the instants resolve. A
 jump D phi'' of the motor acceleration turns v by J D phi'', J = -M^-1 M R, so that by Euler and Maclaurin's formula a
@@ -62,7 +62,14 @@ class SampledWork:
     def integrals(
         self, latest: np.ndarray, to_q: np.ndarray, to_v: np.ndarray, turn: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """int f v^T dt (port, coordinate) and int v v^T dt; ``turn`` is J."""
+        """int f v^T dt (port, coordinate) and int v v^T dt (coordinate, coordinate) over the run.
+
+        Parameters
+        ----------
+        latest : (x,) state at the last instant
+        to_q, to_v : (coordinate, x) displacements and velocities of a state
+        turn : (coordinate,) J, see above
+        """
         start = self._to_force @ self._origin
         start[: self._m] -= self._origin_force
         v_0, v_1 = to_v @ self._origin, to_v @ self._first

@@ -43,7 +43,7 @@ def touches(values, delta, psi):
 
 
 @inner()
-def store(energy_at, force, stiffness, log, found):
+def _store(energy_at, force, stiffness, log, found):
     """Spread F, M, U, dF/d delta, dF/d psi, dM/d psi."""
     force[0], force[1], log[energy_at] = found[0], found[1], found[2]
     stiffness[0, 0], stiffness[0, 1] = found[3], found[4]
@@ -69,11 +69,11 @@ def flank_rule(values, motion, answer):
         found = evaluate_two(
             law, cycle, delta - back, psi, before[0] - back, before[1], pinion_terms, wheel_terms
         )  # fmt: skip
-        store(ENERGY, answer.elastic, answer.stiffness, answer.log, found[:6])
-        store(FROZEN_ENERGY, answer.frozen, answer.frozen_stiffness, answer.log, found[6:])
+        _store(ENERGY, answer.elastic, answer.stiffness, answer.log, found[:6])
+        _store(FROZEN_ENERGY, answer.frozen, answer.frozen_stiffness, answer.log, found[6:])
     else:
         alone = evaluate(law, cycle, delta - back, psi, pinion_terms, wheel_terms)
-        store(ENERGY, answer.elastic, answer.stiffness, answer.log, alone[:6])
+        _store(ENERGY, answer.elastic, answer.stiffness, answer.log, alone[:6])
     if answer.elastic[0] > 0.0:
         damp(values, motion, answer)
 

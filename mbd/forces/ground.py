@@ -50,8 +50,15 @@ class Ground:
         not_negative("ground damping_ratio", self.damping_ratio)
 
     def element(self, lay: Coordinates, lift: str, mass: float, rise: float) -> Element:
-        """The ground under a container of ``mass`` (kg) on the coordinate ``lift``, which rises by ``rise`` (m) per
-        motor angle."""
+        """The ground under a container.
+
+        Parameters
+        ----------
+        lay : coordinates of the machine
+        lift : name of the coordinate of the container, which rises along it, m
+        mass : of the container, kg
+        rise : of the container by the rolling of the train, m per radian of the motor
+        """
         damping = 2 * self.damping_ratio * (self.stiffness * mass) ** 0.5
         return Element(
             kind="ground",

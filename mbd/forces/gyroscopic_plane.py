@@ -56,7 +56,7 @@ def elements(assembly: Assembly) -> Iterator[Element]:
 def planes(reduced: np.ndarray, kept: float = KEPT) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Rows a, b (plane, mode), strengths g (plane,) of a skew matrix (mode, mode), strongest first, and the share of
     its Frobenius norm that the planes left out hold."""
-    form, turn = linalg.schur(0.5 * (reduced - reduced.T), output="real")
+    form, vectors = linalg.schur(0.5 * (reduced - reduced.T), output="real")
     size, found, i = float(abs(form).max(initial=0.0)), [], 0
     while i < len(form) - 1:
         pair = abs(form[i, i + 1]) > 1e-12 * size
@@ -71,4 +71,4 @@ def planes(reduced: np.ndarray, kept: float = KEPT) -> tuple[np.ndarray, np.ndar
         return empty, empty, np.zeros(0), 0.0
     left = 1 - np.cumsum(strength**2) / whole
     n = int(np.argmax(left <= 1 - kept**2)) + 1
-    return turn[:, at[:n]].T, turn[:, at[:n] + 1].T, strength[:n], float(np.sqrt(max(left[n - 1], 0.0)))
+    return vectors[:, at[:n]].T, vectors[:, at[:n] + 1].T, strength[:n], float(np.sqrt(max(left[n - 1], 0.0)))

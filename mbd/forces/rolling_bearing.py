@@ -53,10 +53,10 @@ def ball_rule(values, motion, answer):
     radius, tau = values[RADIUS], values[TAU]
     centre, a_r, a_a = values[FIRST], values[FIRST + 1], values[FIRST + 2]
     energy, turned = 0.0, 0.0
-    turn = 2.0 * math.pi / count
+    spacing = 2.0 * math.pi / count
     start = values[START] - values[RATE] * motion.angle
     c, s = math.cos(start), math.sin(start)
-    step_c, step_s = math.cos(turn), math.sin(turn)
+    step_c, step_s = math.cos(spacing), math.sin(spacing)
     for _ in range(count):
         x = a_r + u[0] * c + u[2] * s
         g = u[4] * c - u[3] * s
@@ -97,10 +97,10 @@ def roller_rule(values, motion, answer):
     radius, tau = values[RADIUS], values[TAU]
     length, n_r, n_a, back = values[FIRST], values[FIRST + 1], values[FIRST + 2], values[FIRST + 3]
     energy, turned = 0.0, 0.0
-    turn = 2.0 * math.pi / count
+    spacing = 2.0 * math.pi / count
     start = values[START] - values[RATE] * motion.angle
     for e in range(count):
-        c, s = math.cos(start + e * turn), math.sin(start + e * turn)
+        c, s = math.cos(start + e * spacing), math.sin(start + e * spacing)
         g = u[4] * c - u[3] * s
         middle = n_r * (u[0] * c + u[2] * s) + n_a * (u[1] + radius * g) - back
         if middle + 0.5 * length * abs(g) <= 0.0:
@@ -177,10 +177,12 @@ def _spread(matrix, c, s, radius, rr, ra, aa):
 def _spread_line(matrix, c, s, radius, n_r, n_a, k0, k1, k2):
     """Add the stiffness of a line: delta = n_r rho + n_a w + (-place) g, moments k0, k1, k2 over -place."""
     row = (n_r * c, n_a, n_r * s, -radius * n_a * s, radius * n_a * c)
-    turn = (0.0, 0.0, 0.0, -s, c)
+    lever = (0.0, 0.0, 0.0, -s, c)
     for i in range(5):
         for j in range(i, 5):
-            matrix[i, j] += k0 * row[i] * row[j] + k1 * (row[i] * turn[j] + turn[i] * row[j]) + k2 * turn[i] * turn[j]
+            matrix[i, j] += (
+                k0 * row[i] * row[j] + k1 * (row[i] * lever[j] + lever[i] * row[j]) + k2 * lever[i] * lever[j]
+            )
 
 
 @inner()
@@ -247,7 +249,16 @@ def hertz_bearing(
     name: str, shaft: str, y: float, elements: RollingElements, damping_time: float,
     support: Literal["casing", "ground"] = "casing",
 ) -> BearingSpec:  # fmt: skip
-    """A bearing with rolling elements; its linear reference is the tangent at a small share of what it can carry."""
+    """A bearing with rolling elements; its linear reference is the tangent at a small share of what it can carry.
+
+    Parameters
+    ----------
+    name, shaft : names of the bearing and of the shaft in it
+    y : m, place on the shaft
+    elements : the rolling elements and their races
+    damping_time : damping over stiffness, s
+    support : what carries the outer ring
+    """
     radial, axial, tilt = tangent_at_load(elements)
     return BearingSpec(
         name=name, shaft=shaft, y=y, stiffness_x=radial, stiffness_z=radial, stiffness_axial=axial,

@@ -56,7 +56,13 @@ def sliding_rule(values, motion, answer):
 
 
 def sliding_rows(mesh: MeshSpec, driving: ShaftSpec, driven: ShaftSpec, flank: int) -> np.ndarray:
-    """Rows (2, 12): w and kappa on (ux uy uz rx ry rz) of driving, then driven gear; flank +1 drive, -1 coast."""
+    """Rows (2, 12): w and kappa on (ux uy uz rx ry rz) of the driving, then the driven gear.
+
+    Parameters
+    ----------
+    mesh, driving, driven : the mesh and the shafts of its gears
+    flank : +1 drive, -1 coast
+    """
     line = np.array([driven.x - driving.x, 0.0, driven.z - driving.z])
     e, up, s = line / np.linalg.norm(line), np.array([0.0, 1.0, 0.0]), driving.sense
     n = flank * s * math.cos(mesh.pressure_angle) * np.cross(up, e) + math.sin(mesh.pressure_angle) * e

@@ -2,7 +2,7 @@
 
 Contract
 --------
-1. It is made from a `System` and a fixed step h (s): ``METHODS[name](system, h)``. Making it does all work that does
+1. It is made from a `System` and a fixed step h (s), see `mbd.integrators.methods`. Making it does all work that does
    not depend on the state; it raises StepError if h is outside its range.
 2. ``start(state)`` sets the state at t = 0 and returns a `Block` of that one instant.
 3. ``advance(angles, speeds, accelerations)`` takes len(angles) steps. ``angles`` and ``speeds`` are those of the motor
@@ -13,8 +13,8 @@ Contract
 6. Nonlinear forces hold at the end of each step to ``TOLERANCE`` of their scale, or to less than the error of the step
    (`mbd.elements.newton`); a step that does not converge raises StepError with its time.
 7. ``counters`` has "steps" (whole ones), "cuts" (instants beyond the whole steps) and "iterations" (Newton solves).
-8. ``flow`` is the `Flow` that the states follow exactly under the held forces of the blocks (the energy balance are then
-   exact integrals of it), or None (they are sums over the instants).
+8. ``flow`` is the `Flow` that the states follow exactly under the held forces of the blocks (the energy balance is then
+   made of exact integrals), or None (it is made of sums over the instants).
 9. The same input gives the same bits; nothing depends on how steps are cut into blocks.
 10. ``branch(change)`` is a second integrator of this kind at the same instant, its state moved by ``change`` (x,); the
    two go on independently. ``advance(..., like=block)`` cuts the steps as those of ``block`` (the same instants of the
@@ -37,7 +37,14 @@ LENGTH, ANGLE, SPEED, ACCELERATION = range(4)  # columns of a block's clock: s, 
 
 
 def uniform_clock(step: float, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray) -> np.ndarray:
-    """The clock of steps that are all whole."""
+    """The clock (step, 4) of steps that are all whole.
+
+    Parameters
+    ----------
+    step : length of a step, s
+    angles, speeds : (step,) of the motor at the end of each step, rad and rad/s
+    accelerations : (step,) of the motor during it, rad/s2
+    """
     return np.column_stack([np.full(len(angles), step), angles, speeds, accelerations])
 
 
@@ -93,7 +100,14 @@ class Integrator(Protocol):
     def advance(
         self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray, like: Block | None = None
     ) -> Block:
-        """Take len(angles) steps, cut as those of ``like`` were if it is given."""
+        """Take len(angles) steps.
+
+        Parameters
+        ----------
+        angles, speeds : (step,) of the motor at the end of each step, rad and rad/s
+        accelerations : (step,) of the motor during it, rad/s2
+        like : block whose cuts of the same steps are taken, or None
+        """
 
     def branch(self, change: np.ndarray) -> Integrator:
         """A second integrator at this instant, its state moved by ``change`` (x,)."""

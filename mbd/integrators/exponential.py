@@ -21,10 +21,9 @@ import math
 import numpy as np
 
 from mbd.integrators.modal import Hold, ModalIntegrator
+from mbd.integrators.phi_functions import phi_functions
 from mbd.system.system import System
 
-SERIES_BELOW = 1.0
-SERIES_TERMS = 24
 LINEAR = (1.0, 0.0)  # theta of the instants that a hold goes through
 QUADRATIC = (1.0, 0.0, -1.0)
 AFTER_SHORT, AFTER_LONG = (1.0, 0.0, -0.25), (1.0, 0.0, -4.0)  # the step before was a quarter, four times as long
@@ -38,21 +37,6 @@ def hold(eigenvalues: np.ndarray, step: float, instants: tuple[float, ...] = QUA
     powers = np.linalg.inv(np.vander(np.array(instants), increasing=True))
     moments = np.array([math.factorial(k) * phi[k + 1] for k in range(n)])
     return Hold(growth=phi[0], weights=step * powers.T @ moments, constant=step * phi[1], powers=powers)
-
-
-def phi_functions(z: np.ndarray, highest: int) -> np.ndarray:
-    """phi_0 .. phi_highest (k, z), complex; by their series near 0, where phi_(k+1) = (phi_k - 1/k!)/z cancels."""
-    small = abs(z) < SERIES_BELOW
-    near, far = np.where(small, z, 0.0), np.where(small, 1.0, z)
-    series = np.zeros((highest + 1, *np.shape(z)), dtype=complex)
-    closed = np.empty_like(series)
-    closed[0] = np.exp(far)
-    for k in range(highest + 1):
-        for j in range(SERIES_TERMS, -1, -1):
-            series[k] = 1.0 / math.factorial(j + k) + near * series[k]
-        if k < highest:
-            closed[k + 1] = (closed[k] - 1.0 / math.factorial(k)) / far
-    return np.where(small, series, closed)
 
 
 def exponential(system: System, step: float) -> ModalIntegrator:

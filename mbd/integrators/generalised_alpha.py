@@ -93,7 +93,13 @@ class GeneralisedAlpha:
     def advance(
         self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray, like: Block | None = None
     ) -> Block:
-        """Take len(angles) steps; none is ever cut."""
+        """Take len(angles) steps.
+
+        Parameters
+        ----------
+        angles, speeds, accelerations : (step,) of the motor as in `mbd.integrators.base`, rad, rad/s and rad/s2
+        like : not used, no step is ever cut
+        """
         instants = []
         for angle, speed, acceleration in zip(angles, speeds, accelerations, strict=True):
             start = np.concatenate([self._q, self._v])

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
+from fem.named_classes import named_class
 from mbd.integrators.base import Integrator
-from mbd.integrators.exponential import exponential
-from mbd.integrators.generalised_alpha import GeneralisedAlpha
-from mbd.integrators.reference import Reference
-from mbd.integrators.trapezoidal import trapezoidal
 from mbd.system.system import System
 
-METHODS: dict[str, Callable[[System, float], Integrator]] = {
-    "exponential": exponential,
-    "trapezoidal": trapezoidal,
-    "generalised-alpha": GeneralisedAlpha,
-    "reference": Reference,
+METHODS = {
+    "exponential": ("mbd.integrators.exponential", "exponential"),
+    "trapezoidal": ("mbd.integrators.trapezoidal", "trapezoidal"),
+    "generalised-alpha": ("mbd.integrators.generalised_alpha", "GeneralisedAlpha"),
+    "reference": ("mbd.integrators.reference", "Reference"),
 }
+
+
+def make_integrator(name: str, system: System, step: float) -> Integrator:
+    """The integrator of that name for a system and a time step (s).
+
+    Raises
+    ------
+    ValueError : no such integrator
+    """
+    made: Integrator = named_class(METHODS, name, "integrator", ValueError)(system, step)
+    return made

@@ -130,11 +130,17 @@ class ModalIntegrator:
     def advance(
         self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray, like: Block | None = None
     ) -> Block:
-        """Take len(angles) steps, cut as those of ``like`` were if it is given."""
+        """Take len(angles) steps.
+
+        Parameters
+        ----------
+        angles, speeds, accelerations : (step,) of the motor as in `mbd.integrators.base`, rad, rad/s and rad/s2
+        like : block whose cuts of the same steps are taken, or None
+        """
         plan = np.zeros(0, dtype=np.int64) if like is None else self._levels(like)
         parts, done = [], 0
         while done < len(angles):
-            part, done = self._fill(done, angles, speeds, accelerations, plan)
+            part, done = self._fill(done, angles, accelerations, plan)
             plan = plan[len(part.states) :]
             parts.append(part)
         return join(parts)
@@ -162,9 +168,7 @@ class ModalIntegrator:
         quarters = np.log(self._step / block.clock[:, LENGTH]) / np.log(QUARTERS)
         return np.round(quarters).astype(np.int64)
 
-    def _fill(
-        self, done: int, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray, plan: np.ndarray
-    ) -> tuple[Block, int]:
+    def _fill(self, done: int, angles: np.ndarray, accelerations: np.ndarray, plan: np.ndarray) -> tuple[Block, int]:
         """One block from step ``done`` on, as far as its arrays reach, and the steps done then."""
         constants, table, memory = self._constants, self._system.table, self._memory
         assert memory is not None, "call start first"
@@ -186,7 +190,7 @@ class ModalIntegrator:
             holds=np.empty((n, past, m)),
         )
         now, used, iterations, failed = advance_modes(
-            table, done, angles, speeds, accelerations, constants, memory, block, TOLERANCE, plan
+            table, done, angles, accelerations, constants, memory, block, TOLERANCE, plan
         )
         if failed:
             at = self.counters["steps"] + now - done

@@ -147,10 +147,19 @@ def _remember(constants, memory, hold, level, kink, eta, force, row_values, now,
 
 
 @stored(__file__)
-def advance_modes(table, first, angles, speeds, accelerations, constants, memory, block, tolerance, plan):
-    """Steps from `first` on, as far as the block reaches; next step, instants, iterations, True if one failed.
+def advance_modes(table, first, angles, accelerations, constants, memory, block, tolerance, plan):
+    """Steps as far as the block reaches: next step, instants and iterations taken, True if a step failed.
 
-    ``plan`` (instant,) are the levels to take; empty: chosen as the forces ask.
+    Parameters
+    ----------
+    table : elements of the machine
+    first : number of the first step to take
+    angles : (step,) of the motor at the end of each step, rad
+    accelerations : (step,) of the motor during it, rad/s2
+    constants, memory : what does not change, and what a step leaves for the next (changed in place)
+    block : `mbd.integrators.base.Block` with room for the instants of one step or more, filled in
+    tolerance : of the forces, in units of their scale
+    plan : (instant,) int, levels to take, or (0,): chosen as the forces ask
     """
     length, growth, rate, weights, _, load, ramp, enter, rows, g_u, g_v = constants
     state, past_forces, pushes, past, counts, motor, last_rows, last = memory

@@ -76,7 +76,13 @@ class Reference:
     def advance(
         self, angles: np.ndarray, speeds: np.ndarray, accelerations: np.ndarray, like: Block | None = None
     ) -> Block:
-        """Take len(angles) steps; whole ones are never cut."""
+        """Take len(angles) steps.
+
+        Parameters
+        ----------
+        angles, speeds, accelerations : (step,) of the motor as in `mbd.integrators.base`, rad, rad/s and rad/s2
+        like : not used, whole steps are never cut
+        """
         instants = []
         for angle, speed, acceleration in zip(angles, speeds, accelerations, strict=True):
             start, self._x = self._x, self._one_step(float(angle), float(acceleration))

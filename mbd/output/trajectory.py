@@ -1,4 +1,4 @@
-"""Trajectory: what a run returns, sampled at the output rate, with its books and counters."""
+"""Trajectory: what a run returns, sampled at the output rate, with its energy balance and counters."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Trajectory(Record):
         return int(self.counters[self.counter_names.index(name)])
 
     def energy(self, part: str, entry: str) -> float:
-        """One entry (J) of the energy book, e.g. ``("total", "residual")``."""
+        """One entry (J) of the energy balance, e.g. ``("total", "residual")``."""
         return float(self.energies[self.energy_parts.index(part), self.energy_entries.index(entry)])
 
     def open_parts(self) -> tuple[str, ...]:
@@ -68,7 +68,9 @@ class Trajectory(Record):
         _, flow = self._largest_flow()
         limits = dict.fromkeys(self.energy_parts, PART_LIMIT * flow)
         limits["total"] = TOTAL_LIMIT * self.energy("total", "scale")
-        return tuple(part for part in self.energy_parts if abs(self.energy(part, "residual")) > max(limits[part], floor))
+        return tuple(
+            part for part in self.energy_parts if abs(self.energy(part, "residual")) > max(limits[part], floor)
+        )
 
     def unbalanced(self) -> tuple[str, ...]:
         """One sentence on the worst of `open_parts`; none if there is none."""

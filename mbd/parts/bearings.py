@@ -212,7 +212,14 @@ class BearingSpec(Component):
 
 
 def rigid_bearing(name: str, shaft: str, y: float, support: Literal["casing", "ground"] = "casing") -> BearingSpec:
-    """A bearing that does not give way: all displacements held, tilts free."""
+    """A bearing that does not give way: all displacements held, tilts free.
+
+    Parameters
+    ----------
+    name, shaft : names of the bearing and of the shaft in it
+    y : m, place on the shaft
+    support : what carries the bearing
+    """
     k = RIGID_STIFFNESS
     return BearingSpec(
         name=name, shaft=shaft, y=y, stiffness_x=k, stiffness_z=k, stiffness_axial=k, damping_time=0.0,

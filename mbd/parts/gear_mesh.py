@@ -181,8 +181,16 @@ def mesh_rows(mesh: MeshSpec, driving: ShaftSpec, driven: ShaftSpec) -> np.ndarr
 def contact_rows(
     line: tuple[float, float], radii: tuple[float, float], pressure_angle: float, lead: float, sense: int
 ) -> np.ndarray:
-    """The rows of `mesh_rows` for axes ``line`` (x, z) apart, base radii of both gears (m), the tangent ``lead`` of the
-    base helix angle (positive for a right-hand pinion), and the lifting sense of the driving gear."""
+    """The rows (4, 12) of `mesh_rows` by dimensions.
+
+    Parameters
+    ----------
+    line : (x, z) from the driving to the driven axis, m; only its direction counts
+    radii : base radii of driving and driven gear, m
+    pressure_angle : transverse, working, rad
+    lead : tangent of the base helix angle, positive for a right-hand driving gear
+    sense : lifting sense of the driving shaft, +1 or -1
+    """
     e = np.array([line[0], 0.0, line[1]]) / math.hypot(*line)
     up, s = np.array([0.0, 1.0, 0.0]), sense
     t = np.cross(up, e)

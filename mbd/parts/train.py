@@ -55,10 +55,17 @@ def _closed(link: Link, ratios: dict[str, float]) -> None:
 
 
 def power_flow(shafts: int, flows: Sequence[tuple[int, int]], motors: Sequence[int], loaded: int) -> np.ndarray:
-    """Share (flow + motor,) of the power drawn at the shaft ``loaded`` that each flow (giver, taker) and motor carries.
+    """Share (flow + motor,) of the power drawn from the train that each flow and each motor carries.
 
     The balance of every shaft; where paths run side by side it leaves the split open, and the split with the least sum
     of squares is taken.
+
+    Parameters
+    ----------
+    shafts : how many there are, numbered from 0
+    flows : (giver, taker) of every mesh and coupling, numbers of shafts
+    motors : number of the shaft that each motor turns
+    loaded : number of the shaft that the power is drawn from
     """
     balance = np.zeros((shafts, len(flows) + len(motors)))
     for k, (giver, taker) in enumerate(flows):

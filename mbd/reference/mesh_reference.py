@@ -24,7 +24,15 @@ SHARE_POSITIONS = 64  # places of the sliding shares over a mesh cycle
 def approach_at(
     evaluator: LawEvaluator, cycle: float, force: float, pinion: Teeth = None, wheel: Teeth = None, psi: float = 0.0
 ) -> float:
-    """delta (m) at which the law carries ``force`` (N) at ``cycle`` and ``psi``; where the first pair touches for 0 N.
+    """delta (m) at which a law carries a force; for 0 N where the first pair touches.
+
+    Parameters
+    ----------
+    evaluator : of the law of one flank
+    cycle : mesh cycle
+    force : N
+    pinion, wheel : (tooth,) clearances, m, or (tooth, 6) tooth terms, see `fem.contact.teeth`; None: no deviations
+    psi : tilt in the plane of action, rad
 
     Raises
     ------

@@ -25,6 +25,7 @@ def modal_basis(
     mass, stiffness : (coordinate, coordinate), symmetric
     forces : (coordinate, force), patterns whose static response is kept exactly
     band : Hz, modes above it are left out; inf keeps all
+    names : (coordinate,), for messages
 
     Raises
     ------
@@ -54,6 +55,6 @@ def modal_basis(
     answer = answer / np.maximum(np.linalg.norm(answer, axis=0), np.finfo(float).tiny)
     left, size, _ = np.linalg.svd(answer, full_matrices=False)
     left = left[:, size > INDEPENDENT * size[0]]
-    extra_squares, turn = linalg.eigh(left.T @ (squares[~keep][:, None] * left))
-    basis = np.hstack([kept, rest @ left @ turn])
+    extra_squares, vectors = linalg.eigh(left.T @ (squares[~keep][:, None] * left))
+    basis = np.hstack([kept, rest @ left @ vectors])
     return basis, np.sqrt(np.concatenate([squares[keep], extra_squares]))

@@ -152,10 +152,14 @@ def _without_matrices(system: System, slope: np.ndarray) -> np.ndarray:
 def linear_modes(
     system: System, state: State | None = None, up_to: float = DEFAULT_UP_TO, speed: float = 0.0
 ) -> LinearModes:
-    """Modes of small motion about ``state`` (if None the loaded equilibrium at the motor ``speed``, rad/s) up to a
-    frequency (Hz).
+    """Modes of small motion about a state of rest.
 
-    Keep ``up_to`` well below the band the system was assembled for.
+    Parameters
+    ----------
+    system : the machine in its casing
+    state : None for the loaded equilibrium at the motor speed
+    up_to : Hz, highest frequency; keep it well below the band the system was assembled for
+    speed : of the motors for the equilibrium, rad/s
 
     Raises
     ------
@@ -199,18 +203,18 @@ def _eigen(system: System, small: Tangent) -> tuple[np.ndarray, np.ndarray, int]
     """
     reduced = system.basis.T @ small.stiffness @ system.basis
     even = 0.5 * (reduced + reduced.T)
-    squares, turn = linalg.eigh(even)
+    squares, vectors = linalg.eigh(even)
     if squares[0] < (2 * np.pi * SMALLEST_FREQUENCY) ** 2:
-        names_, shape = system.layout.names, system.basis @ turn[:, 0]
+        names_, shape = system.layout.names, system.basis @ vectors[:, 0]
         worst = names_[int(np.argmax(abs(shape) * np.sqrt(np.diag(system.mass))))]
         raise MachineError(
             f"linearised machine: a motion dominated by {worst} has no stiffness (omega^2 = {squares[0]:.3g}). "
             "Load the machine so that every mesh and rope is tight."
         )
-    omega, modes = np.sqrt(squares), system.basis @ turn
+    omega, modes = np.sqrt(squares), system.basis @ vectors
     n = len(omega)
     damping = modes.T @ small.damping @ modes
-    follower = turn.T @ (reduced - even) @ turn / omega
+    follower = vectors.T @ (reduced - even) @ vectors / omega
     values, vectors = linalg.eig(np.block([[np.zeros((n, n)), np.diag(omega)], [-np.diag(omega) - follower, -damping]]))
     keep = np.flatnonzero(values.imag > 0.0)
     keep = keep[np.argsort(abs(values[keep]))]

@@ -22,7 +22,7 @@ class Grid:
     title: str
     headers: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
-    marked: frozenset[int] = frozenset()  # rows that are set off: lines that stand
+    marked: frozenset[int] = frozenset()  # rows that are set off: detected lines
 
     def __post_init__(self) -> None:
         for i, row in enumerate(self.rows):
@@ -55,14 +55,14 @@ class Grid:
         return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |" for cells in lines)
 
     def to_html(self, typeset: Callable[[str], str] = html.escape) -> str:
-        """A table element; rows that are set off have the class "stands". `typeset` makes HTML of a cell's words."""
+        """A table element; rows that are set off have the class "marked". `typeset` makes HTML of a cell's words."""
         right = self.numeric()
         sides = [' class="number"' if r else "" for r in right]
         head = "".join(f"<th{s}>{typeset(c)}</th>" for c, s in zip(self.headers, sides, strict=True))
         body = []
         for i, row in enumerate(self.rows):
             cells = "".join(f"<td{s}>{typeset(c)}</td>" for c, s in zip(row, sides, strict=True))
-            body.append(f'<tr class="stands">{cells}</tr>' if i in self.marked else f"<tr>{cells}</tr>")
+            body.append(f'<tr class="marked">{cells}</tr>' if i in self.marked else f"<tr>{cells}</tr>")
         caption = f"<caption>{typeset(self.title)}</caption>" if self.title else ""
         return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
 

@@ -45,10 +45,10 @@ def _lines(plant: Plant, control: str) -> Iterator[str]:
     for number, point in enumerate(plant.bearing_points, 1):
         x, y, z = (value * 1000 for value in point)
         yield f"  bearing_{number} at x {x:.2f}, y {y:.2f}, z {z:.2f} mm"
-    models = plant.models
-    models = [f"mesh {'/'.join(dict.fromkeys(models['mesh']))}"]
-    models += [f"casing {models['casing']}", f"shafts {models['shaft_model']}", f"load {models['load']}"]
-    yield f"  models: {', '.join(models)}, integrator {models['integrator']}"
+    chosen = plant.models
+    models = [f"mesh {'/'.join(dict.fromkeys(chosen['mesh']))}"]
+    models += [f"casing {chosen['casing']}", f"shafts {chosen['shaft_model']}", f"load {chosen['load']}"]
+    yield f"  models: {', '.join(models)}, integrator {chosen['integrator']}"
     if plant.faults:
         yield "  faults: " + ", ".join(
             f"{fault.name} of the stage {fault.stage} {fault.gear}" for fault in plant.faults

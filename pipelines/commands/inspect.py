@@ -53,7 +53,7 @@ def main(options: argparse.Namespace) -> int:
     if options.casing_mode:
         if not elastic:
             raise InputError(f"--casing-mode: a {plant.models['casing']} casing has no elastic modes")
-        sys.stdout.write(_listed(casing_mode_files(outcome, graph, plant.title, options.casing_mode, folder)))
+        sys.stdout.write(_listed(_casing_mode_files(outcome, graph, plant.title, options.casing_mode, folder)))
         return 0
     if options.screen:
         show_mesh(mesh_view(plant, stage, outcome, options))
@@ -99,7 +99,14 @@ def gears_title(plant: Plant, stage: int) -> str:
 
 
 def mesh_view(plant: Plant, stage: int, outcome: Outcome, options: argparse.Namespace) -> MeshView:
-    """The mesh of a stage at its load, healthy and with its faults, around the passage of the first damaged tooth."""
+    """The mesh of a stage at its load, healthy and with its faults, around the passage of the first damaged tooth.
+
+    Parameters
+    ----------
+    plant, outcome : the plant of a scene, and its results with the law of the stage
+    stage : number of the stage, from 1
+    options : of the command line: frames, position
+    """
     import numpy as np
 
     from pipelines.figures.mesh_frames import mesh_frames, passage
@@ -135,7 +142,7 @@ def mesh_view(plant: Plant, stage: int, outcome: Outcome, options: argparse.Name
     )
 
 
-def casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int, folder: Path) -> list[Path] | LeftOut:
+def _casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int, folder: Path) -> list[Path] | LeftOut:
     """Still, film and page of a natural mode of the casing in its ground; InputError beyond the last one."""
     from fem.casing.reduced.modes import natural_modes
     from pipelines.border.errors import InputError

@@ -52,7 +52,14 @@ class Result:
 
 
 def build_here(step: Step, key: str, upstream: Mapping[str, Result], cache: Cache) -> Result:
-    """Build one step in this process and store it."""
+    """Build one step in this process and store it.
+
+    Parameters
+    ----------
+    step, key : the step, and the key of its result
+    upstream : results by the names of the steps that it takes
+    cache : where the result is stored
+    """
     inputs = [step.reads.get(name, _all)(upstream[name].load()) for name in step.takes]
     if not step.streams:
         return _built(step, key, upstream, cache, inputs)
@@ -76,7 +83,7 @@ def _built(
     step: Step, key: str, upstream: Mapping[str, Result], cache: Cache, inputs: list[Any], **place: Path | None
 ) -> Result:
     start = time.perf_counter()
-    with peak_memory() as peak, counting() as book:
+    with peak_memory() as peak, counting() as counts:
         try:
             made = step.build(step.spec, *inputs, **place)
         except Exception as error:
@@ -88,7 +95,7 @@ def _built(
         "content": digest(built.value),
         "seconds": round(time.perf_counter() - start, 6),
         "peak_bytes": peak.bytes,
-        "ledger": {**book, **built.ledger},
+        "ledger": {**counts, **built.ledger},
         "step": step.name,
     }
     entry = None
@@ -101,7 +108,13 @@ def _built(
 
 
 def step_record(step: Step, key: str, facts: Mapping[str, Any], *, reused: bool) -> StepRecord:
-    """The record of a step with the facts that are stored of it."""
+    """The record of a step with the facts that are stored of it.
+
+    Parameters
+    ----------
+    step, key, facts : the step, and key and facts of its result
+    reused : the result was stored before this run
+    """
     return StepRecord(
         name=step.name,
         kind=step.kind,

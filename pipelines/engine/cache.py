@@ -84,7 +84,14 @@ class Cache:
     def store(
         self, kind: str, key: str, write: Callable[[Path], None], facts: Mapping[str, Any] | None = None
     ) -> Entry | None:
-        """Let `write` fill an empty folder, and keep it under the key; None if the cache cannot take it."""
+        """Let a function fill an empty folder, and keep it; None if the cache cannot take it.
+
+        Parameters
+        ----------
+        kind, key : of the result, by which it is found
+        write : fills the folder that it is given
+        facts : of the result, to be read without it; as JSON takes them
+        """
         final = self._entries / entry_name(kind, key)
         partial = self._partial / f"{os.getpid()}-{uuid.uuid4().hex[:12]}"
         try:

@@ -1,8 +1,8 @@
 """Build steps in processes of their own: started as commands, so that a user's script needs no main guard.
 
 The parent writes a job file and its name on the child's standard input; the child (`pipelines.engine.worker`) stores
-its result in the cache, answers with a file and waits for the next job, because starting Python and its libraries is
-expensive. A child whose parent is gone reads the end of its input and stops. The files lie in a folder that only this user
+its result in the cache, answers with a file and waits for the next job, because starting Python and its libraries takes
+long. A child whose parent is gone reads the end of its input and stops. The files lie in a folder that only this user
 can read and write: reading one runs what it holds.
 """
 
@@ -53,16 +53,20 @@ class Pool:
         return self
 
     def __exit__(self, *_: object) -> None:
-        children = [*self._idle, *(child for child, _ in self._working)]
-        for child in children:
+        self._idle += [child for child, _ in self._working]
+        self._working.clear()
+        self.end_waiting()
+        if self._folder is not None:
+            self._folder.cleanup()
+
+    def end_waiting(self) -> None:
+        """End the children without work: one that has built a casing holds its memory, over 1 GB."""
+        for child in self._idle:
             child.kill()
-        for child in children:
+        for child in self._idle:
             child.wait()
             _input(child).close()
         self._idle.clear()
-        self._working.clear()
-        if self._folder is not None:
-            self._folder.cleanup()
 
     def __len__(self) -> int:
         return len(self._working)
@@ -76,7 +80,18 @@ class Pool:
         return any(key == job.key for _, job in self._working)
 
     def start(self, step: Step, key: str, upstream: Mapping[str, Result], cache_folder: Path) -> None:
-        """Begin to build a step."""
+        """Begin to build a step.
+
+        Parameters
+        ----------
+        step, key : the step, and the key of its result
+        upstream : results by the names of the steps that it takes
+        cache_folder : of the cache where the result is stored
+
+        Raises
+        ------
+        WorkError : the process ended before it took the step
+        """
         if self._folder is None:
             self._folder = tempfile.TemporaryDirectory(prefix="gearcase-", ignore_cleanup_errors=True)
         job = _Job(step, key, Path(self._folder.name) / f"{self._jobs}.job")

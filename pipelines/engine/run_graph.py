@@ -73,6 +73,9 @@ def run_graph(
 
     Parameters
     ----------
+    graph, cache : the steps, and where their results are stored
+    wanted : names of steps
+    observer : is told of every step; None: nobody
     processes : long steps built at the same time; default 2, or 1 on a single core
     known : results of steps of this graph that are at hand
 
@@ -106,6 +109,9 @@ def run_graph(
             if ready:
                 step, key = ready[0]
                 observer.started(step)
+                started = {*results, *pool.names(), step.name}
+                if not any(other.seconds >= _LONG_SECONDS for other in graph if other.name not in started):
+                    pool.end_waiting()
                 _keep(results, step, build_here(step, key, _upstream(step, results), cache), observer)
             elif len(pool):
                 for step in graph:

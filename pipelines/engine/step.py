@@ -162,7 +162,14 @@ class Graph:
 
 
 def stored(step: Step, cache: Cache, contents: Mapping[str, str], *, thorough: bool) -> Entry | None:
-    """The entry that serves a step: its own, or that with the next larger number where more is `enough`."""
+    """The entry that serves a step: its own, or that with the next larger number where more is `enough`.
+
+    Parameters
+    ----------
+    step, cache : the step, and where results are stored
+    contents : digests of the results by the names of the steps that it takes
+    thorough : verify the checksums of all files, as it must be before they are read
+    """
     found = cache.find(step.kind, step.key(contents), thorough=thorough)
     if found is not None and not _whole(found):
         cache.discard(found.folder, "its facts are not those of a step")

@@ -24,7 +24,11 @@ LABEL_HEIGHT = 34.0  # picture rows a label takes
 def gear_figure(picture: Picture, curve: StiffnessPlot | None, names: Mapping[str, str], title: str = "") -> Figure:
     """The gear pair in three dimensions, its stiffness curve beside it.
 
-    `names` gives the words for the places of the picture: "pinion", "wheel" and "marked" (the damaged tooth).
+    Parameters
+    ----------
+    picture, curve : the rendered gears, and their curve or None
+    names : words for the places of the picture: "pinion", "wheel" and "marked" (the damaged tooth)
+    title : above both, "" for none
     """
     figure = new_figure(5.0, 12.5 if curve is not None else 6.5)
     if curve is None:

@@ -39,7 +39,16 @@ def write_gif(frames: Sequence[bytes], path: Path, milliseconds: int) -> None:
 
 
 def film_page(title: str, frames: Sequence[bytes], what: str, labels: Sequence[str], milliseconds: int) -> str:
-    """A page that plays PNG frames, stops, and steps by a slider; `labels` say where each frame stands."""
+    """A page that plays PNG frames, stops, and steps by a slider.
+
+    Parameters
+    ----------
+    title : of the page
+    frames : PNG files
+    what : the word at the slider
+    labels : where each frame stands
+    milliseconds : per frame
+    """
     title = html.escape(title)
     images = ",".join(f'"{base64.b64encode(frame).decode()}"' for frame in frames)
     return f"""<!DOCTYPE html>

@@ -42,7 +42,15 @@ def passage(middle: float, frames: int) -> np.ndarray:
 def mesh_frames(
     name: str, pair: GearPair, law: MeshLaw, load: float, cycles: np.ndarray, pinion: np.ndarray, wheel: np.ndarray
 ) -> MeshFrames:
-    """Solve every frame at the force `load` (N) without tilt; pinion and wheel are the terms of their teeth.
+    """Solve every frame at one force without tilt.
+
+    Parameters
+    ----------
+    name : of this state of the teeth
+    pair, law : the gears in mesh, and the law of their drive flank
+    load : N, along the transverse line of action
+    cycles : (frame,) mesh cycles
+    pinion, wheel : (tooth,) clearances, m, or (tooth, 6) tooth terms, see `fem.contact.teeth`
 
     Raises
     ------

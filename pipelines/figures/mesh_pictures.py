@@ -76,7 +76,15 @@ def show_mesh(view: MeshView, image: Path | None = None) -> None:
 
 
 def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: float) -> Figure:
-    """One frame: a row per state of the teeth, and both curves with the position marked."""
+    """One frame: a row per state of the teeth, and both curves with the position marked.
+
+    Parameters
+    ----------
+    view : what is shown
+    pictures : the rendered frame of every state
+    frame : its number, from 0
+    most : N/m, line load at the end of the colours
+    """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 

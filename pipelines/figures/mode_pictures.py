@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.elements.facets import drawn_triangles
 from pipelines.border.user_files import write_whole
 from pipelines.figures.film import film_page, png, write_gif
 from pipelines.figures.render import render_mode
@@ -28,13 +29,13 @@ class ModeView:
     number: int  # from 1
     frequency: float  # Hz
     nodes: np.ndarray  # (n, 3), m
-    facets: np.ndarray  # (f, 6), corners, then mid-sides 01 12 20
+    facets: np.ndarray  # (f, k), see fem.elements.facets
     shape: np.ndarray  # (n, 3)
 
 
 def write_mode(view: ModeView, folder: Path) -> list[Path] | LeftOut:
     """casing_mode_<n>.png, .gif and .html in a folder; the reason if they cannot be rendered."""
-    triangles = view.facets[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]].reshape(-1, 3)
+    triangles = drawn_triangles(view.facets)
     used, place = np.unique(triangles, return_inverse=True)
     pictures = render_mode(view.nodes[used], place.reshape(-1, 3), view.shape[used], FRAMES)
     if isinstance(pictures, LeftOut):

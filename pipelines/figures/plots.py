@@ -90,7 +90,14 @@ def drive_figure(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]
 def waveform_figure(
     runs: Mapping[str, xarray.Dataset], sensor: str, axis: str, windows: Mapping[str, tuple[float, float]]
 ) -> Figure:
-    """Acceleration over the whole run and, beside it, a tenth of a second from the middle of the first window."""
+    """Acceleration over the whole run and, beside it, a tenth of a second from the middle of the first window.
+
+    Parameters
+    ----------
+    runs : responses by the name of their state
+    sensor, axis : the channel, e.g. "sensor_3", "z"
+    windows : (start, end) by name, s
+    """
     figure = new_figure(1.0 + 1.9 * len(runs))
     grid = figure.subplots(len(runs), 2, sharex="col", sharey="col", squeeze=False, width_ratios=[3, 2])
     middle = float(np.mean(next(iter(windows.values())))) if windows else None
@@ -111,7 +118,14 @@ def waveform_figure(
 
 
 def bars_figure(title: str, names: Sequence[str], values: Sequence[float], unit: str) -> Figure:
-    """Horizontal bars with their numbers, the first at the top: seconds per step, energy per part."""
+    """Horizontal bars with their numbers, the first at the top: seconds per step, energy per part.
+
+    Parameters
+    ----------
+    title : of the figure
+    names, values : of the bars, values in `unit`
+    unit : word at the axis
+    """
     figure = new_figure(1.2 + 0.32 * len(names))
     axes = figure.subplots()
     bars = axes.barh(list(names), list(values), color=FIRST)
@@ -150,7 +164,13 @@ def plain(text: str) -> str:
 
 
 def dress(axes: Axes, title: str, x: str, y: str) -> None:
-    """Title, labels, grid."""
+    """Title, labels, grid.
+
+    Parameters
+    ----------
+    axes : what is dressed
+    title, x, y : texts, those of the axes with their units
+    """
     axes.set_title(title, fontsize=10, loc="left")
     axes.set_xlabel(x)
     axes.set_ylabel(y)

@@ -81,7 +81,15 @@ def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Pict
 def render_mode(
     nodes: np.ndarray, triangles: np.ndarray, shape: np.ndarray, frames: int, size: tuple[int, int] = (1100, 750)
 ) -> list[Picture] | LeftOut:
-    """A period of a mode in `frames` pictures; the largest displacement is drawn as 8 % of the body's diagonal."""
+    """A period of a mode; the largest displacement is drawn as 8 % of the body's diagonal.
+
+    Parameters
+    ----------
+    nodes, triangles : float (n, 3), m, and int (t, 3), surface of the body
+    shape : (n, 3), the largest length 1
+    frames : pictures of the period
+    size : width and height of a picture, pixels
+    """
     diagonal, low = float(np.linalg.norm(np.ptp(nodes, axis=0))), nodes.min(axis=0)
     arrays = {"nodes": nodes, "triangles": triangles, "shape": shape, "reach": np.array(0.08 * diagonal)}
     arrays["frames"] = np.array(frames)
@@ -94,7 +102,16 @@ def render_mode(
 def render_mesh(
     view: GearPairView, cycles: np.ndarray, frames: MeshFrames, most_load: float, size: tuple[int, int] = (900, 620)
 ) -> list[Picture] | LeftOut:
-    """The teeth in mesh at every cycle, seen through, with their contact lines; places "mesh", "x", "y", "z"."""
+    """The teeth in mesh at every cycle, seen through, with their contact lines; places "mesh", "x", "y", "z".
+
+    Parameters
+    ----------
+    view : the gears
+    cycles : (frame,) mesh cycles
+    frames : contact lines of every cycle
+    most_load : N/m, line load at the end of the colours
+    size : width and height of a picture, pixels
+    """
     arrays, places, focus = _mesh_arrays(view, cycles, frames, most_load)
     return _render(
         "mesh", "contact lines", arrays, places, size, MESH_DIRECTION, (0.0, 1.0, 0.0), 1.0,
@@ -134,6 +151,13 @@ def show_window(
     image: Path | None,
 ) -> None:
     """States of the teeth in a window with a slider, stiffness and load share beside them, until it is closed.
+
+    Parameters
+    ----------
+    title, load : texts of the window: its title, load and law
+    cycles : (frame,) mesh cycles
+    gears, states, marked : gears, contact lines and a word on the damaged tooth ("" for none) of every state
+    image : file for a picture, with which the window closes at once, or None
 
     Raises
     ------
@@ -180,7 +204,16 @@ def show_window(
 def render_stress(
     view: GearPairView, cycle: float, teeth: Teeth, most: float, size: tuple[int, int] = (1000, 620)
 ) -> Picture | LeftOut:
-    """Loaded teeth coloured by von Mises stress up to `most` (Pa); places "mesh", "pinion", "wheel", "x", "y", "z"."""
+    """Loaded teeth coloured by von Mises stress; places "mesh", "pinion", "wheel", "x", "y", "z".
+
+    Parameters
+    ----------
+    view : the gears
+    cycle : mesh cycle
+    teeth : the loaded teeth with their stress
+    most : Pa, stress at the end of the colours
+    size : width and height of the picture, pixels
+    """
     pitch = view.centre_distance * view.pinion_teeth / (view.pinion_teeth + view.wheel_teeth)
     module = view.centre_distance * 2 / (view.pinion_teeth + view.wheel_teeth)
     half = 0.56 * max(view.face_width, 9 * module)

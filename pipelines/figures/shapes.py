@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fem.elements.facets import corner_triangles
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.profile import half_tooth_profile
@@ -26,6 +27,7 @@ def gear_view(
 
     Parameters
     ----------
+    pair : the gears in mesh
     marked : gear ("pinion" or "wheel") and number of the damaged tooth, or None
     missing : the marked tooth is not there
     in_mesh : keep the cycle 0 instead
@@ -39,8 +41,8 @@ def gear_view(
         gear, tooth = marked
         teeth = pair.pinion.teeth if gear == "pinion" else pair.wheel.teeth
         cycle = 0 if in_mesh else shown_cycle(pair, marked)
-        turn = 2 * math.pi * (cycle - tooth) / teeth
-        angle = pinion_zero + turn if gear == "pinion" else wheel_zero - turn
+        rotation = 2 * math.pi * (cycle - tooth) / teeth
+        angle = pinion_zero + rotation if gear == "pinion" else wheel_zero - rotation
     return GearPairView(
         pinion_outline=outline(pair.pinion, pinion_zero),
         wheel_outline=outline(pair.wheel, wheel_zero),
@@ -69,8 +71,8 @@ def outline(gear: Gear, centre_angle: float) -> np.ndarray:
     tooth = np.vstack([half[:-1], half[::-1] * [-1.0, 1.0]])[:-1]  # counter-clockwise, mid space kept once
     corners = []
     for number in range(gear.teeth):
-        turn = centre_angle - math.pi / 2 + 2 * math.pi * number / gear.teeth
-        rotation = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
+        angle = centre_angle - math.pi / 2 + 2 * math.pi * number / gear.teeth
+        rotation = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
         corners.append(tooth @ rotation)
     return np.concatenate(corners)
 
@@ -81,10 +83,10 @@ def casing_view(nodes: np.ndarray, facets: np.ndarray, names: Sequence[str], pos
     Parameters
     ----------
     nodes : float (n, 3), m
-    facets : int (f, 3 or 6), the three corners first
+    facets : int (f, k), see `fem.elements.facets`
     names, positions : key points, float (p, 3), m
     """
-    corners = np.asarray(facets)[:, :3]
+    corners = corner_triangles(np.asarray(facets)).reshape(-1, 3)
     used, triangles = np.unique(corners, return_inverse=True)
     return CasingView(
         nodes=np.asarray(nodes, dtype=float)[used],

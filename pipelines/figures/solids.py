@@ -40,6 +40,8 @@ def gear_surface(
     outline : float (n, 2), m, transverse section at mid face, counter-clockwise
     bore : radius, m
     twist : rad per m of face width, positive for a rotation about +z with growing z
+    face_width : m
+    layers : sections along the face, the end faces among them
 
     Returns
     -------
@@ -66,6 +68,10 @@ def prism_surface(
     """Closed surface of a small outline, e.g. one tooth: walls and end faces as fans.
 
     The fans (quads with a double node) start in the middle between the first and the last point.
+
+    Parameters
+    ----------
+    outline, twist, face_width, layers : those of `gear_surface`
     """
     count = len(outline)
     centre = outline[[0, -1]].mean(axis=0, keepdims=True)  # all of a tooth is seen from the middle of its base

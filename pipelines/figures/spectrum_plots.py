@@ -84,7 +84,7 @@ def healthy_faulty_figure(diagnosis: Diagnosis, window: str) -> Figure:
     for axes, kind, n in zip(figure.axes, ("envelope", "sideband", "sideband"), (0, 1, 2), strict=False):
         lines = diagnosis.lines.where(window=window, kind=kind, mesh_harmonic=n, detected=1)
         if len(lines):
-            axes.plot(lines.frequency, lines.faulty, "v", ms=5, color=FAULTY, label="line stands", zorder=4)
+            axes.plot(lines.frequency, lines.faulty, "v", ms=5, color=FAULTY, label="detected", zorder=4)
     legend(figure.axes[0])
     return figure
 
@@ -98,7 +98,13 @@ def comparison_figure(
 ) -> Figure:
     """Envelope spectrum to 8 f_r, and the spectrum within 6 f_r of f_m and of 2 f_m, cases over one another.
 
-    The rope mode of `window` is marked in the envelope where it is given.
+    Parameters
+    ----------
+    traces : one case or two
+    settings : f_r, f_m, the rope modes and the channel
+    title : of the figure
+    colours : of the cases
+    window : whose rope mode is marked in the envelope, or None
     """
     f_r, f_m = settings.revolution_frequency, settings.mesh_frequency
     figure = new_figure(8.2)

@@ -52,11 +52,11 @@ def teeth_in_mesh(pair: GearPair, found: LoadedTeeth) -> Teeth:
     for number, (name, field) in enumerate((("pinion", found.pinion), ("wheel", found.wheel)), 1):
         gear: Gear = getattr(pair, name)
         radius = pair.working_radii[number - 1]
-        turn = (3 - 2 * number) * 2 * math.pi * found.cycle / gear.teeth - gear.half_thickness_angle(radius)
+        angle = (3 - 2 * number) * 2 * math.pi * found.cycle / gear.teeth - gear.half_thickness_angle(radius)
         centre = 0.0 if name == "pinion" else pair.axis_distance
-        turn += 0.0 if name == "pinion" else math.pi
+        angle += 0.0 if name == "pinion" else math.pi
         mirror = found.hand * (3 - 2 * number)  # z is hand * zeta, and zeta of the wheel is -z
-        cosine, sine = math.cos(turn), math.sin(turn)
+        cosine, sine = math.cos(angle), math.sin(angle)
         place = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, mirror]])
         order = slice(None) if mirror > 0 else [4, 5, 6, 7, 0, 1, 2, 3]  # a mirrored cell turned right side out
         for tooth in range(len(field.pair)):

@@ -50,7 +50,7 @@ def main(job_path: str) -> None:
         "stress": draw_stress,
     }
     moving = draw[job["kind"]](plotter, arrays)
-    look_at(plotter, job["direction"], job["up"], job["zoom"], job["focus"])
+    _look_at(plotter, job["direction"], job["up"], job["zoom"], job["focus"])
     plotter.enable_anti_aliasing("ssaa")
     for number, image in enumerate(job["images"]):
         if moving is not None:
@@ -188,7 +188,7 @@ def show_screen(job: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
         plotter.subplot(row, 0)
         own = {key.removeprefix(f"{row}_"): value for key, value in arrays.items() if key.startswith(f"{row}_")}
         moves.append(draw_mesh(plotter, own))
-        look_at(plotter, job["direction"], job["up"], 1.0, job["focus"])
+        _look_at(plotter, job["direction"], job["up"], 1.0, job["focus"])
         plotter.add_axes(color="black")
         scale = pyvista.LookupTable(LOAD_COLOURS, scalar_range=(0.0, float(own["most_load"]) / 1000))
         bar = pyvista.PolyData(np.zeros((1, 3)))
@@ -198,7 +198,7 @@ def show_screen(job: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
             "line load, N/mm" + row * " ", mapper=unseen.mapper, color="black", vertical=True, n_labels=4,
             position_x=0.84, position_y=0.2, height=0.6, title_font_size=13, label_font_size=12, fmt="%.0f",
         )  # fmt: skip
-    markers = [draw_curves(plotter, row, arrays, names) for row in range(2)]
+    markers = [_draw_curves(plotter, row, arrays, names) for row in range(2)]
     cycles = arrays["cycles"]
 
     def to(cycle: float) -> None:
@@ -227,7 +227,7 @@ def show_screen(job: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
     plotter.close()
 
 
-def draw_curves(plotter: Any, row: int, arrays: dict[str, np.ndarray], names: list[str]) -> tuple[Any, float]:
+def _draw_curves(plotter: Any, row: int, arrays: dict[str, np.ndarray], names: list[str]) -> tuple[Any, float]:
     """The chart of a row: mesh stiffness of all states, or load shares of the last; the position's line and height."""
     plotter.subplot(row, 1)
     chart = pyvista.Chart2D()
@@ -279,7 +279,7 @@ def surface(points: np.ndarray, faces: np.ndarray) -> pyvista.PolyData:
     return pyvista.PolyData(points, cells).triangulate().clean()
 
 
-def look_at(plotter: Any, direction: list[float], up: list[float], zoom: float, focus: list[float] | None) -> None:
+def _look_at(plotter: Any, direction: list[float], up: list[float], zoom: float, focus: list[float] | None) -> None:
     """Parallel projection from a direction: everything in the picture, or [x, y, z, half height] around a point."""
     plotter.enable_parallel_projection()
     plotter.view_vector(direction, viewup=up)

@@ -41,7 +41,14 @@ def assemble_machine(parts: MachineParts, laws: Sequence[Laws]) -> Machine:
 
 
 def assemble_system(machine: Machine, body: ReducedBody, recorded: Recorded, band: float | None = None) -> System:
-    """The machine in its casing with the recorded channels; modes up to `band` (Hz), by default that of `mbd`."""
+    """The machine in its casing.
+
+    Parameters
+    ----------
+    machine, body : the machine and its reduced casing
+    recorded : the channels
+    band : Hz, modes above it are left out; by default that of `mbd`
+    """
     from mbd.system.system import DEFAULT_BAND, assemble
 
     return assemble(machine, body, recorded.channels(machine), DEFAULT_BAND if band is None else band)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -11,8 +12,8 @@ from mbd.parts.bearings import BearingSpec, rigid_bearing
 from mbd.parts.checks import MachineError
 from mbd.parts.rolling_catalogue import by_designation
 from mbd.parts.rolling_elements import RollingElements
-from pipelines.scene.scene import Scene
-from pipelines.scene.tables.bearings import HertzBearings, LinearBearings, RigidBearings
+from pipelines.scene.tables.bearings import BearingModel, HertzBearings, LinearBearings, RigidBearings
+from pipelines.scene.tables.shafts import ShaftTable
 
 if TYPE_CHECKING:
     from pipelines.plant.layout import Layout
@@ -27,12 +28,12 @@ class RollingBearing:
     elements: RollingElements
 
 
-def bearing_names(scene: Scene) -> list[tuple[str, int, int]]:
+def bearing_names(shafts: Sequence[ShaftTable]) -> list[tuple[str, int, int]]:
     """Name, shaft and place on it (0-based) of every bearing: bearing_1, bearing_2, ... carried by the casing, numbered
     in shaft order from -y; ground_bearing_1, ... by the ground."""
     found: list[tuple[str, int, int]] = []
     counts = {"casing": 0, "ground": 0}
-    for number, shaft in enumerate(scene.shafts):
+    for number, shaft in enumerate(shafts):
         supports = shaft.bearing_supports or ("casing",) * len(shaft.bearing_positions_mm)
         for place, support in enumerate(supports):
             counts[support] += 1
@@ -40,38 +41,39 @@ def bearing_names(scene: Scene) -> list[tuple[str, int, int]]:
     return found
 
 
-def bearing_points(scene: Scene, layout: Layout) -> tuple[tuple[float, float, float], ...]:
+def bearing_points(shafts: Sequence[ShaftTable], layout: Layout) -> tuple[tuple[float, float, float], ...]:
     """(x, y, z) of bearing_1, bearing_2, ... (m), those that the casing carries."""
     return tuple(
-        (layout.axes[shaft][0], scene.shafts[shaft].bearing_positions_mm[place] / 1000, layout.axes[shaft][1])
-        for name, shaft, place in bearing_names(scene)
+        (layout.axes[shaft][0], shafts[shaft].bearing_positions_mm[place] / 1000, layout.axes[shaft][1])
+        for name, shaft, place in bearing_names(shafts)
         if not name.startswith("ground")
     )
 
 
-def rolling_bearings(scene: Scene) -> tuple[RollingBearing, ...]:
-    """The bearings whose rolling elements are known, in shaft order. MachineError if its elements do not fit."""
+def rolling_bearings(shafts: Sequence[ShaftTable], usual: BearingModel) -> tuple[RollingBearing, ...]:
+    """The bearings whose rolling elements are known, in shaft order; `usual` where a shaft names none.
+
+    MachineError if its elements do not fit."""
     found = []
-    for name, number, place in bearing_names(scene):
-        table = _table(scene, number, place)
+    for name, number, place in bearing_names(shafts):
+        table = _table(shafts[number], usual, place)
         if isinstance(table, HertzBearings):
             found.append(RollingBearing(name=name, shaft=number, elements=rolling_elements(table)))
     return tuple(found)
 
 
-def bearing_specs(scene: Scene) -> tuple[BearingSpec, ...]:
-    """All bearings in shaft order, from -y."""
+def bearing_specs(shafts: Sequence[ShaftTable], usual: BearingModel) -> tuple[BearingSpec, ...]:
+    """All bearings in shaft order, from -y; `usual` where a shaft names none."""
     specs = []
-    for name, number, place in bearing_names(scene):
-        at = f"shaft_{number + 1}", scene.shafts[number].bearing_positions_mm[place] / 1000
+    for name, number, place in bearing_names(shafts):
+        at = f"shaft_{number + 1}", shafts[number].bearing_positions_mm[place] / 1000
         support: Literal["casing", "ground"] = "ground" if name.startswith("ground") else "casing"
-        specs.append(_bearing(_table(scene, number, place), name, *at, support))
+        specs.append(_bearing(_table(shafts[number], usual, place), name, *at, support))
     return tuple(specs)
 
 
-def _table(scene: Scene, shaft: int, place: int) -> RigidBearings | LinearBearings | HertzBearings:
-    own = scene.shafts[shaft].bearings
-    return own[place] if own else scene.bearings
+def _table(shaft: ShaftTable, usual: BearingModel, place: int) -> BearingModel:
+    return shaft.bearings[place] if shaft.bearings else usual
 
 
 def _bearing(
@@ -88,7 +90,19 @@ def _bearing(
 def linear_bearing(
     table: LinearBearings, name: str, shaft: str, y: float, support: Literal["casing", "ground"]
 ) -> BearingSpec:
-    """A bearing of springs and dampers. MachineError if its cross terms outweigh the others."""
+    """A bearing of springs and dampers.
+
+    Parameters
+    ----------
+    table : its table of the scene
+    name, shaft : names of the bearing and of the shaft in it
+    y : m, place on the shaft
+    support : what carries the bearing
+
+    Raises
+    ------
+    MachineError : the cross terms outweigh the others
+    """
     radial, vertical = table.radial_stiffness_N_per_um, table.vertical_stiffness_N_per_um
     cross = table.cross_stiffness_N_per_um * 1e6
     return BearingSpec(

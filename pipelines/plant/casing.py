@@ -12,6 +12,7 @@ from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.registry import elastic_casing
 from fem.elements.materials import Material
 from pipelines.border.errors import Problem, SceneError
+from pipelines.plant.bearings import bearing_points
 from pipelines.plant.housing import housing
 from pipelines.plant.layout import Layout, material
 from pipelines.plant.units import si_options
@@ -47,6 +48,7 @@ class RigidMeshed:
     geometry: Geometry
     material: Material
     sizes: Sizes
+    element: str
     mount_stiffness: float
     damping: DampingRatio
 
@@ -62,6 +64,7 @@ class ElasticPart:
     geometry: Geometry
     material: Material
     sizes: Sizes
+    element: str
     damping: DampingRatio
     mounts: tuple[tuple[float, float, float], ...] | None
     frequency_error: float | None
@@ -76,19 +79,28 @@ def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
     table = scene.casing
     if isinstance(table, NoCasingTable):
         return None
-    box, iron = housing(scene, table.housing, layout, source), material("casing", table.material)
+    box = housing(table.housing, scene.sensors, layout, bearing_points(scene.shafts, layout), source)
+    iron = material("casing", table.material)
     if isinstance(table, RigidCasingTable):
         mount = table.mount_stiffness_N_per_um * 1e6
         if isinstance(box, Housing) and box.plain:
             return RigidBox(geometry=box, material=iron, mount_stiffness=mount, damping=table.damping_ratio)
         sizes = element_sizes(table, box, iron, source)
-        return RigidMeshed(geometry=box, material=iron, sizes=sizes, mount_stiffness=mount, damping=table.damping_ratio)
+        return RigidMeshed(
+            geometry=box,
+            material=iron,
+            sizes=sizes,
+            element=table.element,
+            mount_stiffness=mount,
+            damping=table.damping_ratio,
+        )
     fixed = table.ground == "fixed"
     return ElasticPart(
         model=elastic_casing(table.model, ground=table.ground, attachment=table.attachment, **_options(table)),
         geometry=box,
         material=iron,
         sizes=element_sizes(table, box, iron, source),
+        element=table.element,
         damping=table.damping_ratio,
         mounts=None if fixed else tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um),
         frequency_error=getattr(table, "frequency_error", None),
@@ -102,7 +114,17 @@ def _options(table: ElasticBase) -> dict[str, Any]:
 
 
 def element_sizes(table: FlexibleBase, box: Geometry, iron: Material, source: str) -> Sizes:
-    """Element sizes of a casing; at most a share of the bending wavelength of its thinnest wall where that is asked."""
+    """Element sizes of a casing; at most a share of the bending wavelength of its thinnest wall where that is asked.
+
+    Parameters
+    ----------
+    table, box, iron : the table of the casing, its housing and its material
+    source : of the scene, for messages
+
+    Raises
+    ------
+    SceneError : the share is asked for, but the thickness of the wall is not known
+    """
     size = table.element_size_mm / 1000
     if isinstance(table, CraigBamptonCasingTable) and table.elements_per_wavelength is not None:
         if isinstance(box, Housing):

@@ -66,7 +66,7 @@ def stage_facts(layout: Layout) -> list[StageFacts]:
     stages = []
     for number, pair in enumerate(layout.pairs):
         pinion_speed = layout.shaft_ratios[layout.pair_shafts[number][0]]
-        turn = motor_speed(layout) * pinion_speed / (2 * math.pi)
+        frequency = motor_speed(layout) * pinion_speed / (2 * math.pi)
         pinion_torque = input_torque(layout) * shares[number] / pinion_speed
         force = pinion_torque / pair.pinion.base_radius
         stages.append(
@@ -75,9 +75,9 @@ def stage_facts(layout: Layout) -> list[StageFacts]:
                 centre_distance=pair.axis_distance,
                 transverse_contact_ratio=pair.transverse_contact_ratio,
                 overlap_ratio=pair.overlap_ratio,
-                mesh_frequency=turn * pair.pinion.teeth,
-                pinion_frequency=turn,
-                wheel_frequency=turn / pair.ratio,
+                mesh_frequency=frequency * pair.pinion.teeth,
+                pinion_frequency=frequency,
+                wheel_frequency=frequency / pair.ratio,
                 pinion_torque=pinion_torque,
                 mesh_force=force,
                 shown_force=force or USUAL_LINE_LOAD * pair.face_width,

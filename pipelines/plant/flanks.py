@@ -15,11 +15,9 @@ from fem.gears.geometry import GearPair
 from fem.gears.modifications import EndRelief, FlankModifications, Misalignment, PairModifications, Relief
 from pipelines.plant.flanks_spec import FlanksSpec
 from pipelines.plant.units import si_options
-from pipelines.scene.scene import Scene
 from pipelines.scene.tables.faults import FaultBase, FaultTable
 from pipelines.scene.tables.gear_details import EndReliefTable, GearTable, ReliefTable
 from pipelines.scene.tables.gears import StageTable
-from pipelines.scene.train import shaft_senses, stage_shafts
 
 GEARS = ("pinion", "wheel")
 
@@ -41,7 +39,14 @@ class Fault:
 
 
 def flanks_spec(pair: GearPair, modifications: PairModifications, faults: Sequence[Fault], stage: int) -> FlanksSpec:
-    """What is added to the law of a stage (from 1); no law depends on the play between the flanks."""
+    """What is added to the law of a stage; no law depends on the play between the flanks.
+
+    Parameters
+    ----------
+    pair, modifications : the gears of the stage and the modifications of their flanks
+    faults : of all stages
+    stage : number of the stage, from 1
+    """
     return FlanksSpec(
         pair=replace(pair, backlash_allowance=0.0),
         modifications=modifications,
@@ -50,12 +55,6 @@ def flanks_spec(pair: GearPair, modifications: PairModifications, faults: Sequen
         pinion_wear=common_wear(faults, stage, "pinion"),
         wheel_wear=common_wear(faults, stage, "wheel"),
     )
-
-
-def lifting_sense(scene: Scene, stage: int) -> int:
-    """Lifting sense of the pinion of a stage (from 1): +1 turns about +y."""
-    pinion = stage_shafts(scene.stages)[stage - 1][0]
-    return shaft_senses(len(scene.shafts), scene.stages, scene.couplings)[pinion]
 
 
 def modifications(stage: StageTable, sense: int) -> PairModifications:
@@ -103,17 +102,17 @@ def _end_relief(table: EndReliefTable | None) -> EndRelief | None:
     return EndRelief(amount=table.amount_um / 1_000_000, length=table.length_mm / 1000, shape=table.shape)
 
 
-def tooth_faults(scene: Scene) -> tuple[Fault, ...]:
-    """All faults of a scene."""
+def tooth_faults(tables: Iterable[FaultTable], senses: Sequence[int]) -> tuple[Fault, ...]:
+    """All faults; `senses` are the lifting senses of the pinions, by stage."""
     return tuple(
         Fault(
             stage=table.stage,
             gear=table.gear,
             tooth=table.tooth,
             kind=table.kind,
-            damage=damage(table, lifting_sense(scene, table.stage)),
+            damage=damage(table, senses[table.stage - 1]),
         )
-        for table in scene.faults
+        for table in tables
     )
 
 

@@ -13,8 +13,8 @@ from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rope import Rope
 from mbd.parts.load import Load, StaticTorque
 from mbd.parts.machine import STANDARD_GRAVITY
-from pipelines.scene.scene import Scene
-from pipelines.scene.tables.motion import RopePendulumTable, RopeTable
+from pipelines.scene.tables.motion import LoadModel, RopePendulumTable, RopeTable
+from pipelines.scene.tables.shafts import ShaftTable
 
 if TYPE_CHECKING:
     from mbd.parts.drive import SpeedProfile
@@ -51,9 +51,8 @@ class Hoist:
         return self.rope_length - angle * self.drum_radius / self.reeving
 
 
-def hoist(scene: Scene) -> Hoist:
-    """What hangs on the drums of a scene."""
-    table = scene.load
+def hoist(table: LoadModel) -> Hoist:
+    """What hangs on the drums."""
     common = {
         "mass": table.container_kg,
         "drum_radius": table.drum_radius_mm / 1000,
@@ -65,9 +64,8 @@ def hoist(scene: Scene) -> Hoist:
     return Hoist(**common, rope_strength=strength, rope_length=table.rope_length_m)
 
 
-def output_torque(scene: Scene) -> float:
-    """Torque of the hanging weight on the last shaft (N m): m g R / reeving."""
-    load = scene.load
+def output_torque(load: LoadModel) -> float:
+    """Torque of the hanging weight on the shaft of the drums (N m): m g R / reeving."""
     return load.container_kg * STANDARD_GRAVITY * load.drum_radius_mm / 1000 / load.reeving_ratio
 
 
@@ -77,25 +75,23 @@ def _rope_strength(load: RopeTable) -> float:
     return load.rope_modulus_GPa * 1e9 * area
 
 
-def drums(scene: Scene, loaded: int) -> tuple[float, ...]:
-    """y of the drums (m) on their shaft (0-based)."""
-    given = tuple(y / 1000 for y in scene.load.drum_positions_mm)
-    return given or shaft_ends(scene, loaded)
+def drums(load: LoadModel, shaft: ShaftTable) -> tuple[float, ...]:
+    """y of the drums (m) on their shaft."""
+    given = tuple(y / 1000 for y in load.drum_positions_mm)
+    return given or shaft_ends(shaft)
 
 
-def shaft_ends(scene: Scene, shaft: int) -> tuple[float, float]:
+def shaft_ends(shaft: ShaftTable) -> tuple[float, float]:
     """y of the two ends of a shaft (m)."""
-    sections = scene.shafts[shaft].sections
-    return sections[0].start_mm / 1000, sections[-1].end_mm / 1000
+    return shaft.sections[0].start_mm / 1000, shaft.sections[-1].end_mm / 1000
 
 
-def load_spec(scene: Scene, loaded: int) -> Load:
-    """The load on the drums of a shaft (0-based)."""
-    table, shaft, places = scene.load, f"shaft_{loaded + 1}", drums(scene, loaded)
+def load_spec(table: LoadModel, shaft: str, places: tuple[float, ...]) -> Load:
+    """The load on the drums at `places` (m) of a shaft."""
     radius = table.drum_radius_mm / 1000
     direction = None if table.rope_direction_deg is None else math.radians(table.rope_direction_deg)
     if not isinstance(table, RopeTable) or table.container_kg == 0:
-        torque = output_torque(scene) / len(places)
+        torque = output_torque(table) / len(places)
         return StaticTorque(shaft=shaft, drums=places, torque=torque, direction=direction, drum_radius=radius)
     ground = None
     if table.ground_level_m is not None:

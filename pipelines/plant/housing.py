@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import overload
 
 import numpy as np
@@ -15,9 +15,7 @@ from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
 from fem.casing.meshing.locate import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint, Locator, Point
 from fem.casing.meshing.source import Geometry
 from pipelines.border.errors import InputError, Problem, SceneError
-from pipelines.plant.bearings import bearing_points
 from pipelines.plant.layout import Layout
-from pipelines.scene.scene import Scene
 from pipelines.scene.shipped_files import find_file
 from pipelines.scene.tables.casing import SensorTable
 from pipelines.scene.tables.housing import FlangeTable, GroundTable, HousingTable, ImportedTable, RibTable, SeatTable
@@ -66,31 +64,56 @@ def feet(table: HousingTable) -> Feet:
 
 
 @overload
-def housing(scene: Scene, table: HousingTable, layout: Layout, source: str = "scene") -> Housing: ...
+def housing(
+    table: HousingTable, on_it: Sequence[SensorTable], layout: Layout, points: Sequence[Point], source: str = "scene"
+) -> Housing: ...
 
 
 @overload
 def housing(
-    scene: Scene, table: HousingTable | ImportedTable, layout: Layout, source: str = "scene"
+    table: HousingTable | ImportedTable,
+    on_it: Sequence[SensorTable],
+    layout: Layout,
+    points: Sequence[Point],
+    source: str = "scene",
 ) -> Housing | ImportedHousing: ...
 
 
-def housing(scene: Scene, table: HousingTable | ImportedTable, layout: Layout, source: str = "scene") -> Geometry:
-    """The housing with the sensors of the scene. SceneError with every reason when its parts do not fit together."""
+def housing(
+    table: HousingTable | ImportedTable,
+    on_it: Sequence[SensorTable],
+    layout: Layout,
+    points: Sequence[Point],
+    source: str = "scene",
+) -> Geometry:
+    """The housing with the sensors on it.
+
+    Parameters
+    ----------
+    table : of the housing
+    on_it : tables of the sensors
+    layout : where the shafts are
+    points : (x, y, z) of the bearings that it carries, m
+    source : of the scene, for messages
+
+    Raises
+    ------
+    SceneError : its parts do not fit together, with every reason
+    """
     try:
-        placed = sensors(scene.sensors)
+        placed = sensors(on_it)
         if isinstance(table, HousingTable):
             return _parametric(table, layout, placed)
-        if problems := list(_seat_problems(scene, table, layout)):
+        if problems := list(_seat_problems(table, len(points))):
             raise SceneError(source, problems)
-        return _imported(scene, table, layout, placed)
+        return _imported(table, points, placed)
     except (HousingError, InputError) as error:
         if isinstance(error, SceneError):
             raise
         raise SceneError(source, [Problem("casing.housing", str(error))]) from error
 
 
-def sensors(tables: tuple[SensorTable, ...]) -> tuple[Sensor, ...]:
+def sensors(tables: Sequence[SensorTable]) -> tuple[Sensor, ...]:
     """Sensors in SI; their axes get unit length."""
     return tuple(
         Sensor(name=table.name, position=_metres(table.position_mm), axes=_frame(table.name, table.axes))
@@ -135,8 +158,8 @@ def _ribs(table: RibTable) -> Ribs:
     )
 
 
-def _imported(scene: Scene, table: ImportedTable, layout: Layout, placed: tuple[Sensor, ...]) -> ImportedHousing:
-    path, points = find_file(table.file), bearing_points(scene, layout)
+def _imported(table: ImportedTable, points: Sequence[Point], placed: tuple[Sensor, ...]) -> ImportedHousing:
+    path = find_file(table.file)
     return ImportedHousing(
         path=str(path),
         sha256=content_hash(path),
@@ -155,8 +178,8 @@ def _imported(scene: Scene, table: ImportedTable, layout: Layout, placed: tuple[
     )
 
 
-def _seat_problems(scene: Scene, table: ImportedTable, layout: Layout) -> Iterator[Problem]:
-    wanted = [f"bearing_{number}" for number in range(1, len(bearing_points(scene, layout)) + 1)]
+def _seat_problems(table: ImportedTable, bearings: int) -> Iterator[Problem]:
+    wanted = [f"bearing_{number}" for number in range(1, bearings + 1)]
     given = [seat.name for seat in table.bearings]
     if missing := [name for name in wanted if name not in given]:
         yield Problem("casing.housing.bearings", f"{', '.join(missing)} not located", "Give the seat of every bearing")

@@ -9,13 +9,13 @@ from fem.elements.materials import Material
 from fem.gears.geometry import Gear, GearPair, GeometryError, Rack
 from fem.gears.modifications import PairModifications, check_modifications
 from pipelines.border.errors import Problem, SceneError
-from pipelines.plant.flanks import lifting_sense, modifications
+from pipelines.plant.flanks import modifications
 from pipelines.plant.hoist import output_torque
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.base import MaterialTable
 from pipelines.scene.tables.gear_details import GearTable
 from pipelines.scene.tables.gears import StageTable
-from pipelines.scene.train import place_shafts, stage_shafts
+from pipelines.scene.train import place_shafts, shaft_senses, stage_shafts
 
 USUAL_BACKLASH_UM = 80.0  # where a scene says nothing of centre distance, allowances or backlash
 
@@ -120,6 +120,11 @@ class Layout:
         """Total ratio: turns of the input for one turn of the output."""
         return 1 / self.shaft_ratios[self.loaded]
 
+    @property
+    def pinion_senses(self) -> tuple[int, ...]:
+        """Lifting sense of every pinion, by stage."""
+        return tuple(self.senses[pinion] for pinion, _ in self.pair_shafts)
+
 
 def lay_out(scene: Scene, source: str = "scene") -> Layout:
     """Gear pairs and axes of a scene; `source` names it in errors.
@@ -130,8 +135,10 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
     """
     steel = material("gear steel", scene.gear_material)
     pairs, flanks, problems = [], [], []
-    for number, stage in enumerate(scene.stages, 1):
-        sense = lifting_sense(scene, number)
+    pair_shafts = stage_shafts(scene.stages)
+    senses = shaft_senses(len(scene.shafts), scene.stages, scene.couplings)
+    for number, (stage, (pinion, _)) in enumerate(zip(scene.stages, pair_shafts, strict=True), 1):
+        sense = senses[pinion]
         try:
             pairs.append(gear_pair(stage, steel, sense))
             flanks.append(modifications(stage, sense))
@@ -148,12 +155,12 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
         pairs=tuple(pairs),
         modifications=tuple(flanks),
         axes=tuple((place.x, place.z) for place in places),
-        senses=tuple(place.sense for place in places),
+        senses=tuple(senses),
         shaft_ratios=tuple(place.speed / places[driven].speed for place in places),
-        pair_shafts=tuple(stage_shafts(scene.stages)),
+        pair_shafts=tuple(pair_shafts),
         coupling_shafts=tuple((table.shafts[0] - 1, table.shafts[1] - 1) for table in scene.couplings),
         driven=driven,
         loaded=(scene.load.shaft or len(scene.shafts)) - 1,
         turns=max(abs(value) for value in scene.drive.speeds_rpm) / 60,
-        hanging_torque=output_torque(scene),
+        hanging_torque=output_torque(scene.load),
     )

@@ -41,7 +41,15 @@ def diagnosis_settings(
     rolling: Sequence[RollingBearing],
     faults: Sequence[Fault],
 ) -> DiagnosisSettings | None:
-    """The lines and windows of a diagnosis; None if it is not possible."""
+    """The lines and windows of a diagnosis; None if it is not possible.
+
+    Parameters
+    ----------
+    asked : where the diagnosis looks
+    layout, hoist, profile : the train, its rope, and the speed of its motors
+    rolling : bearings whose pass frequencies are named
+    faults : for the words on what is wrong
+    """
     if not asked.possible:
         return None
     stage = stage_facts(layout)[asked.stage - 1]

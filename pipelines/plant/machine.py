@@ -18,10 +18,13 @@ from pipelines.plant.hoist import drums, load_spec, shaft_ends
 from pipelines.plant.layout import Layout
 from pipelines.plant.parts import GearMesh, GearTeeth, MachineParts, ToothDeviations
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.losses import CoulombLosses, EfficiencyLosses
+from pipelines.scene.tables.gears import DeviationTable
+from pipelines.scene.tables.losses import CoulombLosses, EfficiencyLosses, LossModel
+from pipelines.scene.tables.motion import DriveTable
+from pipelines.scene.tables.shafts import CouplingTable
 
 
-def annulus(name: str, y: float, inner: float, outer: float, width: float, density: float) -> Disk:
+def _annulus(name: str, y: float, inner: float, outer: float, width: float, density: float) -> Disk:
     """A ring of rectangular section as a rigid disk: m, J = m (R^2 + r^2)/2 and m (3 (R^2 + r^2) + b^2)/12."""
     mass = density * math.pi * (outer**2 - inner**2) * width
     square = outer**2 + inner**2
@@ -35,8 +38,16 @@ def annulus(name: str, y: float, inner: float, outer: float, width: float, densi
 
 
 def gear_disk(name: str, y: float, gear: Gear, density: float) -> Disk:
-    """The gear body from its bore to its reference circle."""
-    return annulus(name, y, gear.bore_radius, gear.reference_radius, gear.face_width, density)
+    """The gear body from its bore to its reference circle.
+
+    Parameters
+    ----------
+    name : of the disk
+    y : m, place on the shaft
+    gear : the gear
+    density : kg/m3
+    """
+    return _annulus(name, y, gear.bore_radius, gear.reference_radius, gear.face_width, density)
 
 
 def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
@@ -63,7 +74,7 @@ def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
     if shaft == layout.loaded:
         load = scene.load
         radius = load.drum_radius_mm / 1000
-        for number, y in enumerate(drums(scene, layout.loaded), 1):
+        for number, y in enumerate(drums(load, scene.shafts[layout.loaded]), 1):
             # a drum is a thin shell: diametral inertia half the polar one, its length neglected
             found.append(
                 Disk(
@@ -109,7 +120,7 @@ def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
     return tuple(specs)
 
 
-def coupling_specs(scene: Scene) -> tuple[ShaftCoupling, ...]:
+def coupling_specs(tables: Sequence[CouplingTable]) -> tuple[ShaftCoupling, ...]:
     """Couplings between shafts."""
     return tuple(
         ShaftCoupling(
@@ -122,13 +133,20 @@ def coupling_specs(scene: Scene) -> tuple[ShaftCoupling, ...]:
             tilt_stiffness=table.tilt_stiffness_N_m_per_rad,
             damping_time=table.damping_time_us / 1_000_000,
         )
-        for number, table in enumerate(scene.couplings, 1)
+        for number, table in enumerate(tables, 1)
     )
 
 
-def gear_teeth(scene: Scene, faults: Sequence[Fault], stage: int, gear: str) -> GearTeeth:
-    """The teeth of a gear of a stage (from 1)."""
-    table, deviations = scene.deviations, None
+def gear_teeth(table: DeviationTable, faults: Sequence[Fault], stage: int, gear: str) -> GearTeeth:
+    """The teeth of one gear.
+
+    Parameters
+    ----------
+    table : of the deviations
+    faults : of all stages
+    stage, gear : number of the stage, from 1, and "pinion" or "wheel"
+    """
+    deviations = None
     if table.enabled and table.include:
         seed = 1000 * table.seed + 2 * (stage - 1) + GEARS.index(gear)  # every gear its own sequence
         deviations = ToothDeviations(grade=table.iso_grade, include=table.include, seed=seed)
@@ -149,8 +167,8 @@ def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[
             driven=f"shaft_{driven + 1}",
             y=stage.position_mm / 1000,
             pair=pair,
-            pinion=gear_teeth(scene, faults, number, "pinion"),
-            wheel=gear_teeth(scene, faults, number, "wheel"),
+            pinion=gear_teeth(scene.deviations, faults, number, "pinion"),
+            wheel=gear_teeth(scene.deviations, faults, number, "wheel"),
             damping_time=stage.mesh_damping_time_us / 1_000_000,
             cycle_at_start=stage.cycle_at_start,
         )
@@ -160,9 +178,8 @@ def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[
     )
 
 
-def losses_spec(scene: Scene) -> Losses:
+def losses_spec(table: LossModel) -> Losses:
     """Losses of meshes and bearings."""
-    table = scene.losses
     if isinstance(table, EfficiencyLosses):
         return Efficiency(mesh_efficiency=table.mesh_efficiency)
     if isinstance(table, CoulombLosses):
@@ -170,18 +187,19 @@ def losses_spec(scene: Scene) -> Losses:
     return NoLosses()
 
 
-def speed_profile(scene: Scene) -> SpeedProfile:
+def speed_profile(table: DriveTable) -> SpeedProfile:
     """Speed of the motors."""
-    return SpeedProfile(times=np.array(scene.drive.times_s), speeds=np.array(scene.drive.speeds_rpm) / 60 * 2 * math.pi)
+    return SpeedProfile(times=np.array(table.times_s), speeds=np.array(table.speeds_rpm) / 60 * 2 * math.pi)
 
 
 def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> MachineParts:
     """All parts of the machine of a scene. `MachineError` names what does not fit."""
     drive, driven = scene.drive, f"shaft_{layout.driven + 1}"
-    ends = shaft_ends(scene, layout.driven)[: drive.motors]
+    ends = shaft_ends(scene.shafts[layout.driven])[: drive.motors]
+    places = drums(scene.load, scene.shafts[layout.loaded])
     return MachineParts(
         shafts=shaft_specs(scene, layout),
-        bearings=bearing_specs(scene),
+        bearings=bearing_specs(scene.shafts, scene.bearings),
         meshes=gear_meshes(scene, layout, faults),
         motors=tuple(
             CouplingSpec(
@@ -193,11 +211,11 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> Mach
             )
             for number, y in enumerate(ends, 1)
         ),
-        drive=speed_profile(scene),
-        load=load_spec(scene, layout.loaded),
-        couplings=coupling_specs(scene),
+        drive=speed_profile(drive),
+        load=load_spec(scene.load, f"shaft_{layout.loaded + 1}", places),
+        couplings=coupling_specs(scene.couplings),
         forces=tuple(table.spec(number) for number, table in enumerate(scene.forces, 1)),
-        losses=losses_spec(scene),
+        losses=losses_spec(scene.losses),
         brake=Brake(shaft=driven, y=ends[0], torque=drive.brake_torque_N_m) if drive.brake_torque_N_m else None,
         gyroscopic=scene.shaft_model.gyroscopic,
     )

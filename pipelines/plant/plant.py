@@ -6,7 +6,7 @@ The scene stays what users wrote, in their units; it is read here, and by the ch
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -24,7 +24,9 @@ from pipelines.plant.looked_for import LookedFor, diagnosis_settings
 from pipelines.plant.machine import machine_parts
 from pipelines.plant.parts import MachineParts, MotionSettings, Recorded
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.casing import NoCasingTable
+from pipelines.scene.tables.analysis import DiagnosisTable
+from pipelines.scene.tables.casing import NoCasingTable, SensorTable
+from pipelines.scene.tables.motion import SimulationTable
 from pipelines.signals.analysis import DiagnosisSettings
 
 
@@ -99,7 +101,7 @@ def make_plant(scene: Scene, source: str = "scene", layout: Layout | None = None
 def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None = None) -> Drivetrain:
     """Everything but the casing. SceneError and MachineError as `make_plant`."""
     layout = layout or lay_out(scene, source)
-    faults = tooth_faults(scene)
+    faults = tooth_faults(scene.faults, layout.pinion_senses)
     return Drivetrain(
         title=scene.title,
         labels=_labels(scene),
@@ -111,15 +113,15 @@ def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None =
             for number, (pair, modifications) in enumerate(zip(layout.pairs, layout.modifications, strict=True), 1)
         ),
         machine=machine_parts(scene, layout, faults),
-        hoist=hoist(scene),
-        rolling=rolling_bearings(scene),
+        hoist=hoist(scene.load),
+        rolling=rolling_bearings(scene.shafts, scene.bearings),
         faults=faults,
-        bearing_points=bearing_points(scene, layout),
+        bearing_points=bearing_points(scene.shafts, layout),
         recorded=Recorded(
             sensors=tuple(sensor.name for sensor in scene.sensors), journals=isinstance(scene.casing, NoCasingTable)
         ),
-        motion=motion_settings(scene),
-        looked_for=looked_for(scene),
+        motion=motion_settings(scene.simulation),
+        looked_for=looked_for(scene.diagnosis, scene.sensors),
     )
 
 
@@ -135,9 +137,8 @@ def law_specs(scene: Scene, layout: Layout) -> list[LawSpec]:
     ]
 
 
-def motion_settings(scene: Scene) -> MotionSettings:
-    """How the motion of a scene is computed."""
-    table = scene.simulation
+def motion_settings(table: SimulationTable) -> MotionSettings:
+    """How the motion is computed."""
     return MotionSettings(
         end=table.end_s,
         output_rate=table.output_rate_Hz,
@@ -148,9 +149,8 @@ def motion_settings(scene: Scene) -> MotionSettings:
     )
 
 
-def looked_for(scene: Scene) -> LookedFor:
-    """What a scene asks of its diagnosis."""
-    table = scene.diagnosis
+def looked_for(table: DiagnosisTable, sensors: Sequence[SensorTable]) -> LookedFor:
+    """What is asked of the diagnosis."""
     return LookedFor(
         sensor=table.sensor,
         axis=table.axis,
@@ -159,7 +159,7 @@ def looked_for(scene: Scene) -> LookedFor:
         windows=dict(table.windows_s),
         band=table.envelope_band_Hz,
         noise=table.noise_m_s2,
-        possible=bool(table.windows_s and scene.sensors),
+        possible=bool(table.windows_s and sensors),
     )
 
 

@@ -43,8 +43,8 @@ sub { line-height: 0; font-size: .75em; }
 td:first-child { white-space: nowrap; }
 td.number { text-align: right; white-space: nowrap; }
 th.number { text-align: right; max-width: 6rem; }
-tr.detected td { background: #fbe6e0; }
-tr.detected td:first-child { box-shadow: inset 4px 0 #c23b22; }
+tr.marked td { background: #fbe6e0; }
+tr.marked td:first-child { box-shadow: inset 4px 0 #c23b22; }
 details summary { cursor: pointer; color: #2a6f97; margin: .6rem 0; }
 pre { font-size: .8rem; background: #f6f8fa; padding: .8rem; white-space: pre-wrap; word-break: break-word; }
 @media print { h2 { break-after: avoid; } figure, tr { break-inside: avoid; } nav { display: none; } }

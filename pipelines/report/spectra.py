@@ -55,7 +55,7 @@ def healthy_faulty(contents: ReportContents) -> list[str]:
     parts = []
     for diagnosis in contents.diagnoses:
         for window in diagnosis.settings.windows:
-            caption = f"{_named(diagnosis, window)}: both runs with the same deviations. Triangles: lines that stand."
+            caption = f"{_named(diagnosis, window)}: both runs with the same deviations. Triangles: detected lines."
             parts.append(page.picture(healthy_faulty_figure(diagnosis, window), caption))
     return parts
 
@@ -94,7 +94,7 @@ def envelope_table(contents: ReportContents) -> list[str]:
     parts = [
         page.paragraph(
             f"Harmonics of f_r in the envelope and sidebands n f_m + k f_r in the spectrum at {settings.sensor} "
-            f"({settings.axis}); lines that stand are shaded. The floor is the median between the orders, one f_r to "
+            f"({settings.axis}); detected lines are shaded. The floor is the median between the orders, one f_r to "
             "either side. The stated sensor noise is in both runs. The rope mode is printed beside each line."
         )
     ]

@@ -3,7 +3,7 @@
 .h5    everything, as `fem.casing.reduced.body.ReducedBody` writes it (HDF5 with named dimensions)
 .mat   matrices, rows and names for MATLAB
 .uff   universal file of modal testing: key points (2411), their modes (55), accelerances bearing -> sensor (58)
-.vtu   the mesh with every natural mode as a field on its nodes (quadratic tetrahedra)
+.vtu   the mesh with every natural mode as a field on its nodes (in its elements)
 """
 
 from __future__ import annotations
@@ -78,9 +78,20 @@ def write_mat(body: ReducedBody, path: Path) -> None:
 
 
 def write_uff(body: ReducedBody, path: Path, *, title: str, band: float) -> None:
-    """Key points as nodes 1, 2, ..., undamped modes up to the band and accelerances to it; SI, ASCII.
+    """Key points as nodes 1, 2, ..., undamped modes and accelerances; SI, ASCII.
 
     Directions of a sensor are its own axes. A point without a row in a direction does not move along it.
+
+    Parameters
+    ----------
+    body : the reduced casing
+    path : file, replaced if it is there
+    title : text of every set
+    band : Hz, up to which modes and accelerances are written
+
+    Raises
+    ------
+    InputError : the package pyuff is not installed
     """
     try:
         import pyuff
@@ -196,7 +207,14 @@ def _accelerances(
 
 
 def write_vtu(mesh: CasingMesh, modes: CasingModes, natural: NaturalModes, path: Path, *, band: float) -> None:
-    """The mesh with the modes up to the band, each scaled to a largest displacement of 1."""
+    """The mesh with the modes as fields, each scaled to a largest displacement of 1.
+
+    Parameters
+    ----------
+    mesh, modes, natural : the mesh, the modes of its reduction, and the natural modes in their coordinates
+    path : file
+    band : Hz, up to which modes are written
+    """
     from fem.casing.meshing.mesh_file import write_fields
 
     wanted = np.flatnonzero(natural.frequencies <= band)

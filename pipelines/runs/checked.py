@@ -1,4 +1,4 @@
-"""A scene checked as a run begins: what follows from it, what it costs, what is doubtful about it."""
+"""A scene checked as a run begins: what follows from it, what it costs, what is questionable in it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Checked:
     plant: Plant  # the scene in SI
     facts: Facts  # ratios, frequencies (Hz), speeds (rad/s, m/s), torques (N m), forces (N), lengths (m)
     cost: str  # of a run: steps, seconds, memory, disk
-    warnings: tuple[str, ...]  # what is doubtful, and how its control differs in more than the fault
+    warnings: tuple[str, ...]  # what is questionable, and how its control differs in more than the fault
 
 
 def check_scene(loaded: LoadedScene) -> Checked:
@@ -29,16 +29,16 @@ def check_scene(loaded: LoadedScene) -> Checked:
     SceneError, InputError : everything that does not fit
     """
     from pipelines.plant.checks.cost import estimate
-    from pipelines.plant.checks.doubts import doubts
+    from pipelines.plant.checks.design_warnings import design_warnings
     from pipelines.scene.file import control_differences
     from pipelines.steps.study import plan_study
 
     study = plan_study(loaded)
-    warnings = list(doubts(loaded.scene, study.plant.layout))
+    warnings = list(design_warnings(loaded.scene, study.plant.layout))
     if study.control is not None:
-        twin = study.control.name
+        control = study.control.name
         lines = control_differences(loaded, study.control)
-        warnings += [f"the control {twin} differs in more than the fault: {line}" for line in lines]
+        warnings += [f"the control {control} differs in more than the fault: {line}" for line in lines]
     return Checked(
         plant=study.plant,
         facts=study.plant.facts,

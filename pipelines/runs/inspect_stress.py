@@ -22,6 +22,12 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
 
     The mesh holds the damaged state where there is one.
 
+    Parameters
+    ----------
+    plant, graph : the plant of a scene, and its steps
+    options : of the command line: stage, position, stress, mesh, out
+    work : builds the steps
+
     Raises
     ------
     InputError : unknown ending of the mesh file
@@ -44,7 +50,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     cycle = float(first.tooth or 0) if first is not None else 0.0
     index = round((cycle if options.position is None else options.position) * model.positions)
     force = plant.facts.stages[stage - 1].shown_force
-    added = stress_steps(plant, stage, index, force)
+    added = _stress_steps(plant, stage, index, force)
     full = Graph([*graph.needed([f"law_{stage}"]), *added])
     wanted = [one.name for one in added[1:]]
     outcome = work.build(full, wanted)
@@ -83,7 +89,7 @@ def stress_model(law: LawSpec) -> Solid:
     return Solid(slices=mesh.slices, refinement=mesh.refinement) if isinstance(mesh, Solid) else Solid()
 
 
-def stress_steps(plant: Plant, stage: int, index: int, force: float) -> list[Step]:
+def _stress_steps(plant: Plant, stage: int, index: int, force: float) -> list[Step]:
     """The compliance of a stage, and the stress of its teeth: healthy and, with faults, faulty."""
     import numpy as np
 

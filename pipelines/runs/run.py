@@ -184,7 +184,7 @@ def _diagnose_step(study: Study) -> Step | None:
 
 
 def _report_step(loaded: LoadedScene, study: Study, diagnosing: Step | None, outcome: Outcome) -> Step:
-    from pipelines.plant.checks.doubts import doubts
+    from pipelines.plant.checks.design_warnings import design_warnings
     from pipelines.steps import reporting
 
     plant = study.plant
@@ -205,7 +205,7 @@ def _report_step(loaded: LoadedScene, study: Study, diagnosing: Step | None, out
         provenance=provenance(loaded.name, plant, outcome),
         failure=outcome.value(diagnosing.name)["failure"] if diagnosing else "",
         warnings=(
-            *doubts(loaded.scene, plant.layout),
+            *design_warnings(loaded.scene, plant.layout),
             *(f"the control differs in more than the fault: {line}" for line in unlike),
         ),
     )
@@ -239,8 +239,8 @@ def provenance(name: str, plant: Plant, outcome: Outcome) -> dict[str, Any]:
 def _write_signals(folder: Path, loaded: LoadedScene, study: Study, outcome: Outcome) -> None:
     """What a diagnosis can be repeated from: the scene, its response and that of its control."""
     (folder / run_folder.ASKED).write_text(loaded.asked(), encoding="utf-8")
-    twin = study.control is not None and not control_differences(loaded, study.control)
-    (folder / run_folder.RESOLVED).write_text(loaded.resolved(own_control=twin), encoding="utf-8")
+    own_control = study.control is not None and not control_differences(loaded, study.control)
+    (folder / run_folder.RESOLVED).write_text(loaded.resolved(own_control=own_control), encoding="utf-8")
     facts = _facts(loaded.name, study.plant, outcome)
     run_folder.write_json(folder / run_folder.RUN, facts)
     case = study.cases[0]

@@ -118,11 +118,13 @@ def no_full_model(plant: Plant) -> str:
 def build_machine_modes(
     loaded: LoadedScene, work: Work, *, up_to: float = 10e3, cycle: float | None = None, speed: float = 0.0
 ) -> tuple[LinearModes, float]:
-    """Small motion about the loaded machine at a mesh cycle of stage 1 (that of the start by default), and that cycle.
+    """Small motion about the loaded machine, and the mesh cycle of stage 1 at which it is taken.
 
     Parameters
     ----------
-    up_to : Hz
+    loaded, work : the scene, and what builds its steps
+    up_to : Hz, highest frequency
+    cycle : mesh cycle of stage 1, by default that of the start
     speed : of the motors, rad/s; losses and gyroscopic moments follow it
     """
     from mbd.system.linearised import linear_modes, turned

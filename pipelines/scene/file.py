@@ -51,8 +51,8 @@ class LoadedScene:
     def resolved(self, *, own_control: bool = False) -> str:
         """TOML text of the whole scene with every default written out; loads to an equal scene.
 
-        With `own_control` its control is the scene itself without faults: right when the named control is a twin,
-        whose settings would be lost otherwise.
+        With `own_control` its control is the scene itself without faults: right when the named control differs in
+        nothing else; its settings would be lost otherwise.
         """
         values = self.scene.model_dump(mode="json", exclude_none=True)
         return format_document(values | ({"control": WITHOUT_FAULTS} if own_control else {}))
@@ -135,7 +135,7 @@ def plain(value: Any) -> Any:
 
 
 def control_of(loaded: LoadedScene) -> LoadedScene | None:
-    """The healthy twin that the scene names, with the same settings, or None if it names none.
+    """The healthy control that the scene names, with the same settings, or None if it names none.
 
     The control ``"without-faults"`` is the scene itself without its faults; any other is a scene of its own, which
     takes over every setting but those of its title, control and faults.
@@ -157,7 +157,7 @@ def control_of(loaded: LoadedScene) -> LoadedScene | None:
 
 
 def control_differences(loaded: LoadedScene, control: LoadedScene) -> list[str]:
-    """What sets the control apart beyond the faults: one line per value, empty for a true twin."""
+    """What sets the control apart beyond the faults: one line per value, empty if nothing does."""
     sides = [side.scene.model_dump(mode="json", exclude=set(_OWN_KEYS)) for side in (loaded, control)]
     return differences(*sides)
 
@@ -165,7 +165,19 @@ def control_differences(loaded: LoadedScene, control: LoadedScene) -> list[str]:
 def validate(
     merged: Merged, model: type[BaseModel], source: str, problems: Iterable[Problem] = ()
 ) -> tuple[Any, dict[str, Any]]:
-    """The model's object and the tree it was made of, or SceneError with everything that is wrong."""
+    """The model's object and the tree it was made of.
+
+    Parameters
+    ----------
+    merged : the tree
+    model : class that it is to fit
+    source : of the scene, for messages
+    problems : found before
+
+    Raises
+    ------
+    SceneError : with everything that is wrong
+    """
     from pydantic import ValidationError
 
     from pipelines.scene.problems import problems_of, user_path

@@ -47,7 +47,7 @@ def new_scene(target: str | Path, source: str = "rig-healthy") -> Path:
 
 def standalone_text(source: Source, tree: Mapping[str, Any]) -> str:
     """The text of `source` without ``extends``; it reads as `tree`, the merged tree after validation, but its control
-    is the scene itself without faults: the copy is meant to be changed, and its healthy twin must follow it.
+    is the scene itself without faults: the copy is meant to be changed, and its healthy control must follow it.
 
     If the comments cannot be kept in their places (a whole array of tables is replaced by a variant), the values
     win and the text is written without comments.
@@ -70,7 +70,7 @@ def _commented(source: Source, wanted: Mapping[str, Any]) -> str:
     document, heads = _flattened(source)
     _prune(document, wanted)
     if "control" in wanted:
-        document["control"] = tomlkit.item(WITHOUT_FAULTS).comment("healthy twin: this scene without its faults")
+        document["control"] = tomlkit.item(WITHOUT_FAULTS).comment("healthy control: this scene without its faults")
     return "".join(heads) + tomlkit.dumps(document).lstrip("\n")
 
 

@@ -59,7 +59,8 @@ def preset_settings(scene: Scene, preset: str) -> Settings:
         size = scene.casing.element_size_mm
         settings["casing.element_size_mm"] = size * level.element_size
         settings["casing.bore_element_size_mm"] = size * level.bore_size
-        settings["casing.extrapolated"] = not isinstance(scene.casing.housing, MeshHousingTable)
+        meshed_here = not isinstance(scene.casing.housing, MeshHousingTable)
+        settings["casing.extrapolated"] = meshed_here and scene.casing.element == "tetrahedron-10"
     if isinstance(scene.casing, CraigBamptonCasingTable):
         settings["casing.band_Hz"] = scene.casing.band_Hz * level.band
     return settings

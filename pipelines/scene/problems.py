@@ -53,7 +53,14 @@ def _own_words(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths
 
 
 def user_path(location: Iterable[int | str], model: Any, tree: Any, *, missing: bool = False) -> tuple[str, ...]:
-    """A validator's location as the path a user would write: items count from 1, model tags are left out."""
+    """A validator's location as the path a user would write: items count from 1, model tags are left out.
+
+    Parameters
+    ----------
+    location : keys and numbers of items, from 0
+    model, tree : what was validated, and against what
+    missing : the last key is not in the tree
+    """
     path: tuple[str, ...] = ()
     annotation, value, steps = model, tree, list(location)
     for place, step in enumerate(steps):

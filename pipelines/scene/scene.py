@@ -35,7 +35,7 @@ class Scene(Table):
 
     title: Annotated[str, Field(max_length=200, description="one line that names the scene in every result")]
     control: Annotated[
-        str | None, Field(description='healthy twin: a shipped scene, a path ending in .toml, or "without-faults"')
+        str | None, Field(description='healthy control: a shipped scene, a path ending in .toml, or "without-faults"')
     ] = None
     gear_material: MaterialTable
     stages: Annotated[tuple[StageTable, ...], Field(min_length=1, max_length=20)]

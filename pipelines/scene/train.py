@@ -65,14 +65,21 @@ def shaft_senses(count: int, stages: Sequence[StageTable], couplings: Sequence[C
         ready = next((link for link in links if (link[0] in senses) != (link[1] in senses)), None)
         if ready is None:
             return [senses.get(shaft, 1) for shaft in range(count)]
-        one, other, turn = ready if ready[0] in senses else (ready[1], ready[0], ready[2])
-        senses[other] = senses[one] * turn
+        one, other, sense = ready if ready[0] in senses else (ready[1], ready[0], ready[2])
+        senses[other] = senses[one] * sense
 
 
 def place_shafts(
     count: int, stages: Sequence[StageTable], pairs: Sequence[GearPair], couplings: Sequence[CouplingTable]
 ) -> tuple[list[Place], list[Problem]]:
-    """Places of ``count`` shafts, and what contradicts itself: shafts out of reach, loops that do not close."""
+    """Places of the shafts, and what contradicts itself: shafts out of reach, loops that do not close.
+
+    Parameters
+    ----------
+    count : number of shafts
+    stages, pairs : tables of the stages, and the gears of each
+    couplings : tables of the couplings
+    """
     waiting = [_stage_step(*item) for item in zip(range(len(stages)), stages, pairs, stage_shafts(stages), strict=True)]
     waiting += [
         _Step(f"couplings.{number}", table.shafts[0] - 1, table.shafts[1] - 1, 0.0, 0.0, 1, 1.0)

@@ -44,7 +44,7 @@ class DiagnosisSettings:
     `windows` name -> (start, end) in s of the record's time; `rope_mode` window name -> Hz (none for a constant
     torque); `bearings` "bearing_3 BPFO" -> Hz, lines to read besides; `axis` "resultant" or an axis of the sensor;
     `shaft` the faulty shaft, whose speed is checked if given; `fault` and `reason` are words for the verdict: what is
-    damaged, and the physical reason where nothing stands.
+    damaged, and the physical reason where nothing is detected.
     """
 
     revolution_frequency: float
@@ -94,6 +94,8 @@ def analyse(
 
     Parameters
     ----------
+    run : its signals
+    settings : channel, windows and lines of the diagnosis
     stream : number of the noise, 0 for the healthy run, 1 for the faulty one
     band : Hz, of the envelope; by the rule of the settings, applied to this run, if None
 

@@ -2,7 +2,7 @@
 
 A fault on one tooth repeats with the revolution frequency f_r of its shaft. It modulates the mesh: harmonics of f_r
 in the envelope and sidebands n f_m + k f_r in the spectrum. Pitch deviations repeat with the same revolution and put
-the same lines into a healthy run, so a line stands only if it rises over the control with the same deviations
+the same lines into a healthy run, so a line is detected only if it rises over the control with the same deviations
 (6 dB) and over the local floor between the orders (10 dB), both with the stated sensor noise. The band of the
 envelope comes from the healthy run, see pipelines.signals.analysis.
 """

@@ -47,7 +47,8 @@ def write_csv(run: xarray.Dataset, path: Path | str) -> Path:
         names = [name for name, _ in signal_columns(run.isel(time=slice(0)))]
         csv.writer(file).writerow(["time [s]", *names])
         for first in range(0, run.time.size, ROWS_AT_ONCE):
-            block = run.isel(time=slice(first, first + ROWS_AT_ONCE))
+            last = min(first + ROWS_AT_ONCE, run.time.size)  # h5netcdf 1.3 fills up what lies beyond the end
+            block = run.isel(time=slice(first, last))
             table = np.column_stack([block.time.values, *(values for _, values in signal_columns(block))])
             np.savetxt(file, table, fmt="%.9g", delimiter=",", newline="\r\n")
     return path

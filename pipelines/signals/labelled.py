@@ -89,7 +89,14 @@ def signals(motion: Trajectory) -> Iterator[Signal]:
 
 
 def read(motion: Trajectory, signal: Signal, time: int | slice, place: tuple[int | slice, ...] = ()) -> np.ndarray:
-    """A part of a signal (time, ...) as it is stored; only its channels and instants are read."""
+    """A part of a signal (time, ...) as it is stored; only its channels and instants are read.
+
+    Parameters
+    ----------
+    motion, signal : the motion, and one of its signals
+    time : instants, from 0
+    place : number or slice along each dimension of the signal but time; the last ones may be left out
+    """
     rows = signal.rows[place]
     values = np.asarray(motion.values[np.ravel(rows), time]).T.astype(signal.dtype)
     return values.reshape(values.shape[:-1] + np.shape(rows))
@@ -104,7 +111,7 @@ def coordinates(motion: Trajectory) -> dict[str, list]:
 
 def facts(motion: Trajectory) -> dict[str, Any]:
     """What the motion says of itself, as attributes."""
-    books = {
+    balance = {
         part: dict(zip(motion.energy_entries, map(float, row), strict=True))
         for part, row in zip(motion.energy_parts, motion.energies, strict=True)
     }
@@ -115,6 +122,6 @@ def facts(motion: Trajectory) -> dict[str, Any]:
         "repeatable_until_s": motion.parted_at or "the end",
         "pass_band_Hz": motion.pass_band,
         "counters": json.dumps(dict(zip(motion.counter_names, map(int, motion.counters), strict=True))),
-        "energy_balance_J": json.dumps(books),
+        "energy_balance_J": json.dumps(balance),
         ATTRIBUTE: json.dumps(motion_warnings(motion)),
     }

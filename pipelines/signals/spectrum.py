@@ -235,7 +235,19 @@ def envelope(signal: np.ndarray, segment: Segment, band: tuple[float, float]) ->
 def envelope_spectrum(
     signal: np.ndarray, segment: Segment, band: tuple[float, float], window: str = "hann"
 ) -> Spectrum:
-    """Amplitude spectrum of the envelope less its mean; a modulation A (1 + m cos(2 pi f t)) reads A m at f."""
+    """Amplitude spectrum of the envelope less its mean; a modulation A (1 + m cos(2 pi f t)) reads A m at f.
+
+    Parameters
+    ----------
+    signal : float (segment.samples,) or (segment.samples, axes), m/s2
+    segment : how the signal was cut
+    band : of the envelope, Hz
+    window : one of WINDOWS
+
+    Raises
+    ------
+    SpectrumError : the band lies outside 0 to half the rate, a length other than the segment's, an unknown window
+    """
     length = envelope(signal, segment, band)
     amplitude = amplitudes((length - length.mean())[:, None], window)[:, 0]
     return _spectrum("envelope", amplitude, segment, window, band)

@@ -17,7 +17,8 @@ SIDEBANDS_WANTED = 3  # of the eight around one mesh order, and one envelope har
 def headline(diagnoses: Sequence[Diagnosis]) -> str:
     """The answer in one sentence: in how many of the cases and windows the fault is seen.
 
-    Seen: at least three of the eight sidebands around one mesh order and at least one harmonic in the envelope stand.
+    Seen: at least three of the eight sidebands around one mesh order and at least one harmonic in the envelope
+    are detected.
     """
     first = diagnoses[0].settings
     cases = [(d, window) for d in diagnoses for window in d.settings.windows]
@@ -28,25 +29,25 @@ def headline(diagnoses: Sequence[Diagnosis]) -> str:
         many = "in the one window that was looked at" if len(cases) == 1 else f"in all {len(cases)} cases"
         return f"{what}: seen at {where} {many}."
     if seen == 0 and partly == 0:
-        return f"{what}: not seen at {where}; no line stands over the healthy control in any of {len(cases)} cases."
+        return f"{what}: not seen at {where}; no line is detected in any of {len(cases)} cases."
     named = [f"{case_name(d)} {window}" for (d, window), g in zip(cases, grades, strict=True) if g == "seen"]
     where_seen = f" ({'; '.join(named)})" if named and len(named) <= 4 else ""
-    tail = f", single lines stand in {partly} more" if partly else ""
+    tail = f", single lines are detected in {partly} more" if partly else ""
     return f"{what}: seen at {where} in {seen} of {len(cases)} cases{where_seen}{tail}."
 
 
 def criterion(diagnosis: Diagnosis) -> str:
-    """What it takes for a line to stand and a fault to be seen."""
+    """What it takes for a line to be detected and a fault to be seen."""
     settings = diagnosis.settings
     return (
-        f"A line stands if it lies at least {settings.difference_limit:g} dB over the healthy control with the same "
-        f"deviations and at least {settings.floor_limit:g} dB over its local floor; the fault is seen if at least "
-        f"{SIDEBANDS_WANTED} sidebands around one mesh order and one harmonic in the envelope stand."
+        f"A line is detected if it lies at least {settings.difference_limit:g} dB over the healthy control with the "
+        f"same deviations and at least {settings.floor_limit:g} dB over its local floor; the fault is seen if at least "
+        f"{SIDEBANDS_WANTED} sidebands around one mesh order and one harmonic in the envelope are detected."
     )
 
 
 def grade(lines: LineTable) -> str:
-    """ "seen", "partly" (some line stands) or "not seen" for the lines of one case and window."""
+    """ "seen", "partly" (some line is detected) or "not seen" for the lines of one case and window."""
     sidebands = lines.where(kind="sideband")
     most = max((sidebands.where(mesh_harmonic=n).detected.sum() for n in set(sidebands.mesh_harmonic)), default=0)
     if most >= SIDEBANDS_WANTED and lines.where(kind="envelope").detected.any():
@@ -107,9 +108,9 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
     rows, marked = [], set()
     for i in range(len(lines)):
         where = "envelope " if lines.kind[i] in ("envelope", "bearing") else ""
-        stands = "stands" if lines.detected[i] else "-"
+        found = "detected" if lines.detected[i] else "-"
         if lines.kind[i] in ("mesh", "bearing"):
-            stands = f"{lines.kind[i]} line"
+            found = f"{lines.kind[i]} line"
         elif lines.detected[i]:
             marked.add(i)
         near = "on this line" if lines.near_rope[i] else (f"{rope:.2f}" if rope else "-")
@@ -122,7 +123,7 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
                 f"{lines.difference[i]:+.1f}",
                 f"{lines.over_floor[i]:+.1f}",
                 f"{lines.healthy_over_floor[i]:+.1f}",
-                stands,
+                found,
                 near,
             )
         )
@@ -131,7 +132,7 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
 
 
 def summary_grid(diagnoses: Sequence[Diagnosis]) -> Grid:
-    """How many lines stand in every case and window: a row per load and window, a column per set of deviations."""
+    """Numbers of detected lines by case and window: a row per load and window, a column per set of deviations."""
     kinds = sorted(dict.fromkeys(d.deviations for d in diagnoses), key=_seed_order)
     rows = []
     for load in dict.fromkeys(d.load for d in diagnoses):
@@ -141,13 +142,13 @@ def summary_grid(diagnoses: Sequence[Diagnosis]) -> Grid:
                 found = [d for d in diagnoses if (d.load, d.deviations) == (load, deviations)]
                 cells.append(_counts(found[0].lines.where(window=window)) if found else "-")
             rows.append((LOADS.get(load, load), window, *cells))
-    title = "Lines that stand: envelope harmonics · sidebands around each mesh order"
+    title = "Detected lines: envelope harmonics · sidebands around each mesh order"
     names = ["error-free" if kind == "off" else kind for kind in kinds]
     return Grid(title=title, headers=("load", "window", *names), rows=tuple(rows))
 
 
 def seeds_grid(diagnoses: Sequence[Diagnosis], load: str, window: str) -> Grid:
-    """Difference faulty over healthy of every line, a column per set of deviations; a dot marks lines that stand."""
+    """Difference faulty over healthy of every line, a column per set of deviations; a dot marks detected lines."""
     chosen = sorted((d for d in diagnoses if d.load == load), key=lambda d: _seed_order(d.deviations))
     tables = [d.lines.where(window=window).without_mesh() for d in chosen]
     rows = []
@@ -158,12 +159,12 @@ def seeds_grid(diagnoses: Sequence[Diagnosis], load: str, window: str) -> Grid:
             (where + label, f"{tables[0].frequency[i]:.3f}", *cells, str(sum(int(t.detected[i]) for t in tables)))
         )
     names = ["error-free" if d.deviations == "off" else d.deviations for d in chosen]
-    title = f"{_capital(window)}, {LOADS.get(load, load)}: faulty over healthy in dB (● stands)"
-    return Grid(title=title, headers=("line", "Hz", *names, "stands in"), rows=tuple(rows))
+    title = f"{_capital(window)}, {LOADS.get(load, load)}: faulty over healthy in dB (● detected)"
+    return Grid(title=title, headers=("line", "Hz", *names, "detected in"), rows=tuple(rows))
 
 
 def markdown(diagnoses: Sequence[Diagnosis]) -> str:
-    """Verdict, lines that stand, and every line of every load and window with all deviations side by side."""
+    """Verdict, detected lines, and every line of every load and window with all deviations side by side."""
     parts = [f"**{headline(diagnoses)}**", criterion(diagnoses[0]), _titled(summary_grid(diagnoses))]
     parts.append(directions(diagnoses[0]))
     for load in dict.fromkeys(d.load for d in diagnoses):
@@ -192,7 +193,7 @@ def _standing(diagnosis: Diagnosis, lines: LineTable) -> str:
     settings, (low, high) = diagnosis.settings, diagnosis.band
     counted = lines.without_mesh()
     if not counted.detected.any():
-        return f"none of {len(counted)} lines stands. {_reason(diagnosis, counted)}"
+        return f"none of {len(counted)} lines is detected. {_reason(diagnosis, counted)}"
     envelope = lines.where(kind="envelope")
     parts = [
         f"{int(envelope.detected.sum())} of {len(envelope)} harmonics of f_r = {settings.revolution_frequency:.4f} Hz "
@@ -206,7 +207,7 @@ def _standing(diagnosis: Diagnosis, lines: LineTable) -> str:
     best = int(np.argmax(np.where(counted.detected == 1, counted.difference, -np.inf)))
     where = "in the envelope" if counted.kind[best] == "envelope" else "in the spectrum"
     return (
-        f"{', '.join(parts[:-1])} and {parts[-1]} stand; the largest rise is "
+        f"{', '.join(parts[:-1])} and {parts[-1]} are detected; the largest rise is "
         f"{counted.difference[best]:+.1f} dB at {counted.label[best]} {where}."
     )
 

@@ -31,7 +31,13 @@ class CasingErrorSpec:
 def build(
     spec: CasingErrorSpec, mesh: CasingMesh, modes: tuple[CasingModes, CheckUp], body: ReducedBody
 ) -> ErrorStatement:
-    """The error statement; both casings with the stiffness factor of the body."""
+    """The error statement; both casings with the stiffness factor of the body.
+
+    Parameters
+    ----------
+    spec : how the casing was reduced, and what is compared
+    mesh, modes, body : results of the steps `casing mesh`, `casing modes` and `casing`
+    """
     from fem.casing.reduced.accuracy import state_error
 
     given = spec.modes

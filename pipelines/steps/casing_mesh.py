@@ -1,4 +1,4 @@
-"""Step `casing mesh`: tetrahedra of the housing. Sensors do not enter here."""
+"""Step `casing mesh`: solid elements of the housing. Sensors do not enter here."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from fem.casing.meshing.source import Geometry, mesh_geometry
 
 @dataclass(frozen=True, kw_only=True)
 class CasingMeshSpec:
-    """A housing without sensors, and the wanted edge lengths of the elements."""
+    """A housing without sensors, the wanted edge lengths of the elements and their kind."""
 
     housing: Geometry
     sizes: Sizes
+    element: str
 
 
 def build(spec: CasingMeshSpec) -> CasingMesh:
     """The mesh."""
-    return mesh_geometry(spec.housing, spec.sizes)
+    return mesh_geometry(spec.housing, spec.sizes, spec.element)

@@ -14,6 +14,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from mbd.integrators.methods import METHODS
 from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from pipelines.engine.step import Graph, Step
 from pipelines.plant.casing import RigidBox, RigidMeshed
@@ -39,7 +40,7 @@ def plant_steps(plant: Plant) -> list[Step]:
             build=motion.build,
             spec=motion.MotionSpec(machine=plant.machine, recorded=plant.recorded, motion=plant.motion),
             takes=(casing[-1].name, *plant.law_names),
-            modules=("mbd.simulate",),
+            modules=("mbd.simulate", METHODS[plant.motion.integrator][0]),
             libraries=_NUMERIC,
             seconds=1.5 * plant.motion.end,
             streams=True,
@@ -59,7 +60,7 @@ def _law_steps(plant: Plant) -> list[Step]:
                 kind="law",
                 build=laws.build,
                 spec=spec,
-                libraries=("numpy", "scipy"),
+                libraries=spec.mesh.libraries,
                 seconds=spec.mesh.seconds,
             )
         )
@@ -98,8 +99,10 @@ def _casing_steps(plant: Plant) -> list[Step]:
         name="casing mesh",
         kind="casing-mesh",
         build=casing_mesh.build,
-        spec=casing_mesh.CasingMeshSpec(housing=replace(part.geometry, sensors=()), sizes=part.sizes),
-        libraries=("numpy", "gmsh", "meshio"),
+        spec=casing_mesh.CasingMeshSpec(
+            housing=replace(part.geometry, sensors=()), sizes=part.sizes, element=part.element
+        ),
+        libraries=("numpy", "gmsh", "meshio", "scikit-fem"),
         seconds=8.0,
     )
     if isinstance(part, RigidMeshed):
@@ -123,7 +126,7 @@ def _casing_steps(plant: Plant) -> list[Step]:
             build=casing_modes.build,
             spec=reduced,
             takes=("casing mesh",),
-            libraries=("numpy", "scipy", "pymetis"),
+            libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
             seconds=30.0,
             enough="model.band" if part.model.limit else "",
         ),
@@ -163,7 +166,7 @@ def _coarser_steps(mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str
                 attachment=reduced.model.attachment,
             ),
             takes=("coarser casing mesh",),
-            libraries=("numpy", "scipy", "pymetis"),
+            libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
             seconds=8.0,
         ),
     ]
@@ -186,7 +189,7 @@ def casing_error_step(graph: Graph, band: float) -> Step:
             mounts=body.mounts,
         ),
         takes=("casing mesh", "casing modes", "casing"),
-        libraries=("numpy", "scipy", "pymetis"),
+        libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
         seconds=40.0,
     )
 

@@ -27,7 +27,14 @@ class MotionSpec:
 def build(
     spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw], folder: Path | None = None
 ) -> CountedResult:
-    """The trajectory of the wanted channels, with energy balance and counters; its values stay in a file in `folder`.
+    """The trajectory of the wanted channels, with energy balance and counters.
+
+    Parameters
+    ----------
+    spec : the machine, its motion and what is recorded
+    body : the reduced casing
+    *laws : of drive and coast flank of every mesh
+    folder : for a file that keeps the values, or None: they stay in memory
 
     Raises
     ------

@@ -232,5 +232,5 @@ def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[st
 
 def energy_rows(run: xarray.Dataset) -> list[dict[str, Any]]:
     """The energy balance of a run, J, one row per part."""
-    books: dict[str, dict[str, float]] = json.loads(run.attrs.get("energy_balance_J", "{}"))
-    return [{"part": part, **{f"{name} J": value for name, value in row.items()}} for part, row in books.items()]
+    balance: dict[str, dict[str, float]] = json.loads(run.attrs.get("energy_balance_J", "{}"))
+    return [{"part": part, **{f"{name} J": value for name, value in row.items()}} for part, row in balance.items()]

@@ -32,7 +32,7 @@ class ComplianceSpec:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StressSpec:
-    """One state of the teeth: position index / model.positions, force (N), terms of the teeth (tooth,) or (tooth, 6)."""
+    """One state of the teeth: index / model.positions, force (N), terms of the teeth (tooth,) or (tooth, 6)."""
 
     flanks: FlanksSpec  # pair and modifications
     model: Solid

@@ -57,6 +57,7 @@ def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bo
 
     Parameters
     ----------
+    loaded : the scene
     with_control : run the control that the scene names
     both_loads : with a rope and a control, run the equivalent constant torque as well
     seeds : number of seeds of the deviations 1, 2, ... to compare, and error-free gears; 0 for the scene's own only
@@ -72,11 +73,11 @@ def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bo
     for label, scene in _variants(loaded.scene, both_loads and control is not None, seeds if control else 0):
         plant = checked_plant(scene, source)
         faulty = list(add_steps(steps, plant_steps(plant), label).values())[-1]
-        healthy = twin = None
+        healthy = healthy_plant = None
         if control is not None:
-            twin = checked_plant(_like(control.scene, scene), control.source.shown)
-            healthy = list(add_steps(steps, plant_steps(twin), f"{label}{HEALTHY}").values())[-1]
-        cases.append(Case(label=label.strip(), plant=plant, control=twin, faulty=faulty, healthy=healthy))
+            healthy_plant = checked_plant(_like(control.scene, scene), control.source.shown)
+            healthy = list(add_steps(steps, plant_steps(healthy_plant), f"{label}{HEALTHY}").values())[-1]
+        cases.append(Case(label=label.strip(), plant=plant, control=healthy_plant, faulty=faulty, healthy=healthy))
     study = Study(graph=Graph(steps), cases=tuple(cases), control=control)
     check_room(loaded.scene, source, len(study.motions))
     return study

@@ -36,6 +36,12 @@ def fineness_levels(ratio: float, count: int) -> tuple[float, ...]:
 def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> RefinementStudy:
     """Build every level and study every value of the axis' probe.
 
+    Parameters
+    ----------
+    loaded, work : the scene, and what builds its steps
+    axis : one of `pipelines.trade.axes.AXES`
+    count : number of levels, the finest first
+
     Raises
     ------
     AxisError : the scene has nothing to refine along the axis
@@ -50,12 +56,12 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     columns: dict[str, Sequence[float]] = {
         name: [next(v.value for v in level.values if v.name == name) for level in levels] for name in names
     }
-    sizes = [1 / f for f in fineness]
+    sizes, order = [1 / f for f in fineness], chosen.formal_order(loaded.scene)
     return RefinementStudy(
         axis=axis,
         fineness=fineness,
         levels=tuple(levels),
-        quantities={name: study(sizes, column, chosen.formal_order) for name, column in columns.items()},
+        quantities={name: study(sizes, column, order) for name, column in columns.items()},
         units={v.name: v.unit for v in levels[0].values},
     )
 

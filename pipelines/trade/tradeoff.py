@@ -75,7 +75,7 @@ def trade(loaded: LoadedScene, work: Work) -> Tradeoff:
     first, best = next(iter(scenes.items()))
     whole = measure({first: best}, list(PROBES), work)[first].total_seconds
     for name, variant in list(scenes.items())[1:]:
-        settings = motion_settings(variant.scene)
+        settings = motion_settings(variant.scene.simulation)
         motion = costs[settings.integrator] * settings.steps
         if motion > whole:
             del scenes[name]

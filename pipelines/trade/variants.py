@@ -83,7 +83,7 @@ def step_costs(scenes: Iterable[LoadedScene], work: Work) -> dict[str, float]:
             name = f"first {end:g} s, {integrator}"
             found = measure({name: short}, ["signals"], work)
             seconds.append(found[name].seconds["simulate"])
-        steps = (SHORT_SECONDS[-1] - SHORT_SECONDS[-2]) / motion_settings(loaded.scene).step
+        steps = (SHORT_SECONDS[-1] - SHORT_SECONDS[-2]) / motion_settings(loaded.scene.simulation).step
         costs[integrator] = max(seconds[-1] - seconds[-2], 0.0) / steps
     return costs
 

@@ -1,4 +1,4 @@
-"""Scenes for the extremes: mutations of shipped ones, and the run of a valid one: finite, with closed books."""
+"""Scenes for the extremes: mutations of shipped ones, and the run of a valid one: finite, energy balance closed."""
 
 from __future__ import annotations
 
@@ -75,6 +75,6 @@ def simulated(loaded: LoadedScene, cache: Path) -> Any:
 
 
 def unexplained(trajectory: Any) -> list[str]:
-    """What is not finite, and books that do not close; empty for a good run."""
+    """What is not finite, and energy balances that do not close; empty for a good run."""
     finite = np.isfinite(trajectory.values).all()
     return [*(() if finite else ["a channel is not finite"]), *trajectory.unbalanced()]

@@ -16,7 +16,7 @@ from fem.casing.reduced.modes import casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.rigid import housing_mass, rigid_from_mesh
 from fem.elements.materials import Material
-from fem.elements.tetrahedra import mass_properties
+from fem.elements.solids import mass_properties
 
 
 def single():

@@ -33,7 +33,7 @@ PAIRS = {
     "rims of 1.2 and 4 m_n": gear_pair((20, 250), 2, 20, 30, bores_mm=(16.3, 240)),
     "usual": gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5)),
 }
-RUNGS = {
+MODELS = {
     "iso": Iso(slices=5, line_load=NOMINAL),
     "energy": Energy(slices=5),
     "plane": Plane(refinement=0.5, slices=5, patch=0.08),
@@ -47,7 +47,7 @@ EVERY_PAIR = pytest.mark.parametrize("name", PAIRS)
 @cache
 def laws(model: str, pair: GearPair):
     """Both flanks; the refusal where the model does not take the pair."""
-    chosen = RUNGS[model]
+    chosen = MODELS[model]
     try:
         return chosen.laws(pair) if hasattr(chosen, "laws") else (chosen.law(pair, "drive"), chosen.law(pair, "coast"))
     except ModelError as error:

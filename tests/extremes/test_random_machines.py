@@ -15,7 +15,7 @@ ROUNDS = {"fast": 12, "slow": 150}
 
 
 def damping(largest):
-    """None, or so much that a book can be held against what it takes."""
+    """None, or so much that a balance can be held against what it takes."""
     return st.one_of(st.just(0.0), st.floats(0.1, largest))
 
 
@@ -55,7 +55,7 @@ def moved(gear, rest, teeth, cache) -> bool:
     """Whether the scene is one; then it must move as it should."""
     change = {
         **gear, **rest, "drive.times_s": [0.0, 0.005, 0.03], "simulation.end_s": 0.03, "simulation.step_us": 5.0,
-        "simulation.band_Hz": 1e7,  # all modes: a mode that is left out is missing from the book of its part
+        "simulation.band_Hz": 1e7,  # all modes: a mode that is left out is missing from the balance of its part
         "diagnosis.windows_s": {},
         "faults": [{"kind": "missing-tooth", "stage": 1, "gear": "wheel", "tooth": tooth} for tooth in teeth],
     }  # fmt: skip

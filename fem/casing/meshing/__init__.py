@@ -1,1 +1,1 @@
-"""From a housing, whatever it comes from, to tetrahedra with named patches."""
+"""From a housing, whatever it comes from, to solid elements with named patches."""

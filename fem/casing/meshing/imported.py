@@ -10,15 +10,14 @@ Everything else, the points that locate bearings and ground faces included, is i
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 from fem.casing.geometry.dimensions import GLOBAL_AXES, HousingError, Sensor
+from fem.casing.meshing.finished import RawMesh, finished_mesh
 from fem.casing.meshing.locate import (
     ByCylinder,
     ByPlane,
@@ -30,19 +29,15 @@ from fem.casing.meshing.locate import (
     plane_parts,
 )
 from fem.casing.meshing.mesh import CasingMesh, MeshError
-from fem.casing.meshing.mesh_file import SUFFIXES, read_mesh_file, upgraded
+from fem.casing.meshing.mesh_file import SUFFIXES, read_mesh_file
 from fem.casing.meshing.nearest_candidates import fitted_circle
-from fem.casing.meshing.quality import checked_quality
-from fem.casing.meshing.sizes import mean_edge
 from fem.casing.meshing.surface import Surface
-from fem.elements.tetrahedra import curved
-from fem.storage.ledger import count
+from fem.elements.solid_elements import CHOICES, SOLIDS, solid_element
 
 UNITS = {"m": 1.0, "cm": 1 / 100, "mm": 1 / 1000, "um": 1 / 1_000_000, "inch": 127 / 5000}  # m
 STEP_SUFFIXES = (".step", ".stp")
 OFF_AXIS = 0.0005  # m: how far the axis of a bore may lie off the axis of its shaft
 ALONG_Y = 0.9999  # least cosine between the axis of a bore and that of its shaft
-_FACES = np.array([(0, 2, 1, 6, 5, 4), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (0, 3, 2, 7, 9, 6)])  # outwards
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,7 +58,7 @@ class ImportedHousing:
     unit: str  # of the file: "m", "cm", "mm", "um", "inch"
     seats: tuple[Seat, ...]
     grounds: tuple[Locator, ...]  # ground_1, ground_2, ... in this order; a plane gives one for each of its parts
-    upgrade: bool = False  # linear tetrahedra to quadratic ones
+    upgrade: bool = False  # linear elements to quadratic ones
     origin: Point = (0.0, 0.0, 0.0)  # where the origin of the file lies, m
     axes: tuple[Point, Point, Point] = GLOBAL_AXES  # directions of the file's x, y and z
     sensors: tuple[Sensor, ...] = ()
@@ -113,68 +108,55 @@ def content_hash(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def mesh_from_file(housing: ImportedHousing) -> CasingMesh:
-    """The mesh of an imported mesh file, its quality and its key points checked.
+def mesh_from_file(housing: ImportedHousing, element: str) -> CasingMesh:
+    """The mesh of an imported mesh file in the element asked for, its quality and its key points checked.
 
     Raises
     ------
-    MeshError : unreadable, linear elements without `upgrade`, inverted or bad elements, unconnected parts, a size that
-        does not fit the shafts (wrong unit), a key point that is not found
+    MeshError : unreadable, elements of another shape, linear elements without `upgrade`, inverted or bad elements,
+        unconnected parts, a size that does not fit the shafts (wrong unit), a key point that is not found
     """
     path = housing.file
-    read = read_mesh_file(path)
-    nodes, elements = read.nodes, read.elements
-    check_extent(housing, nodes, UNITS[housing.unit])
-    if elements.shape[1] == 4:
-        if not housing.upgrade:
-            raise MeshError(
-                f"{path.name} has linear tetrahedra ({len(elements)}): far too stiff in bending. Set upgrade = true "
-                "for mid-side nodes on straight edges, or export ten-node tetrahedra, which follow the bores"
-            )
-        nodes, elements = upgraded(nodes, elements)
-    groups = {name: ("triangles", items) for name, items in read.triangles.items()}
-    groups |= {name: ("nodes", items) for name, items in read.node_sets.items()}
-    return finish(housing, housing.placed(nodes, UNITS[housing.unit]), elements, groups, element_size=None)
+    raw = read_mesh_file(path)
+    given, wanted = solid_element(raw.elements), SOLIDS[element]
+    shape = "tetrahedra" if given.corners == 4 else "hexahedra"
+    if given.corners != wanted.corners:
+        fitting = [name for name in CHOICES if SOLIDS[name].corners == given.corners]
+        raise MeshError(
+            f"{path.name} has {shape}, which cannot become {element} elements. Set casing.element to "
+            f"{' or '.join(map(repr, fitting))}"
+        )
+    check_extent(housing, raw.nodes, UNITS[housing.unit])
+    if given.degree < wanted.degree and not housing.upgrade:
+        raise MeshError(
+            f"{path.name} has linear {shape} ({len(raw.elements)}): far too stiff in bending. Set upgrade = true "
+            f"for mid-side nodes on straight edges, or export {element} elements, which follow the bores"
+        )
+    return finish(housing, raw, element=element, element_size=None)
 
 
-def finish(
-    housing: ImportedHousing,
-    nodes: np.ndarray,
-    elements: np.ndarray,
-    groups: Mapping[str, tuple[str, np.ndarray]],
-    *,
-    element_size: float | None,
-) -> CasingMesh:
-    """Check a mesh (nodes in the frame of the scene, m), find its surface and its key points."""
-    name = Path(housing.path).name
-    used, flat = np.unique(elements, return_inverse=True)
-    number = np.full(len(nodes), -1, np.int64)
-    number[used] = np.arange(len(used))
-    nodes, elements = nodes[used], flat.reshape(elements.shape)
-    remedy = f"Use an element size below {1000 * element_size:.4g} mm" if element_size else f"Repair the mesh {name}"
-    quality = checked_quality(nodes, elements, remedy)
-    _check_connected(name, nodes, elements)
-    facets = outer_facets(elements)
-    surface = Surface(nodes, facets[:, :3], _facet_groups(facets, groups, number))
-    patches, points = find_key_points(housing, surface)
-    owner = np.full(len(facets), -1)
-    for index, (patch, chosen) in enumerate(patches.items()):
-        if (taken := owner[chosen] >= 0).any():
-            other = list(patches)[int(owner[chosen][taken][0])]
-            raise MeshError(f"{name}: {patch} and {other} share {int(taken.sum())} facets; locate them apart")
-        owner[chosen] = index
-    if element_size is None:
-        count("casing_meshes")
-    return CasingMesh(
-        nodes=nodes,
-        elements=elements,
-        facets=facets,
-        facet_patch=owner,
-        patch_names=tuple(patches),
-        patch_points=np.array([points[patch] for patch in patches]),
-        element_size=mean_edge(nodes, elements) if element_size is None else element_size,
-        quality=quality,
-        curved=int(curved(nodes, elements).any()),
+def finish(housing: ImportedHousing, raw: RawMesh, *, element: str, element_size: float | None) -> CasingMesh:
+    """Check a mesh, find its surface and its key points.
+
+    Parameters
+    ----------
+    housing : where the mesh lies in the frame of the scene, and where its key points are
+    raw : nodes in units of the file, or in m if `element_size` is given
+    element : one of `fem.elements.solid_elements.SOLIDS`, of the same shape
+    element_size : m, that a solid was meshed with; None for a mesh from a file
+
+    Raises
+    ------
+    MeshError : as `finished_mesh`, or a key point that is not found
+    """
+    name, made_here = Path(housing.path).name, element_size is not None
+    return finished_mesh(
+        replace(raw, nodes=housing.placed(raw.nodes, 1.0 if made_here else UNITS[housing.unit])),
+        lambda surface: find_key_points(housing, surface),
+        name=name,
+        element=element,
+        element_size=element_size,
+        remedy=f"Use an element size below {1000 * element_size:.4g} mm" if element_size else f"Repair the mesh {name}",
     )
 
 
@@ -221,43 +203,6 @@ def check_extent(housing: ImportedHousing, points: np.ndarray, scale: float) -> 
         f"{Path(housing.path).name} read in {housing.unit} spans {size} mm from ({_mm(placed.min(axis=0))}) mm, but "
         f"the bearings of the shafts span {span} mm from ({_mm(wanted.min(axis=0))}) mm. {remedy}"
     )
-
-
-def outer_facets(elements: np.ndarray) -> np.ndarray:
-    """Faces (f, 6) that belong to one tetrahedron only, normals outwards: corners, then mid-sides 01 12 20."""
-    faces = elements[:, _FACES].reshape(-1, 6)
-    _, first, times = np.unique(np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[np.sort(first[times == 1])]
-
-
-def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None:
-    """MeshError if the mesh falls into parts that share no node."""
-    rows = np.repeat(elements[:, 0], 3)
-    graph = sp.coo_matrix((np.ones(len(rows)), (rows, elements[:, 1:4].ravel())), shape=(len(nodes),) * 2)
-    label = connected_components(graph, directed=False)[1][elements[:, 0]]
-    parts, sizes = np.unique(label, return_counts=True)
-    if len(parts) > 1:
-        loose = parts[sizes.argmin()]
-        x, y, z = nodes[elements[label == loose][:, :4]].mean(axis=(0, 1))
-        raise MeshError(
-            f"{name} falls into {len(parts)} unconnected parts; the smallest has {sizes.min()} of {len(elements)} "
-            f"tetrahedra around x=({x:.4g}, {y:.4g}, {z:.4g}) m. Merge coincident nodes, or leave the loose part out"
-        )
-
-
-def _facet_groups(
-    facets: np.ndarray, groups: Mapping[str, tuple[str, np.ndarray]], number: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Groups of the file as bool (f,) over the outer facets; `number` renumbers the nodes of the file (-1: unused)."""
-    found, corners = {}, np.sort(facets[:, :3], axis=1)
-    for name, (kind, items) in groups.items():
-        if kind == "nodes":
-            member = np.isin(np.arange(number.max() + 1), number[items])
-            found[name] = member[corners].all(axis=1)
-        else:
-            wanted = {tuple(corner) for corner in np.sort(number[items], axis=1).tolist()}
-            found[name] = np.array([tuple(corner) in wanted for corner in corners.tolist()], bool)
-    return found
 
 
 def seat_point(surface: Surface, seat: Seat, facets: np.ndarray) -> np.ndarray:

@@ -103,7 +103,15 @@ def plane_parts(surface: Surface, name: str, locator: ByPlane) -> list[np.ndarra
 
 
 def axis_place(surface: Surface, facets: np.ndarray, through: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """The point (3,) of an axis in the middle of the stretch that the facets cover."""
+    """The point (3,) of an axis in the middle of the stretch that the facets cover.
+
+    Parameters
+    ----------
+    surface : of the housing
+    facets : int (f,), indices into its triangles
+    through : (3,) m, a point of the axis
+    axis : (3,), its direction, of any length
+    """
     axis = _unit(axis)
     along = (surface.corners[facets] - through) @ axis
     return np.asarray(through, float) + axis * 0.5 * float(along.min() + along.max())

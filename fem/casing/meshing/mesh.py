@@ -1,4 +1,4 @@
-"""CasingMesh: ten-node tetrahedra of a housing with the named patches of its surface."""
+"""CasingMesh: solid elements of a housing with the named patches of its surface."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ class CasingMesh(Record):
     """Nodes, elements and surface of a casing; everything behind the mesher works from this record alone."""
 
     nodes: np.ndarray = array("node", "axis", units="m")
-    elements: np.ndarray = array("element", "corner", units="1", dtype=np.int32)  # order of fem.elements.tetrahedra
-    facets: np.ndarray = array("facet", "facet_corner", units="1", dtype=np.int32)  # whole surface; corners, 01 12 20
+    elements: np.ndarray = array("element", "corner", units="1", dtype=np.int32)  # see fem.elements.solid_elements
+    facets: np.ndarray = array("facet", "facet_corner", units="1", dtype=np.int32)  # surface, see fem.elements.facets
     facet_patch: np.ndarray = array("facet", units="1", dtype=np.int32)  # index into patch_names, -1 elsewhere
     patch_names: tuple[str, ...] = names("patch")  # "ground_1", ..., "bearing_1", ...
     patch_points: np.ndarray = array("patch", "axis", units="m")  # reference point of each patch
     element_size: float = scalar(units="m")
     quality: float = scalar(units="1")  # worst signed inverse condition number, 1 is equilateral
-    curved: int = integer()  # 1: mid-side nodes lie on the curved surfaces
+    curved: int = integer()  # 1: nodes lie off the straight lines between corners, on the curved surfaces
 
     def patch(self, name: str) -> np.ndarray:
-        """Facets (f, 6) of a patch; `MeshError` with the known names if absent or empty."""
+        """Facets (f, k) of a patch; `MeshError` with the known names if absent or empty."""
         if name not in self.patch_names:
             raise MeshError(f"casing mesh: no patch {name!r}; known: {', '.join(self.patch_names)}")
         found = self.facets[self.facet_patch == self.patch_names.index(name)]

@@ -1,48 +1,38 @@
-"""Read a mesh file through meshio: tetrahedra and named groups, as they stand in the file.
+"""Read a mesh file through meshio: solid elements and named groups, as they stand in the file.
 
 Groups are named as in the file: physical groups of Gmsh (or the number of an unnamed one), node and element sets of
 Abaqus, property numbers of Nastran shells, and the point or cell arrays of VTK, whose entries other than 0 belong.
-A group is held by its triangles, or by its nodes where it has no triangles. Mid-side nodes come in the order of
-`fem.elements.tetrahedra`; a file that stores 13 and 23 the other way round is recognised by their places.
+A group is held by its facets, or by its nodes where it has no facets. Nodes come in the order of
+`fem.elements.solid_elements`; a file that stores 13 and 23 of tetrahedra the other way round is recognised by their
+places.
 """
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from fem.casing.meshing.finished import RawMesh
 from fem.casing.meshing.mesh import CasingMesh, MeshError
-from fem.elements.tetrahedra import EDGES
+from fem.elements.solid_elements import SOLIDS, solid_element
 
 _log = logging.getLogger(__name__)
 SUFFIXES = (".msh", ".inp", ".bdf", ".nas", ".vtu")
 _SWAPPED = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
-_SOLID = ("tetra", "tetra10")
 _IDENTIFIERS = ("gmsh:physical", "nastran:ref")
 _OFF_MIDDLE = 0.3  # of the edge length: a mid-side node farther from the middle belongs to another edge
 
 
-@dataclass(frozen=True, eq=False)
-class FileMesh:
-    """Nodes in units of the file, tetrahedra (e, 4) or (e, 10), and groups as triangles (k, 3) or nodes (k,)."""
-
-    nodes: np.ndarray
-    elements: np.ndarray
-    triangles: dict[str, np.ndarray]
-    node_sets: dict[str, np.ndarray]
-
-
-def read_mesh_file(path: Path) -> FileMesh:
-    """The tetrahedra of a file.
+def read_mesh_file(path: Path) -> RawMesh:
+    """The solid elements of a file, nodes in its unit.
 
     Raises
     ------
-    MeshError : unknown kind, unreadable, no tetrahedra, other solid elements, or mid-side nodes in an unknown order
+    MeshError : unknown kind, unreadable, no or several kinds of solid elements, nodes in an unknown order
     """
     if path.suffix.lower() not in SUFFIXES:
         raise MeshError(f"{path.name}: meshes are read from {', '.join(SUFFIXES)}; convert it, or give a STEP file")
@@ -52,56 +42,56 @@ def read_mesh_file(path: Path) -> FileMesh:
         mesh = meshio.read(path)
     except (Exception, SystemExit) as error:  # meshio leaves the interpreter on some damaged files
         raise MeshError(f"{path.name} cannot be read as a mesh ({error}); export it again") from error
+    solids = {one.meshio: one for one in SOLIDS.values()}
     kinds = {block.type: len(block.data) for block in mesh.cells}
-    others = [k for k in kinds if k.startswith(("hexa", "wedge", "pyramid", "tetra")) and k not in _SOLID]
+    others = [k for k in kinds if k.startswith(("hexa", "wedge", "pyramid", "tetra")) and k not in solids]
     if others:
         raise MeshError(
-            f"{path.name} has {', '.join(f'{kinds[k]} {k}' for k in others)} elements; only tetrahedra are known. Mesh "
-            "the part with ten-node tetrahedra"
+            f"{path.name} has {', '.join(f'{kinds[k]} {k}' for k in others)} elements; only {', '.join(solids)} are "
+            "known. Mesh the part with ten-node tetrahedra"
         )
-    solids = [kind for kind in _SOLID if kind in kinds]
-    if len(solids) != 1:
-        words = "both linear and quadratic tetrahedra" if solids else f"no tetrahedra (it has {kinds or 'nothing'})"
-        raise MeshError(f"{path.name} has {words}; give one volume mesh of ten-node tetrahedra")
-    sizes = {block.data.shape[1] for block in mesh.cells if block.type == solids[0]}
-    if not sizes <= {4, 10}:
+    found = [kind for kind in solids if kind in kinds]
+    if len(found) != 1:
+        words = f"several kinds: {', '.join(found)}" if found else f"no solid elements (it has {kinds or 'nothing'})"
+        raise MeshError(f"{path.name} has {words}; give one volume mesh, best of ten-node tetrahedra")
+    kind = solids[found[0]]
+    sizes = {block.data.shape[1] for block in mesh.cells if block.type == kind.meshio}
+    if sizes != {kind.nodes}:
         raise MeshError(
-            f"{path.name} has tetrahedra of {sorted(sizes)} nodes; 4 or 10 are known. Write continuation lines with +"
+            f"{path.name} has {kind.meshio} elements of {sorted(sizes)} nodes; {kind.nodes} are known. Write "
+            "continuation lines with +"
         )
-    elements = np.vstack([block.data for block in mesh.cells if block.type == solids[0]]).astype(np.int64)
+    elements = np.vstack([block.data for block in mesh.cells if block.type == kind.meshio]).astype(np.int64)
     nodes = np.asarray(mesh.points, float)
     if nodes.shape[1] != 3:
         raise MeshError(f"{path.name} is flat: its nodes have {nodes.shape[1]} coordinates; a housing needs 3")
-    if elements.shape[1] == 10:
-        elements = _ordered(path.name, nodes, elements)
-    triangles, node_sets = _groups(mesh)
-    return FileMesh(nodes, elements, triangles, node_sets)
-
-
-def upgraded(nodes: np.ndarray, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Ten-node tetrahedra with straight sides from four-node ones: a node in the middle of every edge.
-
-    The geometry stays that of the linear mesh: a bore remains a polygon.
-    """
-    ends = np.sort(elements[:, EDGES], axis=2).reshape(-1, 2)
-    edges, place = np.unique(ends, axis=0, return_inverse=True)
-    middles = len(nodes) + place.reshape(len(elements), 6)
-    return np.vstack([nodes, nodes[edges].mean(axis=1)]), np.hstack([elements, middles])
+    facets, node_sets = _groups(mesh)
+    return RawMesh(
+        nodes=nodes,
+        elements=_ordered(path.name, nodes, elements[:, np.argsort(kind.in_vtk)]),
+        facets=facets,
+        node_sets=node_sets,
+    )
 
 
 def _ordered(name: str, nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
-    """Ten-node elements with every mid-side node on its edge."""
-    for order in (list(range(10)), _SWAPPED):
+    """The elements with every mid-side node on its edge."""
+    kind = solid_element(elements)
+    if kind.degree == 1:
+        return elements
+    edges = np.array(kind.library.refdom.edges)
+    middles = slice(kind.corners, kind.corners + len(edges))
+    for order in [list(range(kind.nodes))] + [_SWAPPED] * (kind.nodes == 10):
         trial = elements[:, order]
-        ends = nodes[trial[:, EDGES]]
+        ends = nodes[trial[:, edges]]
         length = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2)
-        off = np.linalg.norm(nodes[trial[:, 4:]] - ends.mean(axis=2), axis=2)
+        off = np.linalg.norm(nodes[trial[:, middles]] - ends.mean(axis=2), axis=2)
         if (off < _OFF_MIDDLE * length).all():
             if order is _SWAPPED:
                 _log.info("%s: mid-side nodes 13 and 23 stand in swapped order; put right", name)
             return trial
     far = int((off / np.maximum(length, 1e-300)).max(axis=1).argmax())
-    x, y, z = nodes[elements[far, :4]].mean(axis=0)
+    x, y, z = nodes[elements[far, : kind.corners]].mean(axis=0)
     raise MeshError(
         f"{name}: mid-side nodes do not lie near the middles of their edges (limit {_OFF_MIDDLE:g} edge lengths), the "
         f"worst in element {far} near ({x:.5g}, {y:.5g}, {z:.5g}) in the file's unit; check the order of the nodes"
@@ -109,13 +99,14 @@ def _ordered(name: str, nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
 
 
 def _groups(mesh: Any) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-    triangles: dict[str, list[np.ndarray]] = {}
+    facets: dict[str, list[np.ndarray]] = {}
     node_sets: dict[str, list[np.ndarray]] = {}
     for name, number, cells in _named_cells(mesh):
         block = mesh.cells[number]
-        if block.type.startswith("triangle"):
-            triangles.setdefault(name, []).append(block.data[cells][:, :3])
-        elif not block.type.startswith(_SOLID):
+        if block.type.startswith(("triangle", "quad")):
+            corners = 3 if block.type.startswith("triangle") else 4
+            facets.setdefault(name, []).append(block.data[cells][:, :corners])
+        elif not block.type.startswith(("tetra", "hexahedron")):
             node_sets.setdefault(name, []).append(block.data[cells].ravel())
     for name, nodes in mesh.point_sets.items():
         node_sets.setdefault(name, []).append(np.asarray(nodes, np.int64).ravel())
@@ -123,8 +114,8 @@ def _groups(mesh: Any) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
         if np.ndim(values) == 1:
             node_sets.setdefault(name, []).append(np.flatnonzero(values))
     return (
-        {name: np.vstack(parts).astype(np.int64) for name, parts in triangles.items()},
-        {name: np.unique(np.concatenate(parts)) for name, parts in node_sets.items() if name not in triangles},
+        {name: np.vstack(parts).astype(np.int64) for name, parts in facets.items()},
+        {name: np.unique(np.concatenate(parts)) for name, parts in node_sets.items() if name not in facets},
     )
 
 
@@ -152,13 +143,16 @@ def _named_cells(mesh: Any) -> Iterator[tuple[str, int, np.ndarray]]:
 def write_hexahedra(
     nodes: np.ndarray, cells: np.ndarray, fields: Mapping[str, np.ndarray], groups: Mapping[str, np.ndarray], path: Path
 ) -> None:
-    """Write linear hexahedra (cell, 8) as .vtu, .inp, .msh or .bdf.
+    """Write linear hexahedra as .vtu, .inp, .msh or .bdf.
 
     Parameters
     ----------
+    nodes : (node, 3) m
+    cells : int (cell, 8), into the nodes, in the order of VTK
     fields : (node,) or (node, 3) by name, kept by .vtu and .msh; the others have no place for them
     groups : bool (cell,) by name; every cell is in one. Element sets in .inp, physical groups in .msh, property numbers
         1, 2, ... in .bdf and in the array "group" of .vtu
+    path : its ending names the format
     """
     import meshio
 
@@ -182,7 +176,9 @@ def write_hexahedra(
 
 
 def write_fields(mesh: CasingMesh, fields: Mapping[str, np.ndarray], path: Path) -> None:
-    """Write a mesh with fields (node, k) on its nodes as VTU; the nodes of our elements stand in the order of VTK."""
+    """Write a mesh with fields (node, k) on its nodes as VTU."""
     import meshio
 
-    meshio.Mesh(mesh.nodes, [("tetra10", mesh.elements)], point_data=dict(fields)).write(path, file_format="vtu")
+    kind = solid_element(mesh.elements)
+    cells = [(kind.meshio, mesh.elements[:, kind.in_vtk])]
+    meshio.Mesh(mesh.nodes, cells, point_data=dict(fields)).write(path, file_format="vtu")

@@ -6,7 +6,6 @@ fixed seed: the same input gives the same mesh. Mid-side nodes lie on the curved
 
 from __future__ import annotations
 
-import logging
 import signal
 import threading
 from collections.abc import Iterator, Mapping
@@ -17,30 +16,35 @@ from typing import Any
 import numpy as np
 
 from fem.casing.geometry.housing import Housing
+from fem.casing.meshing.finished import RawMesh, finished_mesh
 from fem.casing.meshing.imported import ImportedHousing, finish
 from fem.casing.meshing.mesh import CasingMesh, MeshError
-from fem.casing.meshing.quality import GOOD_QUALITY, checked_quality, straightened
+from fem.casing.meshing.quality import GOOD_QUALITY, straightened
 from fem.casing.meshing.seats import seat_points
 from fem.casing.meshing.sizes import MM, Refinement, Sizes, set_sizes
 from fem.casing.meshing.solid import build_solid, find_patches
 from fem.casing.meshing.step_file import named, read_step, refinements
-from fem.storage.ledger import count
 
-_log = logging.getLogger(__name__)
 _lock = threading.Lock()  # gmsh keeps one global model
 _TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # gmsh stores the mid-sides 23 and 13 the other way round
 
 
 def mesh_housing(
-    housing: Housing, *, element_size: float = 0.022, sizes: Sizes | None = None, curved: bool = True
+    housing: Housing,
+    *,
+    element_size: float = 0.022,
+    sizes: Sizes | None = None,
+    element: str = "tetrahedron-10",
+    curved: bool = True,
 ) -> CasingMesh:
-    """Mesh a housing with ten-node tetrahedra.
+    """Mesh a housing with tetrahedra.
 
     Parameters
     ----------
     housing : Housing
     element_size : m, wanted edge length; bores get at least twelve elements around
     sizes : instead of `element_size`, with finer bores and feet
+    element : "tetrahedron-10" or "tetrahedron-4"
     curved : mid-side nodes on the true cylinders (else straight edges)
 
     Raises
@@ -66,9 +70,16 @@ def mesh_housing(
             local = sizes.at_foot(feet.bolt_diameter or feet.pad_diameter)
             far = feet.height + 2 * (sizes.element - local)
             finer.append(Refinement(ground, local, near=feet.pad_height, far=far))
-        nodes, elements, facets, owner = tetrahedra(gmsh, sizes.element, finer, patches, curved=curved)
+        raw = tetrahedra(gmsh, sizes.element, finer, patches, curved=curved)
     points = housing.ground_points() | {bore.name: housing.bore_centre(bore) for bore in housing.bores}
-    return finished_mesh(nodes, elements, facets, owner, {name: points[name] for name in patches}, sizes, curved)
+    return finished_mesh(
+        raw,
+        lambda surface: ({name: np.flatnonzero(surface.groups[name]) for name in patches}, points),
+        name="casing mesh",
+        element=element,
+        element_size=sizes.element,
+        remedy=f"Use an element size below {MM * sizes.element:.4g} mm",
+    )
 
 
 def check_element_size(housing: Housing, size: float) -> None:
@@ -81,8 +92,8 @@ def check_element_size(housing: Housing, size: float) -> None:
         )
 
 
-def mesh_step(housing: ImportedHousing, sizes: Sizes) -> CasingMesh:
-    """Mesh the solid of a STEP file with ten-node tetrahedra, finer at the bearing seats.
+def mesh_step(housing: ImportedHousing, sizes: Sizes, element: str) -> CasingMesh:
+    """Mesh the solid of a STEP file with tetrahedra, finer at the bearing seats.
 
     Raises
     ------
@@ -90,45 +101,14 @@ def mesh_step(housing: ImportedHousing, sizes: Sizes) -> CasingMesh:
     """
     with session() as gmsh:
         read_step(gmsh, housing)
-        finer = refinements(gmsh, housing, sizes)
-        nodes, elements, _, _ = tetrahedra(gmsh, sizes.element, finer, {}, curved=True)
-    mesh = finish(housing, housing.placed(nodes, 1.0), elements, {}, element_size=sizes.element)
-    count("casing_meshes")
-    _log.info("casing mesh: %d nodes, %d tetrahedra", len(mesh.nodes), len(mesh.elements))
-    return mesh
+        raw = tetrahedra(gmsh, sizes.element, refinements(gmsh, housing, sizes), {}, curved=True)
+    return finish(housing, raw, element=element, element_size=sizes.element)
 
 
 def find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:
     """Bearing points of a STEP solid without its mesh, see `fem.casing.meshing.seats`."""
     with session() as gmsh:
         return seat_points(gmsh, housing)
-
-
-def finished_mesh(
-    nodes: np.ndarray,
-    elements: np.ndarray,
-    facets: np.ndarray,
-    owner: np.ndarray,
-    points: Mapping[str, np.ndarray],
-    sizes: Sizes,
-    curved: bool,
-) -> CasingMesh:
-    """The record of a mesh that gmsh made, its quality checked."""
-    remedy = f"Use an element size below {MM * sizes.element:.4g} mm"
-    mesh = CasingMesh(
-        nodes=nodes,
-        elements=elements,
-        facets=facets,
-        facet_patch=owner,
-        patch_names=tuple(points),
-        patch_points=np.array(list(points.values())),
-        element_size=sizes.element,
-        quality=checked_quality(nodes, elements, remedy),
-        curved=int(curved),
-    )
-    count("casing_meshes")
-    _log.info("casing mesh: %d nodes, %d tetrahedra", len(mesh.nodes), len(mesh.elements))
-    return mesh
 
 
 def write_step(housing: Housing, path: Path) -> None:
@@ -188,12 +168,20 @@ def _broken_pipes_kept() -> Iterator[None]:
 
 def tetrahedra(
     gmsh: Any, element: float, refinements: list[Refinement], patches: Mapping[str, list[int]], *, curved: bool
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Mesh the current model.
+) -> RawMesh:
+    """Mesh the current model with ten-node tetrahedra, nodes in m, and the triangles of every patch.
 
-    Returns
-    -------
-    nodes (n, 3) in m, elements (e, 10), facets (f, 6) of the outer surface, index of the patch of each facet (f,) or -1
+    Parameters
+    ----------
+    gmsh : an open session whose model is in mm
+    element : m, edge length where nothing is refined
+    refinements : where it is shorter
+    patches : tags of the surfaces of every patch by its name
+    curved : whether mid-side nodes follow the surfaces, or lie halfway between the corners
+
+    Raises
+    ------
+    MeshError : gmsh made other elements than these
     """
     set_sizes(gmsh, element, refinements)
     gmsh.option.setNumber("Mesh.SecondOrderLinear", 0 if curved else 1)
@@ -204,25 +192,24 @@ def tetrahedra(
     kinds, _, connectivity = gmsh.model.mesh.getElements(3)
     if list(kinds) != [11]:
         raise MeshError(f"gmsh made elements of type {list(kinds)}, expected ten-node tetrahedra (11)")
-    node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    elements = connectivity[0].reshape(-1, 10)[:, _TO_VTK]
-    used = np.unique(elements)
-    place = np.zeros(int(node_tags.max()) + 1, np.int64)
-    place[node_tags] = np.arange(len(node_tags))
-    number = np.full(len(place), -1, np.int64)
-    number[used] = np.arange(len(used))
-    nodes = straightened(coordinates.reshape(-1, 3)[place[used]] / MM, number[elements])
-    owner = {tag: index for index, name in enumerate(patches) for tag in patches[name]}
-    facets, facet_patch = [], []
-    for _, tag in gmsh.model.getEntities(2):
-        if len(gmsh.model.getAdjacencies(2, tag)[0]) != 1:
-            continue  # between two solids that are bonded
-        for kind, _, corners in zip(*gmsh.model.mesh.getElements(2, tag), strict=True):
-            if kind != 9:
-                raise MeshError(f"gmsh made surface elements of type {kind}, expected six-node triangles (9)")
-            facets.append(number[corners.reshape(-1, 6)])
-            facet_patch.append(np.full(len(facets[-1]), owner.get(tag, -1)))
-    return nodes, number[elements], np.vstack(facets), np.concatenate(facet_patch)
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    place = np.zeros(int(tags.max()) + 1, np.int64)
+    place[tags] = np.arange(len(tags))
+    elements = place[connectivity[0].reshape(-1, 10)[:, _TO_VTK]]
+    nodes = straightened(coordinates.reshape(-1, 3) / MM, elements)
+    return RawMesh(
+        nodes=nodes,
+        elements=elements,
+        facets={name: place[np.vstack([_triangles(gmsh, tag) for tag in tags])] for name, tags in patches.items()},
+    )
+
+
+def _triangles(gmsh: Any, face: int) -> np.ndarray:
+    """Tags of the corners (f, 3) of the triangles on a face."""
+    kinds, _, connectivity = gmsh.model.mesh.getElements(2, face)
+    if list(kinds) != [9]:
+        raise MeshError(f"gmsh made surface elements of type {list(kinds)}, expected six-node triangles (9)")
+    return connectivity[0].reshape(-1, 6)[:, :3]
 
 
 def _worst_quality(gmsh: Any) -> float:

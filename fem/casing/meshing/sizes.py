@@ -20,6 +20,7 @@ import numpy as np
 
 from fem.casing.meshing.mesh import MeshError
 from fem.elements.materials import Material
+from fem.elements.solid_elements import solid_element
 
 MM = 1000.0
 AROUND_A_BORE = 12  # least number of elements around a bearing seat
@@ -99,6 +100,6 @@ def set_sizes(gmsh: Any, element: float, refinements: Sequence[Refinement]) -> N
 
 
 def mean_edge(nodes: np.ndarray, elements: np.ndarray) -> float:
-    """Mean edge length (m) of tetrahedra: the element size of a mesh that was made elsewhere."""
-    corners = nodes[elements[:, :4]]
-    return float(np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).mean())
+    """Mean edge length (m) of the elements: the element size of a mesh that was made elsewhere."""
+    first, second = np.transpose(solid_element(elements).library.refdom.edges)
+    return float(np.linalg.norm(nodes[elements[:, first]] - nodes[elements[:, second]], axis=2).mean())

@@ -43,7 +43,7 @@ class ElasticCasing(ABC):
         return None
 
     def mesh(self, housing: Housing) -> CasingMesh:
-        """First stage: geometry to tetrahedra."""
+        """First stage: geometry to ten-node tetrahedra."""
         return mesh_geometry(housing, Sizes(element=self.element_size))
 
     def casing(self, mesh: CasingMesh, material: Material) -> GroundedCasing:

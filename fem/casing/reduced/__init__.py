@@ -1,1 +1,1 @@
-"""From tetrahedra to a reduced body: condensation, modes, damping, and how good they are."""
+"""From solid elements to a reduced body: condensation, modes, damping, and how good they are."""

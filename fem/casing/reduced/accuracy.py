@@ -91,9 +91,13 @@ def state_error(
 
     Parameters
     ----------
+    casing : full model in its ground
+    body : reduced from it
     band : Hz, up to which both are compared
+    sensors : whose responses are compared, along their own axes
     damping : of the full model, as it was given to the body
     springs : (interface,) N/m of the mounts, if the casing stands on springs; one factorisation more
+    solver : of that factorisation, see `fem.numerics.linear_solver.factorize`
 
     Raises
     ------
@@ -178,9 +182,10 @@ def full_response(
     Parameters
     ----------
     solve : X (n, k) -> K^-1 X
-    theta, phi, zeta : 1/omega^2 (m,), modes (n, m) orthonormal in M, damping ratios (m,)
+    M : sparse (n, n), SI
+    theta, phi, zeta : 1/omega^2 (m,) s2, modes (n, m) orthonormal in M, damping ratios (m,)
     loads, readings : sparse rows (l, n), (r, n)
-    frequencies : Hz
+    frequencies : (f,) Hz
     """
     square = 1.0 / theta
     left, right = readings @ phi, (loads @ phi).T
@@ -200,7 +205,19 @@ def full_response(
 def reduced_response(
     body: ReducedBody, loads: Sequence[str], sensors: Sequence[str], frequencies: np.ndarray
 ) -> np.ndarray:
-    """The same of a reduced body, by the names of its rows; ValueError if a row is missing."""
+    """Displacement responses (frequency, reading, load) of a reduced body; a sensor has three readings.
+
+    Parameters
+    ----------
+    body : reduced casing
+    loads : names of rows, as "bearing_1:ux"
+    sensors : names of sensors
+    frequencies : (f,) Hz
+
+    Raises
+    ------
+    ValueError : the body has no row of that name
+    """
     try:
         B = np.array([body.row(name) for name in loads]).reshape(len(loads), -1).T
         C = np.array([body.row(f"{name}:{axis}") for name in sensors for axis in ("ux", "uy", "uz")])

@@ -22,7 +22,7 @@ import scipy.sparse as sp
 from fem.casing.reduced.grounded import GroundedCasing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.reduction import Reduction
-from fem.elements.tetrahedra import mass_properties, rigid_body_modes
+from fem.elements.solids import mass_properties, rigid_body_modes
 from fem.numerics.threads import side_by_side
 from fem.storage.records import Record, array, names, scalar
 
@@ -130,7 +130,7 @@ def check_up(casing: GroundedCasing, reduction: Reduction, *, full_band: float |
 
     Parameters
     ----------
-    full_band : Hz; if given, the modes of the full grounded model up to it are computed, too (as expensive as a reduction)
+    full_band : Hz; if given, modes of the full grounded model up to it are computed as well (costs a reduction)
     """
     mesh = casing.mesh
     mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)

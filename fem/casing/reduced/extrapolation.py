@@ -64,7 +64,13 @@ def lowest_frequencies(
     ground: Ground = "fixed",
     attachment: Attachment = "mean",
 ) -> LowestFrequencies:
-    """The frequencies of a coarser mesh; `static`: of its matrices condensed to the interface, as the model static has.
+    """The frequencies of a coarser mesh.
+
+    Parameters
+    ----------
+    mesh, material : of the casing, the mesh with elements `RATIO` times as large
+    static : take the matrices condensed to the interface, as the model static has
+    interfaces, ground, attachment : those of `ground_casing`
 
     Raises
     ------

@@ -22,7 +22,7 @@ from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_row
 from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.reduction import Interface, held_interface
 from fem.elements.materials import Material
-from fem.elements.tetrahedra import assemble, rigid_body_modes
+from fem.elements.solids import assemble, rigid_body_modes
 from fem.numerics.linear_solver import Solver
 
 GROUND_AXES = ("ux", "uy", "uz")
@@ -79,7 +79,11 @@ def ground_casing(
 
     Parameters
     ----------
+    mesh, material : of the casing
     interfaces : bearing patches that carry loads with the axes they carry; all with `BEARING_AXES` by default
+    ground : "fixed" clamps the feet, "springs" leaves them free and holds them by springs while factorising
+    attachment : a point has the "mean" motion of its patch, or the patch is "rigid"
+    solver : see `fem.numerics.linear_solver.factorize`
 
     Raises
     ------

@@ -58,7 +58,9 @@ def block_lanczos(
     ----------
     operator : X (n, k) -> P X (n, k), symmetric, positive semidefinite
     M : sparse (n, n), kg
-    smallest, count : give one of them
+    smallest, count : s2 and number of eigenpairs; give one of them
+    block : vectors that are iterated together
+    largest_basis : vectors of the basis beyond which it gives up
 
     Returns
     -------

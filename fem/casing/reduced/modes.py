@@ -21,7 +21,7 @@ from fem.casing.reduced.damping import DampingRatio, modal_damping
 from fem.casing.reduced.grounded import GROUND_AXES, GroundedCasing
 from fem.casing.reduced.reduction import Reduction
 from fem.casing.reduced.truncation import ModeSet, fewest_modes, kept
-from fem.elements.tetrahedra import mass_properties, rigid_body_modes
+from fem.elements.solids import mass_properties, rigid_body_modes
 from fem.storage.records import Record, array, integer, names, scalar, text
 
 Mounts = Sequence[Sequence[float]]  # stiffness in x, y, z (N/m): one row for all feet, or one per foot in their order
@@ -97,7 +97,15 @@ class CasingModes(Record):
 def casing_modes(
     casing: GroundedCasing, reduction: Reduction, *, model: str, band_limit: float, counted: int = -1
 ) -> CasingModes:
-    """Collect what later stages need of a reduction."""
+    """Collect what later stages need of a reduction.
+
+    Parameters
+    ----------
+    casing, reduction : full model in its ground and what it was reduced to
+    model : name of the casing model
+    band_limit : Hz, below which every fixed-interface mode was kept
+    counted : fixed-interface modes below it by the law of inertia; -1: not counted
+    """
     mesh = casing.mesh
     basis = reduction.basis
     extra = reduction.modes.shape[1] - reduction.n_fixed
@@ -144,7 +152,8 @@ def kept_modes(
 
     Parameters
     ----------
-    springs : (interface,), N/m
+    modes : all that are known
+    springs : (interface,) N/m, of the mounts
     limit : Hz, fixed-interface modes up to it; all by default
     frequency_error : with it, the fewest modes (of those up to the limit) that keep every frequency of the body up to
         two thirds of the limit so close to that with all of them
@@ -170,10 +179,12 @@ def reduced_body(
     frequency_error: float | None = None,
     stiffness_factor: float = 1.0,
 ) -> ReducedBody:
-    """The casing as the multibody model sees it; three rows per sensor asked, moved to the nearest surface point.
+    """The casing as the multibody model sees it.
 
     Parameters
     ----------
+    modes : of the casing
+    sensors : three rows each, moved to the nearest surface point
     damping : modal damping ratio, or rows (Hz, ratio)
     mounts : stiffness of every foot (N/m), if and only if the modes are those of a casing on springs
     limit, frequency_error : see `kept_modes`
@@ -225,7 +236,12 @@ class NaturalModes(Record):
 def natural_modes(
     modes: CasingModes, mounts: Mounts | None = None, *, limit: float | None = None, stiffness_factor: float = 1.0
 ) -> NaturalModes:
-    """Frequencies, effective masses (phi^T M R)^2 and shapes; the arguments are those of `reduced_body`."""
+    """Frequencies, effective masses (phi^T M R)^2 and shapes.
+
+    Parameters
+    ----------
+    modes, mounts, limit, stiffness_factor : those of `reduced_body`
+    """
     springs = modes.springs(mounts)
     chosen = kept_modes(modes, springs, limit=limit)
     stiffness = stiffness_factor * chosen.stiffness

@@ -78,6 +78,7 @@ def held_interface(
     K : sparse (n, n), N/m; positive definite together with the penalty
     rows : sparse B (b, n)
     penalty : diagonal of D (b,), N/m; needed only when K alone is singular
+    solver : see `fem.numerics.linear_solver.factorize`
 
     Raises
     ------
@@ -111,6 +112,8 @@ def reduce_body(
 
     Parameters
     ----------
+    interface : of the same body
+    K, M : sparse (n, n), stiffness and mass in SI; K without the penalty of the interface
     highest : Hz, keep every mode up to it; or
     count : number of modes kept, 0 gives static condensation
     enrich : add the inertia correction (as many columns as there are interface coordinates, if independent)
@@ -141,10 +144,15 @@ def reduce_body(
 
 
 def count_fixed_modes(interface: Interface, K: sp.spmatrix, M: sp.spmatrix, highest: float) -> int:
-    """Number of fixed-interface modes below `highest` (Hz), without computing any: negative eigenvalues of K - s M.
+    """Number of fixed-interface modes below `highest`, without computing any: negative eigenvalues of K - s M.
 
     One factorisation more, by which an eigensolution shows that it has missed nothing (Sylvester's law of inertia; used
     so by Grimes, Lewis & Simon 1994). On an eigenvalue itself the limit is lowered by a millionth.
+
+    Parameters
+    ----------
+    interface, K, M : those of `reduce_body`
+    highest : Hz
 
     Raises
     ------
@@ -168,6 +176,10 @@ def reduced_and_counted(
     interface: Interface, K: sp.spmatrix, M: sp.spmatrix, *, highest: float, enrich: bool = True
 ) -> tuple[Reduction, int]:
     """`reduce_body` and, side by side with it, `count_fixed_modes`.
+
+    Parameters
+    ----------
+    interface, K, M, highest, enrich : those of `reduce_body`
 
     Raises
     ------

@@ -18,7 +18,7 @@ from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.reduced.attachment import AXES, nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES, ReducedBody
 from fem.casing.reduced.damping import DampingRatio, modal_damping
-from fem.elements.tetrahedra import mass_properties, rigid_body_modes
+from fem.elements.solids import mass_properties, rigid_body_modes
 
 
 def housing_mass(housing: Housing, density: float) -> tuple[float, np.ndarray, np.ndarray]:
@@ -68,9 +68,11 @@ def rigid_body(
 
     Parameters
     ----------
+    housing : parametric and `plain`
     density : kg/m3
     mount_stiffness : N/m of each foot, in x, y and z
-    damping_ratio : of all six modes
+    damping_ratio : of all six modes, or rows (Hz, ratio)
+    sensors : three rows each, along their own axes
 
     Raises
     ------
@@ -93,6 +95,11 @@ def rigid_from_mesh(
     sensors: Sequence[Sensor] = (),
 ) -> ReducedBody:
     """The same for any housing: mass, key points and the places of the sensors come from its mesh.
+
+    Parameters
+    ----------
+    mesh : of the housing
+    density, mount_stiffness, damping_ratio, sensors : those of `rigid_body`
 
     Raises
     ------

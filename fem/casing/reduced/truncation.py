@@ -78,9 +78,16 @@ def natural_frequencies(modes: ModeSet, springs: np.ndarray) -> np.ndarray:
 
 
 def fewest_modes(whole: ModeSet, springs: np.ndarray, *, band: float, frequency_error: float) -> int:
-    """Fewest fixed-interface modes with which every frequency up to `band` (Hz) is within `frequency_error`.
+    """Fewest fixed-interface modes with which every frequency up to `band` is within `frequency_error`.
 
-    The error is that against the whole set, found by bisection (it falls with more modes: Rayleigh-Ritz).
+    Found by bisection (the error falls with more modes: Rayleigh-Ritz).
+
+    Parameters
+    ----------
+    whole : modes to choose from
+    springs : (b,) N/m, at the interface coordinates
+    band : Hz
+    frequency_error : largest, as a part of the frequency with the whole set
     """
     exact = natural_frequencies(whole, springs)
     exact = exact[(exact <= band) & (exact > 1e-3 * band / len(exact))]

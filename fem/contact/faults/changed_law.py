@@ -33,6 +33,13 @@ def modified_law(law: MeshLaw, pair: GearPair, modifications: PairModifications)
 def damaged_law(law: MeshLaw, pair: GearPair, gear: str, faults: Sequence[ToothFault]) -> MeshLaw:
     """The law with a variant of the teeth of "pinion" or "wheel" that carries all of `faults` at once.
 
+    Parameters
+    ----------
+    law : of one flank of the pair
+    pair : the gears in mesh
+    gear : "pinion" or "wheel"
+    faults : of one and the same tooth
+
     Raises
     ------
     GeometryError : a fault that does not fit on the tooth
@@ -47,5 +54,11 @@ def damaged_law(law: MeshLaw, pair: GearPair, gear: str, faults: Sequence[ToothF
 
 
 def evenly_damaged_law(law: MeshLaw, pair: GearPair, gear: str, fault: ToothFault) -> MeshLaw:
-    """The law of a pair all of whose teeth of "pinion" or "wheel" have a fault that is the same along the face."""
+    """The law of a pair all of whose teeth of "pinion" or "wheel" have a fault that is the same along the face.
+
+    Parameters
+    ----------
+    law, pair, gear : those of `damaged_law`
+    fault : with a gap (position,), which alone enters
+    """
     return law.replaced(gap=law.gap + fault.gap(law, pair, gear))

@@ -95,8 +95,17 @@ def crack_compliance(
 ) -> np.ndarray:
     """Compliance (position,), m2/N, that a root crack adds at the contact points, per unit face width.
 
-    Difference between a ring with the cracked tooth and the sound ring, both of the plane model and on one mesh, so that
-    it vanishes with the crack. `patch` is the half-width of the loads in m_n, which cancels.
+    Difference between a ring with the cracked tooth and the sound ring, both of the plane model and on one mesh, so
+    that it vanishes with the crack.
+
+    Parameters
+    ----------
+    pair : the gears in mesh
+    gear : "pinion" or "wheel"
+    crack : `depth` and `angle` count, at any place along the face
+    points : contact points (position,), on the flank of its mouth
+    refinement : of the section mesh, see `fem.gears.sector.sector_mesh`
+    patch : half-width of the loads in m_n, which cancels
     """
     from threadpoolctl import threadpool_limits
 

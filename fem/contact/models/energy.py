@@ -83,9 +83,9 @@ def cantilever(
 
     Parameters
     ----------
-    height (n,), half_thickness (n,) : contour from the clamped end to the load, m
-    load_height, load_offset : where the force acts: along the axis, and from it (m)
-    alpha : inclination of the force to the normal of the axis, pressing towards the clamped end (rad)
+    height, half_thickness : (n,) m, contour from the clamped end to the load
+    load_height, load_offset : m, where the force acts: along the axis, and from it
+    alpha : rad, inclination of the force to the normal of the axis, pressing towards the clamped end
     elastic_modulus, shear_modulus : Pa
     """
     from scipy.integrate import trapezoid

@@ -164,7 +164,7 @@ class Iso(MeshModel):
         """The laws of drive and coast flank."""
         return self.law(pair, "drive"), self.law(pair, "coast")
 
-    def doubts(self, modifications: PairModifications) -> Iterator[str]:
+    def warnings(self, modifications: PairModifications) -> Iterator[str]:
         """The low-load reduction where it acts, and relief, whose effect on the load sharing is not modelled."""
         if self.line_load is not None and self.line_load < LOW_LINE_LOAD:
             yield (

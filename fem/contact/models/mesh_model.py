@@ -17,10 +17,11 @@ class MeshModel(ABC):
     """Options of a mesh model as fields, checked when it is made.
 
     A field ``line_load`` (N/m) or None is filled in from the load that the pair carries; all others are options of the
-    user. `seconds` is what the laws of one pair take from nothing, about.
+    user. `seconds` is what the laws of one pair take from nothing, about; `libraries` are those its numbers depend on.
     """
 
     seconds: ClassVar[float] = 0.0
+    libraries: ClassVar[tuple[str, ...]] = ("numpy", "scipy")
     slices: int = 15
 
     @abstractmethod
@@ -36,7 +37,7 @@ class MeshModel(ABC):
         """Refuse what `laws` would refuse, before anything expensive is computed."""
         self.laws(pair)
 
-    def doubts(self, modifications: PairModifications) -> Iterable[str]:
+    def warnings(self, modifications: PairModifications) -> Iterable[str]:
         """What a user should know before trusting the model with these flanks; none for most models."""
         return ()
 

@@ -23,6 +23,7 @@ class Plane(PlaneSection, MeshModel):
     """
 
     seconds: ClassVar[float] = 8.0
+    libraries: ClassVar[tuple[str, ...]] = ("numpy", "scipy", "scikit-fem")
     model: Literal["plane"] = "plane"
 
     def __post_init__(self) -> None:

@@ -42,6 +42,7 @@ class Solid(MeshModel):
     """
 
     seconds: ClassVar[float] = 8.0
+    libraries: ClassVar[tuple[str, ...]] = ("numpy", "scipy", "scikit-fem")
     model: Literal["solid"] = "solid"
     slices: int = 31
     refinement: float = 1.0

@@ -25,7 +25,7 @@ Loss against the direct solution on the dense record (z 20/55, m_n 2 mm, 30 to 3
     spur, b 12             0.06 %         -1.6 to 0 %       -0.9 %       0.06 mm          +0.6 %
 
 Very wide or narrow faces lose more: beta 35 with b / m_n 40 4 % in the mean, with b / m_n 2 20 % in e peak-to-peak.
-Without E_01 the largest error of e at beta 12 rises by 1 %; independent slices (model `plane`) are 13 % too stiff in the
+Without E_01 the largest error of e at beta 12 rises by 1 %; independent slices (`plane`) are 13 % too stiff in the
 mean, and 39 % (b 12) and 25 % (b 30) too soft in tilt.
 """
 
@@ -52,7 +52,16 @@ LONGEST = 10.0  # face widths: bound of the length a, where the influence is eve
 def condense(
     record: ContactCompliance, pair: GearPair, flank: str, plane: PlaneSection, model: str = "solid"
 ) -> MeshLaw:
-    """The law of one flank; `plane` gives the path of contact and the positions of the tables."""
+    """The law of one flank.
+
+    Parameters
+    ----------
+    record : compliances of the pair
+    pair : the gears in mesh
+    flank : "drive" or "coast"
+    plane : gives the path of contact and the positions of the tables
+    model : name of the model that the law carries
+    """
     path = plane.path(pair)
     slope, cosine = record.contact_slope, math.cos(pair.base_helix_angle)
     radius = plane.contact_radius(pair, path) / cosine

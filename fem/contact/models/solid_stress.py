@@ -18,7 +18,7 @@ from fem.contact.wheels.ring import FlankCompliance, SectorReduction
 from fem.contact.wheels.solid_ring import CutFunctions, load_size, node_frames, reduce_prism, sector_prism
 from fem.elements.materials import Material
 from fem.elements.prisms import slice_means, strain_matrices
-from fem.elements.sections import elasticity, gauss_grid, geometry, lagrange, shape_functions
+from fem.elements.sections import elasticity, gauss_grid, gauss_line, geometry, lagrange, shape_functions
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.path import path_points
@@ -61,7 +61,13 @@ def stress_field(
 ) -> tuple[StressField, StressField]:
     """Pinion and wheel at one row of a solved state: the teeth of all candidate pairs, each with its share of the body.
 
-    Solves both gears anew with all factors kept: seconds. `record` and `state` must come from `model` and `pair`.
+    Solves both gears anew with all factors kept: seconds.
+
+    Parameters
+    ----------
+    pair, model : the gears in mesh and their model
+    record, state : compliances of this pair by this model, and a solution on them
+    index : row of the state
     """
     touching = np.isfinite(record.gap[round(state.cycle[index] * len(record.position)) % len(record.position)])
     xi = state.cycle[index] - state.pair[index][:, None] + record.cycle_shift
@@ -172,7 +178,7 @@ def _von_mises(mesh: SectorMesh, material: Material, ends: np.ndarray, local: np
     values, _ = shape_functions(gauss_grid(2)[0])
     across, along = strain_matrices(places, gradients, values, mesh.twist)
     hooke = elasticity(material.elastic_modulus, material.poisson_ratio, 6)
-    functions, slopes = lagrange(np.array([-_GAUSS, _GAUSS]))
+    functions, slopes = lagrange(gauss_line(2)[0])
     end = np.array([[1 - s / _GAUSS, 1 + s / _GAUSS] for s in (-1.0, 0.0, 1.0)]) / 2  # Gauss points -> nodes
     to_nodes = np.einsum("ag,bh->abgh", end, end).reshape(9, 4)
     stress = np.zeros((*local.shape[:3], 6))
@@ -181,7 +187,7 @@ def _von_mises(mesh: SectorMesh, material: Material, ends: np.ndarray, local: np
         layers = slice(2 * k, 2 * k + 3)
         values_here = local[:, layers][:, :, mesh.elements].reshape(len(local), 3, len(mesh.elements), 27)
         at_gauss = np.einsum("gz,eqsd,tzed->tgeqs", functions, across, values_here, optimize=True)
-        at_gauss += np.einsum("gz,eqsd,tzed->tgeqs", slopes * 2 / length, along, values_here, optimize=True)
+        at_gauss += np.einsum("gz,eqsd,tzed->tgeqs", slopes / length, along, values_here, optimize=True)
         nodal = np.einsum("zg,aq,rs,tgeqs->tzear", end, to_nodes, hooke, at_gauss, optimize=True)
         for layer in range(3):
             for tooth in range(len(local)):

@@ -159,8 +159,11 @@ def contact_compliance(
 
     Parameters
     ----------
-    slices : slices of equal width over the face;  positions : grid points per mesh cycle
-    section_refinement, axial_elements : mesh of the rings in space, see `sector_mesh`
+    pair : the gears in mesh
+    slices : slices of equal width over the face
+    positions : grid points per mesh cycle
+    section_refinement : of the section mesh of the rings in space, see `fem.gears.sector.sector_mesh`
+    axial_elements : elements along the face, see `axial_ends`
     plane : the model that gives C_fine, A, B and the reach of tip-edge contact
     patch : half-width of the patches on the coarse section, in m_n
     """

@@ -62,9 +62,11 @@ def solve(
 
     Parameters
     ----------
+    record : compliances of the pair
     index : int (state,), grid positions: c' = index / positions, any whole numbers; default one cycle
     sign : +1 drive, -1 coast: the face coordinate is y = sign * hand * zeta
-    force, approach : F in N or delta in m, one of them, (state,) or a number; psi in rad
+    force, approach : F in N or delta in m, one of them, (state,) or a number
+    tilt : psi in rad, (state,) or a number
     clearance : of tooth pairs by their number p, in m, for the whole face or by slice of zeta; +inf where a tooth is
         missing. Pair p is at xi = c' - p + cycle_shift
 

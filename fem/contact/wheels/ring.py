@@ -60,7 +60,8 @@ class FlankCompliance:
 
         Parameters
         ----------
-        centre : (position,) arc lengths, m; half_width : m
+        centre : (position,) m, arc lengths
+        half_width : m
 
         Returns
         -------
@@ -75,7 +76,7 @@ class FlankCompliance:
         place = centre[:, None] + used[:, None] * np.cos(angle)
         element = np.clip(np.searchsorted(self.arc[2::2], place), 0, len(self.arc) // 2 - 1)
         start, end = self.arc[2 * element], self.arc[2 * element + 2]
-        values, _ = lagrange(2 * (place - start) / (end - start) - 1)
+        values, _ = lagrange((place - start) / (end - start))
         out = np.zeros((len(centre), len(self.arc)))
         row = np.arange(len(centre))[:, None, None]
         np.add.at(out, (row, 2 * element[..., None] + np.arange(3)), weight[:, None] * values)
@@ -101,7 +102,13 @@ def flank_loads(mesh: SectorMesh) -> sparse.csc_matrix:
 
 
 def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.spmatrix) -> SectorReduction:
-    """Condense one sector onto its cut lines; `loads` (dofs, p) act away from cuts and bore.
+    """Condense one sector onto its cut lines.
+
+    Parameters
+    ----------
+    mesh : section of the sector
+    young, poisson : Pa, 1
+    loads : sparse (dofs, p), away from cuts and bore, as of `flank_loads`
 
     Raises
     ------
@@ -161,7 +168,11 @@ def ring_response(sector: SectorReduction, reach: int = 2) -> dict[int, np.ndarr
 def flank_compliance(mesh: SectorMesh, young: float, poisson: float, reach: int = 2) -> FlankCompliance:
     """Compliance between all flank nodes of a tooth and of its neighbours up to `reach` teeth away.
 
-    young in Pa. Small gears: a tooth `reach` away must be another tooth, z > 2 reach.
+    Parameters
+    ----------
+    mesh : section of one sector
+    young, poisson : Pa, 1
+    reach : teeth; a tooth so far away must be another tooth, z > 2 reach
     """
     sector = reduce_sector(mesh, young, poisson, flank_loads(mesh))
     return FlankCompliance(arc=mesh.flank_arc, tip_arc=mesh.tip_arc, matrix=ring_response(sector, reach))

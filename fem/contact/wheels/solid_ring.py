@@ -73,7 +73,12 @@ def node_frames(mesh: SectorMesh) -> np.ndarray:
 def sector_prism(
     mesh: SectorMesh, young: float, poisson: float, ends: np.ndarray, rows: np.ndarray, cut: CutFunctions
 ) -> Prism:
-    """The sector of one tooth, ready to be condensed; `rows` of the flank are kept."""
+    """The sector of one tooth, ready to be condensed.
+
+    Parameters
+    ----------
+    mesh, young, poisson, ends, rows, cut : those of `solid_flank`; the unknowns of the rows are kept
+    """
     frames = node_frames(mesh)
     roles = np.full((len(mesh.points), 3), INNER)
     roles[mesh.flank[rows], 0] = KEPT
@@ -146,7 +151,7 @@ def solid_flank(
     reach: int,
     cut: CutFunctions = CUT,
 ) -> SolidFlank:
-    """Compliance between the nodes of the flank rows `rows` of a tooth and of its neighbours up to `reach` away.
+    """Compliance between the nodes of some flank rows of a tooth and of its neighbours.
 
     Parameters
     ----------
@@ -154,6 +159,8 @@ def solid_flank(
     young, poisson : Pa, 1
     ends : axial element ends, m
     rows : int (rows,), indices into `mesh.flank`
+    reach : teeth up to which neighbours count
+    cut : polynomials on the cut faces
     """
     sector, _ = reduce_prism(mesh, sector_prism(mesh, young, poisson, ends, rows, cut), rows)
     return SolidFlank(rows=rows, ends=ends, matrix=ring_response(sector, reach))

@@ -1,1 +1,1 @@
-"""What can be known to be wrong, or doubtful, in a scene before anything is computed."""
+"""What can be known to be wrong, or questionable, in a scene before anything is computed."""

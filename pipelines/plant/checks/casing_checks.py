@@ -27,7 +27,14 @@ LARGEST_LOOK = 10e6  # bytes of a housing file that is looked into without being
 
 
 def bad_casing(scene: Scene, layout: Layout, made: Geometry, source: str) -> Iterator[Problem]:
-    """Everything that the casing's mesh would refuse and can be known without it."""
+    """Everything that the casing's mesh would refuse and can be known without it.
+
+    Parameters
+    ----------
+    scene, layout : the scene and where its shafts are
+    made : its housing
+    source : of the scene, for messages
+    """
     table = scene.casing
     if not isinstance(table, FlexibleBase):
         return
@@ -78,8 +85,8 @@ def _elements(made: Housing, size: float) -> float:
 
 def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], what: str) -> Iterator[Problem]:
     """Bearings that are not in the middle of their seat, where the casing takes their load."""
-    places = {name: (shaft, place) for name, shaft, place in bearing_names(scene)}
-    for number, wanted in enumerate(bearing_points(scene, layout), 1):
+    places = {name: (shaft, place) for name, shaft, place in bearing_names(scene.shafts)}
+    for number, wanted in enumerate(bearing_points(scene.shafts, layout), 1):
         name = f"bearing_{number}"
         if name not in points:
             continue
@@ -100,7 +107,7 @@ def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
     if not isinstance(table, ImportedTable):
         return
     numbers = {seat.name: number for number, seat in enumerate(table.bearings, 1)}
-    shafts = {name: shaft + 1 for name, shaft, _ in bearing_names(scene)}
+    shafts = {name: shaft + 1 for name, shaft, _ in bearing_names(scene.shafts)}
     for seat in made.seats:
         path = f"casing.housing.bearings.{numbers[seat.name]}"
         if isinstance(seat.locator, ByGroup) and made.is_step:
@@ -149,10 +156,10 @@ def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
 
 def _seats_in_file(scene: Scene, layout: Layout, made: ImportedHousing) -> Iterator[Problem]:
     """Seats that are not in the file, or not where the bearings are."""
-    table = getattr(scene.casing, "housing", None)
-    if not isinstance(table, ImportedTable):
+    casing = scene.casing
+    if not isinstance(casing, FlexibleBase) or not isinstance(table := casing.housing, ImportedTable):
         return
-    found = _looked_up(made)
+    found = _looked_up(made, casing.element)
     if isinstance(found, MeshError):
         yield Problem("casing.housing.file", str(found), "", f'"{table.file}"')
         return
@@ -165,7 +172,7 @@ def _seats_in_file(scene: Scene, layout: Layout, made: ImportedHousing) -> Itera
 
 
 @functools.lru_cache(maxsize=8)
-def _looked_up(made: ImportedHousing) -> dict[str, np.ndarray | MeshError] | MeshError:
+def _looked_up(made: ImportedHousing, element: str) -> dict[str, np.ndarray | MeshError] | MeshError:
     """Bearing points by name with what is wrong with them; empty where the file cannot be looked into quickly."""
     if not looked_into(made):
         return {}
@@ -176,7 +183,7 @@ def _looked_up(made: ImportedHousing) -> dict[str, np.ndarray | MeshError] | Mes
             return find_seats(made)
         from fem.casing.meshing.imported import mesh_from_file
 
-        mesh = mesh_from_file(made)
+        mesh = mesh_from_file(made, element)
         return dict(zip(mesh.patch_names, mesh.patch_points, strict=True))
     except MeshError as error:
         return error

@@ -21,6 +21,7 @@ MOST_VALUES = 1e9  # samples times channels of one simulation: 8 GB
 _STEP_SECONDS, _MODE_SECONDS = 4e-6, 0.06e-6
 _WRITTEN = 2  # responses in a result folder: the scene's own and that of its control
 _PACKED = 0.5  # size of a response file against the motion that the cache holds
+_HELD = 5e8  # bytes of signals that may be held in memory where the cache has no room for them
 _MEMORY = 5e8  # bytes: program, libraries and one block; signals go to a file, so a long run takes no more
 
 
@@ -72,15 +73,17 @@ def too_long(scene: Scene) -> Iterator[Problem]:
 def check_room(scene: Scene, source: str, simulations: int) -> None:
     """Compare the signals of a study with the room in the cache and the result folder.
 
+    A cache without room is a warning of the run as long as memory can hold the signals instead.
+
     Raises
     ------
     SceneError : they do not fit
     """
     one, problems = cost(scene), []
     motions, packed = simulations * one.bytes, min(simulations, _WRITTEN) * _PACKED * one.bytes
-    for folder, needed in ((cache_root(), motions), (Path("runs"), packed)):
+    for folder, needed, held in ((cache_root(), motions, _HELD), (Path("runs"), packed, 0.0)):
         free = shutil.disk_usage(_existing(folder)).free
-        if needed > free:
+        if needed > max(free, held):
             problems.append(
                 Problem(
                     "simulation",

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 
 from fem.gears.deviations import pitch_tolerance
 from fem.gears.flank_deviations import flank_tolerance
-from fem.gears.geometry import GearPair
 from fem.gears.rack import GeometryError
 from pipelines.border.errors import Problem
-from pipelines.plant.flanks import GEARS, damage, lifting_sense
+from pipelines.plant.flanks import GEARS, damage
 from pipelines.plant.layout import Layout
 from pipelines.plant.plant import law_specs
 from pipelines.scene.scene import Scene
@@ -26,7 +25,7 @@ TYPICAL_STIFFNESS = 18e9  # N/m2: c_gamma of steel pairs, for orders of magnitud
 def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
     """Faults that do not fit on their teeth, deviations outside ISO 1328-1."""
     for number, fault in enumerate(scene.faults, 1):
-        one = damage(fault, lifting_sense(scene, fault.stage))
+        one = damage(fault, layout.pinion_senses[fault.stage - 1])
         try:
             one.check(getattr(layout.pairs[fault.stage - 1], fault.gear))
         except GeometryError as error:
@@ -44,7 +43,7 @@ def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
 
 
 def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Iterator[str]:
-    """What a gear designer would frown at, and what hides a fault."""
+    """What a gear designer would question, and what hides a fault."""
     for number, (spec, pair, modification) in enumerate(
         zip(law_specs(scene, layout), layout.pairs, layout.modifications, strict=True), 1
     ):
@@ -66,7 +65,7 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
                     f"{place}.{name}.web_offset_mm: the mesh models see the web in the section only; its offset "
                     "changes nothing there"
                 )
-        yield from (f"{place}: {doubt}" for doubt in spec.mesh.doubts(modification))
+        yield from (f"{place}: {text}" for text in spec.mesh.warnings(modification))
     for number, fault in enumerate(scene.faults, 1):
         stage, pair = scene.stages[fault.stage - 1], layout.pairs[fault.stage - 1]
         width = pair.face_width / stage.mesh.slices
@@ -76,18 +75,19 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
                 f"faults.{number}: extent_mm = {extent:g} is resolved by slices of {width * 1000:.2f} mm; raise "
                 f"stages.{fault.stage}.mesh.slices to {max(2, round(4 * pair.face_width / (extent / 1000)))}"
             )
-        yield from _hidden(scene, fault, number, pair, facts[fault.stage - 1])
+        yield from _hidden(scene, layout, number, fault, facts[fault.stage - 1])
 
 
-def _hidden(scene: Scene, fault: FaultTable, number: int, pair: GearPair, facts: StageFacts) -> Iterator[str]:
+def _hidden(scene: Scene, layout: Layout, number: int, fault: FaultTable, facts: StageFacts) -> Iterator[str]:
     """Compares the change that a fault makes in the transmission error with the single pitch tolerance.
 
     Of faults whose change depends on more than their size nothing is estimated.
     """
     if not scene.deviations.enabled:
         return
+    pair = layout.pairs[fault.stage - 1]
     approach = facts.mesh_force / pair.face_width / TYPICAL_STIFFNESS
-    one = damage(fault, lifting_sense(scene, fault.stage))
+    one = damage(fault, layout.pinion_senses[fault.stage - 1])
     change = one.movement(pair, approach, alone=fault.tooth is not None)
     if change is None:
         return

@@ -51,16 +51,17 @@ def _springs(scene: Scene, layout: Layout) -> Iterator[np.ndarray]:
         found[6 * shaft : 6 * shaft + 6] = coefficients + [0.0, 0.0, 0.0, y * z, 0.0, -y * x]
         return found
 
-    shafts = (shaft for _, shaft, _ in bearing_names(scene))
-    for shaft, bearing in zip(shafts, bearing_specs(scene), strict=True):
+    shafts = (shaft for _, shaft, _ in bearing_names(scene.shafts))
+    for shaft, bearing in zip(shafts, bearing_specs(scene.shafts, scene.bearings), strict=True):
         for axis, stiffness in zip(BEARING_AXES, bearing.stiffness, strict=True):
             if stiffness > 0.0:
                 yield row(shaft, bearing.y, np.eye(6)[_AXES.index(axis)])
     yield row(layout.driven, 0.0, np.eye(6)[4])
-    for joint in scene.couplings:
-        (one, other), (first, second) = joint.shafts, joint.positions_mm
-        radial, tilt = joint.radial_stiffness_N_per_um, joint.tilt_stiffness_N_m_per_rad
-        strengths = radial, joint.axial_stiffness_N_per_um, radial, tilt, joint.torsional_stiffness_N_m_per_rad, tilt
+    for coupling in scene.couplings:
+        (one, other), (first, second) = coupling.shafts, coupling.positions_mm
+        radial, axial = coupling.radial_stiffness_N_per_um, coupling.axial_stiffness_N_per_um
+        tilt, torsional = coupling.tilt_stiffness_N_m_per_rad, coupling.torsional_stiffness_N_m_per_rad
+        strengths = radial, axial, radial, tilt, torsional, tilt
         for direction, strength in zip(np.eye(6), strengths, strict=True):
             if strength:
                 yield row(one - 1, first / 1000, direction) - row(other - 1, second / 1000, direction)

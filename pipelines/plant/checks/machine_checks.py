@@ -33,7 +33,7 @@ def bad_machine(scene: Scene, layout: Layout) -> Iterator[Problem]:
         yield from _bad_shafts(scene, layout)
     yield from _bad_load(scene, layout)
     try:
-        losses_spec(scene)
+        losses_spec(scene.losses)
     except MachineError as error:
         yield Problem("losses", str(error))
     if not bearings:
@@ -81,7 +81,9 @@ def _off_shaft(scene: Scene, layout: Layout) -> Iterator[Problem]:
     for number, coupling in enumerate(scene.couplings, 1):
         for shaft, y in zip(coupling.shafts, coupling.positions_mm, strict=True):
             placed.append((f"couplings.{number}.positions_mm", shaft - 1, y))
-    placed += [("load.drum_positions_mm", layout.loaded, 1000 * y) for y in drums(scene, layout.loaded)]
+    placed += [
+        ("load.drum_positions_mm", layout.loaded, 1000 * y) for y in drums(scene.load, scene.shafts[layout.loaded])
+    ]
     for path, number, y in placed:
         sections = scene.shafts[number].sections
         start, end = sections[0].start_mm, sections[-1].end_mm
@@ -113,8 +115,8 @@ def _stations(scene: Scene, layout: Layout, shaft: int) -> tuple[float, ...]:
 
 def _bad_load(scene: Scene, layout: Layout) -> Iterator[Problem]:
     try:
-        load = load_spec(scene, layout.loaded)
-        load.check_run(speed_profile(scene), layout.shaft_ratios[layout.loaded], scene.simulation.end_s)
+        load = load_spec(scene.load, f"shaft_{layout.loaded + 1}", drums(scene.load, scene.shafts[layout.loaded]))
+        load.check_run(speed_profile(scene.drive), layout.shaft_ratios[layout.loaded], scene.simulation.end_s)
     except MachineError as error:
         yield Problem("load", str(error))
 

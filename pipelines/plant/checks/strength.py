@@ -81,9 +81,9 @@ def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]
     for coupling, share in zip(scene.couplings, shares[len(scene.stages) :], strict=True):
         one, other = zip(coupling.shafts, coupling.positions_mm, strict=True)
         flow((one[0] - 1, one[1] / 1000), (other[0] - 1, other[1] / 1000), share)
-    motors = shaft_ends(scene, layout.driven)[: scene.drive.motors]
+    motors = shaft_ends(scene.shafts[layout.driven])[: scene.drive.motors]
     entering[layout.driven] += [(y, torque / len(motors)) for y in motors]
-    places = drums(scene, layout.loaded)
+    places = drums(scene.load, scene.shafts[layout.loaded])
     entering[layout.loaded] += [(y, -layout.hanging_torque / len(places)) for y in places]
     return entering
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from pipelines.border.errors import Problem, SceneError
+from pipelines.plant.bearings import bearing_points
 from pipelines.plant.checks.bursting import bursting
 from pipelines.plant.checks.collisions import find_collisions
 from pipelines.plant.checks.cost import too_long
@@ -55,7 +56,8 @@ def _bad_housing(scene: Scene, table: HousingTable | ImportedTable, layout: Layo
     if isinstance(table, HousingTable):
         yield from _far_sensors(scene, table)
     try:
-        made = housing(scene, table, layout, source)
+        points = bearing_points(scene.shafts, layout)
+        made = housing(table, scene.sensors, layout, points, source)
     except SceneError as error:
         yield from error.problems
     else:

@@ -30,9 +30,11 @@ def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
             "drive.speeds_rpm", "the motors stand: no shaft turns, there is nothing to diagnose", "Let them turn"
         )
         return
-    rate, drive = scene.simulation.output_rate_Hz, speed_profile(scene)
-    rolling, faults = rolling_bearings(scene), tooth_faults(scene)
-    settings = diagnosis_settings(looked_for(scene), layout, hoist(scene), drive, rolling, faults)
+    rate, drive = scene.simulation.output_rate_Hz, speed_profile(scene.drive)
+    rolling, faults = rolling_bearings(scene.shafts, scene.bearings), tooth_faults(scene.faults, layout.pinion_senses)
+    settings = diagnosis_settings(
+        looked_for(scene.diagnosis, scene.sensors), layout, hoist(scene.load), drive, rolling, faults
+    )
     if settings is None:
         return
     profile = SpeedProfile(times=np.array(scene.drive.times_s), speeds=np.array(scene.drive.speeds_rpm))
@@ -67,20 +69,20 @@ def _bad_window(
 ) -> Iterator[Problem]:
     path, shown = f"diagnosis.windows_s.{name}", f"[{window[0]:g}, {window[1]:g}]"
     shaft = f"the stage {scene.diagnosis.stage} {scene.diagnosis.gear}"
-    turn = settings.revolution_frequency
+    frequency = settings.revolution_frequency
     try:
-        segment = whole_revolutions(window, scene.simulation.output_rate_Hz, turn)
+        segment = whole_revolutions(window, scene.simulation.output_rate_Hz, frequency)
         start, end, revolutions = segment.start, segment.start + segment.duration, segment.revolutions
     except SpectrumError:
         start, end, revolutions = *window, 0
     if revolutions < FEWEST_REVOLUTIONS:
-        held = (window[1] - window[0]) * turn
+        held = (window[1] - window[0]) * frequency
         cut = f", of which {revolutions} fill whole samples" if int(held) > revolutions else ""
         yield Problem(
             path,
             f"holds {held:.1f} revolutions of {shaft}{cut}; the diagnosis needs {FEWEST_REVOLUTIONS}",
-            f"Give it {(FEWEST_REVOLUTIONS + bool(cut)) / turn:.2f} s or more, or leave windows_s empty for signals "
-            "alone",
+            f"Give it {(FEWEST_REVOLUTIONS + bool(cut)) / frequency:.2f} s or more, or leave windows_s empty for "
+            "signals alone",
             shown,
         )
     mean = abs(float(np.diff(profile.angle(np.array([start, end])))[0])) / (end - start)

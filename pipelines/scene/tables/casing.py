@@ -26,14 +26,29 @@ class FlexibleBase(Table):
     housing: HousingModel
     material: MaterialTable
     element_size_mm: Annotated[
-        Number, Field(gt=0, description="of the tetrahedra; the model rigid meshes only a housing that is no plain box")
+        Number, Field(gt=0, description="of the elements; the model rigid meshes only a housing that is no plain box")
     ] = 22.0
+    element: Annotated[
+        Literal["tetrahedron-4", "tetrahedron-10", "hexahedron-20", "hexahedron-27"],
+        Field(
+            description="tetrahedron-4 is too stiff in thin walls: to compare with; hexahedra need a mesh file of them"
+        ),
+    ] = "tetrahedron-10"
     bore_element_size_mm: Annotated[Positive | None, Field(description="at the bearing seats, where smaller")] = None
     foot_element_size_mm: Annotated[Positive | None, Field(description="at the ground faces, where smaller")] = None
     damping_ratio: Annotated[
         Damping | tuple[tuple[NotNegative, Damping], ...],
         Field(description="modal damping: one number, or rows [Hz, ratio] with rising frequencies, linear in between"),
     ] = 0.01
+
+    @model_validator(mode="after")
+    def _hexahedra_from_files(self) -> FlexibleBase:
+        if self.element.startswith("hexahedron") and not isinstance(self.housing, MeshHousingTable):
+            raise ValueError(
+                f"element: the housing is meshed with tetrahedra, {self.element} elements come from a mesh file only; "
+                'set element to "tetrahedron-10"'
+            )
+        return self
 
     @model_validator(mode="after")
     def _rising(self) -> FlexibleBase:
@@ -73,6 +88,10 @@ class ElasticBase(FlexibleBase):
 
     @model_validator(mode="after")
     def _meshed_twice(self) -> ElasticBase:
+        if self.extrapolated and self.element != "tetrahedron-10":
+            raise ValueError(
+                f"extrapolated: its order was measured with tetrahedron-10, not with {self.element}; leave one out"
+            )
         if self.extrapolated and isinstance(self.housing, MeshHousingTable):
             raise ValueError("extrapolated: a mesh file has one element size only; give a STEP file, or leave this out")
         return self

@@ -150,10 +150,10 @@ class StepHousingTable(ImportedTable):
 
 
 class MeshHousingTable(ImportedTable):
-    """An existing mesh of ten-node tetrahedra: .msh, .inp, .bdf, .nas or .vtu."""
+    """An existing mesh of tetrahedra or hexahedra, best with mid-side nodes: .msh, .inp, .bdf, .nas or .vtu."""
 
     model: Literal["mesh"] = "mesh"
-    upgrade: Annotated[Flag, Field(description="give linear tetrahedra mid-side nodes on straight edges")] = False
+    upgrade: Annotated[Flag, Field(description="give linear elements mid-side nodes on straight edges")] = False
 
 
 def _model_of(value: Any) -> str:

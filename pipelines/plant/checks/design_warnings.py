@@ -1,4 +1,4 @@
-"""Warnings: what a designer would frown at in a scene that can be run."""
+"""Warnings: what a designer would question in a scene that can be run."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pipelines.scene.scene import Scene
 HARMONICS = 5  # of the fastest mesh that a good record holds
 
 
-def doubts(scene: Scene, layout: Layout) -> tuple[str, ...]:
+def design_warnings(scene: Scene, layout: Layout) -> tuple[str, ...]:
     """All warnings, in the order of the scene's tables."""
     stages = stage_facts(layout)
     return (

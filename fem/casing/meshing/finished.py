@@ -1,0 +1,123 @@
+"""What every casing mesh goes through, whatever made it: the element asked for, quality, surface, patches.
+
+Nodes and facets are numbered by scikit-fem. Groups that were named with the mesh (physical groups, node sets, faces of
+the geometry) are carried over by the corners of their facets.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from fem.casing.meshing.mesh import CasingMesh, MeshError
+from fem.casing.meshing.quality import checked_quality
+from fem.casing.meshing.sizes import mean_edge
+from fem.casing.meshing.surface import Surface
+from fem.elements.facets import corner_triangles, outer_facets
+from fem.elements.solid_elements import SOLIDS, converted, curved, solid_element
+from fem.storage.ledger import count
+
+_log = logging.getLogger(__name__)
+
+Found = tuple[Mapping[str, np.ndarray], Mapping[str, np.ndarray]]  # triangles (indices) and point (3,) by patch
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RawMesh:
+    """Solid elements (e, k) as they were made or read, and groups by name: corners (f, 3 or 4) or nodes (n,)."""
+
+    nodes: np.ndarray  # (n, 3)
+    elements: np.ndarray
+    facets: Mapping[str, np.ndarray] = field(default_factory=dict)
+    node_sets: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+
+def finished_mesh(
+    raw: RawMesh,
+    find_patches: Callable[[Surface], Found],
+    *,
+    name: str,
+    element: str,
+    element_size: float | None,
+    remedy: str,
+) -> CasingMesh:
+    """The record of a mesh, checked and in the element asked for.
+
+    Parameters
+    ----------
+    raw : nodes in the frame of the scene, m
+    find_patches : triangles of the surface and reference point of every key point
+    name : of the mesh, in messages
+    element : one of `fem.elements.solid_elements.SOLIDS`, of the same shape
+    element_size : m, that was asked for; None: the mean edge length
+    remedy : what to do about a bad element
+
+    Raises
+    ------
+    MeshError : another shape, a bad element (with its place), unconnected parts, two patches that share facets
+    """
+    nodes, elements = converted(raw.nodes, raw.elements, SOLIDS[element])
+    quality = checked_quality(nodes, elements, remedy)
+    _check_connected(name, nodes, elements)
+    facets = outer_facets(nodes, elements)
+    triangles = corner_triangles(facets)
+    each = triangles.shape[1]
+    groups = {title: np.repeat(inside, each) for title, inside in _facet_groups(raw, facets).items()}
+    patches, points = find_patches(Surface(nodes, triangles.reshape(-1, 3), groups))
+    owner = np.full(len(facets), -1)
+    for index, (patch, chosen) in enumerate(patches.items()):
+        members = np.unique(chosen // each)
+        if (taken := owner[members] >= 0).any():
+            other = list(patches)[int(owner[members][taken][0])]
+            raise MeshError(f"{name}: {patch} and {other} share {int(taken.sum())} facets; locate them apart")
+        owner[members] = index
+    count("casing_meshes")
+    _log.info("casing mesh: %d nodes, %d elements (%s)", len(nodes), len(elements), element)
+    return CasingMesh(
+        nodes=nodes,
+        elements=elements,
+        facets=facets,
+        facet_patch=owner,
+        patch_names=tuple(patches),
+        patch_points=np.array([points[patch] for patch in patches]),
+        element_size=mean_edge(nodes, elements) if element_size is None else element_size,
+        quality=quality,
+        curved=int(curved(nodes, elements).any()),
+    )
+
+
+def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None:
+    """MeshError if the mesh falls into parts that share no node."""
+    corners = elements[:, : solid_element(elements).corners]
+    rows = np.repeat(corners[:, 0], corners.shape[1] - 1)
+    graph = sp.coo_matrix((np.ones(len(rows)), (rows, corners[:, 1:].ravel())), shape=(len(nodes),) * 2)
+    label = connected_components(graph, directed=False)[1][corners[:, 0]]
+    parts, sizes = np.unique(label, return_counts=True)
+    if len(parts) > 1:
+        loose = parts[sizes.argmin()]
+        x, y, z = nodes[corners[label == loose]].mean(axis=(0, 1))
+        raise MeshError(
+            f"{name} falls into {len(parts)} unconnected parts; the smallest has {sizes.min()} of {len(elements)} "
+            f"elements around x=({x:.4g}, {y:.4g}, {z:.4g}) m. Merge coincident nodes, or leave the loose part out"
+        )
+
+
+def _facet_groups(raw: RawMesh, facets: np.ndarray) -> dict[str, np.ndarray]:
+    """Groups of a mesh as bool (f,) over the outer facets, whose corners were numbered in the order of their nodes."""
+    kind = solid_element(raw.elements)
+    number = np.full(len(raw.nodes), -1, np.int64)
+    kept = np.unique(raw.elements[:, : kind.corners])
+    number[kept] = np.arange(len(kept))
+    corners = np.sort(facets[:, : 3 if kind.corners == 4 else 4], axis=1)
+    found = {name: np.asarray(np.isin(corners, number[items]).all(axis=1)) for name, items in raw.node_sets.items()}
+    place = {tuple(corner): index for index, corner in enumerate(corners.tolist())} if raw.facets else {}
+    for name, items in raw.facets.items():
+        found[name] = np.zeros(len(corners), bool)
+        wanted = (tuple(corner) for corner in np.sort(number[items], axis=1).tolist())
+        found[name][[place[corner] for corner in wanted if corner in place]] = True
+    return found
