@@ -63,18 +63,16 @@ def block_of_three(packed, block, states, pinion, wheel, loads):
 @stored(__file__, entry=False)
 def block_of_many(packed, block, states, pinion, wheel, loads):
     """What one block adds to the answer, for any number of pairs; not by vector instructions."""
-    law, n, found = unpacked(packed), 3, 4
+    law = unpacked(packed)
     own_cycle, lowest = law.sign * states.cycle + law.offset, NEVER if law.pulls > 0.0 else 0.0
     teeth, answer = np.empty(NEAR_ROOM), np.zeros(14)
     near = near_pairs(law, own_cycle, pinion, wheel, teeth)
-    while found > n:
-        n += 1
-        memory = np.empty(rows_room(n))
-        rows = rows_in(memory, 0, memory[:n])
-        found = gather(law, near, block, own_cycle, states, lowest, rows)
-        if found == n:
-            _solve_block(law, block, states, rows, loads, answer)
-        memory[0] = teeth[0] = 0.0  # views of them were lent
+    n = max(near.pairs, 2)
+    memory = np.empty(rows_room(n))
+    rows = rows_in(memory, 0, memory[:n])
+    gather(law, near, block, own_cycle, states, lowest, rows)
+    _solve_block(law, block, states, rows, loads, answer)
+    memory[0] = teeth[0] = 0.0  # views of them were lent
     return totals(answer, 1.0)
 
 
