@@ -14,7 +14,15 @@ from fem.gears.geometry import GearPair
 
 
 def contact_pressure(pair: GearPair, law: MeshLaw, cycle: float, pairs: np.ndarray, loads: np.ndarray) -> np.ndarray:
-    """Greatest Hertz pressure (n, slice) in Pa under the line loads (n, slice) of the pairs (n,) at a mesh cycle."""
+    """Greatest Hertz pressure (n, slice) in Pa.
+
+    Parameters
+    ----------
+    pair, law : the gear pair and the law of one flank
+    cycle : mesh cycle
+    pairs : (n,) numbers of the loaded pairs
+    loads : (n, slice) N/m
+    """
     own = law.cycle_sign * cycle + law.cycle_offset
     positions = own - pairs[:, None] + law.cycle_shift
     rolls = np.array([pair.roll_lengths(xi) for xi in positions.ravel()]).reshape(*positions.shape, 2)
