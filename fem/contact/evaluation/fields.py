@@ -27,7 +27,7 @@ class FieldRows(NamedTuple):
     gain_slope: np.ndarray
     field: np.ndarray  # v
     before: np.ndarray  # v before the last step
-    link: np.ndarray  # spring to the next slice nearer the middle of the face, m; 0 where another line stands there
+    link: np.ndarray  # spring to the next slice nearer the middle of the face, m; 0 where another line lies there
     stay: np.ndarray  # width and springs of a slice, m
     target: np.ndarray  # phi l: loads after a Newton step of the slice by itself
     by_load: np.ndarray  # right-hand sides w g phi l, w g K 1 and w g K y
