@@ -103,6 +103,36 @@ def test_coupled_slices_are_the_dense_solution(name):
         assert float(r.moment) == pytest.approx(moment, rel=1e-5, abs=1e-6 * force * 0.03)
 
 
+FIVE = np.linspace(-3.0, 3.0, 401)
+FIVE_PAIRS = made_up_law(
+    slices=7,
+    neighbours=1,
+    position_start=-3.0,
+    position_step=0.015,
+    compliance=6e-11 * (1 + 0.1 * FIVE**2),
+    contact_offset=25 + 0.5 * np.sin(2 * FIVE),
+    neighbour_compliance=np.array([1e-11 * (1 - 0.05 * FIVE)]),
+    gap=np.where(np.abs(FIVE) < 2.4, 2e-7 * FIVE**2, np.inf),
+    fraction=np.ones(FIVE.size),
+    spread_compliance=np.zeros(FIVE.size),
+)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [FIVE_PAIRS, FIVE_PAIRS.replaced(body_compliance=8e-10, tilt_compliance=4e-6)],
+    ids=["independent", "coupled"],
+)
+def test_five_pairs_in_a_slice_are_the_dense_solution(law):
+    for state in ((0.1, 2e-5, 0.0), (0.62, 1.5e-5, 1e-4)):
+        pairs, loads = LawEvaluator(law).line_loads(*state)
+        assert ((loads > 0.0).sum(axis=0) >= 4).all()
+        r = LawEvaluator(law).evaluate(*state)
+        force, moment = dense(law, *state)
+        assert float(r.force) == pytest.approx(force, rel=1e-6)
+        assert float(r.moment) == pytest.approx(moment, rel=1e-5, abs=1e-6 * force * 0.03)
+
+
 def test_bodies_alone_are_the_plain_law_at_the_approach_they_leave():
     """Also where they tilt into contacts that the free approach leaves open."""
     law = TWO.replaced(body_compliance=8e-10, tilt_compliance=5e-4)
