@@ -47,18 +47,26 @@ EXACT_CLOSE = 1e-11  # step of the fields, relative to the largest, at which the
 @apart(ANSWER, VECTOR, STATES, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
 def evaluate_coupled(packed, states, pinion, wheel, loads):
-    """Answer at one or two states, `packed` from `law_tables.pack`; line loads of the last state as in `keep_loads`."""
+    """Answer (14,) at one or two states, in the order of `slice_sums.ANSWER`.
+
+    Parameters
+    ----------
+    packed : (n,) from `law_tables.pack`
+    states : `States`
+    pinion, wheel : (z1, 6) and (z2, 6) tooth terms, see `fem.contact.teeth`
+    loads : (place, slice) out: line loads of the last state as in `keep_loads`; (0, 0) if they are not asked for
+    """
     law = unpacked(packed)
     memory = np.empty(ROOM + face_room(len(law.block), 2))
     answer = memory[:14]  # holds the memory as long as it is used; all other views are lent
     if _evaluate(packed, states, pinion, wheel, loads, (memory, ROOM, (0, 1))) > 2:
-        return evaluate_three(packed, states, pinion, wheel, loads)
+        return _evaluate_three(packed, states, pinion, wheel, loads)
     return totals(answer, law.sign)
 
 
 @apart(ANSWER, VECTOR, STATES, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
-def evaluate_three(packed, states, pinion, wheel, loads):
+def _evaluate_three(packed, states, pinion, wheel, loads):
     """`evaluate_coupled` with three rows of fields: where more than two pairs approach in a slice."""
     law = unpacked(packed)
     memory = np.empty(ROOM + face_room(len(law.block), 3))
@@ -69,7 +77,7 @@ def evaluate_three(packed, states, pinion, wheel, loads):
 
 @njit(**SPREAD)
 def _evaluate(packed, states, pinion, wheel, loads, memory):
-    """The answer (14,) at the start of memory, as for `fields.field_rows`; returns the rows that are needed.
+    """The answer (14,) at the start of memory, as for `fields.block_rows`; returns the rows that are needed.
 
     Two rows give up where they are too few; three leave the rest to exact slices.
     """
@@ -95,9 +103,9 @@ def _evaluate(packed, states, pinion, wheel, loads, memory):
         if found > most and most == 2:
             return found
         if good and loads.size > 0:
-            keep_all_loads(law, own_cycle, memory, loads)
+            _keep_all_loads(law, own_cycle, memory, loads)
         if not good and (found > 0 or law.pulls > 0.0):
-            sums = evaluate_exactly(packed, states, which, pinion, wheel, loads)
+            sums = _evaluate_exactly(packed, states, which, pinion, wheel, loads)
             for i in range(7):
                 answer[7 * which + i] = sums[i]
         fresh, cold = wider, wider or not good
@@ -105,7 +113,7 @@ def _evaluate(packed, states, pinion, wheel, loads, memory):
 
 
 @njit(**SPREAD)
-def keep_all_loads(law, own_cycle, memory, loads):
+def _keep_all_loads(law, own_cycle, memory, loads):
     """Line loads of all blocks, as in `keep_loads`."""
     for block in range(len(law.block)):
         keep_loads(block_rows(memory, block), block, math.floor(own_cycle), loads)
@@ -113,7 +121,7 @@ def keep_all_loads(law, own_cycle, memory, loads):
 
 @apart(types.UniTuple(FLOAT, 7), VECTOR, STATES, INTEGER, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
-def evaluate_exactly(packed, states, which, pinion, wheel, loads):
+def _evaluate_exactly(packed, states, which, pinion, wheel, loads):
     """The seven numbers of one of the states (dU/dc' for dU/dc), by exact slices of any number of pairs."""
     law, n, found = unpacked(packed), 1, 2
     delta, psi = state_of(states, which)
@@ -126,15 +134,15 @@ def evaluate_exactly(packed, states, which, pinion, wheel, loads):
         numbers = np.empty(face_room(len(law.block), n))
         found = gather_face(law, near, own_cycle, alone, NEVER, (numbers, 0, numbers[:n]))
     if found == n:
-        solve_face_exactly(law, alone, (numbers, 0, numbers[:n]), answer)
+        _solve_face_exactly(law, alone, (numbers, 0, numbers[:n]), answer)
         if loads.size > 0:
-            keep_all_loads(law, own_cycle, (numbers, 0, numbers[:n]), loads)
+            _keep_all_loads(law, own_cycle, (numbers, 0, numbers[:n]), loads)
         numbers[0] = teeth[0] = 0.0  # views of them were lent
     return answer[0], answer[1], answer[2], answer[3], answer[4], answer[5], answer[6]
 
 
 @njit(**SPREAD)
-def solve_face_exactly(law, states, memory, answer):
+def _solve_face_exactly(law, states, memory, answer):
     """Loads, fields and bodies of a gathered face at a single state, and its seven numbers into answer (7,)."""
     d = t = scale = 0.0
     stiffness = (0.0, 0.0, 0.0)

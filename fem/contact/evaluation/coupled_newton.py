@@ -24,9 +24,16 @@ CLOSE = 1e-12  # of F: error at which the iteration ends
 
 @njit(**SPREAD)
 def solve_face(law, states, which, cold, memory, answer):
-    """Loads of a gathered face at a state, from scratch or from the loads there are, and its numbers into answer (7,).
+    """Loads of a gathered face at a state.
 
-    Returns True if the iteration has settled within the range of the Hertz term, and d, t; memory as for `field_rows`.
+    Returns True if the iteration has settled within the range of the Hertz term, and d (m), t (rad).
+
+    Parameters
+    ----------
+    law, memory : `LawTables`; as for `block_rows`, filled by `gather_face`
+    states, which : `States` the face was gathered for; 0 or 1, the one to solve
+    cold : True to start from scratch, False from the loads there are
+    answer : (7,) out: as in `face_sums`
     """
     d = t = 0.0
     settled, stiffness = False, (0.0, 0.0, 0.0)
@@ -119,7 +126,14 @@ def _finish(slope, rows):
 
 @inner(**INLINE)
 def covered(law, states, which, d, t):
-    """True if no slice approaches further than the states for which the pairs were collected."""
+    """True if no slice approaches further than the states for which the pairs were collected.
+
+    Parameters
+    ----------
+    law : `LawTables`
+    states, which : `States` the pairs were collected for; 0 or 1, the one that is solved
+    d, t : body displacements in that state, m and rad
+    """
     delta, psi = state_of(states, which)
     for block in range(len(law.block)):
         y = slices_of(law, block).y

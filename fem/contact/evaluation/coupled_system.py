@@ -5,7 +5,7 @@ displacement). With fields and bodies they are f = l - J^-1 (g v + d + t y), and
 
     (T + w g K g) v = w g phi l - w g K 1 (d + t y),    (d, t) = E (F, M).
 
-All functions take the law and `memory`, as for `fields.field_rows`.
+All public functions take the law and `memory`, as for `fields.block_rows`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,13 @@ from fem.numerics.compiled import INLINE, SPREAD, SUMS, inner
 
 @inner(**INLINE)
 def take_state(law, states, which, memory):
-    """Free approaches of a state, and idle loads of 1 where no pair carries."""
+    """Free approaches of a state, and idle loads of 1 where no pair carries.
+
+    Parameters
+    ----------
+    law, memory : `LawTables`; as for `block_rows`, filled by `gather_face`
+    states, which : `States` the face was gathered for; 0 or 1, the one to take
+    """
     delta, psi = state_of(states, which)
     for block in range(len(law.block)):
         rows, fields = block_rows(memory, block), field_rows(memory, block)
@@ -95,7 +101,15 @@ def _linearise(slope, rows, fields):
 
 @njit(**SPREAD)
 def face_sums(law, d, t, stiffness, memory, answer):
-    """F, M, U, the three stiffnesses and dU/dc' of solved slices, fields and bodies into answer (7,)."""
+    """F, M, U, the three stiffnesses and dU/dc' of solved slices, fields and bodies.
+
+    Parameters
+    ----------
+    law, memory : `LawTables`; as for `block_rows`, solved
+    d, t : body displacements, m and rad
+    stiffness : (3,) tuple as from `newton_step`, N/m, N, N m
+    answer : (7,) out: N, N m, J, N/m, N, N m, J
+    """
     force = moment = energy = rate = 0.0
     for block in range(len(law.block)):
         rows = block_rows(memory, block)

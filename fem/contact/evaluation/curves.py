@@ -51,9 +51,15 @@ def stiffness_curve(
     clearance_pinion: np.ndarray | None = None,
     clearance_wheel: np.ndarray | None = None,
 ) -> StiffnessCurve:
-    """Curves at the force `load` (N, > 0) over the mesh cycles `cycle` (default: 200 points of one cycle).
+    """Curves at one force.
 
-    psi : tilt (rad), or None for the balanced tilt M = 0; clearances as for `LawEvaluator`
+    Parameters
+    ----------
+    law : of the flank
+    load : N, > 0
+    cycle : (n,) mesh cycles; None for 200 points of one cycle
+    psi : tilt (rad), or None for the balanced tilt M = 0
+    clearance_pinion, clearance_wheel : see `evaluator.Teeth`
 
     Raises
     ------

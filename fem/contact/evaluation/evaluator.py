@@ -53,8 +53,7 @@ class MeshResponse(NamedTuple):
 class LawEvaluator:
     """A mesh law made ready for evaluation.
 
-    A state is a mesh cycle c, an approach delta along the transverse line of action (m) and a tilt psi (rad); numbers
-    and arrays broadcast together. `pinion` and `wheel` are what single teeth bring, see `Teeth`.
+    A state is a mesh cycle c, an approach delta along the transverse line of action (m) and a tilt psi (rad).
 
     Parameters
     ----------
@@ -75,6 +74,11 @@ class LawEvaluator:
     ) -> MeshResponse:
         """Response at states.
 
+        Parameters
+        ----------
+        cycle, delta, psi : 1, m, rad, numbers or arrays that broadcast together
+        pinion, wheel : what single teeth bring, see `Teeth`
+
         Raises
         ------
         LawError : a state is not finite, or as `teeth`
@@ -87,6 +91,11 @@ class LawEvaluator:
         """Numbers p (n,) of the loaded pairs and their loads (n, slice) per face width at one state, N/m.
 
         The load is phi f, what the strain energy loses per width and gap opened there.
+
+        Parameters
+        ----------
+        cycle, delta, psi : 1, m, rad
+        pinion, wheel : see `Teeth`
         """
         pairs, loads = self._near_loads(cycle, delta, psi, pinion, wheel)
         loaded = loads.any(axis=1)
@@ -95,12 +104,23 @@ class LawEvaluator:
     def shares(
         self, cycle: float, delta: float, psi: float = 0.0, pinion: Teeth = None, wheel: Teeth = None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers p (n,) of the pairs near mesh and their forces (n,) in N at one state, which sum to F."""
+        """Numbers p (n,) of the pairs near mesh and their forces (n,) in N at one state, which sum to F.
+
+        Parameters
+        ----------
+        cycle, delta, psi : 1, m, rad
+        pinion, wheel : see `Teeth`
+        """
         pairs, loads = self._near_loads(cycle, delta, psi, pinion, wheel)
         return pairs, loads @ self.law.slice_width
 
     def no_load(self, cycle: Values, psi: Values = 0.0, pinion: Teeth = None, wheel: Teeth = None) -> np.ndarray:
         """delta_0 (n,) in m at which the first pair touches: the least gap + h - psi y over the slices and pairs.
+
+        Parameters
+        ----------
+        cycle, psi : 1, rad, numbers or (n,)
+        pinion, wheel : see `Teeth`
 
         Raises
         ------
@@ -119,7 +139,13 @@ class LawEvaluator:
     def approach_at(
         self, force: float, cycle: Values, psi: Values = 0.0, pinion: Teeth = None, wheel: Teeth = None
     ) -> np.ndarray:
-        """delta (n,) in m at which the law carries `force` (N, > 0): safeguarded Newton on the rising F(delta).
+        """delta (n,) in m at which the law carries a force: safeguarded Newton on the rising F(delta).
+
+        Parameters
+        ----------
+        force : N, > 0
+        cycle, psi : 1, rad, numbers or (n,)
+        pinion, wheel : see `Teeth`
 
         Raises
         ------

@@ -65,7 +65,13 @@ def field_rows(memory, block):
 
 @inner(**INLINE)
 def gather_face(law, near, own_cycle, states, lowest, memory):
-    """`gather` for all blocks, with their fields; returns the rows needed, in the manner of `gather`."""
+    """`gather` for all blocks, with their fields; returns the rows needed, in the manner of `gather`.
+
+    Parameters
+    ----------
+    law, near, own_cycle, states, lowest : as for `gather`
+    memory : as for `block_rows`, out
+    """
     found, n = 0, len(memory[2])
     for block in range(len(law.block)):
         rows, fields = block_rows(memory, block), field_rows(memory, block)
@@ -117,7 +123,14 @@ def _link(law, memory):
 
 @inner(**INLINE)
 def in_series(law, k, force, moment):
-    """d, t of (d, t) = E (F - k d, M - k t), and the stiffnesses k = (k00, k01, k11) with the bodies E in series."""
+    """d, t of (d, t) = E ((F, M) - k (d, t)), in m and rad, and the stiffnesses k with the bodies E in series.
+
+    Parameters
+    ----------
+    law : `LawTables`
+    k : k00, k01, k11, dF/d delta (N/m), dF/d psi = dM/d delta (N) and dM/d psi (N m) at held bodies
+    force, moment : F (N) and M (N m) at d = t = 0
+    """
     k00, k01, k11 = k
     a00, a01 = 1.0 + law.body * k00 + law.skew * k01, law.body * k01 + law.skew * k11
     a10, a11 = law.skew * k00 + law.tilt * k01, 1.0 + law.skew * k01 + law.tilt * k11
@@ -131,7 +144,7 @@ def in_series(law, k, force, moment):
 def eliminate(count, memory):
     """Eliminate the `count` slices from both ends; p' A^-1 r, q' A^-1 r, p' A^-1 p, p' A^-1 q, q' A^-1 q.
 
-    memory: as for `field_rows.field_rows`.
+    memory: as for `block_rows`.
     """
     middle, sums = count // 2, (0.0, 0.0, 0.0, 0.0, 0.0)
     for i in range(middle):
@@ -176,7 +189,13 @@ def _pass_on(f, s, g, lane):
 
 @njit(**SPREAD)
 def substitute(count, d, t, memory):
-    """The fields at the body displacements d, t, from the middle to both ends."""
+    """The fields at given body displacements, from the middle to both ends.
+
+    Parameters
+    ----------
+    count, memory : as for `eliminate`, which goes before
+    d, t : body displacements, m and rad
+    """
     middle = count // 2
     for i in range(middle + 1):
         for s, inner_s in ((middle - i, middle - i + 1), (middle + i, middle + i - 1)):

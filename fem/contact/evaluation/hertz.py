@@ -40,7 +40,13 @@ def secant_compliance(compliance, slope, depth):
 
 @inner()
 def single_load(x, compliance, slope, offset):
-    """Line load f of one pair at the approach x > 0, and ln f (0 when A = 0)."""
+    """Line load f (N/m) of one pair, and ln f (0 when A = 0).
+
+    Parameters
+    ----------
+    x : approach, m, > 0
+    compliance, slope, offset : C > 0 and A >= 0 in m2/N, and B
+    """
     if slope == 0.0:
         return x / compliance, 0.0
     f = x / secant_compliance(compliance, slope, offset - math.log(x / compliance))

@@ -26,7 +26,7 @@ ROOM = ANSWER_ROOM + NEAR_ROOM
 
 @apart(ANSWER, VECTOR, STATES, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
-def evaluate_independent(packed, states, pinion, wheel, loads):
+def _evaluate_independent(packed, states, pinion, wheel, loads):
     """Answer of a law whose slices are independent of one another, and the line loads of the last state."""
     law = unpacked(packed)
     memory = np.empty(ROOM + rows_room(2))
@@ -40,13 +40,13 @@ def evaluate_independent(packed, states, pinion, wheel, loads):
         if found == 2:
             _solve_block(law, block, states, rows, loads, answer)
         elif found > 2:
-            add_to(answer, 0, block_of_three(packed, block, states, pinion, wheel, loads))
+            add_to(answer, 0, _block_of_three(packed, block, states, pinion, wheel, loads))
     return totals(answer, law.sign)
 
 
 @apart(ANSWER, VECTOR, INTEGER, STATES, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
-def block_of_three(packed, block, states, pinion, wheel, loads):
+def _block_of_three(packed, block, states, pinion, wheel, loads):
     """What one block adds to the answer where up to three pairs approach in a slice."""
     law, memory = unpacked(packed), np.zeros(ROOM + rows_room(3))
     answer = memory[:14]
@@ -54,14 +54,14 @@ def block_of_three(packed, block, states, pinion, wheel, loads):
     near = near_pairs(law, own_cycle, pinion, wheel, memory[ANSWER_ROOM:])
     rows = rows_in(memory, ROOM, (0, 1, 2))
     if gather(law, near, block, own_cycle, states, lowest, rows) > 3:
-        return block_of_many(packed, block, states, pinion, wheel, loads)
+        return _block_of_many(packed, block, states, pinion, wheel, loads)
     _solve_block(law, block, states, rows, loads, answer)
     return totals(answer, 1.0)
 
 
 @apart(ANSWER, VECTOR, INTEGER, STATES, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
-def block_of_many(packed, block, states, pinion, wheel, loads):
+def _block_of_many(packed, block, states, pinion, wheel, loads):
     """What one block adds to the answer, for any number of pairs; not by vector instructions."""
     law = unpacked(packed)
     own_cycle, lowest = law.sign * states.cycle + law.offset, NEVER if law.pulls > 0.0 else 0.0
@@ -88,11 +88,11 @@ def _solve_block(law, block, states, rows, loads, answer):
 
 
 @inner(**INLINE)
-def respond(packed, states, pinion, wheel, loads):
+def _respond(packed, states, pinion, wheel, loads):
     """Answer at one or two states; the line loads of the last one into loads (place, slice), if that is not empty."""
     if unpacked(packed).coupled > 0.0:
         return evaluate_coupled(packed, states, pinion, wheel, loads)
-    return evaluate_independent(packed, states, pinion, wheel, loads)
+    return _evaluate_independent(packed, states, pinion, wheel, loads)
 
 
 @stored(__file__)
@@ -104,13 +104,13 @@ def evaluate(packed, cycle, delta, psi, pinion, wheel):
     packed : (n,), see `LawEvaluator.packed`
     cycle : mesh cycle c of the gears (1); the law turns it into its own c'
     delta, psi : approach along the transverse line of action (m) and tilt (rad)
-    pinion (z1, 6), wheel (z2, 6) : tooth terms, see `fem.contact.teeth`
+    pinion, wheel : (z1, 6) and (z2, 6) tooth terms, see `fem.contact.teeth`
 
     Returns
     -------
     F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N), dM/d psi (N m), dU/dc (J)
     """
-    return respond(packed, States(cycle, delta, psi, delta, psi, 1), pinion, wheel, np.empty((0, 0)))[:7]
+    return _respond(packed, States(cycle, delta, psi, delta, psi, 1), pinion, wheel, np.empty((0, 0)))[:7]
 
 
 @stored(__file__)
@@ -119,35 +119,49 @@ def evaluate_two(packed, cycle, delta, psi, delta_0, psi_0, pinion, wheel):
 
     The tables are read once and the second Newton iteration starts from the line loads of the first.
 
+    Parameters
+    ----------
+    packed, cycle, pinion, wheel : as in `evaluate`
+    delta, psi, delta_0, psi_0 : m and rad of the first state, then of the second
+
     Returns
     -------
     F, M, U, dF/d delta, dF/d psi, dM/d psi of the first state, then the same of the second
     """
-    found = respond(packed, States(cycle, delta, psi, delta_0, psi_0, 2), pinion, wheel, np.empty((0, 0)))
+    found = _respond(packed, States(cycle, delta, psi, delta_0, psi_0, 2), pinion, wheel, np.empty((0, 0)))
     return found[:6] + found[7:13]
 
 
 @stored(__file__)
 def evaluate_many(packed, states, pinion, wheel, answer, loads):
-    """Rows of `evaluate` into answer (n, 7) for the states (n, 3) of cycle, delta and psi.
+    """`evaluate` for many states, with their line loads.
 
-    Line loads phi f (N/m) of the states go into loads (n, place, slice), which may be empty (0, 0, 0): pair p at place
-    p - floor(c') + places // 2. Pairs beyond the places are left out.
+    Parameters
+    ----------
+    packed, pinion, wheel : as in `evaluate`
+    states : (n, 3) cycle (1), delta (m) and psi (rad)
+    answer : (n, 7) out: rows of `evaluate`
+    loads : (n, place, slice) out: phi f, N/m, pair p at place p - floor(c') + places // 2 and left out beyond the
+        places; (0, 0, 0) if they are not asked for
     """
     none = np.empty((0, 0))
     for i in range(len(states)):
         cycle, delta, psi = states[i, 0], states[i, 1], states[i, 2]
         kept = loads[i] if loads.size > 0 else none
-        found = respond(packed, States(cycle, delta, psi, delta, psi, 1), pinion, wheel, kept)
+        found = _respond(packed, States(cycle, delta, psi, delta, psi, 1), pinion, wheel, kept)
         for j in range(7):
             answer[i, j] = found[j]
 
 
 @stored(__file__)
 def first_touch(packed, cycles, psi, pinion, wheel, found):
-    """delta_0 (n,) in m into `found`, the approach at which the first pair touches, at cycles (n,) and tilts psi (n,).
+    """delta_0, the approach at which the first pair touches.
 
-    inf where no pair can touch.
+    Parameters
+    ----------
+    packed, pinion, wheel : as in `evaluate`
+    cycles, psi : (n,) mesh cycles c (1) and tilts (rad)
+    found : (n,) out: delta_0 in m, inf where no pair can touch
     """
     law, room = unpacked(packed), np.empty(NEAR_ROOM)
     for i in range(len(cycles)):

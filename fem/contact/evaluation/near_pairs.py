@@ -30,9 +30,14 @@ NEAR_ROOM = LARGEST_NEAR * (len(NearPairs._fields) - 1)  # numbers of memory
 
 @inner(**INLINE)
 def near_pairs(law, own_cycle, pinion, wheel, memory):
-    """The pairs with both teeth that may touch somewhere on the face at c' = own_cycle.
+    """The pairs with both teeth that may touch somewhere on the face.
 
-    pinion (z1, 6) and wheel (z2, 6) are tooth terms; the arrays stand in the first NEAR_ROOM numbers of memory (n,).
+    Parameters
+    ----------
+    law : `LawTables`
+    own_cycle : c' of the law
+    pinion, wheel : (z1, 6) and (z2, 6) tooth terms, see `fem.contact.teeth`
+    memory : (n,) out: the first NEAR_ROOM numbers hold the arrays
     """
     table = views(memory, 0, 8, (LARGEST_NEAR,))
     sign = 1 if law.sign > 0.0 else -1

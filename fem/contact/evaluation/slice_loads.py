@@ -35,7 +35,7 @@ def solve_slices(slope, cold, rows):
     if _finish(slope, rows) > 0.0:
         for s in range(LANES):
             if rows.rare[s] > 0.0:
-                descend(slope, rows.memory, len(rows.order), s)
+                _descend(slope, rows.memory, len(rows.order), s)
 
 
 @inner(**INLINE)
@@ -146,7 +146,7 @@ def _finish(slope, rows):
 
 @apart(types.none, FLOAT, VECTOR, INTEGER, INTEGER)
 @stored(__file__, entry=False)
-def descend(slope, memory, n, s):
+def _descend(slope, memory, n, s):
     """Loads of lane s for any number n of pairs, any sign of what neighbours add, any approach; `Rows.memory`."""
     rows = rows_in(memory, 0, memory[:n])
     for a in range(n):

@@ -91,10 +91,19 @@ def largest_approach(states, y):
 
 @inner(**INLINE)
 def gather(law, near, block, own_cycle, states, lowest, rows):
-    """Fill the rows with the pairs whose free approach exceeds `lowest` (m) in one of two states.
+    """Fill the rows with the pairs whose free approach exceeds `lowest` in one of two states.
 
-    `approach` belongs to the larger approach. Returns the rows that are needed: 0 where nothing approaches, more than
-    there are where two pairs of a slice ask for one row; the rows are not complete then.
+    Returns the rows that are needed: 0 where nothing approaches, more than there are where two pairs of a slice ask for
+    one row; the rows are not complete then.
+
+    Parameters
+    ----------
+    law, near : `LawTables`; `NearPairs` at own_cycle
+    block : number of the block of slices
+    own_cycle : c' of the law
+    states : `States`
+    lowest : m
+    rows : `Rows` of the block, out; `approach` belongs to the larger approach
     """
     slices, n, found = slices_of(law, block), len(rows.order), 0
     reach, per_step = int(law.neighbours), law.per_step
@@ -104,7 +113,7 @@ def gather(law, near, block, own_cycle, states, lowest, rows):
         here = own_cycle + slices.shift[s]
         approach = largest_approach(states, slices.y[s]) - slices.lead[s]
         for m in range(near.pairs if slices.width[s] > 0.0 else 0):
-            x, cell, u = free_approach(law, near, m, here, slices.part[s], approach)
+            x, cell, u = _free_approach(law, near, m, here, slices.part[s], approach)
             if not x > lowest:
                 continue
             number = int(near.number[m])
@@ -113,7 +122,7 @@ def gather(law, near, block, own_cycle, states, lowest, rows):
                 return n + 1
             softening = softening_slope = gap_slope = 0.0
             if near.pinion_variant[m] != 0.0 or near.wheel_variant[m] != 0.0:
-                damage = damaged(law, near, m, block * LANES + s, cell, u)
+                damage = _damaged(law, near, m, block * LANES + s, cell, u)
                 softening, softening_slope, gap_slope = damage[0], damage[1], damage[3]
                 x -= damage[2]
                 if not x > lowest:
@@ -161,7 +170,7 @@ def cell_of(law, place):
 
 
 @inner(**INLINE)
-def free_approach(law, near, m, here, part, approach):
+def _free_approach(law, near, m, here, part, approach):
     """Free approach x (m) of near pair m at xi = here - p (NEVER out of reach), its grid cell, place inside the cell.
 
     `approach` (m) is delta + psi y less the lead gap, `part` y over the face width; teeth are taken as sound.
@@ -180,22 +189,28 @@ def free_approach(law, near, m, here, part, approach):
 
 @inner()
 def nearest_approach(law, near, own_cycle, psi):
-    """The largest free approach (m) of all pairs and slices at delta = 0 and the tilt psi; -inf if none can touch."""
+    """The largest free approach (m) of all pairs and slices at delta = 0; -inf if none can touch.
+
+    Parameters
+    ----------
+    law, near, own_cycle : as for `gather`
+    psi : tilt, rad
+    """
     largest = -math.inf
     for block in range(len(law.block)):
         slices = slices_of(law, block)
         for s in range(LANES):
             approach = psi * slices.y[s] - slices.lead[s]
             for m in range(near.pairs if slices.width[s] > 0.0 else 0):
-                x, cell, u = free_approach(law, near, m, own_cycle + slices.shift[s], slices.part[s], approach)
+                x, cell, u = _free_approach(law, near, m, own_cycle + slices.shift[s], slices.part[s], approach)
                 if x > NEVER and (near.pinion_variant[m] != 0.0 or near.wheel_variant[m] != 0.0):
-                    x -= damaged(law, near, m, block * LANES + s, cell, u)[2]
+                    x -= _damaged(law, near, m, block * LANES + s, cell, u)[2]
                 largest = max(largest, x) if x > NEVER else largest
     return largest
 
 
 @inner()
-def damaged(law, near, m, number, cell, u):
+def _damaged(law, near, m, number, cell, u):
     """What the damaged teeth of near pair m add in slice `number`: compliance, its slope by xi, gap, its slope."""
     compliance = compliance_slope = gap = gap_slope = 0.0
     for softening, opening, variant in (

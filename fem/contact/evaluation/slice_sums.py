@@ -68,7 +68,14 @@ def add_to(answer, first, sums):
 
 @inner()
 def keep_loads(rows, block, anchor, loads):
-    """Line loads phi f (N/m) of a block into loads (place, slice), pair p at place p - anchor + places // 2."""
+    """Line loads phi f of a block; pairs beyond the places are left out.
+
+    Parameters
+    ----------
+    rows, block : solved `Rows` of a block of slices, and its number
+    anchor : number of the pair at place places // 2
+    loads : (place, slice) out: N/m where a pair carries, else as it was; pair p at place p - anchor + places // 2
+    """
     places, slices = loads.shape
     for a in range(len(rows.order)):
         for s in range(LANES):
