@@ -125,7 +125,7 @@ FIVE_PAIRS = made_up_law(
 )
 def test_five_pairs_in_a_slice_are_the_dense_solution(law):
     for state in ((0.1, 2e-5, 0.0), (0.62, 1.5e-5, 1e-4)):
-        pairs, loads = LawEvaluator(law).line_loads(*state)
+        loads = LawEvaluator(law).line_loads(*state)[1]
         assert ((loads > 0.0).sum(axis=0) >= 4).all()
         r = LawEvaluator(law).evaluate(*state)
         force, moment = dense(law, *state)
