@@ -35,7 +35,6 @@ from llvmlite import ir
 from numba import njit, types
 from numba.core import cgutils
 from numba.core.compiler import CompileResult
-from numba.core.compiler_lock import global_compiler_lock
 from numba.core.errors import RequireLiteralValue
 from numba.core.serialize import dumps
 from numba.extending import intrinsic, typeof_impl
@@ -150,32 +149,11 @@ class _Stored:
         return f"{function}-{hashlib.sha256(key.encode()).hexdigest()[:16]}.code", key
 
 
-def _lightly_optimised(compiling: Callable) -> Callable:
-    """A dispatcher's `compile` that leaves the expensive passes to the function which takes in what it compiles.
-
-    The compiler optimises every function by itself, then once more in each of its callers. With a light pass for inner
-    functions the mesh law compiles in two thirds of the time (28 s for 38 s) to code of the same speed.
-    """
-    config: Any = numba.config
-
-    def compiled(signature: Any) -> Any:
-        with global_compiler_lock:
-            before = config.OPT, config.LOOP_VECTORIZE
-            config.OPT, config.LOOP_VECTORIZE = type(config.OPT)(1), 0
-            try:
-                return compiling(signature)
-            finally:
-                config.OPT, config.LOOP_VECTORIZE = before
-
-    return compiled
-
-
 class Inner:
     """A compiled function for compiled callers; called from Python, it runs as Python."""
 
     def __init__(self, function: Callable, **options: Any) -> None:
         self.compiled: Any = njit(**{**PLAIN, **_NO_ENTRY, **options})(function)
-        self.compiled.compile = _lightly_optimised(self.compiled.compile)
         functools.update_wrapper(self, function)
 
     def __call__(self, *values: Any) -> Any:
