@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import overload
 
 import numpy as np
 
@@ -61,22 +60,6 @@ def feet(table: HousingTable) -> Feet:
         pad_height=table.pad_height_mm / 1000,
         bolt_diameter=table.bolt_diameter_mm / 1000,
     )
-
-
-@overload
-def housing(
-    table: HousingTable, on_it: Sequence[SensorTable], layout: Layout, points: Sequence[Point], source: str = "scene"
-) -> Housing: ...
-
-
-@overload
-def housing(
-    table: HousingTable | ImportedTable,
-    on_it: Sequence[SensorTable],
-    layout: Layout,
-    points: Sequence[Point],
-    source: str = "scene",
-) -> Housing | ImportedHousing: ...
 
 
 def housing(
