@@ -104,7 +104,7 @@ def _simulate(
     values = np.zeros(shape) if file is None else StoredArray.create(file, shape)
     recorder = Recorder(system, integrator, every, settings.output_rate, values)
     balance = EnergyBalance(system, integrator, step, recorder.steps_needed)
-    state = equilibrium(system, float(system.machine.profile.speed(np.zeros(1))[0])) if start is None else start
+    state = equilibrium(system, system.machine.starting_speed) if start is None else start
     step_check = StepCheck(recorder, system.machine.profile, step, every, balance.steps)
     repeatability = Repeatability(system, recorder, step, balance.steps)
     _feed(integrator.start(state), 0, recorder, balance)

@@ -13,7 +13,7 @@ from mbd.elements.table import instant, slope_matrix
 from mbd.forces.ground import Ground
 from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rolling_bearing import hertz_bearing
-from mbd.forces.torque import Torque
+from mbd.torques.torque import Torque
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import OutsideForce
 from mbd.parts.losses import Brake, Coulomb, Efficiency

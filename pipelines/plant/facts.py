@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from mbd.parts.train import power_flow
 from pipelines.plant.hoist import Hoist
 from pipelines.plant.layout import Layout
@@ -47,7 +49,9 @@ def power_flows(layout: Layout) -> list[float]:
     """Share of the load's power that each stage, then each coupling carries without losses; parallel paths share alike,
     see `mbd.parts.train`."""
     flows = [*layout.pair_shafts, *layout.coupling_shafts]
-    return power_flow(len(layout.axes), flows, [layout.driven], layout.loaded)[: len(flows)].tolist()
+    drawn = np.zeros(len(layout.axes))
+    drawn[layout.loaded] = 1.0
+    return power_flow(flows, [layout.driven], drawn)[: len(flows)].tolist()
 
 
 def input_torque(layout: Layout) -> float:

@@ -48,7 +48,7 @@ class TorqueTable(ForceBase):
         """The force in SI."""
         import numpy as np
 
-        from mbd.forces.torque import Torque
+        from mbd.torques.torque import Torque
 
         return Torque(**self.place(number), times=np.array(self.times_s), torques=np.array(self.torques_N_m))
 
