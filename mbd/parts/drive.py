@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
 
 
+COUPLING_TORQUE = ":coupling_torque"  # N m, behind the name of a rotor with a coupling
+
+
 def motor_channels(motor: str) -> tuple[str, str, str]:
     """Angle (rad), speed (rad/s) and torque on the shaft (N m, lifting positive)."""
     return f"{motor}:angle", f"{motor}:speed", f"{motor}:torque"

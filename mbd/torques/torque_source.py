@@ -19,7 +19,7 @@ from mbd.elements.linear import LinearElement, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
 from mbd.parts.checks import MachineError, finite, not_negative, positive
-from mbd.parts.drive import MotorSpring, motor_channels
+from mbd.parts.drive import COUPLING_TORQUE, MotorSpring, motor_channels
 from mbd.parts.load import OutsideForce
 
 if TYPE_CHECKING:
@@ -59,6 +59,7 @@ class TorqueSource(OutsideForce):
     """A torque on the rotation at ``y`` (m) of ``shaft`` or on a rotor there."""
 
     rotor: Rotor | None = None
+    drives: bool = False  # a motor, in whose sense the machine runs
 
     def __post_init__(self) -> None:
         finite(f"{self.name} y", self.y)
@@ -141,7 +142,7 @@ class TorqueSource(OutsideForce):
     @property
     def channel_names(self) -> tuple[str, ...]:
         """Angle, speed and torque; the torque of the coupling in front of a rotor."""
-        return (*motor_channels(self.name), *((f"{self.name}:coupling_torque",) if self._apart else ()))
+        return (*motor_channels(self.name), *((self.name + COUPLING_TORQUE,) if self._apart else ()))
 
     def readings(self, lay: Coordinates) -> dict[str, Reading]:
         """Channels of its motion."""
@@ -153,7 +154,7 @@ class TorqueSource(OutsideForce):
         }
         if self.rotor is not None and self.rotor.stiffness is not None:
             twist = row - lay.angle_row(self.shaft, self.y)
-            found[f"{self.name}:coupling_torque"] = Reading(
+            found[self.name + COUPLING_TORQUE] = Reading(
                 "N m", displacement=self.rotor.stiffness * twist, velocity=self.rotor.damping * twist
             )
         return found

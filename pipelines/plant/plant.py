@@ -44,7 +44,7 @@ class Drivetrain:
     laws: tuple[LawSpec, ...]
     flanks: tuple[FlanksSpec, ...]
     machine: MachineParts
-    hoist: Hoist
+    hoist: Hoist | None
     rolling: tuple[RollingBearing, ...]
     faults: tuple[Fault, ...]
     bearing_points: tuple[tuple[float, float, float], ...]  # of bearing_1, ..., those that the casing carries (m)

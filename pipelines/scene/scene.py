@@ -25,7 +25,7 @@ from pipelines.scene.tables.forces import ForceModel
 from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.housing import HousingTable
 from pipelines.scene.tables.losses import LossModel, NoLosses
-from pipelines.scene.tables.motion import DriveTable, LoadModel, SimulationTable
+from pipelines.scene.tables.motion import DriveModel, LoadModel, SimulationTable
 from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ShaftModel, ShaftTable
 from pipelines.scene.train import stage_shafts
 
@@ -49,7 +49,7 @@ class Scene(Table):
     faults: Annotated[tuple[FaultTable, ...], Field(max_length=1000)] = ()
     casing: CasingModel
     sensors: Annotated[tuple[SensorTable, ...], Field(max_length=1000)] = ()
-    drive: DriveTable
+    drive: DriveModel
     load: LoadModel
     losses: LossModel = NoLosses()
     simulation: SimulationTable
