@@ -40,6 +40,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "pipelines.scene.tables",
     "pipelines.scene",
     "pipelines.signals",
+    "pipelines.plant.torques",
     "pipelines.plant",
     "pipelines.plant.checks",
     "pipelines.engine",

@@ -161,7 +161,14 @@ class TorqueSource(OutsideForce):
 
 
 def checked_table(name: str, what: str, places: np.ndarray, torques: np.ndarray) -> None:
-    """Raise MachineError unless torques (n,) belong to rising places (n,), e.g. ``what`` = "times"."""
+    """Raise MachineError unless torques belong to rising places.
+
+    Parameters
+    ----------
+    name : of the source, for messages
+    what : of the places, e.g. "times"
+    places, torques : (n,), s or rad/s, and N m
+    """
     if len(places) != len(torques) or len(places) == 0:
         raise MachineError(f"{name}: {len(places)} {what} for {len(torques)} torques; give pairs.")
     if not (np.isfinite(places).all() and np.isfinite(torques).all()):

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbd.parts.train import power_flow
-from pipelines.plant.hoist import Hoist
 from pipelines.plant.layout import Layout
+from pipelines.plant.torques.hoist import Hoist
 
 USUAL_LINE_LOAD = 100e3  # N/m
 

@@ -9,9 +9,9 @@ from fem.elements.materials import Material
 from fem.gears.geometry import Gear, GearPair, GeometryError, Rack
 from fem.gears.modifications import PairModifications, check_modifications
 from pipelines.border.errors import Problem, SceneError
-from pipelines.plant.drives import highest_rpm
 from pipelines.plant.flanks import modifications
-from pipelines.plant.loads import load_torque, loaded_shaft
+from pipelines.plant.torques.drives import highest_rpm
+from pipelines.plant.torques.loads import load_torque, loaded_shaft
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.base import MaterialTable
 from pipelines.scene.tables.forces import TorqueTable

@@ -11,8 +11,8 @@ from mbd.parts.rolling_elements import pass_frequencies
 from pipelines.plant.bearings import RollingBearing
 from pipelines.plant.facts import stage_facts
 from pipelines.plant.flanks import Fault
-from pipelines.plant.hoist import Hoist
 from pipelines.plant.layout import Layout
+from pipelines.plant.torques.hoist import Hoist
 from pipelines.signals.analysis import DiagnosisSettings
 
 

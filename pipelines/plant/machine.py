@@ -10,12 +10,12 @@ from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.losses import Brake, Coulomb, Efficiency, Losses, NoLosses
 from mbd.parts.shafts import Disk, Section, ShaftSpec
 from pipelines.plant.bearings import bearing_specs
-from pipelines.plant.drives import motor_couplings, motor_places, motor_torques, speed_profile
 from pipelines.plant.flanks import GEARS, Fault, damaged_teeth
-from pipelines.plant.hoist import drums
 from pipelines.plant.layout import Layout
-from pipelines.plant.loads import hanging_load, load_places, torque_load
 from pipelines.plant.parts import GearMesh, GearTeeth, MachineParts, ToothDeviations
+from pipelines.plant.torques.drives import motor_couplings, motor_places, motor_torques, speed_profile
+from pipelines.plant.torques.hoist import drums
+from pipelines.plant.torques.loads import hanging_load, load_places, torque_load
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.gears import DeviationTable
 from pipelines.scene.tables.losses import CoulombLosses, EfficiencyLosses, LossModel

@@ -113,15 +113,9 @@ def read(motion: Trajectory, signal: Signal, time: int | slice, place: tuple[int
 
 def coordinates(motion: Trajectory) -> dict[str, list]:
     """The names along all dimensions but time."""
-    couplings = [name.removesuffix(channels.COUPLING_TORQUE) for name in motion.channel_names]
-    couplings = [name for name, channel in zip(couplings, motion.channel_names, strict=True) if name != channel]
-    named = {
-        "motor": motion.motors,
-        "source": motion.sources,
-        "coupling": couplings,
-        "shaft": motion.shafts,
-        "stage": range(1, len(motion.meshes) + 1),
-    }
+    couplings = [name.partition(":")[0] for name in motion.channel_names if name.endswith(channels.COUPLING_TORQUE)]
+    named: dict[str, Any] = {"motor": motion.motors, "source": motion.sources, "coupling": couplings}
+    named |= {"shaft": motion.shafts, "stage": range(1, len(motion.meshes) + 1)}
     named |= {"bearing": motion.bearings, "axis": AXES}
     return {name: list(values) for name, values in (named | {"sensor": motion.sensors}).items() if len(values)}
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from pipelines.engine.step import CountedResult
 from pipelines.plant.flanks import first_tooth_fault
-from pipelines.plant.hoist import Hoist
 from pipelines.plant.plant import Plant
+from pipelines.plant.torques.hoist import Hoist
 from pipelines.signals.motion_warnings import gathered, told
 from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
 from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, pair_laws

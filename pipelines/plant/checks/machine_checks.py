@@ -15,11 +15,11 @@ from mbd.parts.shafts import shaft_nodes
 from pipelines.border.errors import Problem
 from pipelines.plant.bearings import linear_bearing, rolling_elements
 from pipelines.plant.checks.held_shafts import unheld
-from pipelines.plant.drives import motor_places, motor_torques, speed_profile
 from pipelines.plant.layout import Layout
-from pipelines.plant.loads import hanging_load, load_places, torque_load
 from pipelines.plant.machine import losses_spec, shaft_specs
 from pipelines.plant.plant import law_specs
+from pipelines.plant.torques.drives import motor_places, motor_torques, speed_profile
+from pipelines.plant.torques.loads import hanging_load, load_places, torque_load
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.bearings import HertzBearings, LinearBearings, RigidBearings
 from pipelines.scene.tables.motion import LoadBase, SpeedDrive

@@ -22,10 +22,10 @@ from fem.elements.materials import STEEL
 from fem.gears.geometry import GearPair
 from pipelines.border.errors import Problem
 from pipelines.plant.checks.flank_checks import TYPICAL_STIFFNESS
-from pipelines.plant.drives import motor_places
 from pipelines.plant.facts import StageFacts, input_torque, power_flows, stage_facts
 from pipelines.plant.layout import Layout
-from pipelines.plant.loads import load_places, load_torque
+from pipelines.plant.torques.drives import motor_places
+from pipelines.plant.torques.loads import load_places, load_torque
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.forces import TorqueTable
 

@@ -10,12 +10,12 @@ import numpy as np
 from mbd.parts.drive import SpeedProfile
 from pipelines.border.errors import Problem
 from pipelines.plant.bearings import rolling_bearings
-from pipelines.plant.drives import speed_profile
 from pipelines.plant.flanks import tooth_faults
-from pipelines.plant.hoist import hoist
 from pipelines.plant.layout import Layout
 from pipelines.plant.looked_for import diagnosis_settings
 from pipelines.plant.plant import looked_for
+from pipelines.plant.torques.drives import speed_profile
+from pipelines.plant.torques.hoist import hoist
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.motion import SpeedDrive
 from pipelines.scene.tables.torques import RPM

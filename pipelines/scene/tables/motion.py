@@ -44,11 +44,22 @@ class SpeedDrive(Table):
         return self
 
 
-class TorqueDrive(SomewhereTable, TorqueCurve):
+class MotorsTable(SomewhereTable):
+    """One motor somewhere on a shaft, or one at each end."""
+
+    motors: Motors = 1
+
+    @model_validator(mode="after")
+    def _both_ends(self) -> MotorsTable:
+        if self.motors == 2 and self.position_mm is not None:
+            raise ValueError("motors = 2 stand at both ends of the shaft: leave position_mm out")
+        return self
+
+
+class TorqueDrive(MotorsTable, TorqueCurve):
     """Motors that give a torque, whatever the speed that follows."""
 
     model: Literal["torque"] = "torque"
-    motors: Motors = 1
     start_rpm: Annotated[Number, Field(description="speed of the shaft at t = 0")]
     highest_rpm: Annotated[
         Number | None,
@@ -56,19 +67,16 @@ class TorqueDrive(SomewhereTable, TorqueCurve):
     ] = None
 
 
-class InductionDrive(SomewhereTable, InductionTable):
+class InductionDrive(MotorsTable, InductionTable):
     """Induction motors at the ends of a shaft."""
 
-    motors: Motors = 1
     start_rpm: Annotated[
         Number | None, Field(description="speed of the shaft at t = 0; left out: rated_rpm; 0: a start from standstill")
     ] = None
 
 
-class ControlledDrive(SomewhereTable, ControlledTable):
+class ControlledDrive(MotorsTable, ControlledTable):
     """Motors under speed control at the ends of a shaft."""
-
-    motors: Motors = 1
 
 
 def _speed_by_default(value: Any) -> Any:

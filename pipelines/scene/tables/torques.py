@@ -34,6 +34,8 @@ class SourceTable(Table):
     def _rotor(self) -> SourceTable:
         if self.coupling_stiffness_N_m_per_rad is not None and self.inertia_kg_m2 == 0.0:
             raise ValueError("a coupling needs a rotor behind it: give inertia_kg_m2, or leave the coupling out")
+        if self.coupling_stiffness_N_m_per_rad is None and self.coupling_damping_N_m_s_per_rad > 0.0:
+            raise ValueError("coupling_damping_N_m_s_per_rad belongs to a coupling: give its stiffness as well")
         return self
 
     def at(self, name: str, shaft: int, y: float) -> dict[str, Any]:
@@ -93,7 +95,7 @@ class TorqueCurve(SourceTable):
 
         from mbd.torques.speed_torque import SpeedTorque
         from mbd.torques.torque import Torque
-        from pipelines.scene.sampled import pairs
+        from pipelines.scene.tables.samples import pairs
 
         if self.torque_N_m is not None:
             return Torque(**where, times=np.zeros(1), torques=np.array([sign * self.torque_N_m]))
@@ -155,7 +157,7 @@ class ControlledTable(SourceTable):
         """The motor in SI; `where` is from `at`, `path` that of this table in the scene."""
         from mbd.parts.drive import SpeedProfile
         from mbd.torques.speed_controller import SpeedController
-        from pipelines.scene.sampled import pairs
+        from pipelines.scene.tables.samples import pairs
 
         times, speeds = pairs(self, "times_s", "speeds_rpm", path)
         return SpeedController(

@@ -1,11 +1,11 @@
-"""The load of a scene, in SI: a torque, or what hangs on drums (`pipelines.plant.hoist`)."""
+"""The load of a scene, in SI: a torque, or what hangs on drums (`pipelines.plant.torques.hoist`)."""
 
 from __future__ import annotations
 
 from mbd.parts.load import Load
 from mbd.torques.torque_source import TorqueSource
-from pipelines.plant.hoist import drums, load_spec, output_torque
-from pipelines.plant.places import shaft_ends
+from pipelines.plant.torques.hoist import drums, load_spec, output_torque
+from pipelines.plant.torques.places import shaft_ends
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.motion import LoadBase, LoadModel, TorqueLoad
 from pipelines.scene.tables.shafts import ShaftTable

@@ -9,10 +9,9 @@ import numpy as np
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.torques.torque_source import TorqueSource
 from pipelines.border.errors import Problem, SceneError
-from pipelines.plant.places import shaft_ends
-from pipelines.scene.sampled import pairs
+from pipelines.plant.torques.places import shaft_ends
 from pipelines.scene.tables.motion import ControlledDrive, DriveModel, InductionDrive, SpeedDrive, TorqueDrive
-from pipelines.scene.tables.samples import ColumnTable
+from pipelines.scene.tables.samples import ColumnTable, pairs
 from pipelines.scene.tables.shafts import ShaftTable
 from pipelines.scene.tables.torques import RPM
 

@@ -13,7 +13,7 @@ from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rope import Rope
 from mbd.parts.load import Load, StaticTorque
 from mbd.parts.machine import STANDARD_GRAVITY
-from pipelines.plant.places import shaft_ends
+from pipelines.plant.torques.places import shaft_ends
 from pipelines.scene.tables.motion import LoadBase, LoadModel, RopePendulumTable, RopeTable
 from pipelines.scene.tables.shafts import ShaftTable
 
