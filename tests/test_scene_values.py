@@ -1,7 +1,7 @@
 """Every value of a scene is in the key of a step, or in a short list of what is read after the steps.
 
-Each value of some scenes, which between them hold every field of every table, is changed alone. A value that got lost on
-the way to the keys would let a result serve a scene that it does not belong to.
+Each value of some scenes, which between them hold every field of every table, is changed alone. A value that got lost
+on the way to the keys would let a result serve a scene that it does not belong to.
 """
 
 import typing
@@ -129,7 +129,8 @@ AFTER_THE_STEPS = {  # words, what is looked for in finished signals, and what o
     "DiagnosisTable.windows_s", "DiagnosisTable.envelope_band_Hz", "DiagnosisTable.noise_m_s2",
 }  # fmt: skip
 ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one would have no bearing
-    "ColumnTable.file", "ColumnTable.column", "ImportedTable.file", "SeatTable.name", "StageTable.pinion_shaft", "StageTable.wheel_shaft",
+    "ColumnTable.file", "ColumnTable.column", "ImportedTable.file",
+    "SeatTable.name", "StageTable.pinion_shaft", "StageTable.wheel_shaft",
 }  # fmt: skip
 
 

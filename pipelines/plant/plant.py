@@ -152,7 +152,7 @@ def motion_settings(table: SimulationTable) -> MotionSettings:
 def looked_for(table: DiagnosisTable, sensors: Sequence[SensorTable]) -> LookedFor:
     """What is asked of the diagnosis."""
     return LookedFor(
-        sensor=table.sensor,
+        sensor=table.sensor or (sensors[0].name if sensors else ""),
         axis=table.axis,
         stage=table.stage,
         gear=table.gear,

@@ -129,7 +129,8 @@ class Scene(Table):
                 yield f"faults.{number}.tooth = {fault.tooth}: the {fault.gear} has teeth 0 to {teeth - 1}"
         if self.diagnosis.stage > len(self.stages):
             yield f"diagnosis.stage = {self.diagnosis.stage}: there are {len(self.stages)} stages"
-        if self.sensors and self.diagnosis.sensor not in {sensor.name for sensor in self.sensors}:
+        known = {sensor.name for sensor in self.sensors}
+        if self.sensors and self.diagnosis.sensor is not None and self.diagnosis.sensor not in known:
             yield f"diagnosis.sensor = {shown_value(self.diagnosis.sensor)}: not among the sensors of the scene"
         teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in self.faults if fault.tooth is not None]
         for stage_number, gear, tooth in sorted({hit for hit in teeth_hit if teeth_hit.count(hit) > 1}):
