@@ -6,6 +6,7 @@ import csv
 import io
 import math
 from collections.abc import Sequence
+from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -98,7 +99,7 @@ def samples(given: tuple[float, ...] | ColumnTable, path: str) -> tuple[np.ndarr
     """
     if not isinstance(given, ColumnTable):
         return np.array(given, dtype=float), None
-    file = Path(given.file)
+    file = _found(given.file)
     try:
         regular_file(file, MOST_BYTES)
         if file.suffix.lower() in HDF5:
@@ -110,6 +111,13 @@ def samples(given: tuple[float, ...] | ColumnTable, path: str) -> tuple[np.ndarr
         if isinstance(error, SceneError):
             raise
         raise _refused(f"{path}.file", str(error), "") from error
+
+
+def _found(name: str) -> Path:
+    """The file of that name, or the one that is shipped with a scene."""
+    shipped = Path(str(resources.files("pipelines.scene"))) / "shipped" / name
+    beside = Path(name)
+    return shipped if shipped.suffix == ".csv" and not beside.exists() and shipped.is_file() else beside
 
 
 def _column(text: str, given: ColumnTable, path: str) -> np.ndarray:
