@@ -12,7 +12,9 @@ from pipelines.scene.tables.housing import Axes, HousingModel, MeshHousingTable
 
 Damping = Annotated[Number, Field(ge=0, lt=1)]
 Spring = Annotated[Number, Field(gt=0, le=1e7)]
-POINTS = re.compile(r"(bearing|ground)_|(bearing|ground|casing|shaft|mesh|motor|load|rope|container)(_[0-9]+)?$")
+POINTS = re.compile(
+    r"(bearing|ground)_|(bearing|ground|casing|shaft|mesh|motor|load|rope|container)(_[0-9]+)?$|(origin|[xyz])$"
+)
 
 
 class NoCasingTable(Table):
