@@ -26,17 +26,13 @@ class SourceTable(Table):
     inertia_kg_m2: Annotated[Number, Field(ge=0, description="moment of inertia of the rotor; 0: none")] = 0.0
     coupling_stiffness_N_m_per_rad: Annotated[
         Number | None,
-        Field(gt=0, description="of the coupling of the rotor; left out: the rotor is fixed to the shaft"),
+        Field(
+            gt=0,
+            description="of the coupling of the rotor; left out: the rotor is fixed to the shaft. Without inertia a "
+            "coupling passes the torque on as it is",
+        ),
     ] = None
     coupling_damping_N_m_s_per_rad: Annotated[Number, Field(ge=0, description="of the same coupling")] = 0.0
-
-    @model_validator(mode="after")
-    def _rotor(self) -> SourceTable:
-        if self.coupling_stiffness_N_m_per_rad is not None and self.inertia_kg_m2 == 0.0:
-            raise ValueError("a coupling needs a rotor behind it: give inertia_kg_m2, or leave the coupling out")
-        if self.coupling_stiffness_N_m_per_rad is None and self.coupling_damping_N_m_s_per_rad > 0.0:
-            raise ValueError("coupling_damping_N_m_s_per_rad belongs to a coupling: give its stiffness as well")
-        return self
 
     def at(self, name: str, shaft: int, y: float) -> dict[str, Any]:
         """Arguments of a `TorqueSource`: its name, its shaft (from 0), its place y (m), and the rotor."""
