@@ -236,6 +236,18 @@ def _export(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def _orders(sub: argparse.ArgumentParser) -> None:
+    _run_folder(sub)
+    sub.add_argument("--shaft", metavar="N", type=count, help="whose orders are counted (default: the driven one)")
+    sub.add_argument("--sensor", metavar="NAME", help="default: that of the diagnosis, or the first")
+    sub.add_argument("--axis", choices=("x", "y", "z"), help="of the sensor (default: that of the diagnosis)")
+    sub.add_argument("--orders", metavar="K", type=positive, nargs="+", default=[], help="cuts (default: mesh orders)")
+    sub.add_argument("--revolutions", metavar="N", type=several, default=16, help="of a window (default 16)")
+    sub.add_argument("--campbell", action="store_true", help="natural frequencies over speed as well")
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="folder for the pictures (default: that of the run)")
+    sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
+
+
 def _cache(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("action", choices=("info", "verify", "clear"), nargs="?", default="info", help="default: info")
     sub.add_argument(
@@ -247,6 +259,7 @@ def _cache(sub: argparse.ArgumentParser) -> None:
     )
 
 
+FINISHED = ("diagnose", "export", "orders")  # commands that read a finished run, in a room of their own
 COMMANDS = (  # name, of the module too; one line; example; arguments
     ("new", "write a commented scene file to change", "gearcase new my.toml --from bench", _new),
     ("check", "validate a scene and print what follows from it", "gearcase check rig-missing-tooth", _scene),
@@ -290,6 +303,7 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
     ),
     ("diagnose", "print the lines of a fault in a finished run", "gearcase diagnose rig-missing-tooth", _diagnose),
     ("run", "everything: simulation, healthy control, diagnosis, report", "gearcase run rig-missing-tooth", _run),
+    ("orders", "waterfall, order cuts and natural frequencies of a run-up", "gearcase orders reducer", _orders),
     (
         "inspect",
         "write pictures of a gear pair with its curve and of the casing",
