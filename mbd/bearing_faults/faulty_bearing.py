@@ -4,11 +4,11 @@ With the true rotation Psi of the shaft in its own sense (angle of the motor and
 
     theta_e = start - sense (chi - lag(chi)) + e 2 pi/Z,   chi = (1 - gamma)/2 Psi,
 
-a spall of the inner ring at its angle - sense Psi, and an element has rolled by D_m/D (1 + gamma) of the cage's angle: it
-rolls on the outer ring, so that slip is between the elements and the inner ring, which drives. Over a spall the two
-races of an element are further apart by the drop of `mbd.bearing_faults.spall`, all contacts of an element added, along
-its line of contact: its approach is delta - drop. The potential of the bearing holds the drop, and the forces follow
-from it. It depends on the angle besides the rows; that parametric work is taken at frozen rows, because dU/d angle jumps
+a spall of the inner ring at its angle - sense Psi, and an element has rolled by D_m/D (1 + gamma) of the cage's angle:
+it rolls on the outer ring, so that slip is between the elements and the inner ring, which drives. Over a spall the two
+races of an element are further apart by the drop of `mbd.bearing_faults.spall`, that of both its contacts, along its
+line of contact: its approach is delta - drop. The potential of the bearing holds the drop, and the forces follow from
+it. It depends on the angle besides the rows; that parametric work is taken at frozen rows, because dU/d angle jumps
 where an element goes over from one edge to the other (see `mbd.elements.element`).
 
 Left out: impacts of elements on the cage, the inertia of elements and cage, damping by the motion over the spall.
@@ -26,11 +26,11 @@ import numpy as np
 from fem.numerics.compiled import inner
 from mbd.bearing_faults.cage_slip import CageSlip, lag_at
 from mbd.bearing_faults.spall import SURFACES, Spall, check_apart, drop_at, race_radius
-from mbd.elements.element import ENERGY, FROZEN_ENERGY, LOG_COLUMNS, WIDTH, Answer, Element, Motion, call_rule, rule
+from mbd.elements.element import ENERGY, FROZEN_ENERGY, WIDTH, Answer, Element, Motion, call_rule, rule
 from mbd.forces.rolling_bearing import COUNT, FIRST, RATE, START, RollingContacts
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.checks import MachineError
-from mbd.parts.rolling_elements import RollingElements, pass_frequencies
+from mbd.parts.rolling_elements import pass_frequencies
 
 if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
@@ -81,8 +81,8 @@ def faulty_rule(values, motion, answer):
 
 @inner()
 def _drop(values, spalls, place, shaft, rolled, e):
-    """Drop (m) of element ``e`` at the angle ``place``; ``shaft`` and ``rolled`` are the angles (rad) by which the shaft
-    has turned about +y, and the element in the cage."""
+    """Drop (m) of element ``e`` at the angle ``place``; the shaft has turned by ``shaft`` (rad) about +y, and the
+    element by ``rolled`` (rad) in the cage."""
     element, outer, inner_race, reach = values[ELEMENT], values[OUTER], values[INNER], values[REACH]
     total = 0.0
     for k in range(len(spalls)):
@@ -158,6 +158,4 @@ def with_faults(bearing: BearingSpec, spalls: Sequence[Spall] = (), slip: CageSl
             f"bearing {bearing.name}: model {bearing.model} has no rolling elements for spalls or a cage to slip. Give "
             'it the model "hertz".'
         )
-    return replace(
-        bearing, inside=FaultyContacts(contacts=bearing.inside, spalls=tuple(spalls), slip=slip)
-    )
+    return replace(bearing, inside=FaultyContacts(contacts=bearing.inside, spalls=tuple(spalls), slip=slip))

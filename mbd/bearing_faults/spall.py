@@ -1,8 +1,8 @@
 """Spall: a pit in a race or in an element of a rolling bearing, and the path of an element over it.
 
-The element, a circle of radius r in the rolling plane, turns about the edge of the spall as it comes in and goes out: its
-centre follows a circular arc about that edge, tangent to its path on the sound race. At the distance s from the nearer
-edge, measured along the chord, it has come closer to the race by
+The element, a circle of radius r in the rolling plane, turns about the edge of the spall as it comes in and goes out:
+its centre follows a circular arc about that edge, tangent to its path on the sound race. At the distance s from the
+nearer edge, measured along the chord, it has come closer to the race by
 
     drop = min(depth, r - sqrt(r^2 - s^2) -+ (rho - sqrt(rho^2 - s^2))),
 
@@ -94,7 +94,7 @@ class Spall:
 
 
 def race_radius(elements: RollingElements, race: str) -> float:
-    """Radius (m) of a race in the rolling plane: positive for the outer one, which is hollow, negative for the inner."""
+    """Radius (m) of a race in the rolling plane: positive for the outer one, which is hollow, else negative."""
     cosine = math.cos(elements.contact_angle)
     side = 1.0 if race == "outer-ring" else -1.0
     return elements.pitch_diameter / (2 * cosine) * (side + elements.gamma)

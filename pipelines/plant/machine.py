@@ -12,7 +12,7 @@ from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.losses import Brake, Coulomb, Efficiency, Losses, NoLosses
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from pipelines.plant.bearings import bearing_specs
+from pipelines.plant.bearings import bearing_specs, with_bearing_faults
 from pipelines.plant.flanks import GEARS, Fault, damaged_teeth
 from pipelines.plant.hoist import drums, load_spec, shaft_ends
 from pipelines.plant.layout import Layout
@@ -199,7 +199,7 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> Mach
     places = drums(scene.load, scene.shafts[layout.loaded])
     return MachineParts(
         shafts=shaft_specs(scene, layout),
-        bearings=bearing_specs(scene.shafts, scene.bearings),
+        bearings=with_bearing_faults(scene, bearing_specs(scene.shafts, scene.bearings)),
         meshes=gear_meshes(scene, layout, faults),
         motors=tuple(
             CouplingSpec(

@@ -14,6 +14,7 @@ import numpy as np
 
 from pipelines.engine.step import CountedResult
 from pipelines.plant.flanks import first_tooth_fault
+from pipelines.plant.looked_for import pass_rates
 from pipelines.plant.plant import Plant
 from pipelines.signals.motion_warnings import gathered, told
 from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
@@ -75,6 +76,7 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
         diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
         seeds=[d for d, full in zip(found, shown, strict=True) if not full],
         gears=gear_rows(plant),
+        rolling=rolling_rows(plant),
         stiffness=[curves[asked.stage - 1], *(c for i, c in enumerate(curves, 1) if i != asked.stage)],
         gear_picture=gears,
         gear_names=gear_names(plant, asked.stage),
@@ -115,7 +117,7 @@ def _summary(plant: Plant) -> dict[str, Any]:
         "shafts": models["shaft_model"],
         "load": f"{models['load']}, {plant.hoist.mass:g} kg",
         "rope mode at the start": f"{facts.rope_frequency:.3g} Hz" if facts.rope_frequency else "no rope",
-        "faults": ", ".join(f"{f.name}, stage {f.stage} {f.gear}" for f in plant.faults) or "none",
+        "faults": ", ".join(plant.fault_words) or "none",
         "deviations": "none" if labels["seed"] == "none" else f"grade {labels['iso_grade']}, seed {labels['seed']}",
         "integrator": models["integrator"],
     }
@@ -146,6 +148,17 @@ def gear_rows(plant: Plant) -> list[dict[str, Any]]:
                     "N/mm": stage.line_load / 1000,
                 }
             )
+    return rows
+
+
+def rolling_rows(plant: Plant) -> list[dict[str, Any]]:
+    """The rolling bearings with their pass frequencies and faults."""
+    rows = []
+    for bearing in plant.rolling:
+        row: dict[str, Any] = {"bearing": bearing.name, "shaft": bearing.shaft + 1, "elements": bearing.elements.count}
+        row |= {f"{name} Hz": value for name, value in pass_rates(plant.layout, bearing).items()}
+        row["spalls"] = ", ".join(f.spall.place for f in plant.spalls if f.bearing == bearing.name) or "none"
+        rows.append(row)
     return rows
 
 
