@@ -13,7 +13,7 @@ element goes over from one edge to the other; a shallow one lets it roll along t
 
 References
 ----------
-Sawalhi & Randall (2008), Mech. Syst. Signal Process. 22, 1924-1951, part II (depth of a local fault over its angle);
+Sawalhi & Randall (2008), Mech. Syst. Signal Process. 22, 1924-1951, part I (depth of a local fault over its angle);
 Sawalhi & Randall (2011), Mech. Syst. Signal Process. 25, 846-870 (entry on an arc, impact where the element meets the
 other edge).
 """
