@@ -79,16 +79,16 @@ class Spall:
         """Radius (m), in the rolling plane, of the surface that has the spall."""
         return elements.diameter / 2 if self.on == "element" else abs(race_radius(elements, self.on))
 
-    def drop(self, elements: RollingElements, place: float, race: str | None = None) -> float:
+    def drop(self, elements: RollingElements, place: float, race: str = "outer-ring") -> float:
         """Drop (m) of an element whose contact lies ``place`` (m) along the surface from the middle of the spall.
 
         Parameters
         ----------
         elements : the inside of the bearing
         place : m, positive or negative
-        race : the race that a spall in the element rolls over, "outer-ring" or "inner-ring"; for a ring its own
+        race : that a spall in the element rolls over, "outer-ring" or "inner-ring"; of no effect for a ring
         """
-        own = race or self.on
+        own = race if self.on == "element" else self.on
         shape = self.width, self.depth, self.surface(elements)
         return float(drop_at(place, *shape, elements.diameter / 2, race_radius(elements, own)))
 
