@@ -15,7 +15,8 @@ from mbd.reference.assembly import Assembly
 
 def load(assembly: Assembly) -> Iterable[Element]:
     """What hangs on the drums."""
-    return assembly.machine.load.elements(assembly.layout)
+    load = assembly.machine.load
+    return () if load is None else load.elements(assembly.layout)
 
 
 def bearings(assembly: Assembly) -> Iterator[Element]:

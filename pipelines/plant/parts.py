@@ -64,9 +64,10 @@ class MachineParts:
     shafts: tuple[ShaftSpec, ...]
     bearings: tuple[BearingSpec, ...]
     meshes: tuple[GearMesh, ...]
-    motors: tuple[CouplingSpec, ...]
+    motors: tuple[CouplingSpec, ...]  # of prescribed speed; none: torques among `forces` drive
+    driven: str
     drive: SpeedProfile
-    load: Load
+    load: Load | None
     couplings: tuple[ShaftCoupling, ...]
     forces: tuple[OutsideForce, ...]
     losses: Losses

@@ -25,7 +25,7 @@ from pipelines.scene.tables.forces import ForceModel
 from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.housing import HousingTable
 from pipelines.scene.tables.losses import LossModel, NoLosses
-from pipelines.scene.tables.motion import DriveTable, LoadModel, SimulationTable
+from pipelines.scene.tables.motion import DriveModel, LoadModel, SimulationTable
 from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ShaftModel, ShaftTable
 from pipelines.scene.train import stage_shafts
 
@@ -49,7 +49,7 @@ class Scene(Table):
     faults: Annotated[tuple[AnyFaultTable, ...], Field(max_length=1000)] = ()
     casing: CasingModel
     sensors: Annotated[tuple[SensorTable, ...], Field(max_length=1000)] = ()
-    drive: DriveTable
+    drive: DriveModel
     load: LoadModel
     losses: LossModel = NoLosses()
     simulation: SimulationTable
@@ -159,7 +159,8 @@ class Scene(Table):
                 yield f"faults.{number}.tooth = {fault.tooth}: the {fault.gear} has teeth 0 to {teeth - 1}"
         if self.diagnosis.stage > len(self.stages):
             yield f"diagnosis.stage = {self.diagnosis.stage}: there are {len(self.stages)} stages"
-        if self.sensors and self.diagnosis.sensor not in {sensor.name for sensor in self.sensors}:
+        known = {sensor.name for sensor in self.sensors}
+        if self.sensors and self.diagnosis.sensor is not None and self.diagnosis.sensor not in known:
             yield f"diagnosis.sensor = {shown_value(self.diagnosis.sensor)}: not among the sensors of the scene"
         on_teeth = self.tooth_faults.values()
         teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in on_teeth if fault.tooth is not None]

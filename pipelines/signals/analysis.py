@@ -55,7 +55,7 @@ class DiagnosisSettings:
     rope_mode: Mapping[str, float] = field(default_factory=dict)
     bearings: Mapping[str, float] = field(default_factory=dict)
     passes: tuple[PassLines, ...] = ()
-    sensor: str = "sensor_3"
+    sensor: str
     axis: str = "resultant"
     band: str | tuple[float, float] = "mesh"
     envelope_harmonics: int = 5
