@@ -11,7 +11,7 @@ from test_rolling_bearings import loaded_shaft
 from mbd.bearing_faults.cage_slip import PITCHES, CageSlip, lag_at
 from mbd.bearing_faults.faulty_bearing import FaultyContacts, faulty_rule, with_faults
 from mbd.bearing_faults.spall import Spall, race_radius
-from mbd.coordinates.channels import journal_acceleration
+from mbd.coordinates.channels import journal_acceleration, shaft_channels
 from mbd.elements.element import ENERGY, evaluated
 from mbd.forces.rolling_bearing import RollingContacts, hertz_bearing
 from mbd.parts.bearings import rigid_bearing
@@ -22,6 +22,7 @@ from mbd.parts.rolling_catalogue import by_designation
 from mbd.parts.rolling_elements import pass_frequencies
 from mbd.simulate import Settings, simulate
 from mbd.system.system import assemble
+from mbd.torques.torque import Torque
 
 BALLS, ROLLERS = by_designation("6208"), by_designation("NU208")
 DOWN = 1.5 * math.pi  # where a weight presses the elements
@@ -212,6 +213,30 @@ def test_spalls_pass_at_the_frequency_of_the_geometry(on):
     passages = {"outer-ring": per.outer, "inner-ring": per.inner, "element": 2 * per.spin}[on]
     assert len(shocks) > 8
     assert 1 / period == pytest.approx(passages * speed / (2 * math.pi), rel=0.005)
+
+
+def test_passages_follow_the_rotation_of_a_shaft_that_a_torque_speeds_up():
+    """The shaft gains more than a third of its speed; a shock comes at every pitch of the cage all the same."""
+    torque = Torque(name="motor_1", shaft="shaft_1", y=0.1, times=np.zeros(1), torques=np.array([6.0]), drives=True)
+    machine = dataclasses.replace(
+        loaded_shaft(BALLS, mass=30.0, tau=5e-4), couplings=(), input_shaft="shaft_1", load=None, forces=(torque,),
+        profile=SpeedProfile(times=np.zeros(1), speeds=np.array([60.0])),
+    )  # fmt: skip
+    names = journal_acceleration("bearing_1", "z"), *shaft_channels("shaft_1")
+    sound, *others = machine.bearings
+    runs = []
+    for spalls in ((spall(width=1e-3, depth=50e-6, angle=DOWN),), ()):
+        spec = dataclasses.replace(machine, bearings=(with_faults(sound, spalls), *others))
+        runs.append(simulate(assemble(spec, no_casing(), names), Settings(end=0.5, output_rate=1e4, step=5e-5)))
+    change = abs(runs[0].channel(names[0]) - runs[1].channel(names[0]))
+    angle, speed = (runs[0].channel(name) for name in names[1:])
+    assert speed[-1] > 1.33 * speed[0]
+    felt = np.flatnonzero(change > 0.05 * change.max())
+    shocks = angle[felt[np.diff(felt, prepend=-100) > 50]]
+    assert len(shocks) > 10
+    pitch = 2 * math.pi / pass_frequencies(BALLS).outer
+    assert (shocks[-1] - shocks[0]) / (len(shocks) - 1) == pytest.approx(pitch, rel=0.005)
+    np.testing.assert_allclose(np.diff(shocks), pitch, rtol=0.05)
 
 
 @pytest.mark.parametrize("elements", [BALLS, ROLLERS], ids=["balls", "rollers"])
