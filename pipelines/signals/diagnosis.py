@@ -17,6 +17,7 @@ import numpy as np
 
 from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings, analyse, noise_of, sampling
 from pipelines.signals.lines import LineTable, joined, level
+from pipelines.signals.pass_lines import peaks
 from pipelines.signals.spectrum import Segment, Spectrum
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ def _window_lines(
         "label": [_label(n, k) for _, n, k in wanted] + list(rolling) + [name for name, _, _, _ in passing],
     }
     frequency = columns["mesh_harmonic"] * f_m + columns["order"] * f_r
-    places, reach = np.array([f for _, _, f, _ in passing]), np.array([width for _, _, _, width in passing])
+    places, reach = [f for _, _, f, _ in passing], [width for _, _, _, width in passing]
     bins = np.round(np.array([*rolling.values(), *places]) / resolution)
     frequency[len(wanted) :] = bins * resolution  # no bin of their own: the nearest one
     is_envelope = columns["mesh_harmonic"] == 0
@@ -123,7 +124,7 @@ def _window_lines(
         for spectrum, rows in ((envelopes[state, window], is_envelope), (spectra[state, window], ~is_envelope)):
             columns[state][rows] = spectrum.lines(frequency[rows])
             columns[f"{state}_floor"][rows] = spectrum.floors(frequency[rows])
-        columns[state][len(frequency) - len(passing) :] = envelopes[state, window].peaks(places, reach)
+        columns[state][len(frequency) - len(passing) :] = peaks(envelopes[state, window], places, reach)
     difference = level(columns["faulty"], columns["healthy"])
     over_floor = level(columns["faulty"], columns["faulty_floor"])
     healthy_over_floor = level(columns["healthy"], columns["healthy_floor"])

@@ -7,11 +7,14 @@ Antoni 2011, Mech. Syst. Signal Process. 25, 485-520). A spall of an element mee
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pipelines.signals.lines import LineTable
+from pipelines.signals.spectrum import Spectrum
 
 HARMONICS = 3
 SIDEBANDS = 2  # to each side
@@ -88,3 +91,13 @@ def criterion() -> str:
     return (
         f"a spall is seen if at least {HARMONICS_WANTED} harmonics of its pass frequency in the envelope are detected"
     )
+
+
+def peaks(spectrum: Spectrum, frequencies: Sequence[float], reach: Sequence[float]) -> np.ndarray:
+    """Largest amplitude (line,) within ``reach`` (Hz) of each frequency (Hz), that of the nearest bin at least."""
+    found = []
+    for frequency, width in zip(frequencies, reach, strict=True):
+        low, high = (frequency - width) / spectrum.resolution, (frequency + width) / spectrum.resolution
+        nearest = round(frequency / spectrum.resolution)
+        found.append(spectrum.amplitude[min(math.ceil(low), nearest) : max(math.floor(high), nearest) + 1].max())
+    return np.array(found)

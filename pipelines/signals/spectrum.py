@@ -87,15 +87,6 @@ class Spectrum(Record):
             )
         return self.amplitude[index]
 
-    def peaks(self, frequencies: Sequence[float] | np.ndarray, reach: Sequence[float] | np.ndarray) -> np.ndarray:
-        """Largest amplitude (line,) within ``reach`` (line,) Hz of each frequency (Hz), the nearest bin at least."""
-        found = []
-        for frequency, width in zip(frequencies, reach, strict=True):
-            low, high = (frequency + np.array([-width, width])) / self.resolution
-            nearest = round(frequency / self.resolution)
-            found.append(self.amplitude[min(math.ceil(low), nearest) : max(math.floor(high), nearest) + 1].max())
-        return np.array(found)
-
     def floors(self, frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
         """Local floor at lines on bins: the median amplitude of the bins between the orders, one order to each side.
 
