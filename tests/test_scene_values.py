@@ -91,7 +91,8 @@ SCENES = {
         "stages.1.centre_distance_mm": 76.9, "stages.1.backlash_um": 300.0, "stages.1.mesh": {"model": "plane"},
         "stages.1.pinion_shaft": 1, "stages.1.wheel_shaft": 2, "deviations.include": ["pitch", "helix"],
         "faults": FAULTS, "forces": [TORQUE], **dotted("load", ROPE), **dotted("casing", ELASTIC),
-        **dotted("casing.housing", HOUSING), "losses": {"model": "coulomb"}, "shaft_model.model": "timoshenko",
+        **dotted("casing.housing", HOUSING), "losses": {"model": "coulomb"},
+        "film": {"model": "squeeze"}, "shaft_model.model": "timoshenko",
         "drive.shaft": 1, "drive.brake_torque_N_m": 20.0, "simulation.start": 1,
     }),
     "joined": ("minimal", {

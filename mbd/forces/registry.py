@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 from mbd.elements.element import Element
-from mbd.forces import drag, efficiency, flank, gyroscopic_plane, sliding
+from mbd.forces import drag, efficiency, film, flank, gyroscopic_plane, sliding
 from mbd.reference.assembly import Assembly
 
 
@@ -33,6 +33,7 @@ def outside(assembly: Assembly) -> Iterator[Element]:
 
 SOURCES_OF_FORCE: dict[str, Callable[[Assembly], Iterable[Element]]] = {
     "flanks": flank.elements,
+    "films": film.elements,
     "load": load,
     "bearings": bearings,
     "mesh efficiency": efficiency.elements,

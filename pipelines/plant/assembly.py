@@ -72,6 +72,7 @@ def _mesh(mesh: GearMesh, drive: MeshLaw, coast: MeshLaw) -> MeshSpec:
         coast=coast,
         **clearances(pair, mesh.pinion, mesh.wheel),
         cycle_at_start=mesh.cycle_at_start,
+        film=mesh.film,
     )
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from fem.gears.geometry import Gear
+from fem.gears.geometry import Gear, GearPair
 from mbd.parts.couplings import ShaftCoupling
+from mbd.parts.film import Film
 from mbd.parts.losses import Brake, Coulomb, Efficiency, Losses, NoLosses
 from mbd.parts.shafts import Disk, Section, ShaftSpec
 from pipelines.plant.bearings import bearing_specs, with_bearing_faults
@@ -18,7 +19,7 @@ from pipelines.plant.torques.hoist import drums
 from pipelines.plant.torques.loads import hanging_load, load_places, torque_load
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.gears import DeviationTable
-from pipelines.scene.tables.losses import CoulombLosses, EfficiencyLosses, LossModel
+from pipelines.scene.tables.losses import CoulombLosses, EfficiencyLosses, FilmModel, LossModel, SqueezeFilm
 from pipelines.scene.tables.motion import LoadBase, SpeedDrive
 from pipelines.scene.tables.shafts import CouplingTable
 
@@ -170,10 +171,26 @@ def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[
             wheel=gear_teeth(scene.deviations, faults, number, "wheel"),
             damping_time=stage.mesh_damping_time_us / 1_000_000,
             cycle_at_start=stage.cycle_at_start,
+            film=film_spec(scene.film, pair),
         )
         for number, (stage, pair, (driving, driven)) in enumerate(
             zip(scene.stages, layout.pairs, layout.pair_shafts, strict=True), 1
         )
+    )
+
+
+def film_spec(table: FilmModel, pair: GearPair) -> Film | None:
+    """The film between the flanks of a pair: curvature at the pitch point, mean length of the contact lines."""
+    if not isinstance(table, SqueezeFilm):
+        return None
+    slope = math.tan(pair.working_pressure_angle)
+    pinion, wheel = pair.pinion.base_radius * slope, pair.wheel.base_radius * slope
+    lead = math.cos(pair.base_helix_angle)
+    return Film(
+        viscosity=table.viscosity_mPa_s / 1000,
+        roughness=table.roughness_um / 1_000_000,
+        radius=pinion * wheel / (pinion + wheel) / lead,
+        length=pair.transverse_contact_ratio * pair.face_width / lead,
     )
 
 

@@ -12,6 +12,7 @@ from mbd.coordinates import channels
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.film import Film
 from mbd.parts.load import Load, OutsideForce
 from mbd.parts.losses import Brake, Losses
 from mbd.parts.machine import Machine
@@ -55,6 +56,7 @@ class GearMesh:
     wheel: GearTeeth
     damping_time: float
     cycle_at_start: float
+    film: Film | None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

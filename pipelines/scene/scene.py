@@ -24,7 +24,7 @@ from pipelines.scene.tables.faults import AnyFaultTable, BearingSpallTable, Faul
 from pipelines.scene.tables.forces import ForceModel
 from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.housing import HousingTable
-from pipelines.scene.tables.losses import LossModel, NoLosses
+from pipelines.scene.tables.losses import FilmModel, LossModel, NoFilm, NoLosses
 from pipelines.scene.tables.motion import DriveModel, LoadModel, SimulationTable
 from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ShaftModel, ShaftTable
 from pipelines.scene.train import stage_shafts
@@ -52,6 +52,7 @@ class Scene(Table):
     drive: DriveModel
     load: LoadModel
     losses: LossModel = NoLosses()
+    film: FilmModel = NoFilm()
     simulation: SimulationTable
     diagnosis: DiagnosisTable = DiagnosisTable()
 
