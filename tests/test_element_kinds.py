@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
+from mbd.bearing_faults.cage_slip import CageSlip
+from mbd.bearing_faults.faulty_bearing import with_faults
+from mbd.bearing_faults.spall import Spall
 from mbd.elements.element import BY_ANGLE, ENERGY, WIDTH, Element, Signal, rule
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.newton import forces_at
@@ -64,6 +67,14 @@ def in_rolling_bearings(*names):
     return dataclasses.replace(machine, bearings=bearings)
 
 
+def spalled():
+    machine = in_rolling_bearings("6208", "NU208")
+    angles = np.linspace(0.0, 2 * np.pi, 9, endpoint=False)  # some of them where elements are pressed
+    pits = [Spall(on=on, width=2e-3, depth=1e-6, angle=a) for on in ("outer-ring", "inner-ring") for a in angles]
+    slip = CageSlip(share=0.02, seed=(1,))
+    return dataclasses.replace(machine, bearings=tuple(with_faults(b, pits, slip) for b in machine.bearings))
+
+
 def lossy(losses):
     return dataclasses.replace(hoisting(), losses=losses, brake=Brake(shaft="shaft_1", y=-0.2, torque=40.0))
 
@@ -76,6 +87,7 @@ MACHINES = {
     "pendulum": swinging,
     "balls": lambda: in_rolling_bearings("6208", "6208"),
     "rollers": lambda: in_rolling_bearings("NU208", "6208"),
+    "spalls": spalled,
     "efficiency": lambda: lossy(Efficiency(mesh_efficiency=0.95)),
     "coulomb": lambda: lossy(Coulomb(tooth_friction=0.06, bearing_friction=0.002)),
     "gyroscopic": lambda: dataclasses.replace(hoisting(), gyroscopic=True),

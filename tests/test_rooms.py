@@ -30,6 +30,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "mbd.coordinates",
     "mbd.reference",
     "mbd.forces",
+    "mbd.bearing_faults",
     "mbd.system",
     "mbd.integrators",
     "mbd.energy",

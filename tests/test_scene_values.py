@@ -31,11 +31,12 @@ FAULTS = [
     {"kind": "worn-tooth", "stage": 1, "gear": "wheel", "tooth": 11, "depth_um": 3.0},
     {"kind": "worn-tooth", "stage": 1, "gear": "wheel", "depth_um": 3.0, "place": "pitch", "width_mm": 2.0},
 ]
+SPALL = {"kind": "bearing-spall", "shaft": 2, "bearing": 1, "on": "inner-ring", "width_mm": 1.0, "depth_um": 30.0}
 HERTZ = {
     "model": "hertz", "kind": "roller", "elements": 12, "element_diameter_mm": 8.0, "pitch_diameter_mm": 40.0,
     "contact_angle_deg": 12.0, "roller_length_mm": 9.0,
 }  # fmt: skip
-BALL = {"model": "hertz", "designation": "6205", "inner_conformity": 0.52, "outer_conformity": 0.53}
+BALL = {"model": "hertz", "designation": "6205", "inner_conformity": 0.52, "outer_conformity": 0.53, "cage_slip": 0.01}
 LINEAR = {"model": "linear", "vertical_stiffness_N_per_um": 90.0}
 HOUSING = {
     "side_wall_thickness_mm": 11.0, "end_wall_thickness_mm": 11.0, "floor_thickness_mm": 11.0,
@@ -96,6 +97,7 @@ SCENES = {
     }),
     "joined": ("minimal", {
         "shafts": SHAFTS, "couplings": [COUPLING], "disks": [DISK], "load.shaft": 3, "casing": {"model": "none"},
+        "faults": [SPALL], "bearings": {"model": "hertz", "designation": "6208"},
         "sensors": [], "stages.1.mesh": {"model": "solid"}, "losses": {"model": "efficiency"},
     }),
     "imported": ("rig-step", {"casing.elements_per_wavelength": 30.0, "stages.1.mesh": {"model": "energy"}}),

@@ -159,8 +159,9 @@ def _evaluate_rule(chosen, values, motion, answer):
 
 
 def evaluated(
-    chosen: int, values: np.ndarray, u: np.ndarray, v: np.ndarray | None = None, angle: float = 0.0
-) -> Answer:
+    chosen: int, values: np.ndarray, u: np.ndarray, v: np.ndarray | None = None, angle: float = 0.0,
+    seen: np.ndarray | None = None,
+) -> Answer:  # fmt: skip
     """What a rule answers at given rows, the motor at rest.
 
     Parameters
@@ -170,11 +171,12 @@ def evaluated(
     u : (n,) displacements of its rows, m or rad
     v : (n,) their rates, m/s or rad/s; None: at rest
     angle : of the motor, rad
+    seen : (k,) displacements of the rows that it observes, m or rad; None: it observes none
     """
     n = len(u)
     none, still = np.zeros(0), np.zeros(n) if v is None else np.array(v, dtype=float)
-    empty = np.zeros((0, WIDTH))
-    motion = Motion(angle, 0.0, 0.0, np.array(u, dtype=float), still, none, none, empty, none, empty)
+    empty, observed = np.zeros((0, WIDTH)), none if seen is None else np.array(seen, dtype=float)
+    motion = Motion(angle, 0.0, 0.0, np.array(u, dtype=float), still, observed, none, empty, none, empty)
     answer = Answer(
         *(np.zeros(n), np.zeros((n, WIDTH)), np.zeros(n), np.zeros((n, WIDTH)), np.zeros((n, WIDTH))),
         *(np.zeros(n), np.zeros((n, WIDTH)), np.zeros(len(LOG_COLUMNS))),

@@ -14,9 +14,10 @@ q = c_L l^(8/9) delta^(10/9) per roller, c_L = 35 948 N/mm^(10/9) mm^(-8/9) for 
 laminae of equal length. Crowned ends are not modelled.
 
 The forces follow from the potential sum of 2/5 K delta^2.5 (9/19 for rollers), so that nothing is lost in a bearing
-that does not turn. The cage turns at (1 - gamma)/2 of the shaft, gamma = D cos a/(2 R), without slip: the number of
-elements under load varies with it (varying compliance). With damping each contact carries max(0, Q + tau dQ/d delta
-delta'), delta' by the motion u' alone. No centrifugal or gyroscopic forces of the elements, no lubricant film.
+that does not turn. The cage turns at (1 - gamma)/2 of the shaft, gamma = D cos a/(2 R), without slip and by the angle
+of the train alone: the number of elements under load varies with it (varying compliance). With damping each contact
+carries max(0, Q + tau dQ/d delta delta'), delta' by the motion u' alone. No centrifugal or gyroscopic forces of the
+elements, no lubricant film.
 
 References
 ----------

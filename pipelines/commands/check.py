@@ -51,8 +51,13 @@ def _lines(plant: Plant, control: str) -> Iterator[str]:
     models = [f"mesh {'/'.join(dict.fromkeys(chosen['mesh']))}"]
     models += [f"casing {chosen['casing']}", f"shafts {chosen['shaft_model']}", f"load {chosen['load']}"]
     yield f"  models: {', '.join(models)}, integrator {chosen['integrator']}"
-    if plant.faults:
-        yield "  faults: " + ", ".join(
-            f"{fault.name} of the stage {fault.stage} {fault.gear}" for fault in plant.faults
-        )
+    if plant.rolling:
+        from pipelines.plant.looked_for import pass_rates
+
+        yield "  rolling bearing    shaft  elements  BPFO Hz   BPFI Hz   BSF Hz    FTF Hz"
+        for bearing in plant.rolling:
+            rates = "  ".join(f"{value:<8.5g}" for value in pass_rates(plant.layout, bearing).values())
+            yield f"  {bearing.name:<18} {bearing.shaft + 1:<6} {bearing.elements.count:<9} {rates}".rstrip()
+    if plant.fault_words:
+        yield f"  faults: {', '.join(plant.fault_words)}"
     yield f"  control: {control}"

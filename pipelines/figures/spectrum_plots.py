@@ -12,6 +12,7 @@ from matplotlib.ticker import NullLocator
 
 from pipelines.figures.plots import FAULTY, FIRST, HEALTHY, MARK, SECOND, dress, legend, new_figure, plain
 from pipelines.signals.lines import LOADS
+from pipelines.signals.pass_lines import HARMONICS, PassLines
 from pipelines.signals.spectrum import Spectrum
 
 if TYPE_CHECKING:
@@ -86,6 +87,31 @@ def healthy_faulty_figure(diagnosis: Diagnosis, window: str) -> Figure:
         if len(lines):
             axes.plot(lines.frequency, lines.faulty, "v", ms=5, color=FAULTY, label="detected", zorder=4)
     legend(figure.axes[0])
+    return figure
+
+
+def pass_figure(diagnosis: Diagnosis, window: str, spall: PassLines) -> Figure:
+    """Healthy and faulty up to the third harmonic of a spall's pass frequency, its lines marked: envelope, spectrum."""
+    figure = new_figure(6.0)
+    lines, end = spall.own(diagnosis.lines.where(window=window)), (HARMONICS + 0.6) * spall.frequency
+    for axes, found, title in zip(
+        figure.subplots(2, 1, sharex=True), (diagnosis.envelopes, diagnosis.spectra), ("Envelope spectrum", "Spectrum"),
+        strict=True,
+    ):  # fmt: skip
+        for state, colour, thickness in (("healthy", HEALTHY, 2.0), ("faulty", FAULTY, 1.0)):
+            span = (0.3 * spall.frequency, min(end, float(found[state, window].frequency[-1])))
+            _draw_spectrum(axes, found[state, window], span, colour, state, thickness)
+        if found is diagnosis.envelopes and lines.detected.any():
+            seen = lines.where(detected=1)
+            axes.plot(seen.frequency, seen.faulty, "v", ms=5, color=FAULTY, label="detected", zorder=4)
+        _limit_decades(axes)
+        for name, k, frequency in spall.wanted():
+            main = frequency == k * spall.frequency
+            _mark(axes, frequency, plain(name) if main else "")
+        dress(axes, title, "frequency, Hz" if title == "Spectrum" else "", "amplitude, m/s²")
+        legend(axes)
+    sides = f", sidebands at {spall.spacing_label}" if spall.spacing else ""
+    figure.suptitle(plain(f"{spall.fault.capitalize()}, {window}{sides} · {diagnosis.settings.sensor}"))
     return figure
 
 

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import zlib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
+from mbd.bearing_faults.cage_slip import CageSlip
+from mbd.bearing_faults.faulty_bearing import with_faults
+from mbd.bearing_faults.spall import Spall
 from mbd.forces.rolling_bearing import hertz_bearing
 from mbd.parts.bearings import BearingSpec, rigid_bearing
 from mbd.parts.checks import MachineError
 from mbd.parts.rolling_catalogue import by_designation
 from mbd.parts.rolling_elements import RollingElements
+from pipelines.scene.scene import Scene
 from pipelines.scene.tables.bearings import BearingModel, HertzBearings, LinearBearings, RigidBearings
+from pipelines.scene.tables.faults import BearingSpallTable
 from pipelines.scene.tables.shafts import ShaftTable
 
 if TYPE_CHECKING:
@@ -26,6 +32,21 @@ class RollingBearing:
     name: str
     shaft: int
     elements: RollingElements
+
+
+@dataclass(frozen=True, kw_only=True)
+class BearingFault:
+    """A spall of a bearing on a shaft (from 0), and the share of speed by which the cage slips at random."""
+
+    bearing: str
+    shaft: int
+    spall: Spall
+    slip: float
+
+    @property
+    def name(self) -> str:
+        """In words: "spall on the outer ring of bearing_3"."""
+        return f"spall on the {self.spall.place} of {self.bearing}"
 
 
 def bearing_names(shafts: Sequence[ShaftTable]) -> list[tuple[str, int, int]]:
@@ -70,6 +91,48 @@ def bearing_specs(shafts: Sequence[ShaftTable], usual: BearingModel) -> tuple[Be
         support: Literal["casing", "ground"] = "ground" if name.startswith("ground") else "casing"
         specs.append(_bearing(_table(shafts[number], usual, place), name, *at, support))
     return tuple(specs)
+
+
+def bearing_faults(scene: Scene) -> tuple[BearingFault, ...]:
+    """All spalls of the bearings. MachineError for one that does not fit."""
+    return tuple(fault for _, fault in numbered_bearing_faults(scene))
+
+
+def numbered_bearing_faults(scene: Scene) -> Iterator[tuple[int, BearingFault]]:
+    """The spalls with their numbers in the scene, from 1."""
+    names = {(shaft, place): name for name, shaft, place in bearing_names(scene.shafts)}
+    for number, fault in scene.spalls.items():
+        shaft, place = fault.shaft - 1, fault.bearing - 1
+        table = _table(scene.shafts[shaft], scene.bearings, place)
+        slip = table.cage_slip if isinstance(table, HertzBearings) else 0.0
+        yield number, BearingFault(bearing=names[shaft, place], shaft=shaft, spall=_spall(fault), slip=slip)
+
+
+def _spall(table: BearingSpallTable) -> Spall:
+    return Spall(
+        on=table.on,
+        width=table.width_mm / 1000,
+        depth=table.depth_um / 1_000_000,
+        angle=math.radians(table.angle_deg),
+    )
+
+
+def with_bearing_faults(scene: Scene, specs: Sequence[BearingSpec]) -> tuple[BearingSpec, ...]:
+    """The bearings of a scene with their spalls and slipping cages; each cage has a sequence of its own.
+
+    Raises
+    ------
+    MachineError : a spall that does not fit
+    """
+    spalls = bearing_faults(scene)
+    found = []
+    for spec, (name, shaft, place) in zip(specs, bearing_names(scene.shafts), strict=True):
+        table = _table(scene.shafts[shaft], scene.bearings, place)
+        slip = None
+        if isinstance(table, HertzBearings) and table.cage_slip:
+            slip = CageSlip(share=table.cage_slip, seed=(scene.deviations.seed, zlib.crc32(name.encode())))
+        found.append(with_faults(spec, [fault.spall for fault in spalls if fault.bearing == name], slip))
+    return tuple(found)
 
 
 def _table(shaft: ShaftTable, usual: BearingModel, place: int) -> BearingModel:

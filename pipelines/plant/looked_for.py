@@ -8,12 +8,13 @@ from dataclasses import dataclass
 
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.rolling_elements import pass_frequencies
-from pipelines.plant.bearings import RollingBearing
+from pipelines.plant.bearings import BearingFault, RollingBearing
 from pipelines.plant.facts import stage_facts
 from pipelines.plant.flanks import Fault
 from pipelines.plant.layout import Layout
 from pipelines.plant.torques.hoist import Hoist
 from pipelines.signals.analysis import DiagnosisSettings
+from pipelines.signals.pass_lines import PassLines
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +41,7 @@ def diagnosis_settings(
     profile: SpeedProfile,
     rolling: Sequence[RollingBearing],
     faults: Sequence[Fault],
+    spalls: Sequence[BearingFault] = (),
 ) -> DiagnosisSettings | None:
     """The lines and windows of a diagnosis; None if it is not possible.
 
@@ -48,7 +50,8 @@ def diagnosis_settings(
     asked : where the diagnosis looks
     layout, hoist, profile : the train, its rope, and the speed of its motors
     rolling : bearings whose pass frequencies are named
-    faults : for the words on what is wrong
+    faults : for the words on what is wrong with teeth
+    spalls : of bearings, whose lines are looked for
     """
     if not asked.possible:
         return None
@@ -71,11 +74,12 @@ def diagnosis_settings(
         windows=asked.windows,
         rope_mode={name: value for name, value in modes.items() if value is not None},
         bearings=_bearing_frequencies(layout, rolling),
+        passes=tuple(dict.fromkeys(_pass_lines(layout, rolling, fault) for fault in spalls)),
         sensor=asked.sensor,
         axis=asked.axis,
         band=asked.band,
         shaft=f"shaft_{layout.pair_shafts[asked.stage - 1][on_wheel] + 1}",
-        fault=words or "no fault",
+        fault=words or ("" if spalls else "no fault"),
     )
 
 
@@ -83,7 +87,33 @@ def _bearing_frequencies(layout: Layout, rolling: Sequence[RollingBearing]) -> d
     """Pass frequencies (Hz) of all rolling bearings at the highest motor speed: "bearing_3 BPFO", BPFI, BSF, FTF."""
     found: dict[str, float] = {}
     for bearing in rolling:
-        turn, per = layout.turns * layout.shaft_ratios[bearing.shaft], pass_frequencies(bearing.elements)
-        lines = {"BPFO": per.outer, "BPFI": per.inner, "BSF": per.spin, "FTF": per.cage}
-        found |= {f"{bearing.name} {label}": turn * value for label, value in lines.items()}
+        found |= {f"{bearing.name} {label}": value for label, value in pass_rates(layout, bearing).items()}
     return found
+
+
+def pass_rates(layout: Layout, bearing: RollingBearing) -> dict[str, float]:
+    """BPFO, BPFI, BSF, FTF (Hz) of a bearing at the highest motor speed."""
+    turn, per = _turns(layout, bearing.shaft), pass_frequencies(bearing.elements)
+    return {"BPFO": turn * per.outer, "BPFI": turn * per.inner, "BSF": turn * per.spin, "FTF": turn * per.cage}
+
+
+def _turns(layout: Layout, shaft: int) -> float:
+    return layout.turns * layout.shaft_ratios[shaft]
+
+
+def _pass_lines(layout: Layout, rolling: Sequence[RollingBearing], fault: BearingFault) -> PassLines:
+    name = fault.bearing
+    rates = pass_rates(layout, next(bearing for bearing in rolling if bearing.name == name))
+    label, frequency, spacing, spacing_label = {
+        "outer-ring": ("BPFO", rates["BPFO"], 0.0, ""),
+        "inner-ring": ("BPFI", rates["BPFI"], _turns(layout, fault.shaft), f"f_shaft_{fault.shaft + 1}"),
+        "element": ("2 BSF", 2 * rates["BSF"], rates["FTF"], "FTF"),
+    }[fault.spall.on]
+    return PassLines(
+        label=f"{name} {label}",
+        fault=fault.name,
+        frequency=frequency,
+        spacing=spacing,
+        spacing_label=spacing_label,
+        spread=fault.slip,
+    )

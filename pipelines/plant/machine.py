@@ -10,7 +10,7 @@ from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.film import Film
 from mbd.parts.losses import Brake, Coulomb, Efficiency, Losses, NoLosses
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from pipelines.plant.bearings import bearing_specs
+from pipelines.plant.bearings import bearing_specs, with_bearing_faults
 from pipelines.plant.flanks import GEARS, Fault, damaged_teeth
 from pipelines.plant.layout import Layout
 from pipelines.plant.parts import GearMesh, GearTeeth, MachineParts, ToothDeviations
@@ -211,7 +211,7 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> Mach
     brake = drive.brake_torque_N_m if isinstance(drive, SpeedDrive) else 0.0
     return MachineParts(
         shafts=shaft_specs(scene, layout),
-        bearings=bearing_specs(scene.shafts, scene.bearings),
+        bearings=with_bearing_faults(scene, bearing_specs(scene.shafts, scene.bearings)),
         meshes=gear_meshes(scene, layout, faults),
         motors=motor_couplings(drive, layout.driven, ends),
         driven=driven,

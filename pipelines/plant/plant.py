@@ -13,7 +13,7 @@ from typing import Any
 from fem.casing.geometry.dimensions import Sensor
 from fem.contact.models.mesh_model import LawSpec
 from fem.contact.models.registry import mesh_model
-from pipelines.plant.bearings import RollingBearing, bearing_points, rolling_bearings
+from pipelines.plant.bearings import BearingFault, RollingBearing, bearing_faults, bearing_points, rolling_bearings
 from pipelines.plant.casing import CasingPart, casing
 from pipelines.plant.facts import Facts, derive, stage_facts
 from pipelines.plant.flanks import Fault, flanks_spec, tooth_faults
@@ -46,7 +46,8 @@ class Drivetrain:
     machine: MachineParts
     hoist: Hoist | None
     rolling: tuple[RollingBearing, ...]
-    faults: tuple[Fault, ...]
+    faults: tuple[Fault, ...]  # of teeth
+    spalls: tuple[BearingFault, ...]
     bearing_points: tuple[tuple[float, float, float], ...]  # of bearing_1, ..., those that the casing carries (m)
     recorded: Recorded
     motion: MotionSettings
@@ -66,8 +67,14 @@ class Drivetrain:
     def diagnosis(self) -> DiagnosisSettings | None:
         """What a diagnosis looks for; None without windows or sensors."""
         return diagnosis_settings(
-            self.looked_for, self.layout, self.hoist, self.machine.drive, self.rolling, self.faults
+            self.looked_for, self.layout, self.hoist, self.machine.drive, self.rolling, self.faults, self.spalls
         )
+
+    @property
+    def fault_words(self) -> tuple[str, ...]:
+        """All faults, each with its place: "missing-tooth 0 of the stage 1 wheel"."""
+        teeth = (f"{fault.name} of the stage {fault.stage} {fault.gear}" for fault in self.faults)
+        return (*teeth, *(fault.name for fault in self.spalls))
 
     def faults_of(self, stage: int) -> tuple[Fault, ...]:
         """The faults of a stage (from 1)."""
@@ -101,7 +108,7 @@ def make_plant(scene: Scene, source: str = "scene", layout: Layout | None = None
 def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None = None) -> Drivetrain:
     """Everything but the casing. SceneError and MachineError as `make_plant`."""
     layout = layout or lay_out(scene, source)
-    faults = tooth_faults(scene.faults, layout.pinion_senses)
+    faults = tooth_faults(scene.tooth_faults.values(), layout.pinion_senses)
     return Drivetrain(
         title=scene.title,
         labels=_labels(scene),
@@ -116,6 +123,7 @@ def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None =
         hoist=hoist(scene.load),
         rolling=rolling_bearings(scene.shafts, scene.bearings),
         faults=faults,
+        spalls=bearing_faults(scene),
         bearing_points=bearing_points(scene.shafts, layout),
         recorded=Recorded(
             sensors=tuple(sensor.name for sensor in scene.sensors), journals=isinstance(scene.casing, NoCasingTable)

@@ -34,6 +34,7 @@ class ReportContents:
     seeds: Sequence[Diagnosis] = ()
     gears: Sequence[Mapping[str, Any]] = ()
     stiffness: Sequence[StiffnessPlot] = ()
+    rolling: Sequence[Mapping[str, Any]] = ()  # bearings with their pass frequencies
     gear_picture: Picture | LeftOut | None = None
     gear_names: Mapping[str, str] = field(default_factory=dict)
     casing_picture: Picture | LeftOut | None = None

@@ -14,7 +14,7 @@ from pipelines.report import page, spectra
 from pipelines.report.contents import ReportContents, cell, grid
 from pipelines.signals.analysis import channel_names
 from pipelines.signals.levels import contact_sentence, level_grid
-from pipelines.signals.verdict import criterion, directions, grade, headline, sentences, summary_grid
+from pipelines.signals.verdict import all_seen, criterion, directions, headline, sentences, summary_grid
 
 __all__ = ["ReportContents", "write_report"]
 
@@ -27,6 +27,7 @@ def write_report(path: Path | str, contents: ReportContents) -> Path:
     sections: list[tuple[str, Callable[[ReportContents], list[str]]]] = [
         ("What was run", _what_was_run),
         ("Gears", _gears),
+        *([("Rolling bearings", _rolling)] if contents.rolling else []),
         ("Stiffness", _stiffness),
         ("Casing", _casing),
         ("Speed", _drive),
@@ -85,7 +86,7 @@ def _answer(contents: ReportContents) -> list[str]:
     every = [*contents.diagnoses, *contents.seeds]
     texts = [headline(every), criterion(every[0]), *(s for d in contents.diagnoses for s in sentences(d))]
     texts += [text for d in contents.diagnoses if (text := directions(d))]
-    seen = any(grade(d.lines.where(window=w)) == "seen" for d in every for w in d.settings.windows)
+    seen = any(all_seen(d, window) for d in every for window in d.settings.windows)
     return [page.answer(texts, positive=seen), page.table(summary_grid(every))]
 
 
@@ -107,6 +108,11 @@ def _gears(contents: ReportContents) -> list[str]:
         caption = "The gear pair in three dimensions" + (" and its stiffness over the mesh cycle." if curve else ".")
         parts.append(page.picture(figure, caption))
     return parts
+
+
+def _rolling(contents: ReportContents) -> list[str]:
+    note = "Pass frequencies at the highest speed without slip; a spall of a rolling element passes twice per BSF."
+    return [page.table(grid("", contents.rolling)), page.paragraph(note)]
 
 
 def _stiffness(contents: ReportContents) -> list[str]:

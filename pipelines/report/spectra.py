@@ -6,6 +6,7 @@ from pipelines.figures.spectrum_plots import (
     Trace,
     comparison_figure,
     healthy_faulty_figure,
+    pass_figure,
     single_spectrum_figure,
     spectrum_figure,
 )
@@ -57,6 +58,8 @@ def healthy_faulty(contents: ReportContents) -> list[str]:
         for window in diagnosis.settings.windows:
             caption = f"{_named(diagnosis, window)}: both runs with the same deviations. Triangles: detected lines."
             parts.append(page.picture(healthy_faulty_figure(diagnosis, window), caption))
+            for spall in diagnosis.settings.passes:
+                parts.append(page.picture(pass_figure(diagnosis, window, spall), f"{caption} Dashed: {spall.label}."))
     return parts
 
 

@@ -246,12 +246,12 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
 
 
 def _chosen(members: list[type[BaseModel]], value: Any) -> list[type[BaseModel]]:
-    tag = value.get("model") if isinstance(value, Mapping) else None
+    tag = value.get("model", value.get("kind")) if isinstance(value, Mapping) else None  # kind: of faults
     return [m for m in members if tag in _tags(m)] or members
 
 
 def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
-    field = model.model_fields.get("model")
+    field = model.model_fields.get("model", model.model_fields.get("kind"))
     return typing.get_args(field.annotation) if field is not None else ()
 
 

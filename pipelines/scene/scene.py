@@ -14,13 +14,13 @@ from pydantic import Field, model_validator
 from pipelines.border.shown import shown_value
 from pipelines.scene.tables.analysis import DiagnosisTable
 from pipelines.scene.tables.base import MaterialTable, Table
-from pipelines.scene.tables.bearings import BearingModel, LinearBearings
+from pipelines.scene.tables.bearings import BearingModel, HertzBearings, LinearBearings
 from pipelines.scene.tables.casing import (
     CasingModel,
     FlexibleBase,
     SensorTable,
 )
-from pipelines.scene.tables.faults import FaultTable
+from pipelines.scene.tables.faults import AnyFaultTable, BearingSpallTable, FaultBase, FaultTable
 from pipelines.scene.tables.forces import ForceModel
 from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.housing import HousingTable
@@ -46,7 +46,7 @@ class Scene(Table):
     disks: Annotated[tuple[DiskTable, ...], Field(max_length=100)] = ()
     forces: Annotated[tuple[ForceModel, ...], Field(max_length=100)] = ()
     deviations: DeviationTable = DeviationTable()
-    faults: Annotated[tuple[FaultTable, ...], Field(max_length=1000)] = ()
+    faults: Annotated[tuple[AnyFaultTable, ...], Field(max_length=1000)] = ()
     casing: CasingModel
     sensors: Annotated[tuple[SensorTable, ...], Field(max_length=1000)] = ()
     drive: DriveModel
@@ -61,6 +61,16 @@ class Scene(Table):
         chosen = {name: getattr(value, "model", None) for name, value in self}
         found: dict[str, str | list[str]] = {name: model for name, model in chosen.items() if model is not None}
         return {"mesh": [stage.mesh.model for stage in self.stages], **found, "integrator": self.simulation.integrator}
+
+    @property
+    def tooth_faults(self) -> dict[int, FaultTable]:
+        """Faults of teeth by their number in the scene, from 1."""
+        return {number: fault for number, fault in enumerate(self.faults, 1) if isinstance(fault, FaultBase)}
+
+    @property
+    def spalls(self) -> dict[int, BearingSpallTable]:
+        """Faults of bearings by their number in the scene, from 1."""
+        return {number: fault for number, fault in enumerate(self.faults, 1) if isinstance(fault, BearingSpallTable)}
 
     @model_validator(mode="after")
     def _consistent(self) -> Scene:
@@ -119,8 +129,28 @@ class Scene(Table):
                         "the others by the ground (bearing_supports)"
                     )
 
+    def _spalled_bearings(self):
+        for number, fault in self.spalls.items():
+            if fault.shaft > len(self.shafts):
+                yield f"faults.{number}.shaft = {fault.shaft}: there are {len(self.shafts)} shafts"
+                continue
+            shaft = self.shafts[fault.shaft - 1]
+            count = len(shaft.bearing_positions_mm)
+            if fault.bearing > count:
+                yield f"faults.{number}.bearing = {fault.bearing}: shaft {fault.shaft} has bearings 1 to {count}"
+                continue
+            table = shaft.bearings[fault.bearing - 1] if shaft.bearings else self.bearings
+            if not isinstance(table, HertzBearings):
+                at = f"shafts.{fault.shaft}.bearings.{fault.bearing}" if shaft.bearings else "bearings"
+                yield (
+                    f"faults.{number}.bearing = {fault.bearing}: bearing {fault.bearing} of shaft {fault.shaft} has "
+                    f"the model {table.model}, which has no rolling elements to meet a spall. Set {at}.model = "
+                    '"hertz", with a designation or the geometry of the bearing'
+                )
+
     def _references(self):
-        for number, fault in enumerate(self.faults, 1):
+        yield from self._spalled_bearings()
+        for number, fault in self.tooth_faults.items():
             if fault.stage > len(self.stages):
                 yield f"faults.{number}.stage = {fault.stage}: there are {len(self.stages)} stages"
                 continue
@@ -133,9 +163,10 @@ class Scene(Table):
         known = {sensor.name for sensor in self.sensors}
         if self.sensors and self.diagnosis.sensor is not None and self.diagnosis.sensor not in known:
             yield f"diagnosis.sensor = {shown_value(self.diagnosis.sensor)}: not among the sensors of the scene"
-        teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in self.faults if fault.tooth is not None]
+        on_teeth = self.tooth_faults.values()
+        teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in on_teeth if fault.tooth is not None]
         for stage_number, gear, tooth in sorted({hit for hit in teeth_hit if teeth_hit.count(hit) > 1}):
-            kinds = [f.kind for f in self.faults if (f.stage, f.gear, f.tooth) == (stage_number, gear, tooth)]
+            kinds = [f.kind for f in on_teeth if (f.stage, f.gear, f.tooth) == (stage_number, gear, tooth)]
             if len(set(kinds)) < len(kinds) or "missing-tooth" in kinds:
                 yield f"faults: tooth {tooth} of the stage {stage_number} {gear} is given more than once"
         if isinstance(self.diagnosis.envelope_band_Hz, tuple):

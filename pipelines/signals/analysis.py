@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pipelines.signals.pass_lines import PassLines
 from pipelines.signals.spectrum import (
     Segment,
     Spectrum,
@@ -42,9 +43,10 @@ class DiagnosisSettings:
     """What is looked for, where.
 
     `windows` name -> (start, end) in s of the record's time; `rope_mode` window name -> Hz (none for a constant
-    torque); `bearings` "bearing_3 BPFO" -> Hz, lines to read besides; `axis` "resultant" or an axis of the sensor;
+    torque); `bearings` "bearing_3 BPFO" -> Hz, lines to read besides; `passes` those of spalled bearings, which are
+    looked for; `axis` "resultant" or an axis of the sensor;
     `shaft` the faulty shaft, whose speed is checked if given; `fault` and `reason` are words for the verdict: what is
-    damaged, and the physical reason where nothing is detected.
+    damaged ("" if bearings alone are), and the physical reason where nothing is detected.
     """
 
     revolution_frequency: float
@@ -52,6 +54,7 @@ class DiagnosisSettings:
     windows: Mapping[str, tuple[float, float]]
     rope_mode: Mapping[str, float] = field(default_factory=dict)
     bearings: Mapping[str, float] = field(default_factory=dict)
+    passes: tuple[PassLines, ...] = ()
     sensor: str
     axis: str = "resultant"
     band: str | tuple[float, float] = "mesh"

@@ -17,6 +17,7 @@ import numpy as np
 
 from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings, analyse, noise_of, sampling
 from pipelines.signals.lines import LineTable, joined, level
+from pipelines.signals.pass_lines import peaks
 from pipelines.signals.spectrum import Segment, Spectrum
 
 if TYPE_CHECKING:
@@ -99,15 +100,22 @@ def _window_lines(
     resolution = envelopes["faulty", window].resolution
     top = resolution * (envelopes["faulty", window].amplitude.size - 1)
     rolling = {name: f for name, f in settings.bearings.items() if resolution / 2 < f <= top}  # not the mean itself
+    passing = [
+        (name, k, f, max(resolution, spall.spread * f))
+        for spall in settings.passes
+        for name, k, f in spall.wanted()
+        if resolution / 2 < f and f + max(resolution, spall.spread * f) < top
+    ]
     rest = [0] * len(rolling)
     columns: dict[str, Any] = {
-        "kind": [kind for kind, _, _ in wanted] + ["bearing"] * len(rolling),
-        "mesh_harmonic": np.array([n for _, n, _ in wanted] + rest),
-        "order": np.array([k for _, _, k in wanted] + rest),
-        "label": [_label(n, k) for _, n, k in wanted] + list(rolling),
+        "kind": [kind for kind, _, _ in wanted] + ["bearing"] * len(rolling) + ["pass"] * len(passing),
+        "mesh_harmonic": np.array([n for _, n, _ in wanted] + rest + [0] * len(passing)),
+        "order": np.array([k for _, _, k in wanted] + rest + [k for _, k, _, _ in passing]),
+        "label": [_label(n, k) for _, n, k in wanted] + list(rolling) + [name for name, _, _, _ in passing],
     }
     frequency = columns["mesh_harmonic"] * f_m + columns["order"] * f_r
-    bins = np.round(np.array(list(rolling.values())) / resolution)
+    places, reach = [f for _, _, f, _ in passing], [width for _, _, _, width in passing]
+    bins = np.round(np.array([*rolling.values(), *places]) / resolution)
     frequency[len(wanted) :] = bins * resolution  # no bin of their own: the nearest one
     is_envelope = columns["mesh_harmonic"] == 0
     for state in STATES:
@@ -116,6 +124,7 @@ def _window_lines(
         for spectrum, rows in ((envelopes[state, window], is_envelope), (spectra[state, window], ~is_envelope)):
             columns[state][rows] = spectrum.lines(frequency[rows])
             columns[f"{state}_floor"][rows] = spectrum.floors(frequency[rows])
+        columns[state][len(frequency) - len(passing) :] = peaks(envelopes[state, window], places, reach)
     difference = level(columns["faulty"], columns["healthy"])
     over_floor = level(columns["faulty"], columns["faulty_floor"])
     healthy_over_floor = level(columns["healthy"], columns["healthy_floor"])

@@ -27,7 +27,8 @@ class LineTable(Record):
 
     `kind` is "envelope" (order k f_r in the envelope), "sideband" (n f_m + k f_r in the spectrum) or "mesh"
     (n f_m itself) or "bearing" (a pass frequency of a rolling bearing in the envelope, read at the nearest bin); these
-    two are for reference and not counted as evidence.
+    two are for reference and not counted as evidence. "pass" is a line of a spalled bearing in the envelope (order: of
+    its harmonic), read at the largest bin that slip may move it to.
     """
 
     load_case: tuple[str, ...] = names("line")  # "rope" | "static-torque"
@@ -56,13 +57,18 @@ class LineTable(Record):
     def where(self, **equal: Any) -> Self:
         """The rows whose columns equal the given values, e.g. ``table.where(load_case="rope", kind="sideband")``."""
         keep = [i for i in range(len(self)) if all(getattr(self, name)[i] == value for name, value in equal.items())]
-        return self._taken(keep)
+        return self.at(keep)
 
     def without_mesh(self) -> Self:
-        """The rows that count as evidence: envelope harmonics and sidebands."""
-        return self._taken([i for i, kind in enumerate(self.kind) if kind in ("envelope", "sideband")])
+        """The rows that count as evidence of a gear's fault: envelope harmonics and sidebands."""
+        return self.of("envelope", "sideband")
 
-    def _taken(self, keep: Sequence[int]) -> Self:
+    def of(self, *kinds: str) -> Self:
+        """The rows of some kinds."""
+        return self.at([i for i, kind in enumerate(self.kind) if kind in kinds])
+
+    def at(self, keep: Sequence[int]) -> Self:
+        """The rows of these numbers."""
         columns: dict[str, Any] = {}
         for field in dataclasses.fields(self):
             column = getattr(self, field.name)

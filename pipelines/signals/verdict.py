@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from pipelines.border.grid import Grid
+from pipelines.signals import pass_lines
 from pipelines.signals.diagnosis import Diagnosis
 from pipelines.signals.lines import LOADS, LineTable
 
@@ -15,16 +16,22 @@ SIDEBANDS_WANTED = 3  # of the eight around one mesh order, and one envelope har
 
 
 def headline(diagnoses: Sequence[Diagnosis]) -> str:
-    """The answer in one sentence: in how many of the cases and windows the fault is seen.
+    """The answer in one sentence for the gears and one for every spall: in how many cases and windows it is seen.
 
     Seen: at least three of the eight sidebands around one mesh order and at least one harmonic in the envelope
-    are detected.
+    are detected; of a spall, see `pipelines.signals.pass_lines`.
     """
     first = diagnoses[0].settings
+    parts = [_headline(diagnoses, first.fault, grade)] if first.fault else []
+    return " ".join([*parts, *(_headline(diagnoses, spall.fault, spall.grade) for spall in first.passes)])
+
+
+def _headline(diagnoses: Sequence[Diagnosis], fault: str, graded: Callable[[LineTable], str]) -> str:
+    first = diagnoses[0].settings
     cases = [(d, window) for d in diagnoses for window in d.settings.windows]
-    grades = [grade(d.lines.where(window=window)) for d, window in cases]
+    grades = [graded(d.lines.where(window=window)) for d, window in cases]
     seen, partly = grades.count("seen"), grades.count("partly")
-    what, where = _capital(first.fault), f"{first.sensor} ({_axis(first.axis)})"
+    what, where = _capital(fault), f"{first.sensor} ({_axis(first.axis)})"
     if seen == len(cases):
         many = "in the one window that was looked at" if len(cases) == 1 else f"in all {len(cases)} cases"
         return f"{what}: seen at {where} {many}."
@@ -39,11 +46,22 @@ def headline(diagnoses: Sequence[Diagnosis]) -> str:
 def criterion(diagnosis: Diagnosis) -> str:
     """What it takes for a line to be detected and a fault to be seen."""
     settings = diagnosis.settings
+    gears = (
+        f"the fault is seen if at least {SIDEBANDS_WANTED} sidebands around one mesh order and one harmonic in the "
+        "envelope are detected"
+    )
+    wanted = [gears] * bool(settings.fault) + [pass_lines.criterion()] * bool(settings.passes)
     return (
         f"A line is detected if it lies at least {settings.difference_limit:g} dB over the healthy control with the "
-        f"same deviations and at least {settings.floor_limit:g} dB over its local floor; the fault is seen if at least "
-        f"{SIDEBANDS_WANTED} sidebands around one mesh order and one harmonic in the envelope are detected."
+        f"same deviations and at least {settings.floor_limit:g} dB over its local floor; {', '.join(wanted)}."
     )
+
+
+def all_seen(diagnosis: Diagnosis, window: str) -> bool:
+    """Whether every fault is seen in a window."""
+    lines, settings = diagnosis.lines.where(window=window), diagnosis.settings
+    grades = [grade(lines)] * bool(settings.fault) + [spall.grade(lines) for spall in settings.passes]
+    return set(grades) == {"seen"}
 
 
 def grade(lines: LineTable) -> str:
@@ -61,7 +79,9 @@ def sentences(diagnosis: Diagnosis) -> tuple[str, ...]:
     result = []
     for window in settings.windows:
         lines = diagnosis.lines.where(window=window)
-        result.append(f"{_capital(window)}, {case_name(diagnosis)}: {_standing(diagnosis, lines)} {_control(lines)}")
+        parts = [_standing(diagnosis, lines), _control(lines)] if settings.fault else []
+        parts += [spall.sentence(lines) for spall in settings.passes]
+        result.append(f"{_capital(window)}, {case_name(diagnosis)}: {' '.join(parts)}")
         rope = settings.rope_mode.get(window, 0.0)
         if rope > 0:
             result[-1] += " " + _rope(rope, lines, settings.revolution_frequency)
@@ -107,7 +127,7 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
     headers = ("line", "Hz", "faulty m/s²", "healthy m/s²", "difference dB", "over floor dB", "healthy over floor dB")
     rows, marked = [], set()
     for i in range(len(lines)):
-        where = "envelope " if lines.kind[i] in ("envelope", "bearing") else ""
+        where = "envelope " if lines.kind[i] in ("envelope", "bearing", "pass") else ""
         found = "detected" if lines.detected[i] else "-"
         if lines.kind[i] in ("mesh", "bearing"):
             found = f"{lines.kind[i]} line"
@@ -144,6 +164,7 @@ def summary_grid(diagnoses: Sequence[Diagnosis]) -> Grid:
                 cells.append(_counts(found[0].lines.where(window=window)) if found else "-")
             rows.append((LOADS.get(load, load), window, *cells))
     title = "Detected lines: envelope harmonics · sidebands around each mesh order"
+    title += " · lines of the spalls" if diagnoses[0].settings.passes else ""
     names = ["error-free" if kind == "off" else kind for kind in kinds]
     return Grid(title=title, headers=("load", "window", *names), rows=tuple(rows))
 
@@ -151,10 +172,10 @@ def summary_grid(diagnoses: Sequence[Diagnosis]) -> Grid:
 def seeds_grid(diagnoses: Sequence[Diagnosis], load: str, window: str) -> Grid:
     """Difference faulty over healthy of every line, a column per set of deviations; a dot marks detected lines."""
     chosen = sorted((d for d in diagnoses if d.load == load), key=lambda d: _seed_order(d.deviations))
-    tables = [d.lines.where(window=window).without_mesh() for d in chosen]
+    tables = [d.lines.where(window=window).of("envelope", "sideband", "pass") for d in chosen]
     rows = []
     for i, label in enumerate(tables[0].label):
-        where = "envelope " if tables[0].kind[i] == "envelope" else ""
+        where = "" if tables[0].kind[i] == "sideband" else "envelope "
         cells = [f"{t.difference[i]:+.1f}" + (" ●" if t.detected[i] else "") for t in tables]
         rows.append(
             (where + label, f"{tables[0].frequency[i]:.3f}", *cells, str(sum(int(t.detected[i]) for t in tables)))
@@ -187,6 +208,8 @@ def _counts(lines: LineTable) -> str:
     parts = [lines.where(kind="envelope")]
     sidebands = lines.where(kind="sideband")
     parts += [sidebands.where(mesh_harmonic=n) for n in dict.fromkeys(sidebands.mesh_harmonic.tolist())]
+    if "pass" in lines.kind:
+        parts.append(lines.where(kind="pass"))
     return " · ".join(f"{int(part.detected.sum())}/{len(part)}" for part in parts)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from pipelines.engine.step import CountedResult
 from pipelines.plant.flanks import first_tooth_fault
+from pipelines.plant.looked_for import pass_rates
 from pipelines.plant.plant import Plant
 from pipelines.plant.torques.hoist import Hoist
 from pipelines.signals.motion_warnings import gathered, told
@@ -76,6 +77,7 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
         diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
         seeds=[d for d, full in zip(found, shown, strict=True) if not full],
         gears=gear_rows(plant),
+        rolling=rolling_rows(plant),
         stiffness=[curves[asked.stage - 1], *(c for i, c in enumerate(curves, 1) if i != asked.stage)],
         gear_picture=gears,
         gear_names=gear_names(plant, asked.stage),
@@ -117,7 +119,7 @@ def _summary(plant: Plant) -> dict[str, Any]:
         "shafts": models["shaft_model"],
         "load": models["load"],
         **hoist,
-        "faults": ", ".join(f"{f.name}, stage {f.stage} {f.gear}" for f in plant.faults) or "none",
+        "faults": ", ".join(plant.fault_words) or "none",
         "deviations": "none" if labels["seed"] == "none" else f"grade {labels['iso_grade']}, seed {labels['seed']}",
         "integrator": models["integrator"],
     }
@@ -155,6 +157,17 @@ def gear_rows(plant: Plant) -> list[dict[str, Any]]:
                     "N/mm": stage.line_load / 1000,
                 }
             )
+    return rows
+
+
+def rolling_rows(plant: Plant) -> list[dict[str, Any]]:
+    """The rolling bearings with their pass frequencies and faults."""
+    rows = []
+    for bearing in plant.rolling:
+        row: dict[str, Any] = {"bearing": bearing.name, "shaft": bearing.shaft + 1, "elements": bearing.elements.count}
+        row |= {f"{name} Hz": value for name, value in pass_rates(plant.layout, bearing).items()}
+        row["spalls"] = ", ".join(f.spall.place for f in plant.spalls if f.bearing == bearing.name) or "none"
+        rows.append(row)
     return rows
 
 

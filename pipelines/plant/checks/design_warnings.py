@@ -68,8 +68,8 @@ def _record(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[
 
 
 def _diagnosis(scene: Scene, layout: Layout) -> Iterator[str]:
-    looked_at = (scene.diagnosis.stage, scene.diagnosis.gear)
-    if scene.faults and scene.diagnosis.windows_s and looked_at not in {(f.stage, f.gear) for f in scene.faults}:
+    looked_at, on_teeth = (scene.diagnosis.stage, scene.diagnosis.gear), scene.tooth_faults.values()
+    if on_teeth and scene.diagnosis.windows_s and looked_at not in {(f.stage, f.gear) for f in on_teeth}:
         yield (
             f"diagnosis looks for the stage {looked_at[0]} {looked_at[1]}, no fault is there; set diagnosis.stage and "
             "diagnosis.gear to the faulty gear"

@@ -24,7 +24,7 @@ TYPICAL_STIFFNESS = 18e9  # N/m2: c_gamma of steel pairs, for orders of magnitud
 
 def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
     """Faults that do not fit on their teeth, deviations outside ISO 1328-1."""
-    for number, fault in enumerate(scene.faults, 1):
+    for number, fault in scene.tooth_faults.items():
         one = damage(fault, layout.pinion_senses[fault.stage - 1])
         try:
             one.check(getattr(layout.pairs[fault.stage - 1], fault.gear))
@@ -66,7 +66,7 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
                     "changes nothing there"
                 )
         yield from (f"{place}: {text}" for text in spec.mesh.warnings(modification))
-    for number, fault in enumerate(scene.faults, 1):
+    for number, fault in scene.tooth_faults.items():
         stage, pair = scene.stages[fault.stage - 1], layout.pairs[fault.stage - 1]
         width = pair.face_width / stage.mesh.slices
         extent = getattr(fault, "extent_mm", None)

@@ -9,11 +9,18 @@ from collections.abc import Iterator
 from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model import LawSpec
 from fem.gears.geometry import GeometryError
+from mbd.bearing_faults.spall import check_apart
 from mbd.parts.checks import MachineError
 from mbd.parts.rolling_catalogue import designations
 from mbd.parts.shafts import shaft_nodes
 from pipelines.border.errors import Problem
-from pipelines.plant.bearings import linear_bearing, rolling_elements
+from pipelines.plant.bearings import (
+    BearingFault,
+    linear_bearing,
+    numbered_bearing_faults,
+    rolling_bearings,
+    rolling_elements,
+)
 from pipelines.plant.checks.held_shafts import unheld
 from pipelines.plant.layout import Layout
 from pipelines.plant.machine import losses_spec, shaft_specs
@@ -40,6 +47,7 @@ def bad_machine(scene: Scene, layout: Layout) -> Iterator[Problem]:
         yield Problem("losses", str(error))
     if not bearings:
         yield from unheld(scene, layout)
+        yield from _bad_spalls(scene)
 
 
 def _bad_bearings(scene: Scene) -> Iterator[Problem]:
@@ -73,6 +81,21 @@ def _bad_bearing(path: str, table: RigidBearings | LinearBearings | HertzBearing
             _ = linear_bearing(table, "bearing", "shaft", 0.0, "casing")
     except MachineError as error:
         yield Problem(path, str(error))
+
+
+def _bad_spalls(scene: Scene) -> Iterator[Problem]:
+    """Spalls that do not fit into their bearings, each with those before it."""
+    elements = {bearing.name: bearing.elements for bearing in rolling_bearings(scene.shafts, scene.bearings)}
+    before: list[BearingFault] = []
+    for number, fault in numbered_bearing_faults(scene):
+        inside, others = elements[fault.bearing], [one.spall for one in before if one.bearing == fault.bearing]
+        try:
+            fault.spall.check(inside)
+            check_apart([*others, fault.spall], inside)
+        except MachineError as error:
+            yield Problem(f"faults.{number}", str(error))
+        else:
+            before.append(fault)
 
 
 def _off_shaft(scene: Scene, layout: Layout) -> Iterator[Problem]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from mbd.parts.drive import SpeedProfile
 from pipelines.border.errors import Problem
-from pipelines.plant.bearings import rolling_bearings
+from pipelines.plant.bearings import bearing_faults, rolling_bearings
 from pipelines.plant.flanks import tooth_faults
 from pipelines.plant.layout import Layout
 from pipelines.plant.looked_for import diagnosis_settings
@@ -41,10 +41,12 @@ def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
         )
         return
     rate, drive = scene.simulation.output_rate_Hz, speed_profile(scene.drive)
-    rolling, faults = rolling_bearings(scene.shafts, scene.bearings), tooth_faults(scene.faults, layout.pinion_senses)
+    rolling = rolling_bearings(scene.shafts, scene.bearings)
+    faults = tooth_faults(scene.tooth_faults.values(), layout.pinion_senses)
     settings = diagnosis_settings(
-        looked_for(scene.diagnosis, scene.sensors), layout, hoist(scene.load), drive, rolling, faults
-    )
+        looked_for(scene.diagnosis, scene.sensors), layout, hoist(scene.load), drive, rolling, faults,
+        bearing_faults(scene),
+    )  # fmt: skip
     if settings is None:
         return
     profile = SpeedProfile(times=drive.times, speeds=drive.speeds / RPM, smooth=drive.smooth)

@@ -60,6 +60,15 @@ class HertzBearings(Table):
     ] = 0.0
     damping_time_us: Annotated[Number, Field(ge=0, le=1e4, description="damping = this time * tangent stiffness")] = 5.0
     cage_start_deg: Annotated[Number, Field(ge=-360, le=360, description="angle of the first element at t = 0")] = 0.0
+    cage_slip: Annotated[
+        Number,
+        Field(
+            ge=0,
+            le=0.05,
+            description="standard deviation of the cage's slip over its speed, drawn at every pitch of the elements by "
+            "deviations.seed; 0: none",
+        ),
+    ] = 0.0
 
     @model_validator(mode="after")
     def _described(self) -> HertzBearings:

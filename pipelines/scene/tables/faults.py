@@ -1,4 +1,4 @@
-"""Tables of faults: one damaged tooth each, with its severity."""
+"""Tables of faults, one each with its severity: damaged teeth, and spalls of rolling bearings."""
 
 from __future__ import annotations
 
@@ -65,3 +65,28 @@ class WornToothTable(FaultBase):
 FaultTable = Annotated[
     MissingToothTable | ChippedToothTable | CrackedToothTable | WornToothTable, Field(discriminator="kind")
 ]
+
+
+class BearingSpallTable(Table):
+    """A pit in a race or a rolling element of a bearing with the model hertz, as wide across as the contact."""
+
+    kind: Annotated[Literal["bearing-spall"], Field(description="what is wrong with the bearing")]
+    shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
+    bearing: Annotated[Whole, Field(ge=1, description="of the bearings on that shaft, 1 nearest to -y")]
+    on: Annotated[
+        Literal["outer-ring", "inner-ring", "element"], Field(description="what is pitted; of the elements the first")
+    ]
+    width_mm: Annotated[Positive, Field(description="along the surface, in the rolling direction")]
+    depth_um: Annotated[Positive, Field(description="of its bottom below the surface")]
+    angle_deg: Annotated[
+        Number,
+        Field(
+            ge=-360,
+            le=360,
+            description="of its middle at t = 0: on a ring from x towards z; on the element from the outer race, in "
+            "the sense in which it rolls",
+        ),
+    ] = 0.0
+
+
+AnyFaultTable = Annotated[FaultTable | BearingSpallTable, Field(discriminator="kind")]

@@ -1,0 +1,1 @@
+"""Rolling bearings with spalls, and cages that slip."""
