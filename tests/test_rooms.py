@@ -41,6 +41,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "pipelines.signals",
     "pipelines.plant",
     "pipelines.plant.checks",
+    "pipelines.rexs",
     "pipelines.engine",
     "pipelines.figures",
     "pipelines.report",
