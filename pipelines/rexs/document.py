@@ -62,12 +62,11 @@ class Component:
     @property
     def label(self) -> str:
         """How messages and comments call it."""
-        name = f" {shown(self.name, 60)}" if self.name else ""
-        return f"{self.kind}{name} (id {self.number_in_file})"
+        return f"{shown(self.name or self.kind, 60)} (id {self.number_in_file})"
 
     def error(self, message: str) -> RexsError:
         """What is wrong with this component."""
-        return RexsError(f"{self.source}: {self.label}: {message}")
+        return RexsError(f"{self.source}: {shown(self.kind)} {self.label}: {message}")
 
     def text(self, key: str) -> str:
         """The text of an attribute, "" where it has none."""
@@ -155,7 +154,9 @@ class Document:
         """The component in a role; RexsError if there is none."""
         component = self.components.get(relation.roles.get(name, -1))
         if component is None:
-            raise RexsError(f"{self.source}: a relation {shown(relation.kind)} names no component as {name}. Correct it.")
+            raise RexsError(
+                f"{self.source}: a relation {shown(relation.kind)} names no component as {name}. Correct it."
+            )
         return component
 
     def in_load_case(self, case: int) -> Document:

@@ -61,7 +61,9 @@ def _unpacked(content: bytes, source: str) -> tuple[bytes, str]:
             with archive.open(names[0]) as file:
                 text = file.read(MOST_BYTES + 1)
     except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError) as error:
-        raise RexsError(f"{source}: not a ZIP archive that can be read ({shown(str(error))}). Pack it again.") from error
+        raise RexsError(
+            f"{source}: not a ZIP archive that can be read ({shown(str(error))}). Pack it again."
+        ) from error
     if len(text) > MOST_BYTES:
         raise RexsError(f"{source}: its document has more than {MOST_BYTES / 1e6:g} MB. Give a smaller one.")
     return text, Path(names[0]).suffix.lower()

@@ -54,7 +54,7 @@ def left_out(document: Document) -> Iterator[Note]:
                     kind="left out",
                     where=f"{load.label} {key}",
                     value=f"{value:g} {unit}",
-                    reason="a scene has no external forces on shafts",
+                    reason="not read",
                 )
     counts = Counter(component.kind for component in document.components.values() if component.kind not in _PARTS)
     for kind, count in sorted(counts.items()):
@@ -66,7 +66,9 @@ def left_out(document: Document) -> Iterator[Note]:
         if key in _ATTRIBUTES and not _empty(attribute.text)
     )
     for (kind, key, text), count in sorted(values.items()):
-        yield Note(kind="left out", where=f"{shown(kind)} {key}", value=shown(text, 40), reason=f"{count} of them; not read")
+        yield Note(
+            kind="left out", where=f"{shown(kind)} {key}", value=shown(text, 40), reason=f"{count} of them; not read"
+        )
 
 
 def _empty(text: str) -> bool:

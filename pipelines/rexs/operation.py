@@ -130,7 +130,9 @@ class _Train:
             )
         return loaded[0], loaded[1]
 
-    def direction(self, document: Document, ends: tuple[Component, Component]) -> tuple[Component, Component, list[Note]]:
+    def direction(
+        self, document: Document, ends: tuple[Component, Component]
+    ) -> tuple[Component, Component, list[Note]]:
         """The ends as input and output, and what that rests on where no torque tells."""
         for one, other in (ends, ends[::-1]):
             torque = self._torque(document, one)
@@ -140,7 +142,9 @@ class _Train:
         named = [end for end in ends if document.components[end.number_in_file].text("defines_speed") == "true"]
         source = named[0] if named else ends[0]
         sink = ends[1] if source is ends[0] else ends[0]
-        reason = "no torque says where power enters" + ("; it defines the speed" if named else "; the first in the file")
+        reason = "no torque says where power enters" + (
+            "; it defines the speed" if named else "; the first in the file"
+        )
         return source, sink, [Note(kind="assumed", where="input", value=source.label, reason=reason)]
 
     def sense(self, document: Document, source: Component) -> int:

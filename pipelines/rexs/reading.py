@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from pipelines.rexs.bearings import read_bearings
 from pipelines.rexs.document import Component, Document, RexsError
-from pipelines.rexs.gear_unit import Gear, GearUnit, Material, Section, Shaft, Stage
+from pipelines.rexs.gear_unit import Gear, GearUnit, Material, Note, Section, Shaft, Stage
 from pipelines.rexs.left_out import left_out
 from pipelines.rexs.operation import Operation, read_operation
 from pipelines.rexs.places import Directions, Frame, directions, frame
@@ -53,7 +53,7 @@ def read_gear_unit(document: Document) -> GearUnit:
         _stage(document, stage, gears, [order[carried[gear.number_in_file]] for gear in gears], frames, carried, scene)
         for stage, gears in operation.stages
     ]
-    notes += left_out(document)
+    notes += [*_guessed_places(document), *left_out(document)]
     return GearUnit(
         source=document.source,
         written_by=document.written_by,
@@ -82,6 +82,14 @@ def _carriers(document: Document) -> dict[int, int]:
     if len(shafts) < 2 or not found:
         raise RexsError(f"{document.source}: has no cylindrical gears on two shafts. Give a file of a gear unit.")
     return found
+
+
+def _guessed_places(document: Document) -> Iterator[Note]:
+    for gear in document.of_kind("cylindrical_gear"):
+        if frame(document, gear) is None:
+            value = f"{gear.number('u_coordinate_on_shaft', 'mm'):g} mm"
+            reason = "taken as its mid face: it has no support_vector, and programs differ in what they write there"
+            yield Note(kind="assumed", where=f"{gear.label} u_coordinate_on_shaft", value=value, reason=reason)
 
 
 def _frame_of(document: Document, shaft: Component) -> Frame:

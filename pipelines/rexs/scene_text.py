@@ -108,9 +108,11 @@ def _material(unit: GearUnit) -> tuple[Material, list[Note]]:
     value = f"E {material.elastic_modulus / 1000:g} GPa, nu {material.poisson_ratio:g}, {material.density:g} kg/dm3"
     if not given:
         return material, [Note(kind="assumed", where="gear_material", value=value, reason="steel; the file gives none")]
-    reason = "one material for gears and shafts, that of the first shaft that names one"
-    kind = "changed" if len(set(given)) > 1 else "assumed"
-    return material, [Note(kind=kind, where="gear_material", value=value, reason=reason)]
+    reason = "that of the shafts, taken for the gears too"
+    if len(set(given)) > 1:
+        reason = "one material for all, that of the first shaft that names one; the file has several"
+        return material, [Note(kind="changed", where="gear_material", value=value, reason=reason)]
+    return material, [Note(kind="assumed", where="gear_material", value=value, reason=reason)]
 
 
 def _material_keys(material: Material) -> dict[str, float]:
@@ -131,7 +133,9 @@ def _grade(unit: GearUnit) -> tuple[int, list[Note]]:
 
 
 def _simplest() -> Iterator[Note]:
-    yield Note(kind="assumed", where="casing.model", value="none", reason="bearings stand on the ground: REXS has no housing")
+    yield Note(
+        kind="assumed", where="casing.model", value="none", reason="bearings stand on the ground: REXS has no housing"
+    )
     yield Note(kind="assumed", where="stages.mesh.model", value="iso", reason="a first look within seconds")
 
 

@@ -48,9 +48,12 @@ def stage_table(unit: GearUnit, number: int) -> StageTable:
         )
     for name, gear in (("pinion", pinion), ("wheel", wheel)):
         if gear.end - gear.start > (high - low) * (1 + 1e-9):
-            reason = f"the common part of the faces; the {name} is {gear.end - gear.start:g} mm wide, its mass there is left out"
-            notes.append(Note(kind="changed", where=f"stages.{number}.face_width_mm", value=_text(high - low), reason=reason))
-    places = [unit.shafts[shaft] for shaft in stage.shafts]
+            wide = gear.end - gear.start
+            reason = f"the common part of the faces; the {name} is {wide:g} mm wide, its mass beside is left out"
+            notes.append(
+                Note(kind="changed", where=f"stages.{number}.face_width_mm", value=_text(high - low), reason=reason)
+            )
+    driving, driven = (unit.shafts[shaft] for shaft in stage.shafts)
     values: dict[str, Any] = {}
     if any(one.shafts != (place, place + 1) for place, one in enumerate(unit.stages)):
         values |= {"pinion_shaft": stage.shafts[0] + 1, "wheel_shaft": stage.shafts[1] + 1}
@@ -66,9 +69,9 @@ def stage_table(unit: GearUnit, number: int) -> StageTable:
         "wheel_profile_shift": wheel.profile_shift,
         "centre_distance_mm": stage.centre_distance,
         "position_mm": (low + high) / 2,
-        "direction_deg": _direction(unit, stage, *places, notes, number),
+        "direction_deg": _direction(unit, stage, driving, driven, notes, number),
     }
-    for name, gear, shaft in zip(("pinion", "wheel"), (pinion, wheel), places, strict=True):
+    for name, gear, shaft in zip(("pinion", "wheel"), (pinion, wheel), (driving, driven), strict=True):
         details, more = _details(stage, gear, f"stages.{number}.{name}")
         bore, bores = _bore(gear, shaft, (low + high) / 2, details, f"stages.{number}.{name}_bore_mm", unit)
         values |= {f"{name}_bore_mm": bore, name: details}
@@ -76,8 +79,12 @@ def stage_table(unit: GearUnit, number: int) -> StageTable:
     pair = _pair(unit, stage, values)
     if pair.backlash * 1e6 < USUAL_BACKLASH_UM:
         values["backlash_um"] = USUAL_BACKLASH_UM
-        reason = f"tooth thickness allowances are not read; the centre distance alone leaves {pair.backlash * 1e6:.2f} um"
-        notes.append(Note(kind="assumed", where=f"stages.{number}.backlash_um", value=f"{USUAL_BACKLASH_UM:g}", reason=reason))
+        reason = (
+            f"tooth thickness allowances are not read; the centre distance alone leaves {pair.backlash * 1e6:.2f} um"
+        )
+        notes.append(
+            Note(kind="assumed", where=f"stages.{number}.backlash_um", value=f"{USUAL_BACKLASH_UM:g}", reason=reason)
+        )
     return StageTable(values, pair, tuple(notes))
 
 
@@ -107,7 +114,9 @@ def _direction(unit: GearUnit, stage: Stage, one: Shaft, other: Shaft, notes: li
         )
     if abs(distance - wanted) > 1e-4 * wanted:
         reason = f"center_distance; the axes of the file are {distance:.6g} mm apart"
-        notes.append(Note(kind="changed", where=f"stages.{number}.centre_distance_mm", value=_text(wanted), reason=reason))
+        notes.append(
+            Note(kind="changed", where=f"stages.{number}.centre_distance_mm", value=_text(wanted), reason=reason)
+        )
     return math.degrees(math.atan2(z, x))
 
 
@@ -153,7 +162,9 @@ def _bore(
     root = _reference_diameter(gear) - 2 * gear.module * (details["rack_dedendum"] - gear.profile_shift)
     section = next((one for one in shaft.sections if one.start <= y <= one.end), None)
     if section is None:
-        raise RexsError(f"{unit.source}: {gear.label}: its middle, y = {y:g} mm, is off {shaft.label}. Correct its place.")
+        raise RexsError(
+            f"{unit.source}: {gear.label}: its middle, y = {y:g} mm, is off {shaft.label}. Correct its place."
+        )
     diameter = max(section.outer)
     if root - diameter >= 2 * THINNEST_RIM * gear.module:
         return diameter, []

@@ -1,4 +1,4 @@
-"""REXS as XML (.rexs). A document type is refused: no file of the format has one, and entities can grow without bound."""
+"""REXS as XML (.rexs). A document type is refused: the format has none, and its entities can grow without bound."""
 
 from __future__ import annotations
 
@@ -85,5 +85,7 @@ def _relation(element: ET.Element, source: str) -> Relation:
 def _whole(element: ET.Element, key: str, source: str) -> int:
     text = element.get(key, "")
     if not (text.isascii() and text.isdigit() and len(text) < 10):
-        raise RexsError(f'{source}: <{shown(element.tag)} {key}="{shown(text)}">: a whole number is wanted. Correct it.')
+        raise RexsError(
+            f'{source}: <{shown(element.tag)} {key}="{shown(text)}">: a whole number is wanted. Correct it.'
+        )
     return int(text)
