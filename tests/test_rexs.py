@@ -8,6 +8,7 @@ from rexs_units import PLAIN, Document, Row, axes, json_text, packed, unit, xml
 
 from pipelines.border.errors import InputError, SceneError
 from pipelines.border.toml_text import read_toml
+from pipelines.plant.checks.collisions import find_collisions
 from pipelines.plant.layout import lay_out
 from pipelines.rexs.files import read_document
 from pipelines.rexs.new import new_scene_from_rexs
@@ -252,3 +253,13 @@ def test_a_file_is_never_overwritten(written, tmp_path):
     new_scene_from_rexs(tmp_path / "my.toml", written(unit()))
     with pytest.raises(InputError, match="exists already"):
         new_scene_from_rexs(tmp_path / "my.toml", written(unit()))
+
+
+@pytest.mark.parametrize(("diameter", "clash"), [(50.0, False), (60.0, True)])
+def test_a_shaft_inside_the_bore_of_a_gear_on_its_axis_is_no_collision(scene_of, diameter, clash):
+    """The FVA unit is coaxial: its input ends inside its hollow output shaft, whose gear has a bore of 60 mm."""
+    size = {f"outer_diameter_{end}": (diameter, "mm") for end in ("begin", "end")}
+    _, tree = scene_of(unit(**UNITS["FVA"]).changed("shaft_section", size))
+    scene = scene_of_tree(tree).scene
+    found = [problem for problem in find_collisions(scene, lay_out(scene)) if "stage 2 wheel" in problem.message]
+    assert any("hits shaft 1 " in problem.message for problem in found) is clash

@@ -6,7 +6,7 @@ Attributes carry their unit in the file; `Component.number` gives them in the un
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from pipelines.border.errors import InputError
@@ -167,3 +167,14 @@ class Document:
             for number, component in self.components.items()
         }
         return replace(self, components=components)
+
+
+def by_number(components: Iterable[Component], source: str) -> dict[int, Component]:
+    """Components by their number in the file; RexsError if two have the same."""
+    found: dict[int, Component] = {}
+    for component in components:
+        number = component.number_in_file
+        if number in found:
+            raise RexsError(f"{source}: {found[number].label} and {component.label} have one id. Number them apart.")
+        found[number] = component
+    return found

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pipelines.border.shown import shown, shown_value
-from pipelines.rexs.document import Attribute, Component, Document, Relation, RexsError
+from pipelines.rexs.document import Attribute, Component, Document, Relation, RexsError, by_number
 
 _ABOUT = ("id", "unit")  # keys of an attribute beside the one that holds its value
 
@@ -30,7 +30,7 @@ def document_of_json(content: bytes, source: str) -> Document:
         source=source,
         version=str(model.get("version", "")),
         written_by=f"{model.get('applicationId', 'unknown')} {model.get('applicationVersion', '')}".strip(),
-        components={one.number_in_file: one for one in components},
+        components=by_number(components, source),
         relations=tuple(_relation(_table(one, source), source) for one in _list(model, "relations", source)),
         load_cases={
             _whole(case, source): {

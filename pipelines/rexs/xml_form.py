@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
 
 from pipelines.border.shown import shown
-from pipelines.rexs.document import Attribute, Component, Document, Relation, RexsError
+from pipelines.rexs.document import Attribute, Component, Document, Relation, RexsError, by_number
 
 
 class _Builder(ET.TreeBuilder):
@@ -23,16 +22,14 @@ def document_of_xml(content: bytes, source: str) -> Document:
     """
     try:
         root = ET.fromstring(content, parser=ET.XMLParser(target=_Builder()))
-    except ET.ParseError as error:
-        raise RexsError(f"{source}: not valid XML: {shown(str(error))}. Correct that line.") from error
     except RexsError as error:
         raise RexsError(f"{source}: {error}") from None
+    except (ET.ParseError, LookupError, ValueError) as error:  # the last two: encodings that are not known
+        raise RexsError(f"{source}: not valid XML: {shown(str(error))}. Correct that line.") from error
     if root.tag != "model":
         raise RexsError(f"{source}: its root is <{shown(root.tag)}>, that of REXS is <model>. Give a REXS file.")
     cases = {
-        _whole(case, "id", source): {
-            _whole(one, "id", source): _attributes(one, source) for one in case.iterfind("component")
-        }
+        _whole(case, "id", source): {_whole(one, "id", source): _attributes(one) for one in case.iterfind("component")}
         for case in root.iterfind("load_spectrum/load_case")
     }
     components = [_component(one, source) for one in root.iterfind("components/component")]
@@ -40,7 +37,7 @@ def document_of_xml(content: bytes, source: str) -> Document:
         source=source,
         version=root.get("version", ""),
         written_by=f"{root.get('applicationId', 'unknown')} {root.get('applicationVersion', '')}".strip(),
-        components={one.number_in_file: one for one in components},
+        components=by_number(components, source),
         relations=tuple(_relation(one, source) for one in root.iterfind("relations/relation")),
         load_cases=cases,
     )
@@ -51,30 +48,24 @@ def _component(element: ET.Element, source: str) -> Component:
         number_in_file=_whole(element, "id", source),
         kind=element.get("type", ""),
         name=element.get("name", ""),
-        attributes=_attributes(element, source),
+        attributes=_attributes(element),
         source=source,
     )
 
 
-def _attributes(element: ET.Element, source: str) -> dict[str, Attribute]:
-    return {one.get("id", ""): _attribute(one, source) for one in element.iterfind("attribute")}
+def _attributes(element: ET.Element) -> dict[str, Attribute]:
+    return {one.get("id", ""): _attribute(one) for one in element.iterfind("attribute")}
 
 
-def _attribute(element: ET.Element, source: str) -> Attribute:
+def _attribute(element: ET.Element) -> Attribute:
     unit = element.get("unit", "none")
     array = element.find("array")
     if array is None:
         return Attribute(text=element.text or "", unit=unit)
-    return Attribute(numbers=tuple(_numbers((c.text or "" for c in array.iterfind("c")), element, source)), unit=unit)
-
-
-def _numbers(texts: Iterable[str], element: ET.Element, source: str) -> Iterable[float]:
-    for text in texts:
-        try:
-            yield float(text)
-        except ValueError:
-            key = shown(element.get("id", ""))
-            raise RexsError(f'{source}: {key} has "{shown(text)}" among its numbers. Correct it.') from None
+    try:
+        return Attribute(numbers=tuple(float(one.text or "") for one in array.iterfind("c")), unit=unit)
+    except ValueError:
+        return Attribute(unit=unit)  # texts, of which a scene asks for none
 
 
 def _relation(element: ET.Element, source: str) -> Relation:
