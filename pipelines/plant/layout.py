@@ -11,6 +11,7 @@ from fem.gears.modifications import PairModifications, check_modifications
 from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.flanks import modifications
 from pipelines.plant.hoist import output_torque
+from pipelines.scene.phases import mesh_cycles
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.base import MaterialTable
 from pipelines.scene.tables.gear_details import GearTable
@@ -109,6 +110,7 @@ class Layout:
     senses: tuple[int, ...]  # lifting rotation about +y or -y; that of the first shaft is +1
     shaft_ratios: tuple[float, ...]  # speed of each shaft over that of the motors
     pair_shafts: tuple[tuple[int, int], ...]  # shafts of pinion and wheel, by stage
+    cycles_at_start: tuple[float, ...]  # mesh cycle at t = 0, by stage
     coupling_shafts: tuple[tuple[int, int], ...]
     driven: int
     loaded: int  # the shaft that carries the drums
@@ -148,7 +150,8 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
     if problems:
         raise SceneError(source, problems)
     places, problems = place_shafts(len(scene.shafts), scene.stages, pairs, scene.couplings)
-    if problems:
+    cycles, phases = mesh_cycles(scene.stages, pairs, senses)
+    if problems := problems or phases:
         raise SceneError(source, problems)
     driven = (scene.drive.shaft or 1) - 1
     return Layout(
@@ -158,6 +161,7 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
         senses=tuple(senses),
         shaft_ratios=tuple(place.speed / places[driven].speed for place in places),
         pair_shafts=tuple(pair_shafts),
+        cycles_at_start=tuple(cycles),
         coupling_shafts=tuple((table.shafts[0] - 1, table.shafts[1] - 1) for table in scene.couplings),
         driven=driven,
         loaded=(scene.load.shaft or len(scene.shafts)) - 1,
