@@ -10,6 +10,7 @@ from mbd.parts.rolling_catalogue import by_designation
 from pipelines.border.errors import InputError
 from pipelines.cli import main
 from pipelines.plant.bearings import rolling_bearings
+from pipelines.plant.layout import lay_out
 from pipelines.rexs import files
 from pipelines.rexs.document import RexsError
 from pipelines.rexs.files import read_document
@@ -227,15 +228,26 @@ def test_rolling_elements_of_the_file_are_taken_as_they_are(imported):
     assert (table.pitch_diameter_mm, table.roller_length_mm) == (38.5, 8.0)
 
 
-def test_a_bearing_between_two_shafts_is_carried_by_the_ground_and_said_so(imported):
-    document = unit()
-    shafts = [number for number, one in document.components.items() if one[0] == "shaft"]
-    for kind, roles in document.relations:
-        if kind == "side" and roles["inner_part"] == shafts[0]:
-            roles["outer_part"] = shafts[1]
+COAXIAL = (  # the output on the axis of the input
+    PLAIN[0],
+    Row(**{**vars(PLAIN[0]), "angle": PLAIN[0].angle - 180.0, "helix": -20.0, "middles": (110.0, 110.0)}),
+)
+
+
+def test_a_bearing_between_two_shafts_leaves_both_turning(imported):
+    document = unit(COAXIAL)
+    data = {"u_coordinate_on_shaft_inner_side": (80.0, "mm"), "inner_diameter": (15.0, "mm")}
+    document = document.added("concept_bearing", "pilot", **data, axial_force_absorption="no_direction")
+    roles = {"assembly": max(document.components), "inner_part": SHAFTS[0], "outer_part": SHAFTS[2]}
+    document.relations.append(("side", roles))
     made, scene = imported(document)
-    assert scene.shafts[0].bearing_supports == ("ground", "ground")
-    assert sum(note.value == "carried by the ground" for note in made.notes) == 2
+    (joint,) = scene.couplings
+    assert (joint.shafts, joint.positions_mm) == ((1, 3), (80.0, 80.0))
+    assert (joint.torsional_stiffness_N_m_per_rad, joint.axial_stiffness_N_per_um) == (0.0, 0.0)
+    assert joint.radial_stiffness_N_per_um == pytest.approx(60.0)
+    assert [len(shaft.bearing_positions_mm) for shaft in scene.shafts] == [2, 2, 2]
+    assert lay_out(scene).ratio == pytest.approx((61 / 20) ** 2)
+    assert any("between two shafts" in note.reason for note in made.notes)
 
 
 def test_the_command_says_what_was_assumed(tmp_path, capsys, monkeypatch):

@@ -111,7 +111,7 @@ class Layout:
     shaft_ratios: tuple[float, ...]  # speed of each shaft over that of the motors
     pair_shafts: tuple[tuple[int, int], ...]  # shafts of pinion and wheel, by stage
     cycles_at_start: tuple[float, ...]  # mesh cycle at t = 0, by stage
-    coupling_shafts: tuple[tuple[int, int], ...]
+    coupling_shafts: tuple[tuple[int, int], ...]  # of the couplings that hold the rotation
     driven: int
     loaded: int  # the shaft that carries the drums
     turns: float
@@ -162,7 +162,9 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
         shaft_ratios=tuple(place.speed / places[driven].speed for place in places),
         pair_shafts=tuple(pair_shafts),
         cycles_at_start=tuple(cycles),
-        coupling_shafts=tuple((table.shafts[0] - 1, table.shafts[1] - 1) for table in scene.couplings),
+        coupling_shafts=tuple(
+            (table.shafts[0] - 1, table.shafts[1] - 1) for table in scene.couplings if table.turns_both
+        ),
         driven=driven,
         loaded=(scene.load.shaft or len(scene.shafts)) - 1,
         turns=max(abs(value) for value in scene.drive.speeds_rpm) / 60,

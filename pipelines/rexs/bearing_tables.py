@@ -47,6 +47,18 @@ def bearing_table(bearing: Bearing, shaft: Shaft, path: str) -> tuple[dict[str, 
     return _springs(bearing, shaft, path, "not in the catalogue and without rolling elements in the file")
 
 
+def between_table(bearing: Bearing, shaft: Shaft, path: str) -> tuple[dict[str, float], list[Note]]:
+    """The keys of [[couplings]] for a bearing between two shafts: springs that leave the rotation free."""
+    springs, notes = _springs(bearing, shaft, path, "between two shafts", 0.0)
+    return {
+        "torsional_stiffness_N_m_per_rad": 0.0,
+        "radial_stiffness_N_per_um": springs["radial_stiffness_N_per_um"],
+        "axial_stiffness_N_per_um": springs["axial_stiffness_N_per_um"],
+        "tilt_stiffness_N_m_per_rad": springs["tilt_stiffness_N_m_per_rad"],
+        "damping_time_us": 5.0,
+    }, notes
+
+
 def _given(bearing: Bearing, path: str) -> tuple[dict[str, Any], list[Note]]:
     elements = bearing.elements
     assert elements is not None
@@ -88,14 +100,16 @@ def _one_way(bearing: Bearing, path: str) -> list[Note]:
     return [Note(kind="changed", where=path, value="thrust in both directions", reason=reason)]
 
 
-def _springs(bearing: Bearing, shaft: Shaft, path: str, why: str) -> tuple[dict[str, Any], list[Note]]:
+def _springs(
+    bearing: Bearing, shaft: Shaft, path: str, why: str, least: float = FREE
+) -> tuple[dict[str, Any], list[Note]]:
     bore = bearing.inner_diameter or _seat(bearing, shaft)
     kind = "roller" if "roller" in bearing.kind else "ball"
-    radial = RADIAL[kind] * bore if bearing.radial else FREE
+    radial = RADIAL[kind] * bore if bearing.radial else least
     given = "" if bearing.radial_stiffness is None else f"; its {bearing.radial_stiffness:g} N/m mean rigid"
     if bearing.radial_stiffness is not None and 0 < bearing.radial_stiffness < RIGID * 1e6:
         radial, given = bearing.radial_stiffness / 1e6, "; radial stiffness of the file"
-    axial = FREE if bearing.axial == "no_direction" else radial / 2
+    axial = least if bearing.axial == "no_direction" else radial / 2
     table = {
         "model": "linear",
         "radial_stiffness_N_per_um": radial,

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 
 from pipelines.rexs.document import Component, Document
-from pipelines.rexs.gear_unit import Bearing, Elements, Note
+from pipelines.rexs.gear_unit import Bearing, Between, Elements
 from pipelines.rexs.places import Directions, Frame
 
 KINDS = (
@@ -15,12 +16,8 @@ KINDS = (
 )
 
 
-def read_bearings(
-    document: Document, shaft: Component, place: Frame, scene: Directions
-) -> tuple[list[Bearing], list[Note]]:
-    """The bearings whose inner ring (or, turned inside out, outer ring) a shaft carries.
-
-    A bearing between two shafts stands on the first of them; what it does to the other is left out.
+def read_bearings(document: Document, shaft: Component, place: Frame, scene: Directions) -> list[Bearing]:
+    """The bearings between a shaft and the casing.
 
     Parameters
     ----------
@@ -29,39 +26,56 @@ def read_bearings(
     place : of the shaft
     scene : directions of the scene
     """
-    found, notes = [], []
+    found = []
+    for bearing, inner, outer in _seated(document):
+        own, side = (inner, "inner") if inner.kind == "shaft" else (outer, "outer")
+        if {inner.kind, outer.kind} == {"shaft", "gear_casing"} and own.number_in_file == shaft.number_in_file:
+            found.append(_bearing(document, bearing, side, place, scene, scene.sense(shaft, place)))
+    return found
+
+
+def read_between(
+    document: Document, order: Mapping[int, int], frames: Mapping[int, Frame], scene: Directions
+) -> Iterator[Between]:
+    """The bearings between two shafts.
+
+    Parameters
+    ----------
+    document : the file
+    order : place of each shaft in the order of the power flow, by its number in the file
+    frames : of the shafts, by number
+    scene : directions of the scene
+    """
+    for bearing, inner, outer in _seated(document):
+        if inner.kind == outer.kind == "shaft":
+            place = frames[inner.number_in_file]
+            yield Between(
+                shafts=(order[inner.number_in_file], order[outer.number_in_file]),
+                bearing=_bearing(document, bearing, "inner", place, scene, scene.sense(inner, place)),
+            )
+
+
+def _seated(document: Document) -> Iterator[tuple[Component, Component, Component]]:
+    """Every bearing with what carries its inner and its outer ring."""
     for relation in document.relations:
         bearing = document.components.get(relation.roles.get("assembly", -1))
         if relation.kind != "side" or bearing is None or bearing.kind not in KINDS:
             continue
         inner, outer = document.role(relation, "inner_part"), document.role(relation, "outer_part")
-        own, other, side = (inner, outer, "inner") if inner.kind == "shaft" else (outer, inner, "outer")
-        if own.number_in_file != shaft.number_in_file:
-            continue
-        if other.kind not in ("shaft", "gear_casing"):
-            raise bearing.error(f"its other ring is in {other.label}; only casing and shafts are read. Leave it out.")
-        u = bearing.number(f"u_coordinate_on_shaft_{side}_side", "mm")
-        found.append(_bearing(document, bearing, scene.along(place, u), other, scene.sense(shaft, place)))
-        if other.kind == "shaft":
-            notes.append(
-                Note(
-                    kind="changed",
-                    where=bearing.label,
-                    value="carried by the ground",
-                    reason=f"a scene has no bearing between two shafts; {other.label} does not feel it",
-                )
-            )
-    return found, notes
+        for other in (inner, outer):
+            if other.kind not in ("shaft", "gear_casing"):
+                raise bearing.error(f"one ring is on {other.label}; only casing and shafts are read. Leave it out.")
+        yield bearing, inner, outer
 
 
-def _bearing(document: Document, bearing: Component, y: float, other: Component, sense: int) -> Bearing:
+def _bearing(document: Document, bearing: Component, side: str, place: Frame, scene: Directions, sense: int) -> Bearing:
     axial = bearing.text("axial_force_absorption")
     if sense < 0:
         axial = {"positive": "negative", "negative": "positive"}.get(axial, axial)
     rating = bearing.optional("radial_static_load_rating", "N")
     return Bearing(
         label=bearing.label,
-        y=y,
+        y=scene.along(place, bearing.number(f"u_coordinate_on_shaft_{side}_side", "mm")),
         kind=bearing.text("bearing_type"),
         designation=bearing.text("catalogue_designation") or bearing.text("name"),
         axial=axial,
@@ -71,7 +85,6 @@ def _bearing(document: Document, bearing: Component, y: float, other: Component,
         static_rating=bearing.optional("static_capacity", "N") if rating is None else rating,  # until version 1.0
         radial_stiffness=bearing.optional("radial_stiffness", "N / m"),
         elements=_elements(document, bearing, sense),
-        on_shaft=other.label if other.kind == "shaft" else "",
     )
 
 

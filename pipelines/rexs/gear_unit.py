@@ -45,7 +45,14 @@ class Bearing:
     static_rating: float | None  # N
     radial_stiffness: float | None  # N/m
     elements: Elements | None
-    on_shaft: str  # label of the shaft that carries its other ring; "" for the casing
+
+
+@dataclass(frozen=True, kw_only=True)
+class Between:
+    """A bearing between two shafts, by their places in the unit's tuple of shafts."""
+
+    shafts: tuple[int, int]
+    bearing: Bearing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,6 +124,7 @@ class GearUnit:
     version: str
     shafts: tuple[Shaft, ...]
     stages: tuple[Stage, ...]
+    between: tuple[Between, ...]
     output: int
     output_y: float | None  # where the load is coupled
     load_case: LoadCase

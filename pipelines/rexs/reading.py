@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pipelines.rexs.bearings import read_bearings
+from pipelines.rexs.bearings import read_bearings, read_between
 from pipelines.rexs.document import Component, Document, RexsError
 from pipelines.rexs.gear_unit import Gear, GearUnit, Material, Note, Section, Shaft, Stage
 from pipelines.rexs.left_out import left_out
@@ -46,9 +46,8 @@ def read_gear_unit(document: Document) -> GearUnit:
     notes = [*operation.notes]
     shafts = []
     for shaft in operation.shafts:
-        bearings, more = read_bearings(document, shaft, frames[shaft.number_in_file], scene)
+        bearings = read_bearings(document, shaft, frames[shaft.number_in_file], scene)
         shafts.append(_shaft(document, shaft, frames[shaft.number_in_file], scene, bearings))
-        notes += more
     stages = [
         _stage(document, stage, gears, [order[carried[gear.number_in_file]] for gear in gears], frames, carried, scene)
         for stage, gears in operation.stages
@@ -60,6 +59,7 @@ def read_gear_unit(document: Document) -> GearUnit:
         version=document.version,
         shafts=tuple(shafts),
         stages=tuple(stages),
+        between=tuple(read_between(document, order, frames, scene)),
         output=order[operation.output.number_in_file],
         output_y=_output_place(operation, frames, scene),
         load_case=operation.load_case,

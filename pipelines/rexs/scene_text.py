@@ -10,7 +10,7 @@ from typing import Any
 
 from pipelines.border.shown import shown
 from pipelines.border.toml_text import format_value
-from pipelines.rexs.bearing_tables import bearing_table
+from pipelines.rexs.bearing_tables import bearing_table, between_table
 from pipelines.rexs.document import RexsError
 from pipelines.rexs.gear_unit import GearUnit, LoadCase, Material, Note, Section, Shaft
 from pipelines.rexs.motion_tables import MotionTables, motion_tables
@@ -52,6 +52,8 @@ def scene_text(unit: GearUnit, name: str) -> SceneText:
         lines, more = _shaft_lines(unit, number, shaft)
         shafts += lines
         notes += more
+    joints, more = _between_lines(unit)
+    notes += more
     material, more = _material(unit)
     grade, graded = _grade(unit)
     notes += [*more, *graded, *_simplest()]
@@ -62,6 +64,7 @@ def scene_text(unit: GearUnit, name: str) -> SceneText:
         *_keys(_material_keys(material)),
         *(line for number, stage in enumerate(stages, 1) for line in _stage_lines(unit, number, stage)),
         *shafts,
+        *joints,
         *_plain_lines(grade),
         *_motion_lines(unit, motion, stages),
     ]
@@ -170,14 +173,25 @@ def _shaft_lines(unit: GearUnit, number: int, shaft: Shaft) -> tuple[list[str], 
     lines = ["", f"[[shafts]]  # {number}: {shaft.label}", "sections = ["]
     lines += [f"    {format_value(_rounded(section))}," for section in sections]
     lines += ["]", *_keys({"bearing_positions_mm": [bearing.y for bearing in shaft.bearings]})]
-    if any(bearing.on_shaft for bearing in shaft.bearings):
-        lines += _keys({"bearing_supports": ["ground" if bearing.on_shaft else "casing" for bearing in shaft.bearings]})
     lines.append("bearings = [")
     for place, bearing in enumerate(shaft.bearings, 1):
         table, more = bearing_table(bearing, shaft, f"shafts.{number}.bearings.{place}")
         lines.append(f"    {format_value(_rounded(table))},  # {bearing.label}")
         notes += more
     return [*lines, "]"], notes
+
+
+def _between_lines(unit: GearUnit) -> tuple[list[str], list[Note]]:
+    """Bearings between two shafts, as couplings that leave the rotation free."""
+    lines, notes = list[str](), list[Note]()
+    for number, between in enumerate(unit.between, 1):
+        bearing = between.bearing
+        table, more = between_table(bearing, unit.shafts[between.shafts[0]], f"couplings.{number}")
+        lines += ["", f"[[couplings]]  # {bearing.label}, between two shafts"]
+        lines += _keys({"shafts": [shaft + 1 for shaft in between.shafts], "positions_mm": [bearing.y, bearing.y]})
+        lines += _keys(table)
+        notes += more
+    return lines, notes
 
 
 def _cylinders(unit: GearUnit, shaft: Shaft, notes: list[Note], path: str) -> Iterator[dict[str, float]]:

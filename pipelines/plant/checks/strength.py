@@ -78,7 +78,8 @@ def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]
     for stage, (pinion, wheel), share in zip(scene.stages, layout.pair_shafts, shares, strict=False):
         y = stage.position_mm / 1000
         flow((pinion, y), (wheel, y), share)
-    for coupling, share in zip(scene.couplings, shares[len(scene.stages) :], strict=True):
+    turning = [coupling for coupling in scene.couplings if coupling.turns_both]
+    for coupling, share in zip(turning, shares[len(scene.stages) :], strict=True):
         one, other = zip(coupling.shafts, coupling.positions_mm, strict=True)
         flow((one[0] - 1, one[1] / 1000), (other[0] - 1, other[1] / 1000), share)
     motors = shaft_ends(scene.shafts[layout.driven])[: scene.drive.motors]
