@@ -23,6 +23,7 @@ from mbd.output.trajectory import Trajectory
 from mbd.parts.checks import StepError, positive
 from mbd.system.statics import State, equilibrium
 from mbd.system.system import System, mesh_mode_frequency
+from mbd.torques.torque_source import TorqueSource
 
 logger = logging.getLogger(__name__)
 
@@ -104,7 +105,7 @@ def _simulate(
     values = np.zeros(shape) if file is None else StoredArray.create(file, shape)
     recorder = Recorder(system, integrator, every, settings.output_rate, values)
     balance = EnergyBalance(system, integrator, step, recorder.steps_needed)
-    state = equilibrium(system, float(system.machine.profile.speed(np.zeros(1))[0])) if start is None else start
+    state = equilibrium(system, system.machine.starting_speed) if start is None else start
     step_check = StepCheck(recorder, system.machine.profile, step, every, balance.steps)
     repeatability = Repeatability(system, recorder, step, balance.steps)
     _feed(integrator.start(state), 0, recorder, balance)
@@ -147,13 +148,15 @@ def _trajectory(
 ) -> Trajectory:  # fmt: skip
     rows, machine = system.channels, system.machine
     parts, table = balance.table()
+    sources = [force for force in machine.forces if isinstance(force, TorqueSource)]
     return Trajectory(
         integrator=settings.integrator,
         time=np.arange(settings.n_samples) / settings.output_rate,
         channel_names=rows.names,
         channel_units=rows.units,
         values=recorder.values,
-        motors=tuple(coupling.name for coupling in machine.couplings),
+        motors=(*(coupling.name for coupling in machine.couplings), *(s.name for s in sources if s.drives)),
+        sources=tuple(source.name for source in sources if not source.drives),
         shafts=tuple(shaft.name for shaft in machine.shafts),
         meshes=tuple(mesh.name for mesh in machine.meshes),
         bearings=tuple(bearing.name for bearing in machine.bearings),

@@ -16,13 +16,13 @@ from pipelines.trade.axes import AXES
 PROLOGUE = """\
 From gearbox geometry to sensor signals: finite-element mesh stiffness, reduced casing, multibody run, diagnosis.
 
-A SCENE is the name of a shipped scene (minimal, rig-healthy, rig-missing-tooth, ...) or a path ending in .toml.
+A SCENE is the name of a shipped scene (minimal, bench, reducer, rig-missing-tooth, ...) or a path ending in .toml.
 A RUN is a result folder, or the name of a scene whose newest result under ./runs is meant.
 """
 EPILOGUE = """\
 first steps:
   gearcase run minimal                        a whole run in seconds; opens nothing, names the report
-  gearcase new my.toml --from rig-healthy     a commented scene to change
+  gearcase new my.toml --from bench           a commented scene to change
   gearcase check my.toml                      what follows from it, before anything is computed
   gearcase run my.toml                        signals, diagnosis and report under ./runs/my
 
@@ -125,8 +125,8 @@ def _new(sub: argparse.ArgumentParser) -> None:
         metavar="SOURCE",
         type=path,
         dest="source",
-        default="rig-healthy",
-        help="a scene, or a gear unit in REXS: .rexs, .rexsj or .rexsz (default: rig-healthy)",
+        default="bench",
+        help="a scene, or a gear unit in REXS: .rexs, .rexsj or .rexsz (default: bench)",
     )
 
 
@@ -134,7 +134,7 @@ def _run(sub: argparse.ArgumentParser) -> None:
     _work(sub)
     _out(sub)
     sub.add_argument("--no-control", action="store_true", help="leave out the healthy control and the diagnosis")
-    sub.add_argument("--one-load", action="store_true", help="with a rope, leave out the equivalent constant torque")
+    sub.add_argument("--one-load", action="store_true", help="run the model of the load in the scene alone")
     sub.add_argument(
         "--seeds",
         metavar="N",
@@ -236,6 +236,18 @@ def _export(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def _orders(sub: argparse.ArgumentParser) -> None:
+    _run_folder(sub)
+    sub.add_argument("--shaft", metavar="N", type=count, help="whose orders are counted (default: the driven one)")
+    sub.add_argument("--sensor", metavar="NAME", help="default: that of the diagnosis, or the first")
+    sub.add_argument("--axis", choices=("x", "y", "z"), help="of the sensor (default: that of the diagnosis)")
+    sub.add_argument("--orders", metavar="K", type=positive, nargs="+", default=[], help="cuts (default: mesh orders)")
+    sub.add_argument("--revolutions", metavar="N", type=several, default=16, help="of a window (default 16)")
+    sub.add_argument("--campbell", action="store_true", help="natural frequencies over speed as well")
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="folder for the pictures (default: that of the run)")
+    sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
+
+
 def _cache(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("action", choices=("info", "verify", "clear"), nargs="?", default="info", help="default: info")
     sub.add_argument(
@@ -247,13 +259,14 @@ def _cache(sub: argparse.ArgumentParser) -> None:
     )
 
 
+FINISHED = ("diagnose", "export", "orders")  # commands that read a finished run, in a room of their own
 COMMANDS = (  # name, of the module too; one line; example; arguments
-    ("new", "write a commented scene file to change", "gearcase new my.toml --from rig-healthy", _new),
+    ("new", "write a commented scene file to change", "gearcase new my.toml --from bench", _new),
     ("check", "validate a scene and print what follows from it", "gearcase check rig-missing-tooth", _scene),
     (
         "explain",
         "say what a run would build, reuse, and why",
-        "gearcase explain minimal --set load.container_kg=80",
+        "gearcase explain bench --set load.torque_N_m=80",
         _scene,
     ),
     ("gears", "build the mesh laws and print the stiffness of each pair", "gearcase gears rig-healthy", _work),
@@ -290,6 +303,7 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
     ),
     ("diagnose", "print the lines of a fault in a finished run", "gearcase diagnose rig-missing-tooth", _diagnose),
     ("run", "everything: simulation, healthy control, diagnosis, report", "gearcase run rig-missing-tooth", _run),
+    ("orders", "waterfall, order cuts and natural frequencies of a run-up", "gearcase orders reducer", _orders),
     (
         "inspect",
         "write pictures of a gear pair with its curve and of the casing",

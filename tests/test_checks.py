@@ -21,8 +21,8 @@ from pipelines.plant.checks import cost
 from pipelines.plant.checks.design_warnings import design_warnings
 from pipelines.plant.checks.strength import STATIC_STRENGTH, TORSION_STRENGTH, contact_pressure, torques_along, torsions
 from pipelines.plant.checks.validity import checked_plant
-from pipelines.plant.hoist import load_spec
 from pipelines.plant.layout import lay_out
+from pipelines.plant.torques.hoist import load_spec
 from pipelines.scene.file import load_scene
 from pipelines.steps.study import plan_study
 

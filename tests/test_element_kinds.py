@@ -13,7 +13,6 @@ from mbd.elements.table import instant, slope_matrix
 from mbd.forces.ground import Ground
 from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rolling_bearing import hertz_bearing
-from mbd.forces.torque import Torque
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import OutsideForce
 from mbd.parts.losses import Brake, Coulomb, Efficiency
@@ -22,6 +21,7 @@ from mbd.simulate import Settings, simulate
 from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
+from mbd.torques.torque import Torque
 
 CUBIC = 3e13  # N/m3
 

@@ -109,7 +109,7 @@ def test_short_report_has_no_empty_sections(tmp_path, runs):
         title="Minimal", stiffness=(CURVE,), runs={"healthy": runs["healthy"]}, settings=settings, short=True
     )
     text = write_report(tmp_path / "report.html", contents).read_text(encoding="utf-8")
-    assert Page(text).headings == ["Stiffness", "Speed and rope", "Signals", "Spectra"]
+    assert Page(text).headings == ["Stiffness", "Speed", "Signals", "Spectra"]
     assert "Not part of this run: what was run, gears, casing, healthy and faulty" in text
     assert 'class="missing"' not in text
     assert 'class="answer' not in text

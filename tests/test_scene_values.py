@@ -1,7 +1,7 @@
 """Every value of a scene is in the key of a step, or in a short list of what is read after the steps.
 
-Each value of six scenes, which between them hold every field of every table, is changed alone. A value that got lost on
-the way to the keys would let a result serve a scene that it does not belong to.
+Each value of some scenes, which between them hold every field of every table, is changed alone. A value that got lost
+on the way to the keys would let a result serve a scene that it does not belong to.
 """
 
 import typing
@@ -61,6 +61,18 @@ ROPE = {
     "model": "rope", "ground_level_m": -1.0, "rope_direction_deg": 90.0, "shaft": 2,
     "drum_positions_mm": [-140.0, 140.0],
 }  # fmt: skip
+ROTOR = {
+    "inertia_kg_m2": 0.01, "coupling_stiffness_N_m_per_rad": 2000.0, "coupling_damping_N_m_s_per_rad": 0.5,
+}  # fmt: skip
+INDUCTION = {
+    "model": "induction-motor", "shaft": 1, "position_mm": 90.0, "synchronous_rpm": 1000.0, "rated_rpm": 960.0,
+    "rated_torque_N_m": 20.0, "breakdown_ratio": 2.4, **ROTOR,
+}  # fmt: skip
+MOTOR_ALONE = ("model", "synchronous_rpm", "rated_rpm", "rated_torque_N_m", "breakdown_ratio")
+CONTROLLED = {
+    "model": "controlled-motor", "shaft": 1, "position_mm": 80.0, "times_s": [0.0, 0.3], "speeds_rpm": [800.0, 900.0],
+    "proportional_N_m_s_per_rad": 2.0, "integral_N_m_per_rad": 20.0, "limit_N_m": 60.0, "starting_torque_N_m": 5.0,
+}  # fmt: skip
 ELASTIC = {
     "model": "craig-bampton", "ground": "springs", "bore_element_size_mm": 10.0, "foot_element_size_mm": 10.0,
     "frequency_error": 1e-3,
@@ -79,7 +91,7 @@ SCENES = {
         "stages.1.pinion_shaft": 1, "stages.1.wheel_shaft": 2, "stages.1.cycle_at_start": 0.1,
         "deviations.include": ["pitch", "helix"],
         "faults": FAULTS, "forces": [TORQUE], **dotted("load", ROPE), **dotted("casing", ELASTIC),
-        **dotted("casing.housing", HOUSING), "losses": {"model": "coulomb"}, "shaft_model.model": "timoshenko",
+        **dotted("casing.housing", HOUSING), "losses": {"model": "coulomb"}, "film": {"model": "squeeze"}, "shaft_model.model": "timoshenko",
         "drive.shaft": 1, "drive.brake_torque_N_m": 20.0, "simulation.start": 1,
     }),
     "joined": ("minimal", {
@@ -95,15 +107,31 @@ SCENES = {
         "load.model": "rope-pendulum", "casing.housing.foot_fillet_mm": 3.0, "casing.housing.inner_fillet_mm": 3.0,
         "stages.1.pinion.tip_relief": {"amount_um": 5.0, "diameter_mm": 43.0, "shape": "linear"},
     }),
+    "torques": ("minimal", {
+        "drive": {"model": "torque", "torque_N_m": 20.0, "start_rpm": 900.0, "highest_rpm": 950.0, "shaft": 1,
+                  "position_mm": -90.0, "motors": 1, **ROTOR},
+        "load": {"model": "torque", "speeds_rpm": [0.0, 400.0], "torques_N_m": [0.0, 40.0], "shaft": 2,
+                 "position_mm": 100.0},
+        "forces": [INDUCTION, CONTROLLED], "diagnosis.windows_s": {},
+    }),
+    "motors": ("minimal", {
+        "drive": {"motors": 2, "start_rpm": 900.0, **{k: v for k, v in INDUCTION.items() if k in MOTOR_ALONE}},
+        "load": {"model": "torque", "times_s": [0.0, 0.4], "torques_N_m": [0.0, 40.0]}, "diagnosis.windows_s": {},
+    }),
+    "controlled": ("minimal", {
+        "drive": {"motors": 1, **{k: v for k, v in CONTROLLED.items() if k not in ("shaft", "position_mm")}},
+        "diagnosis.windows_s": {},
+    }),
     "rope": ("rig-missing-tooth", {"casing.model": "static", "bearings": LINEAR}),
 }  # fmt: skip
 AFTER_THE_STEPS = {  # words, what is looked for in finished signals, and what only its own choice reads
-    "Scene.title", "Scene.control",
+    "Scene.title", "Scene.control", "TorqueDrive.highest_rpm",
     "DiagnosisTable.sensor", "DiagnosisTable.axis", "DiagnosisTable.stage", "DiagnosisTable.gear",
     "DiagnosisTable.windows_s", "DiagnosisTable.envelope_band_Hz", "DiagnosisTable.noise_m_s2",
 }  # fmt: skip
 ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one would have no bearing
-    "ImportedTable.file", "SeatTable.name", "StageTable.pinion_shaft", "StageTable.wheel_shaft",
+    "ColumnTable.file", "ColumnTable.column", "ImportedTable.file",
+    "SeatTable.name", "StageTable.pinion_shaft", "StageTable.wheel_shaft",
 }  # fmt: skip
 
 

@@ -43,10 +43,14 @@ def test_a_loop_closes_if_the_ratios_agree_and_locks_otherwise():
 
 
 def test_power_flows_to_the_load_and_splits_alike_over_equal_paths():
-    assert power_flow(3, [(0, 1), (0, 2)], [0], 1).tolist() == [1.0, 0.0, 1.0]  # a branch that carries nothing
-    split = power_flow(4, [(0, 1), (0, 2), (1, 3), (2, 3)], [0], 3)
+    assert power_flow([(0, 1), (0, 2)], [0], np.array([0.0, 1.0, 0.0])).tolist() == [
+        1.0,
+        0.0,
+        1.0,
+    ]  # a branch that carries nothing
+    split = power_flow([(0, 1), (0, 2), (1, 3), (2, 3)], [0], np.array([0.0, 0.0, 0.0, 1.0]))
     np.testing.assert_allclose(split, [0.5, 0.5, 0.5, 0.5, 1.0], atol=1e-12)
-    np.testing.assert_allclose(power_flow(3, [(0, 2), (1, 2)], [0, 1], 2), 0.5, atol=1e-12)
+    np.testing.assert_allclose(power_flow([(0, 2), (1, 2)], [0, 1], np.array([0.0, 0.0, 1.0])), 0.5, atol=1e-12)
 
 
 def mirrored():

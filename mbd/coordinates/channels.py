@@ -15,7 +15,7 @@ from mbd.coordinates.layout import Layout
 from mbd.elements.reading import Reading
 from mbd.parts.bearings import DIRECTIONS, bearing_force, journal_acceleration
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import motor_channels
+from mbd.parts.drive import COUPLING_TORQUE, motor_channels
 from mbd.parts.gear_mesh import mesh_channels
 from mbd.parts.load import CONTAINER, ROPE_FORCE, SWAY
 from mbd.parts.machine import Machine
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CONTAINER",
+    "COUPLING_TORQUE",
     "DIRECTIONS",
     "ROPE_FORCE",
     "SWAY",

@@ -79,6 +79,14 @@ class Component:
         """Force (coordinate,) that acts until t = 0 only."""
         return np.zeros(lay.size)
 
+    def largest_torques(self, gravity: float) -> dict[str, float]:
+        """Torque (N m) of greatest magnitude by shaft, positive in its positive sense; gravity in m/s2."""
+        return {}
+
+    def starting_torques(self, gravity: float, speeds: Mapping[str, float]) -> dict[str, float]:
+        """Torque (N m) by shaft at t = 0, while the shafts turn at ``speeds`` (rad/s)."""
+        return self.largest_torques(gravity)
+
     def readings(self, lay: Coordinates) -> dict[str, Reading]:
         """Channels by name that are read from the motion."""
         return {}

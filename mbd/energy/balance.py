@@ -13,7 +13,7 @@ import numpy as np
 
 from mbd.energy.element_energy import ElementWork
 from mbd.energy.linear_energy import LinearWork
-from mbd.integrators.base import ACCELERATION, ANGLE, Block, Integrator
+from mbd.integrators.base import ACCELERATION, ANGLE, SPEED, Block, Integrator
 from mbd.system.system import System
 
 ENERGY_ENTRIES = ("stored", "dissipated", "received", "parametric", "residual", "scale")
@@ -33,6 +33,7 @@ class EnergyBalance:
         self._watched, self._angle = np.zeros(len(self._watch)), 0.0
         self._ramp_work = dict.fromkeys([part.name for part in massive], 0.0)
         self._constant_work, self._throughput = 0.0, 0.0
+        self._speeds = (0.0, 0.0)  # of the frame at the start and at the last instant
 
     def take(self, block: Block, first: int) -> None:
         """Add a block; ``first`` is its first instant, counted in steps since the start."""
@@ -51,6 +52,7 @@ class EnergyBalance:
         self._constant_work += float(constant.sum())
         self._throughput += float(abs(motor).sum() + abs(constant).sum())
         self._watched, self._angle = watched[-1], angles[-1]
+        self._speeds = (block.clock[0, SPEED] if first == 0 else self._speeds[0], block.clock[-1, SPEED])
 
     def events(self) -> dict[str, int]:
         """Contact losses and back-flank contacts of every mesh, slack events of the ropes."""
@@ -75,9 +77,8 @@ class EnergyBalance:
         """Change of (phi' R)^T M v + phi'^2 R^T M R/2, the kinetic energy that the rolling frame leaves out."""
         rolling, linear = self._system.rolling, self._linear
         momentum = rolling @ self._system.mass
-        speeds = self._system.machine.profile.speed(np.array([0.0, self._step * self.steps]))
         energies = [
             speed * float(momentum @ (linear.to_v @ x) + 0.5 * speed * momentum @ rolling)
-            for speed, x in zip(speeds, (linear.origin, linear.latest), strict=True)
+            for speed, x in zip(self._speeds, (linear.origin, linear.latest), strict=True)
         ]
         return energies[1] - energies[0]

@@ -19,7 +19,8 @@ LOST = 1e-9  # of the stored energy: a part that loses less is held against what
 
 
 class ElementWork:
-    """Accumulates the blocks of a run; ``throughput`` is the integral of |parametric power|."""
+    """Accumulates the blocks of a run; ``throughput`` is the integral of |power| that parameters and torques on the
+    rolling train bring or take."""
 
     def __init__(self, system: System) -> None:
         self._elements, self._rolls = system.elements, system.rolls
@@ -51,8 +52,8 @@ class ElementWork:
         self._touched += (~loaded[:-1] & loaded[1:]).sum(axis=0)
         turned = np.diff(clock[new, ANGLE])
         for force, sums in ((elastic + lost, self._received), (lost, self._loss)):
-            sums += _path_work(force, rows, known, even)
-            sums += self._rolls * (0.5 * turned @ (force[new][1:] + force[new][:-1]))
+            sums += _path_work(force, rows, known, even) + self._rolling_work(force[new], turned)
+        self.throughput += float(abs(self._rolling_work(lost[new], turned)).sum())
         parametric = log[known:, :, PARAMETRIC]
         self._parametric += parametric.sum(axis=0)
         self._shifted += _push_work(push, rows, even)
@@ -60,6 +61,10 @@ class ElementWork:
         self._peak = np.maximum(self._peak, log[new, :, ENERGY].max(axis=0))
         self._known = [values[-3:].copy() for values in (rows, elastic, lost, push)]
         self._log, self._clock = log[-3:].copy(), clock[-3:].copy()
+
+    def _rolling_work(self, force: np.ndarray, turned: np.ndarray) -> np.ndarray:
+        """Work (row,) of forces (instant, row) on the rolling train; ``turned`` (step,) rad between the instants."""
+        return self._rolls * (0.5 * turned @ (force[1:] + force[:-1]))
 
     def entries(self) -> dict[str, list[float]]:
         """Stored, dissipated, received, parametric, residual, scale of every part, J."""

@@ -63,6 +63,8 @@ class LinearWork:
         """Stored, dissipated, received, parametric (0), residual, scale of every part, and the motors' work, J."""
         system, moved = self._system, self.to_q @ (self.latest - self.origin)
         port_work, velocity, motor_work = self._integrals()
+        if system.frame.free and self._flow is not None:
+            ramp_work = self._free_ramp_work(moved)
         work = self._ports * port_work  # (port, coordinate) that the motion of each coordinate does against each port
         rows: dict[str, list[float]] = {}
         ports = dict(zip((part.name for part, _ in self._massless), self._port_slices(), strict=True))
@@ -77,6 +79,17 @@ class LinearWork:
             scale = self._peak.get(part.name, dissipated)
             rows[part.name] = [change, dissipated, received, 0.0, received - change - dissipated, scale]
         return rows, motor_work
+
+    def _free_ramp_work(self, moved: np.ndarray) -> dict[str, float]:
+        """Work (J) of the inertia forces of a free frame on every part, exact: phi'' = load + push . lambda.
+
+        ``moved`` (coordinate,) is the change of the displacements.
+        """
+        assert self._flow is not None
+        frame = self._system.frame
+        motion = frame.load * moved + frame.push @ (self._flow.integrals()[0][: len(frame.push)] @ self.to_v.T)
+        massive = [part for part in self._system.parts if part.is_massive]
+        return {p.name: -float(p.mass @ self._system.rolling[p.index] @ motion[p.index]) for p in massive}
 
     def _integrals(self) -> tuple[np.ndarray, np.ndarray, float]:
         """int f v^T dt (port, coordinate), int v v^T dt and the motors' work."""

@@ -39,7 +39,7 @@ def elements(assembly: Assembly) -> Iterator[Element]:
     first, second, strengths, _ = planes(basis.T @ assembly.gyroscopic @ basis)
     back = basis.T @ assembly.mass
     for i, (a, b, strength) in enumerate(zip(first @ back, second @ back, strengths, strict=True)):
-        size = abs(float(strength)) * (assembly.machine.profile.highest or 1.0)
+        size = abs(float(strength)) * (assembly.machine.highest_speed or 1.0)
         yield Element(
             kind=KIND,
             name=f"{KIND}:{i}",

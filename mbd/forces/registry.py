@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 from mbd.elements.element import Element
-from mbd.forces import drag, efficiency, flank, gyroscopic_plane, sliding
+from mbd.forces import drag, efficiency, film, flank, gyroscopic_plane, sliding
 from mbd.reference.assembly import Assembly
 
 
 def load(assembly: Assembly) -> Iterable[Element]:
     """What hangs on the drums."""
-    return assembly.machine.load.elements(assembly.layout)
+    load = assembly.machine.load
+    return () if load is None else load.elements(assembly.layout)
 
 
 def bearings(assembly: Assembly) -> Iterator[Element]:
@@ -32,6 +33,7 @@ def outside(assembly: Assembly) -> Iterator[Element]:
 
 SOURCES_OF_FORCE: dict[str, Callable[[Assembly], Iterable[Element]]] = {
     "flanks": flank.elements,
+    "films": film.elements,
     "load": load,
     "bearings": bearings,
     "mesh efficiency": efficiency.elements,

@@ -29,6 +29,7 @@ from mbd.elements.table import Instant, instant
 from mbd.integrators.base import LENGTH, TOLERANCE, Block, Flow, join
 from mbd.integrators.modal_loop import QUARTERS, Constants, Memory, advance_modes
 from mbd.parts.checks import StepError
+from mbd.system.rolling_frame import RollingFrame
 from mbd.system.statics import State
 from mbd.system.system import System
 
@@ -78,7 +79,7 @@ class ModalIntegrator:
         rows = system.all_rows @ basis @ moved
 
         def constants(length: float) -> Constants:
-            return _constants(holds, length / float(QUARTERS) ** np.arange(levels), flow, rows)
+            return _constants(holds, length / float(QUARTERS) ** np.arange(levels), flow, rows, system.frame)
 
         self._constants_of = constants
         self._constants = constants(step)
@@ -210,7 +211,7 @@ def _copied(memory: Memory) -> Memory:
     return Memory(elements=Instant(*(array.copy() for array in memory.elements)), **arrays)
 
 
-def _constants(holds: Holds, lengths: np.ndarray, flow: Flow, rows: np.ndarray) -> Constants:
+def _constants(holds: Holds, lengths: np.ndarray, flow: Flow, rows: np.ndarray, frame: RollingFrame) -> Constants:
     """``rows`` (m + observed, mode) complex."""
     m, values = flow.rows.shape[1], flow.values
     table = [holds(values, float(h)) for h in lengths]  # level, hold
@@ -234,6 +235,7 @@ def _constants(holds: Holds, lengths: np.ndarray, flow: Flow, rows: np.ndarray) 
         rows=_real_rows(rows),
         g_u=np.ascontiguousarray((rows @ new).real),
         g_v=np.ascontiguousarray(((rows[:m] * values) @ new).real),
+        frame=frame,
     )
 
 

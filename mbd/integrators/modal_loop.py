@@ -18,6 +18,7 @@ from fem.numerics.compiled import inner, stored
 from mbd.elements.element import WIDTH
 from mbd.elements.newton import NEAR, iterate
 from mbd.elements.table import Instant, contact_changed, parametric_work
+from mbd.system.rolling_frame import RollingFrame, frame_acceleration
 
 QUARTERS = 4
 ROUGH, SMOOTH = 0.025, 0.005
@@ -37,6 +38,7 @@ class Constants(NamedTuple):
     rows: np.ndarray  # (m + observed, 2 mode) row displacements
     g_u: np.ndarray  # (level, hold, m + observed, m)
     g_v: np.ndarray  # (level, hold, m, m)
+    frame: RollingFrame
 
 
 class Memory(NamedTuple):
@@ -102,6 +104,13 @@ def _extrapolate(forces, past, smooth, h, guess):
 
 
 @inner()
+def _turn(frame, powers, past_forces, force, motor, h):
+    """Angle, speed and mean acceleration of a free frame a step h after the last instant, see `frame_acceleration`."""
+    mean, early = frame_acceleration(frame, powers, past_forces, force)
+    return motor[0] + h * (motor[1] + h * early), motor[1] + h * mean, mean
+
+
+@inner()
 def _choose_hold(counts, level, n_past):
     """Which hold: the line after a kink or a step more than four times as long or as short."""
     apart = counts[2] - level
@@ -113,7 +122,7 @@ def _choose_hold(counts, level, n_past):
 @inner()
 def _remember(constants, memory, hold, level, kink, eta, force, row_values, now, held):
     """Finish the step: its own part of the state, the polynomials of the forces, and the memory."""
-    _, _, _, weights, powers, _, _, enter, _, _, _ = constants
+    _, _, _, weights, powers, _, _, enter, _, _, _, _ = constants
     state, forces, pushes, past, counts, _, rows, last = memory
     n_past = len(pushes)
     for s in range(n_past - 1, 0, -1):
@@ -155,13 +164,13 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
     table : elements of the machine
     first : number of the first step to take
     angles : (step,) of the motor at the end of each step, rad
-    accelerations : (step,) of the motor during it, rad/s2
+    accelerations : (step,) of the motor during it, rad/s2; neither counts for a free frame
     constants, memory : what does not change, and what a step leaves for the next (changed in place)
     block : `mbd.integrators.base.Block` with room for the instants of one step or more, filled in
     tolerance : of the forces, in units of their scale
     plan : (instant,) int, levels to take, or (0,): chosen as the forces ask
     """
-    length, growth, rate, weights, _, load, ramp, enter, rows, g_u, g_v = constants
+    length, growth, rate, weights, powers, load, ramp, enter, rows, g_u, g_v, frame = constants
     state, past_forces, pushes, past, counts, motor, last_rows, last = memory
     states, _, forces, row_values, elastic, lost, push, log, clock, whole, holds = block
     m, n_rows, n_past, finest = len(enter), len(rows), len(pushes), len(length) - 1
@@ -174,7 +183,7 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
     for i in range(first, len(angles)):
         if n + units > len(states):
             return i, n, iterations, False
-        angle_0, speed_0, a, position = motor[0], motor[1], accelerations[i], 0
+        angle_0, speed_0, a, position = motor[0], motor[1], 0.0 if frame.free == 1 else accelerations[i], 0
         mismatch = angles[i] - angle_0 - length[0] * (speed_0 + 0.5 * a * length[0])  # a kink of the speed table
         while position < units:
             level = plan[n] if planned else counts[1]
@@ -182,7 +191,7 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
             own = QUARTERS ** (finest - level)
             share = (position + own) / units
             t = share * length[0]
-            angle, speed = angle_0 + t * (speed_0 + 0.5 * a * t) + share * mismatch, speed_0 + a * t
+            angle, speed, turning = angle_0 + t * (speed_0 + 0.5 * a * t) + share * mismatch, speed_0 + a * t, a
             hold = _choose_hold(counts, level, n_past)
             eta = states[n]
             _free_step(state, growth[level], load[level], ramp[level], a, eta)
@@ -195,6 +204,8 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
             for r in range(m):
                 v_p[r] = _dot(rows[r], moving)
             _extrapolate(past_forces, past, counts[0], length[level], guess)
+            if frame.free == 1:
+                angle, speed, turning = _turn(frame, powers[hold], past_forces, guess, motor, length[level])
             now = Instant(elastic[n], lost[n], stiffness, log[n], frozen, frozen_stiffness)
             time = motor[2] + length[level]
             used = iterate(
@@ -208,10 +219,12 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
             if used < 0:
                 return i, n, iterations, True
             iterations += used
+            if frame.free == 1:
+                angle, speed, turning = _turn(frame, powers[hold], past_forces, guess, motor, length[level])
             parametric_work(table, motor[0], angle, last_rows, row_values[n], last, now, push[n])
             for r in range(m):
                 forces[n, r] = guess[r]
-            clock[n, 0], clock[n, 1], clock[n, 2], clock[n, 3] = length[level], angle, speed, a
+            clock[n, 0], clock[n, 1], clock[n, 2], clock[n, 3] = length[level], angle, speed, turning
             _remember(constants, memory, hold, level, kink, eta, guess, row_values[n], now, holds[n])
             motor[0], motor[1], motor[2] = angle, speed, time
             position += own

@@ -1,6 +1,7 @@
 """Adaptive reference: SciPy's DOP853 or Radau on the modal equations, for short windows.
 
-(p, p')' = (p', Phi^T (f + B^T lambda - M R phi'') - C p' - omega^2 p) with the error controlled to ``rtol`` = 1e-9.
+(p, p')' = (p', Phi^T (f + B^T lambda - M R phi'') - C p' - omega^2 p) with the error controlled to ``rtol`` = 1e-9; a
+free frame (`mbd.system.rolling_frame`) adds its angle and speed to the state.
 Made to measure the fixed-step methods, thousands of times slower than they are: use it for milliseconds. DOP853
 needs a step below 2/omega_max, Radau does not but factorises; the solver restarts where the motor acceleration jumps.
 
@@ -45,13 +46,14 @@ class Reference:
         self._x = np.zeros(2 * n)
         m = len(system.rows)
         self._still = np.zeros((len(self._u_rows), m)), np.zeros((m, m))
-        self._now, self._rows, self._angle, self._time = instant(system.table), np.zeros(len(self._u_rows)), 0.0, 0.0
+        self._now, self._rows = instant(system.table), np.zeros(len(self._u_rows))
+        self._angle = self._speed = self._time = 0.0
 
     def start(self, state: State) -> Block:
         """Set the state at t = 0."""
         to_modal = self._system.basis.T @ self._system.mass
         self._x = np.concatenate([to_modal @ state.displacement, to_modal @ state.velocity])
-        self._angle, self._time = state.motor_angle, 0.0
+        self._angle, self._speed, self._time = state.motor_angle, state.motor_speed, 0.0
         forces, self._rows, _, self._now = self._forces(self._x, (self._angle, state.motor_speed, 0.0))
         clock = np.array([[0.0, self._angle, state.motor_speed, 0.0]])
         return Block(
@@ -84,9 +86,12 @@ class Reference:
         like : not used, whole steps are never cut
         """
         instants = []
-        for angle, speed, acceleration in zip(angles, speeds, accelerations, strict=True):
-            start, self._x = self._x, self._one_step(float(angle), float(acceleration))
-            clock = float(angle), float(speed), self._time + self._step
+        motor = []
+        for given in zip(angles, speeds, accelerations, strict=True):
+            start, (self._x, *moved) = self._x, self._one_step(*(float(value) for value in given))
+            angle, self._speed = moved[:2]
+            motor.append(moved)
+            clock = angle, self._speed, self._time + self._step
             forces, rows, rates, now = self._forces(self._x, clock)
             push = np.zeros(len(forces))
             work_between(self._system.table, self._angle, clock, self._rows, rows, rates, self._now, now, push)
@@ -94,26 +99,33 @@ class Reference:
             self.counters["steps"] += 1
             instants.append((self._x, start, forces, rows, now.elastic, now.lost, push, now.log))
         columns = dict(zip(Block._fields, (np.array(column) for column in zip(*instants, strict=True)), strict=False))
-        clocks = uniform_clock(self._step, angles, speeds, accelerations)
+        clocks = uniform_clock(self._step, *np.array(motor).T)
         none = np.zeros((len(instants), 0, len(self._v_rows)))
         return Block(**columns, clock=clocks, whole=np.arange(len(instants)), holds=none)
 
-    def _one_step(self, angle: float, acceleration: float) -> np.ndarray:
-        h, n = self._step, len(self._omega2)
-        prescribed = self._constant + acceleration * self._ramp
-        speed = (angle - self._angle) / h - 0.5 * acceleration * h  # at the start of the step
+    def _one_step(self, angle: float, speed: float, acceleration: float) -> tuple[np.ndarray, float, float, float]:
+        """State, angle, speed and mean acceleration of the frame at the end of a step; the arguments are those of a
+        frame whose motion is prescribed."""
+        h, n, frame = self._step, len(self._omega2), self._system.frame
+        prescribed = self._constant + (0.0 if frame.free else acceleration) * self._ramp
+        start = self._speed if frame.free else (angle - self._angle) / h - 0.5 * acceleration * h
 
-        def rate(t: float, x: np.ndarray) -> np.ndarray:
-            angle = self._angle + speed * t + 0.5 * acceleration * t * t
-            forces = self._forces(x, (angle, speed + acceleration * t, self._time + t))[0]
+        def rate(t: float, y: np.ndarray) -> np.ndarray:
+            x = y[:-2]
+            forces = self._forces(x, (y[-2], y[-1], self._time + t))[0]
             push = prescribed + self._v_rows.T @ forces - self._damping @ x[n:] - self._omega2 * x[:n]
-            return np.concatenate([x[n:], push])
+            turning = frame.load + frame.push @ forces if frame.free else acceleration
+            return np.concatenate([x[n:], push, [y[-1], turning]])
 
-        answer = solve_ivp(rate, (0.0, h), self._x, method=self._method, rtol=RTOL, atol=ATOL)
+        begin = np.concatenate([self._x, [self._angle, start]])
+        answer = solve_ivp(rate, (0.0, h), begin, method=self._method, rtol=RTOL, atol=ATOL)
         if not answer.success:
             raise StepError(f"reference ({self._method}), step {self.counters['steps']}: {answer.message}")
         self.counters["iterations"] += int(answer.nfev)
-        return answer.y[:, -1]
+        end = answer.y[:, -1]
+        if not frame.free:
+            return end[:-2], angle, speed, acceleration
+        return end[:-2], float(end[-2]), float(end[-1]), (float(end[-1]) - start) / h
 
     def _forces(
         self, x: np.ndarray, clock: tuple[float, float, float]

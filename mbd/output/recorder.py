@@ -17,7 +17,7 @@ import numpy as np
 
 from fem.storage.stored_array import StoredArray
 from mbd.coordinates.channels import ChannelRows
-from mbd.integrators.base import ACCELERATION, Block, Integrator
+from mbd.integrators.base import ACCELERATION, ANGLE, SPEED, Block, Integrator
 from mbd.parts.checks import StepError
 from mbd.system.system import System
 
@@ -81,7 +81,8 @@ class Recorder:
         self._pending = np.zeros((len(rows.names), 0))  # instants not yet used up
         self._next = 0  # next sample
         self.signals = _signals(rows)
-        self._rigid, self._profile, self._rate = rows.rigid, system.machine.profile, rate
+        self._rigid, self._rate = rows.rigid, rate
+        self._turned = np.zeros((0, 2))  # angle and speed of the frame at whole steps, from that of the next sample on
         self.values = values
         self.steps_needed = (values.shape[1] - 1) * steps_per_sample + len(self._taps) // 2
 
@@ -95,6 +96,7 @@ class Recorder:
     def take(self, block: Block) -> None:
         """Add the whole steps of a block."""
         fresh = self.unfiltered(block)
+        self._turned = np.vstack([self._turned, block.clock[block.whole][:, [ANGLE, SPEED]]])
         if self._pending.shape[1] == 0 and self._next == 0:
             fresh = np.hstack([np.repeat(fresh[:, :1], len(self._taps) // 2, axis=1), fresh])
         pending = np.hstack([self._pending, fresh])
@@ -112,10 +114,11 @@ class Recorder:
     def _keep(self, samples: np.ndarray) -> None:
         """Add the rigid motion, which needs no filter, to the next samples and store them."""
         last = self._next + samples.shape[1]
-        time = np.arange(self._next, last) / self._rate
-        samples += np.outer(self._rigid[:, 0], self._profile.angle(time))
-        samples += np.outer(self._rigid[:, 1], self._profile.speed(time))
+        count = samples.shape[1] * self._every
+        samples += self._rigid[:, :2] @ self._turned[: count : self._every].T
+        self._turned = self._turned[count:]
         if not np.isfinite(samples).all():
+            time = np.arange(self._next, last) / self._rate
             at = time[int(np.argmin(np.isfinite(samples).all(axis=0)))]
             raise StepError(f"t = {at:.6g} s: a channel is not finite. Use a smaller step.")
         self.values[:, self._next : last] = samples

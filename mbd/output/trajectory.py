@@ -28,6 +28,7 @@ class Trajectory(Record):
     channel_units: tuple[str, ...] = names("channel")
     values: np.ndarray | StoredArray = array("channel", "time", units="per channel")
     motors: tuple[str, ...] = names("motor")
+    sources: tuple[str, ...] = names("source")  # other torques from outside: loads, further motors
     shafts: tuple[str, ...] = names("shaft")
     meshes: tuple[str, ...] = names("mesh")
     bearings: tuple[str, ...] = names("bearing")

@@ -1,12 +1,18 @@
 """Drive: motors that follow a prescribed speed, each through a coupling that holds only the rotation.
 
-Torque on the shaft in the lifting sense: k (phi_m - phi) + c (phi_m' - phi'). All motors follow one profile.
+Torque on the shaft in the positive sense: k (phi_m - phi) + c (phi_m' - phi'). All motors follow one profile. Drives
+that give a torque instead are in `mbd.torques.torque_source`.
+
+References
+----------
+Fritsch & Butland (1984), SIAM J. Sci. Stat. Comput. 5(2), 300-304 (monotone cubic).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +24,12 @@ from mbd.elements.reading import Reading
 from mbd.parts.checks import MachineError, finite, frozen_array, not_negative, positive
 
 if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
+
     from mbd.elements.coordinates import Coordinates
+
+
+COUPLING_TORQUE = ":coupling_torque"  # N m, behind the name of a rotor with a coupling
 
 
 def motor_channels(motor: str) -> tuple[str, str, str]:
@@ -100,10 +111,15 @@ class Drive(Component):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SpeedProfile:
-    """Motor speed (rad/s, lifting positive), linear between the given times (s) and constant outside."""
+    """Speed of the first drive (rad/s), linear between the given times (s) and constant outside.
+
+    ``smooth`` lays a monotone cubic (Fritsch & Butland 1984) through measured samples instead: a line through them
+    steps the acceleration at every sample, which strikes the machine each time.
+    """
 
     times: np.ndarray
     speeds: np.ndarray
+    smooth: bool = False
 
     def __post_init__(self) -> None:
         times, speeds = frozen_array(self.times), frozen_array(self.speeds)
@@ -127,17 +143,33 @@ class SpeedProfile:
 
     def speed(self, time: np.ndarray) -> np.ndarray:
         """phi_m' at ``time``, rad/s."""
+        if self._cubic is not None:
+            return self._cubic(np.clip(time, self.times[0], self.times[-1]))
         return np.interp(time, self.times, self.speeds)
 
     def angle(self, time: np.ndarray) -> np.ndarray:
         """phi_m at ``time``, rad; 0 at t = 0, the exact integral of the speed."""
-        return self._integral(np.asarray(time, dtype=float)) - self._integral(np.zeros(1))[0]
+        integral = self._integral if self._cubic is None else self._cubic_integral
+        return integral(np.asarray(time, dtype=float)) - integral(np.zeros(1))[0]
 
     def motion(self, first: int, steps: int, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Angle and speed (step,) at the ends of steps from number ``first`` on, and the mean acceleration in each."""
         times = step * np.arange(first, first + steps + 1)
         speeds = self.speed(times)
         return self.angle(times[1:]), speeds[1:], np.diff(speeds) / step
+
+    @cached_property
+    def _cubic(self) -> PchipInterpolator | None:
+        if not self.smooth or len(self.times) < 2:
+            return None
+        from scipy.interpolate import PchipInterpolator  # expensive to import, and only measured speeds need it
+
+        return PchipInterpolator(self.times, self.speeds)
+
+    def _cubic_integral(self, time: np.ndarray) -> np.ndarray:
+        assert self._cubic is not None
+        inside = np.clip(time, self.times[0], self.times[-1])
+        return self._cubic.antiderivative()(inside) + (time - inside) * self.speed(inside)
 
     def _integral(self, time: np.ndarray) -> np.ndarray:
         t, v = self.times, self.speeds

@@ -31,6 +31,7 @@ from fem.contact.law import MeshLaw
 from fem.contact.teeth import LawError, checked_terms
 from mbd.elements.component import Component, Link, Place
 from mbd.parts.checks import MachineError, finite, not_negative, positive
+from mbd.parts.film import Film
 from mbd.parts.shafts import ShaftSpec
 
 
@@ -65,6 +66,7 @@ class MeshSpec(Component):
     coast_clearance_pinion: np.ndarray = field(default_factory=lambda: np.zeros(0))
     coast_clearance_wheel: np.ndarray = field(default_factory=lambda: np.zeros(0))
     cycle_at_start: float = 0.0
+    film: Film | None = None
 
     def __post_init__(self) -> None:
         where = f"mesh {self.name}"

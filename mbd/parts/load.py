@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -50,6 +51,14 @@ class Load(Component, ABC):
     @abstractmethod
     def torque_on_shaft(self, gravity: float) -> float:
         """Torque (N m, lowering positive) on its shaft at rest."""
+
+    def largest_torques(self, gravity: float) -> dict[str, float]:
+        """The weight."""
+        return {self.shaft: -self.torque_on_shaft(gravity)}
+
+    def starting_torques(self, gravity: float, speeds: Mapping[str, float]) -> dict[str, float]:
+        """The weight, unless it stands on the ground."""
+        return {} if self.idle else self.largest_torques(gravity)
 
     def turned(self, angle: float, ratio: float) -> Load:
         """The load after the motors have rolled by ``angle`` (rad); MachineError if it cannot."""
@@ -113,6 +122,11 @@ class OutsideForce(Component):
     name: str
     shaft: str
     y: float
+
+    @property
+    def highest_speed(self) -> float:
+        """Speed (rad/s) of its shaft that it drives to at most, 0 if it drives to none."""
+        return 0.0
 
     @property
     def places(self) -> tuple[Place, ...]:

@@ -1,13 +1,19 @@
 """Machine: what there is, in SI, before any matrix is formed.
 
-Shafts lie along y; the shaft of the first motor is the input. The lifting angle of every shaft is positive and follows
-from the motor angle by the ratios of meshes and shaft couplings: the rolling pattern of the train. Motors on further
-shafts turn at the ratio of their shaft.
+Shafts lie along y; the shaft of the first drive is the input. The angle of every shaft is positive in the sense that
+this drive turns it, and follows from the drive's angle by the ratios of meshes and shaft couplings: the rolling pattern
+of the train. Motors on further shafts turn at the ratio of their shaft.
+
+Where motors prescribe the speed, the train rolls as they do. Without them it is free: its rolling follows from the
+torques on it, see `mbd.system.rolling_frame`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from mbd.elements.component import Component, Link
 from mbd.parts.bearings import BearingSpec
@@ -25,18 +31,21 @@ STANDARD_GRAVITY = 9.80665
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Machine:
-    """Shafts in bearings, geared by meshes, driven by motors, loaded at the drums.
+    """Shafts in bearings, geared by meshes, driven and loaded.
 
-    ``gravity`` (m/s2, along -z) acts on shafts, disks and container; the casing's own weight only shifts its rest
-    position and is left out. ``gyroscopic`` adds the gyroscopic moments of shafts and disks.
+    Without ``couplings`` to motors of prescribed speed, torques among ``forces`` drive the shaft ``input_shaft``, and
+    ``profile`` gives only its speed at the start. ``gravity`` (m/s2, along -z) acts on shafts, disks and container; the
+    casing's own weight only shifts its rest position and is left out. ``gyroscopic`` adds the gyroscopic moments of
+    shafts and disks.
     """
 
     shafts: tuple[ShaftSpec, ...]
     bearings: tuple[BearingSpec, ...]
     meshes: tuple[MeshSpec, ...]
-    couplings: tuple[CouplingSpec, ...]
+    couplings: tuple[CouplingSpec, ...] = ()
+    input_shaft: str = ""  # left out: that of the first coupling
     profile: SpeedProfile
-    load: Load
+    load: Load | None = None  # what hangs on drums
     shaft_couplings: tuple[ShaftCoupling, ...] = ()
     forces: tuple[OutsideForce, ...] = ()
     gravity: float = STANDARD_GRAVITY
@@ -51,8 +60,10 @@ class Machine:
         unique("meshes", [m.name for m in self.meshes])
         unique("couplings", [c.name for c in self.couplings] + [j.name for j in self.shaft_couplings])
         finite("gravity", self.gravity)
-        if not self.couplings:
-            raise MachineError("machine: no motor coupling; at least one must hold the input shaft.")
+        if not self.couplings and not self.input_shaft:
+            raise MachineError("machine: no motor coupling and no input shaft; state what drives it.")
+        if self.input_shaft:
+            known("input shaft", self.input_shaft, shafts)
         unique("forces", [force.name for force in self.forces])
         for component in self.components:
             for what, shaft, y in component.places:
@@ -73,15 +84,25 @@ class Machine:
         return next(m for m in self.meshes if m.name == name)
 
     @property
+    def driven(self) -> str:
+        """Name of the shaft of the first drive."""
+        return self.input_shaft or self.couplings[0].shaft
+
+    @property
+    def free(self) -> bool:
+        """Whether torques alone drive the train, so that its rolling is part of the answer."""
+        return not self.couplings
+
+    @property
     def components(self) -> tuple[Component, ...]:
         """Everything in the machine, in the order of channels and of parts."""
         brake = () if self.brake is None else (self.brake,)
         return (
-            Drive(couplings=self.couplings),
+            *((Drive(couplings=self.couplings),) if self.couplings else ()),
             *self.shafts,
             *self.meshes,
             *self.bearings,
-            self.load,
+            *(() if self.load is None else (self.load,)),
             *self.shaft_couplings,
             *self.forces,
             *brake,
@@ -98,13 +119,13 @@ class Machine:
         return tuple(link for component in self.components for link in component.links)
 
     def ratios(self) -> dict[str, float]:
-        """Lifting angle of every shaft per motor angle.
+        """Angle of every shaft per angle of the first drive.
 
         Raises
         ------
         MachineError : a shaft that no motor turns, or a closed loop whose ratios do not agree
         """
-        return shaft_ratios([s.name for s in self.shafts], self.links, self.couplings[0].shaft)
+        return shaft_ratios([s.name for s in self.shafts], self.links, self.driven)
 
     def turned(self, angle: float) -> Machine:
         """The machine after its motors have rolled by ``angle`` (rad): mesh cycles and rope length move, nothing else.
@@ -115,8 +136,39 @@ class Machine:
         """
         ratios = self.ratios()
         meshes = tuple(mesh.turned(ratios[mesh.driving] * angle) for mesh in self.meshes)
-        return replace(self, meshes=meshes, load=self.load.turned(angle, ratios[self.load.shaft]))
+        load = None if self.load is None else self.load.turned(angle, ratios[self.load.shaft])
+        return replace(self, meshes=meshes, load=load)
+
+    @property
+    def starting_speed(self) -> float:
+        """Speed of the first drive at t = 0, rad/s."""
+        return float(self.profile.speed(np.zeros(1))[0])
+
+    @property
+    def highest_speed(self) -> float:
+        """Highest |speed| of the first drive that is known before the run, rad/s."""
+        ratios = self.ratios()
+        own = [abs(force.highest_speed) / ratios[force.shaft] for force in self.forces]
+        return max([self.profile.highest, *own])
+
+    def largest_torques(self) -> dict[str, float]:
+        """Torque (N m) of greatest magnitude from outside by shaft, without what motors of prescribed speed give."""
+        return _summed(component.largest_torques(self.gravity) for component in self.components)
+
+    def starting_torques(self) -> dict[str, float]:
+        """The same at t = 0."""
+        speeds = {name: ratio * self.starting_speed for name, ratio in self.ratios().items()}
+        return _summed(component.starting_torques(self.gravity, speeds) for component in self.components)
 
     def check_run(self, end: float) -> None:
         """Raise MachineError if the load does not allow the motion up to ``end`` (s)."""
-        self.load.check_run(self.profile, self.ratios()[self.load.shaft], end)
+        if self.load is not None and not self.free:
+            self.load.check_run(self.profile, self.ratios()[self.load.shaft], end)
+
+
+def _summed(torques: Iterable[Mapping[str, float]]) -> dict[str, float]:
+    total: dict[str, float] = {}
+    for found in torques:
+        for shaft, torque in found.items():
+            total[shaft] = total.get(shaft, 0.0) + torque
+    return total

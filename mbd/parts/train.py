@@ -54,26 +54,24 @@ def _closed(link: Link, ratios: dict[str, float]) -> None:
         )
 
 
-def power_flow(shafts: int, flows: Sequence[tuple[int, int]], motors: Sequence[int], loaded: int) -> np.ndarray:
-    """Share (flow + motor,) of the power drawn from the train that each flow and each motor carries.
+def power_flow(flows: Sequence[tuple[int, int]], motors: Sequence[int], drawn: np.ndarray) -> np.ndarray:
+    """Power (flow + motor,) that each flow and each motor carries.
 
     The balance of every shaft; where paths run side by side it leaves the split open, and the split with the least sum
     of squares is taken.
 
     Parameters
     ----------
-    shafts : how many there are, numbered from 0
-    flows : (giver, taker) of every mesh and coupling, numbers of shafts
-    motors : number of the shaft that each motor turns
-    loaded : number of the shaft that the power is drawn from
+    flows : (giver, taker) of every mesh and coupling, numbers of shafts from 0
+    motors : number of the shaft that each motor of prescribed speed turns
+    drawn : (shaft,) power drawn from every shaft; without motors its sum is 0
     """
-    balance = np.zeros((shafts, len(flows) + len(motors)))
+    balance = np.zeros((len(drawn), len(flows) + len(motors)))
     for k, (giver, taker) in enumerate(flows):
         balance[giver, k], balance[taker, k] = -1.0, 1.0
     for k, shaft in enumerate(motors, len(flows)):
         balance[shaft, k] = 1.0
-    drawn = np.zeros(shafts)
-    drawn[loaded] = 1.0
-    share = np.linalg.lstsq(balance, drawn, rcond=None)[0]
+    size = abs(drawn).max() or 1.0
+    share = np.linalg.lstsq(balance, drawn / size, rcond=None)[0]
     whole = np.round(share)
-    return np.where(abs(share - whole) < 1e-12, whole, share)
+    return size * np.where(abs(share - whole) < 1e-12, whole, share)

@@ -66,24 +66,42 @@ class Assembly:
     @functools.cached_property
     def mesh_loads(self) -> dict[str, float]:
         """Load (N) by mesh name at which its linear reference is taken."""
-        nominal = nominal_forces(self.machine)
+        nominal = nominal_forces(self.machine, inertias=self._inertias)
         return {mesh.name: reference_load(mesh, nominal[mesh.name]) for mesh in self.machine.meshes}
 
     @property
     def smoothing(self) -> float:
         """Motor speed (rad/s) over which losses reverse."""
-        return SMOOTHING * self.machine.profile.highest or SLOWEST
+        return SMOOTHING * self.machine.highest_speed or SLOWEST
+
+    @property
+    def _inertias(self) -> dict[str, float]:
+        """Moment of inertia (kg m2) by shaft of all that turns with it."""
+        turning = self.mass @ self.rolling
+        found = {}
+        for shaft in self.machine.shafts:
+            own = self.layout.index(shaft.name)
+            found[shaft.name] = float(self.rolling[own] @ turning[own]) / self.layout.ratios[shaft.name] ** 2
+        for component in self.machine.components:
+            for name in component.coordinates:
+                i, shaft_name = self.layout.names.index(name), component.places[0].shaft
+                found[shaft_name] += float(self.rolling[i] * turning[i]) / self.layout.ratios[shaft_name] ** 2
+        return found
 
     @functools.cached_property
     def contact_loads(self) -> dict[str, float]:
-        """Force (N) that every mesh by name carries at rest; 0 for all while the load is idle."""
-        nominal = nominal_forces(self.machine)
-        return dict.fromkeys(nominal, 0.0) if self.machine.load.idle else nominal
+        """Force (N) that every mesh by name carries at t = 0; 0 where nothing acts."""
+        return nominal_forces(self.machine, self.machine.starting_torques(), self._inertias)
 
     @property
     def resting_displacement(self) -> np.ndarray:
-        """q (n,) under the constant force, by the linear reference so far."""
-        return np.linalg.solve(self.stiffness, self.constant_force)
+        """q (n,) under the constant force, by the linear reference so far; in a free train less the rolling."""
+        if not self.machine.free:
+            return np.linalg.solve(self.stiffness, self.constant_force)
+        turning = self.mass @ self.rolling
+        rest = self.constant_force - turning * (self.rolling @ self.constant_force) / (self.rolling @ turning)
+        held = np.trace(self.stiffness) / len(turning) / float(turning @ turning)
+        return np.linalg.solve(self.stiffness + held * np.outer(turning, turning), rest)
 
     @functools.cached_property
     def modes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -92,7 +110,8 @@ class Assembly:
             [self.rows.T, self.constant_force, self.mass @ self.rolling, self.stiffness @ self.rolling]
         )
         try:
-            return modal_basis(self.mass, self.stiffness, acting, self.band, self.layout.names)
+            rolling = self.rolling if self.machine.free else None
+            return modal_basis(self.mass, self.stiffness, acting, self.band, self.layout.names, rolling)
         except MachineError as error:  # what moves freely need not be what is too soft
             softest = min(self.machine.shafts, key=torsional_stiffness)
             raise MachineError(

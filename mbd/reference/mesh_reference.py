@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any
 
@@ -63,18 +64,33 @@ def mean_stiffness(evaluator: LawEvaluator, force: float) -> tuple[float, float]
     return float(response.stiffness.mean()), float(response.tilt_stiffness.mean())
 
 
-def nominal_forces(machine: Machine) -> dict[str, float]:
-    """Mesh force F = T1/r_b1 (N) by mesh name under the hanging load, without losses; 0 outside the path of the load.
+def nominal_forces(
+    machine: Machine, torques: Mapping[str, float] | None = None, inertias: Mapping[str, float] | None = None
+) -> dict[str, float]:
+    """Mesh force F = T1/r_b1 (N) by mesh name under torques from outside, without losses; 0 where no power flows.
 
-    Side by side paths share the power as `mbd.parts.train.power_flow` says.
+    Side by side paths share the power as `mbd.parts.train.power_flow` says. A free train speeds up by the torque that
+    is left over, of which every shaft takes what its inertia asks for.
+
+    Parameters
+    ----------
+    machine : the machine
+    torques : N m by name of the shaft, positive in its positive sense; None: the largest
+    inertias : moment of inertia (kg m2) by name of the shaft, for a free train
     """
-    ratios, load = machine.ratios(), machine.load
+    ratios = machine.ratios()
+    acting = machine.largest_torques() if torques is None else torques
     at = {shaft.name: i for i, shaft in enumerate(machine.shafts)}
     flows = [(at[link.first], at[link.second]) for link in machine.links]  # meshes first
-    share = power_flow(len(at), flows, [at[c.shaft] for c in machine.couplings], at[load.shaft])
-    drawn = ratios[load.shaft] * load.torque_on_shaft(machine.gravity)  # power per motor speed
+    drawn = np.zeros(len(at))  # power per speed of the first drive
+    for name, torque in acting.items():
+        drawn[at[name]] -= ratios[name] * torque
+    if machine.free:
+        taken = np.array([(inertias or {}).get(name, 1.0) * ratios[name] ** 2 for name in at])
+        drawn -= drawn.sum() * taken / taken.sum()
+    share = power_flow(flows, [at[c.shaft] for c in machine.couplings], drawn)
     return {
-        m.name: float(drawn * part / ratios[m.driving] / m.base_radius_driving)
+        m.name: float(part / ratios[m.driving] / m.base_radius_driving)
         for m, part in zip(machine.meshes, share, strict=False)
     }
 

@@ -17,7 +17,12 @@ LARGEST_BLUR = 0.5  # Hz: at ten times of it a frequency is off by 0.5 %
 
 
 def modal_basis(
-    mass: np.ndarray, stiffness: np.ndarray, forces: np.ndarray, band: float, names: tuple[str, ...]
+    mass: np.ndarray,
+    stiffness: np.ndarray,
+    forces: np.ndarray,
+    band: float,
+    names: tuple[str, ...],
+    rolling: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Phi (coordinate, mode) and omega (mode,), rad/s, ascending.
 
@@ -27,21 +32,24 @@ def modal_basis(
     forces : (coordinate, force), patterns whose static response is kept exactly
     band : Hz, modes above it are left out; inf keeps all
     names : (coordinate,), for messages
+    rolling : (coordinate,) motion that nothing holds and that is left out: the modes are orthogonal to it in the mass;
+        None: everything is held
 
     Raises
     ------
     MachineError : the mass is not positive definite, a motion has next to no mass, or one has no stiffness
     """
+    span = np.eye(len(mass)) if rolling is None else linalg.null_space((mass @ rolling)[None])
     try:
-        squares, modes = linalg.eigh(stiffness, mass)
+        squares, modes = linalg.eigh(span.T @ stiffness @ span, span.T @ mass @ span)
     except linalg.LinAlgError as error:
         i = int(np.argmin(np.diag(mass)))
         raise MachineError(
             f"mass matrix: not positive definite (smallest diagonal {mass[i, i]:.3g} at {names[i]}). "
             "Check densities and the casing's mass."
         ) from error
+    lowest, modes = squares[0], span @ modes
     _check_blur(squares, modes[:, -1], mass, names)
-    lowest = squares[0]
     if lowest < (2 * np.pi * SMALLEST_FREQUENCY) ** 2:
         i = int(np.argmax(abs(modes[:, 0]) * np.sqrt(np.diag(mass))))
         raise MachineError(

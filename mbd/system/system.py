@@ -23,6 +23,7 @@ from mbd.forces.registry import SOURCES_OF_FORCE
 from mbd.parts.checks import MachineError
 from mbd.parts.machine import Machine
 from mbd.reference.assembly import Assembly
+from mbd.system.rolling_frame import RollingFrame, rolling_frame
 
 DEFAULT_BAND = 20e3  # Hz
 ROLLS_FREELY = 1e-6  # force by rolling over the largest that the matrix could give: round-off
@@ -49,6 +50,7 @@ class System:
     table: Table  # the elements for compiled code
     gyroscopic: np.ndarray  # G (n, n) per motor speed; empty if left out
     channels: ChannelRows
+    frame: RollingFrame  # how the frame of q moves
     basis: np.ndarray  # Phi (n, r): q = Phi p, mass-orthonormal
     frequencies: np.ndarray  # omega (r,), rad/s
 
@@ -129,6 +131,9 @@ def assemble(
         table=table,
         gyroscopic=assembly.gyroscopic if machine.gyroscopic else np.zeros((0, 0)),
         channels=channel_rows(names, lay, assembly.elements),
+        frame=rolling_frame(
+            machine.free, assembly.mass, assembly.rolling, assembly.constant_force, rows, assembly.elements
+        ),
         basis=basis,
         frequencies=frequencies,
     )

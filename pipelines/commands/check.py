@@ -29,8 +29,10 @@ def _lines(plant: Plant, control: str) -> Iterator[str]:
     facts = plant.facts
     yield plant.title
     yield f"  motor speed {facts.motor_speed * 30 / math.pi:.4g} rpm, total ratio {facts.total_ratio:.4f}"
-    yield f"  torque at the input {facts.input_torque:.4g} N m, at the drums {facts.output_torque:.4g} N m"
-    yield f"  container at most {facts.container_speed:.4g} m/s"
+    place = "load" if plant.hoist is None else "drums"
+    yield f"  torque at the input {facts.input_torque:.4g} N m, at the {place} {facts.output_torque:.4g} N m"
+    if facts.container_speed is not None:
+        yield f"  container at most {facts.container_speed:.4g} m/s"
     if facts.rope_frequency is not None:
         yield f"  the container bounces on its rope at {facts.rope_frequency:.3g} Hz (length at the start)"
     yield "  stage  z1/z2     ratio   a mm      eps_alpha eps_beta  f_m Hz    f_r pinion, wheel Hz  F_bt N   N/mm"

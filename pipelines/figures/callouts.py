@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from pipelines.figures.colours import POINTS
 from pipelines.figures.plots import FAULTY, StiffnessPlot, draw_stiffness, new_figure, plain
-from pipelines.figures.render import KINDS
+from pipelines.figures.render import AXES_PLACES, KINDS, kind_of
 from pipelines.figures.views import Picture
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
     figure = new_figure(7.0, 11.5)
     axes = figure.subplots()
     left, right, top, bottom = show(axes, picture)
-    points = {name: place for name, place in picture.places.items() if name.startswith(KINDS)}
+    points = {name: place for name, place in picture.places.items() if name not in AXES_PLACES}
     middle = float(np.median([column for column, _ in points.values()])) if points else 0.0
     margin = 0.03 * (right - left)
     sides = (
@@ -75,7 +75,7 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
         chosen.sort(key=lambda name: points[name][1])
         rows = spread([points[name][1] for name in chosen], LABEL_HEIGHT)
         for name, row in zip(chosen, rows, strict=True):
-            colour = POINTS[name.split("_")[0]]
+            colour = POINTS[kind_of(name)]
             axes.annotate(
                 name,
                 points[name],
@@ -90,7 +90,7 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
     width = 0.16 * (right - left)
     axes.set_xlim(left - width, right + width)
     axes.set_ylim(bottom + LABEL_HEIGHT, top - LABEL_HEIGHT)
-    counts = {kind: sum(name.startswith(kind) for name in points) for kind in KINDS}
+    counts = {kind: sum(kind_of(name) == kind for name in points) for kind in KINDS}
     handles = [
         Line2D([], [], marker="o", ls="", color=POINTS[kind], label=f"{kind} points ({counts[kind]})") for kind in KINDS
     ]

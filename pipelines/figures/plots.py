@@ -110,7 +110,7 @@ def waveform_figure(
         detail.plot(time[near], signal[near], color=colour, lw=0.9)
         last = name == list(runs)[-1]
         dress(whole, f"{sensor} {axis}, {name}", "time, s" if last else "", "acceleration, m/s²")
-        dress(detail, f"0.1 s from {start:g} s, {name}", "time, s" if last else "", "")
+        dress(detail, f"0.1 s from {start:.3g} s, {name}", "time, s" if last else "", "")
         whole.margins(x=0, y=0.16)
         _shade(whole, windows)
         detail.margins(x=0)

@@ -27,9 +27,15 @@ from pipelines.figures.views import CasingView, GearPairView, LeftOut, Picture, 
 log = logging.getLogger(__name__)
 
 KINDS = ("ground", "bearing", "sensor")
+AXES_PLACES = ("origin", "x", "y", "z")  # which no point may be called
 TIMEOUT = 900.0  # s, against a renderer that hangs; a software renderer on a busy machine takes minutes
 MESH_DIRECTION = (-0.55, -0.35, 1.0)
 RENDERER = "pipelines.figures.view"
+
+
+def kind_of(point: str) -> str:
+    """Which of KINDS a key point of the casing is; sensors have any name."""
+    return next((kind for kind in KINDS if point.startswith(f"{kind}_")), "sensor")
 
 
 def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Picture | LeftOut:
@@ -69,7 +75,7 @@ def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Pict
         "triangles": np.asarray(view.triangles, dtype=int),
     }
     for kind in KINDS:
-        chosen = [np.asarray(place, dtype=float) for name, place in view.points.items() if name.startswith(kind)]
+        chosen = [np.asarray(place, dtype=float) for name, place in view.points.items() if kind_of(name) == kind]
         arrays[f"{kind}_points"] = np.array(chosen).reshape(-1, 3)
     low = arrays["nodes"].min(axis=0)
     length = 0.12 * float(np.linalg.norm(np.ptp(arrays["nodes"], axis=0)))

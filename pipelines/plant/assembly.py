@@ -30,6 +30,7 @@ def assemble_machine(parts: MachineParts, laws: Sequence[Laws]) -> Machine:
         bearings=parts.bearings,
         meshes=tuple(_mesh(mesh, *flanks) for mesh, flanks in zip(parts.meshes, laws, strict=True)),
         couplings=parts.motors,
+        input_shaft=parts.driven,
         profile=parts.drive,
         load=parts.load,
         shaft_couplings=parts.couplings,
@@ -71,6 +72,7 @@ def _mesh(mesh: GearMesh, drive: MeshLaw, coast: MeshLaw) -> MeshSpec:
         coast=coast,
         **clearances(pair, mesh.pinion, mesh.wheel),
         cycle_at_start=mesh.cycle_at_start,
+        film=mesh.film,
     )
 
 

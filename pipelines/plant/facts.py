@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from mbd.parts.train import power_flow
-from pipelines.plant.hoist import Hoist
 from pipelines.plant.layout import Layout
+from pipelines.plant.torques.hoist import Hoist
 
 USUAL_LINE_LOAD = 100e3  # N/m
 
 
 @dataclass(frozen=True, kw_only=True)
 class StageFacts:
-    """One stage at the highest motor speed and the hanging load (SI)."""
+    """One stage at the highest motor speed and the largest load (SI)."""
 
     ratio: float
     centre_distance: float
@@ -40,19 +42,20 @@ class Facts:
     input_torque: float
     stages: tuple[StageFacts, ...]
     rope_frequency: float | None
-    container_speed: float
+    container_speed: float | None  # None where nothing is hoisted
 
 
 def power_flows(layout: Layout) -> list[float]:
-    """Share of the load's power that each stage, then each coupling carries without losses; parallel paths share alike,
-    see `mbd.parts.train`."""
+    """Power over motor speed (N m) that each stage, then each coupling carries without losses; parallel paths share
+    alike, see `mbd.parts.train`."""
     flows = [*layout.pair_shafts, *layout.coupling_shafts]
-    return power_flow(len(layout.axes), flows, [layout.driven], layout.loaded)[: len(flows)].tolist()
+    drawn = np.array(layout.drawn) * np.array(layout.shaft_ratios)
+    return power_flow(flows, [layout.driven], drawn)[: len(flows)].tolist()
 
 
 def input_torque(layout: Layout) -> float:
-    """Torque of the hanging weight on the driven shaft without losses (N m)."""
-    return layout.hanging_torque / layout.ratio
+    """Torque of all that is drawn on the driven shaft without losses (N m)."""
+    return float(np.dot(layout.drawn, layout.shaft_ratios))
 
 
 def motor_speed(layout: Layout) -> float:
@@ -61,13 +64,13 @@ def motor_speed(layout: Layout) -> float:
 
 
 def stage_facts(layout: Layout) -> list[StageFacts]:
-    """Every stage at the highest motor speed and the hanging load."""
-    shares = power_flows(layout)
+    """Every stage at the highest motor speed and the largest load."""
+    flows = power_flows(layout)
     stages = []
     for number, pair in enumerate(layout.pairs):
         pinion_speed = layout.shaft_ratios[layout.pair_shafts[number][0]]
         frequency = motor_speed(layout) * pinion_speed / (2 * math.pi)
-        pinion_torque = input_torque(layout) * shares[number] / pinion_speed
+        pinion_torque = flows[number] / pinion_speed
         force = pinion_torque / pair.pinion.base_radius
         stages.append(
             StageFacts(
@@ -88,15 +91,17 @@ def stage_facts(layout: Layout) -> list[StageFacts]:
     return stages
 
 
-def derive(layout: Layout, hoist: Hoist) -> Facts:
+def derive(layout: Layout, hoist: Hoist | None) -> Facts:
     """All derived quantities."""
     speed = motor_speed(layout)
     return Facts(
         motor_speed=speed,
         total_ratio=layout.ratio,
-        output_torque=layout.hanging_torque,
+        output_torque=layout.load_torque,
         input_torque=input_torque(layout),
         stages=tuple(stage_facts(layout)),
-        rope_frequency=hoist.rope_frequency(),
-        container_speed=speed * layout.shaft_ratios[layout.loaded] * hoist.drum_radius / hoist.reeving,
+        rope_frequency=None if hoist is None else hoist.rope_frequency(),
+        container_speed=(
+            None if hoist is None else speed * layout.shaft_ratios[layout.loaded] * hoist.drum_radius / hoist.reeving
+        ),
     )

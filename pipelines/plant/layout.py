@@ -10,10 +10,12 @@ from fem.gears.geometry import Gear, GearPair, GeometryError, Rack
 from fem.gears.modifications import PairModifications, check_modifications
 from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.flanks import modifications
-from pipelines.plant.hoist import output_torque
+from pipelines.plant.torques.drives import highest_rpm
+from pipelines.plant.torques.loads import load_torque, loaded_shaft
 from pipelines.scene.phases import mesh_cycles
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.base import MaterialTable
+from pipelines.scene.tables.forces import TorqueTable
 from pipelines.scene.tables.gear_details import GearTable
 from pipelines.scene.tables.gears import StageTable
 from pipelines.scene.train import place_shafts, shaft_senses, stage_shafts
@@ -101,7 +103,8 @@ class Layout:
     """Where the gears and shafts of a scene are: pairs and flank modifications by stage, the rest by shaft.
 
     Axes are (x, z) in m. Shafts are numbered from 0. Ratios of speeds are over that of shaft ``driven``, which the
-    motors turn, at ``turns`` 1/s at most. ``hanging_torque`` (N m) is that of the hanging weight on shaft ``loaded``.
+    motors turn, at ``turns`` 1/s at most. ``drawn`` (N m) are the torques of greatest magnitude with which load and
+    forces resist the rotation of every shaft.
     """
 
     pairs: tuple[GearPair, ...]
@@ -113,14 +116,19 @@ class Layout:
     cycles_at_start: tuple[float, ...]  # mesh cycle at t = 0, by stage
     coupling_shafts: tuple[tuple[int, int], ...]  # of the couplings that hold the rotation
     driven: int
-    loaded: int  # the shaft that carries the drums
+    loaded: int  # the shaft that carries the load
     turns: float
-    hanging_torque: float
+    drawn: tuple[float, ...]
 
     @property
     def ratio(self) -> float:
         """Total ratio: turns of the input for one turn of the output."""
         return 1 / self.shaft_ratios[self.loaded]
+
+    @property
+    def load_torque(self) -> float:
+        """Torque (N m) that resists the rotation of the loaded shaft."""
+        return self.drawn[self.loaded]
 
     @property
     def pinion_senses(self) -> tuple[int, ...]:
@@ -166,7 +174,17 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
             (table.shafts[0] - 1, table.shafts[1] - 1) for table in scene.couplings if table.turns_both
         ),
         driven=driven,
-        loaded=(scene.load.shaft or len(scene.shafts)) - 1,
-        turns=max(abs(value) for value in scene.drive.speeds_rpm) / 60,
-        hanging_torque=output_torque(scene.load),
+        loaded=loaded_shaft(scene),
+        turns=highest_rpm(scene.drive) / 60,
+        drawn=_drawn(scene),
     )
+
+
+def _drawn(scene: Scene) -> tuple[float, ...]:
+    """Torque (N m) of load and torques from outside by shaft; motors are left to share what these draw."""
+    found = [0.0] * len(scene.shafts)
+    found[loaded_shaft(scene)] += load_torque(scene.load, loaded_shaft(scene))
+    for number, force in enumerate(scene.forces, 1):
+        if isinstance(force, TorqueTable):
+            found[force.shaft - 1] -= sum(force.spec(number).largest_torques(0.0).values())
+    return tuple(found)

@@ -11,8 +11,8 @@ from mbd.parts.rolling_elements import pass_frequencies
 from pipelines.plant.bearings import RollingBearing
 from pipelines.plant.facts import stage_facts
 from pipelines.plant.flanks import Fault
-from pipelines.plant.hoist import Hoist
 from pipelines.plant.layout import Layout
+from pipelines.plant.torques.hoist import Hoist
 from pipelines.signals.analysis import DiagnosisSettings
 
 
@@ -36,7 +36,7 @@ class LookedFor:
 def diagnosis_settings(
     asked: LookedFor,
     layout: Layout,
-    hoist: Hoist,
+    hoist: Hoist | None,
     profile: SpeedProfile,
     rolling: Sequence[RollingBearing],
     faults: Sequence[Fault],
@@ -63,7 +63,7 @@ def diagnosis_settings(
     modes = {
         name: hoist.rope_frequency(hoist.rope_length_at(sum(window) / 2, profile, ratio))
         for name, window in asked.windows.items()
-        if hoist.rope_strength is not None
+        if hoist is not None and hoist.rope_strength is not None
     }
     return DiagnosisSettings(
         revolution_frequency=stage.wheel_frequency if on_wheel else stage.pinion_frequency,

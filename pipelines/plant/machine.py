@@ -5,22 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
-from fem.gears.geometry import Gear
+from fem.gears.geometry import Gear, GearPair
 from mbd.parts.couplings import ShaftCoupling
-from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.film import Film
 from mbd.parts.losses import Brake, Coulomb, Efficiency, Losses, NoLosses
 from mbd.parts.shafts import Disk, Section, ShaftSpec
 from pipelines.plant.bearings import bearing_specs
 from pipelines.plant.flanks import GEARS, Fault, damaged_teeth
-from pipelines.plant.hoist import drums, load_spec, shaft_ends
 from pipelines.plant.layout import Layout
 from pipelines.plant.parts import GearMesh, GearTeeth, MachineParts, ToothDeviations
+from pipelines.plant.torques.drives import motor_couplings, motor_places, motor_torques, speed_profile
+from pipelines.plant.torques.hoist import drums
+from pipelines.plant.torques.loads import hanging_load, load_places, torque_load
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.gears import DeviationTable
-from pipelines.scene.tables.losses import CoulombLosses, EfficiencyLosses, LossModel
-from pipelines.scene.tables.motion import DriveTable
+from pipelines.scene.tables.losses import CoulombLosses, EfficiencyLosses, FilmModel, LossModel, SqueezeFilm
+from pipelines.scene.tables.motion import LoadBase, SpeedDrive
 from pipelines.scene.tables.shafts import CouplingTable
 
 
@@ -71,8 +71,8 @@ def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
                     diametral_inertia=table.diametral_inertia_kg_m2,
                 )
             )
-    if shaft == layout.loaded:
-        load = scene.load
+    load = scene.load
+    if shaft == layout.loaded and isinstance(load, LoadBase):
         radius = load.drum_radius_mm / 1000
         for number, y in enumerate(drums(load, scene.shafts[layout.loaded]), 1):
             # a drum is a thin shell: diametral inertia half the polar one, its length neglected
@@ -171,10 +171,26 @@ def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[
             wheel=gear_teeth(scene.deviations, faults, number, "wheel"),
             damping_time=stage.mesh_damping_time_us / 1_000_000,
             cycle_at_start=layout.cycles_at_start[number - 1],
+            film=film_spec(scene.film, pair),
         )
         for number, (stage, pair, (driving, driven)) in enumerate(
             zip(scene.stages, layout.pairs, layout.pair_shafts, strict=True), 1
         )
+    )
+
+
+def film_spec(table: FilmModel, pair: GearPair) -> Film | None:
+    """The film between the flanks of a pair: curvature at the pitch point, mean length of the contact lines."""
+    if not isinstance(table, SqueezeFilm):
+        return None
+    slope = math.tan(pair.working_pressure_angle)
+    pinion, wheel = pair.pinion.base_radius * slope, pair.wheel.base_radius * slope
+    lead = math.cos(pair.base_helix_angle)
+    return Film(
+        viscosity=table.viscosity_mPa_s / 1000,
+        roughness=table.roughness_um / 1_000_000,
+        radius=pinion * wheel / (pinion + wheel) / lead,
+        length=pair.transverse_contact_ratio * pair.face_width / lead,
     )
 
 
@@ -187,35 +203,27 @@ def losses_spec(table: LossModel) -> Losses:
     return NoLosses()
 
 
-def speed_profile(table: DriveTable) -> SpeedProfile:
-    """Speed of the motors."""
-    return SpeedProfile(times=np.array(table.times_s), speeds=np.array(table.speeds_rpm) / 60 * 2 * math.pi)
-
-
 def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> MachineParts:
     """All parts of the machine of a scene. `MachineError` names what does not fit."""
     drive, driven = scene.drive, f"shaft_{layout.driven + 1}"
-    ends = shaft_ends(scene.shafts[layout.driven])[: drive.motors]
-    places = drums(scene.load, scene.shafts[layout.loaded])
+    ends = motor_places(drive, scene.shafts[layout.driven])
+    places = load_places(scene.load, scene.shafts[layout.loaded])
+    brake = drive.brake_torque_N_m if isinstance(drive, SpeedDrive) else 0.0
     return MachineParts(
         shafts=shaft_specs(scene, layout),
         bearings=bearing_specs(scene.shafts, scene.bearings),
         meshes=gear_meshes(scene, layout, faults),
-        motors=tuple(
-            CouplingSpec(
-                name=f"motor_{number}",
-                shaft=driven,
-                y=y,
-                stiffness=drive.coupling_stiffness_N_m_per_rad,
-                damping=drive.coupling_damping_N_m_s_per_rad,
-            )
-            for number, y in enumerate(ends, 1)
-        ),
+        motors=motor_couplings(drive, layout.driven, ends),
+        driven=driven,
         drive=speed_profile(drive),
-        load=load_spec(scene.load, f"shaft_{layout.loaded + 1}", places),
+        load=hanging_load(scene.load, layout.loaded, places),
         couplings=coupling_specs(scene.couplings),
-        forces=tuple(table.spec(number) for number, table in enumerate(scene.forces, 1)),
+        forces=(
+            *motor_torques(drive, layout.driven, ends),
+            *torque_load(scene.load, layout.loaded, places),
+            *(table.spec(number) for number, table in enumerate(scene.forces, 1)),
+        ),
         losses=losses_spec(scene.losses),
-        brake=Brake(shaft=driven, y=ends[0], torque=drive.brake_torque_N_m) if drive.brake_torque_N_m else None,
+        brake=Brake(shaft=driven, y=ends[0], torque=brake) if brake else None,
         gyroscopic=scene.shaft_model.gyroscopic,
     )

@@ -12,6 +12,7 @@ from mbd.coordinates import channels
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.film import Film
 from mbd.parts.load import Load, OutsideForce
 from mbd.parts.losses import Brake, Losses
 from mbd.parts.machine import Machine
@@ -55,6 +56,7 @@ class GearMesh:
     wheel: GearTeeth
     damping_time: float
     cycle_at_start: float
+    film: Film | None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -64,9 +66,10 @@ class MachineParts:
     shafts: tuple[ShaftSpec, ...]
     bearings: tuple[BearingSpec, ...]
     meshes: tuple[GearMesh, ...]
-    motors: tuple[CouplingSpec, ...]
+    motors: tuple[CouplingSpec, ...]  # of prescribed speed; none: torques among `forces` drive
+    driven: str
     drive: SpeedProfile
-    load: Load
+    load: Load | None
     couplings: tuple[ShaftCoupling, ...]
     forces: tuple[OutsideForce, ...]
     losses: Losses

@@ -18,11 +18,11 @@ from pipelines.plant.casing import CasingPart, casing
 from pipelines.plant.facts import Facts, derive, stage_facts
 from pipelines.plant.flanks import Fault, flanks_spec, tooth_faults
 from pipelines.plant.flanks_spec import FlanksSpec
-from pipelines.plant.hoist import Hoist, hoist
 from pipelines.plant.layout import Layout, lay_out
 from pipelines.plant.looked_for import LookedFor, diagnosis_settings
 from pipelines.plant.machine import machine_parts
 from pipelines.plant.parts import MachineParts, MotionSettings, Recorded
+from pipelines.plant.torques.hoist import Hoist, hoist
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.analysis import DiagnosisTable
 from pipelines.scene.tables.casing import NoCasingTable, SensorTable
@@ -44,7 +44,7 @@ class Drivetrain:
     laws: tuple[LawSpec, ...]
     flanks: tuple[FlanksSpec, ...]
     machine: MachineParts
-    hoist: Hoist
+    hoist: Hoist | None
     rolling: tuple[RollingBearing, ...]
     faults: tuple[Fault, ...]
     bearing_points: tuple[tuple[float, float, float], ...]  # of bearing_1, ..., those that the casing carries (m)
@@ -152,7 +152,7 @@ def motion_settings(table: SimulationTable) -> MotionSettings:
 def looked_for(table: DiagnosisTable, sensors: Sequence[SensorTable]) -> LookedFor:
     """What is asked of the diagnosis."""
     return LookedFor(
-        sensor=table.sensor,
+        sensor=table.sensor or (sensors[0].name if sensors else ""),
         axis=table.axis,
         stage=table.stage,
         gear=table.gear,

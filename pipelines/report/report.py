@@ -28,12 +28,12 @@ def write_report(path: Path | str, contents: ReportContents) -> Path:
         ("Gears", _gears),
         ("Stiffness", _stiffness),
         ("Casing", _casing),
-        ("Speed and rope", _drive),
+        ("Speed", _drive),
         ("Signals", _signals),
         ("Spectra", spectra.spectra),
         ("Healthy and faulty", spectra.healthy_faulty),
-        ("Lifting and lowering", spectra.lifting_lowering),
-        ("Rope and constant torque", spectra.rope_torque),
+        ("Windows side by side", spectra.two_windows),
+        ("Two loads", spectra.two_loads),
         ("Envelope table", spectra.envelope_table),
         ("Cost", _cost),
         ("Energy balance", _energy),
@@ -62,13 +62,12 @@ _REASONS = {
     "Gears": "Left out: no gear table was given.",
     "Stiffness": "Left out: this run derived no stiffness curve.",
     "Casing": "Left out: this casing model has no mesh to show.",
-    "Speed and rope": "Left out: the run holds no motor or shaft speeds.",
+    "Speed": "Left out: the run holds no motor or shaft speeds.",
     "Signals": "Left out: the run holds no acceleration of this sensor.",
     "Spectra": _NO_CONTROL,
     "Healthy and faulty": _NO_CONTROL,
-    "Lifting and lowering": "Left out: it takes a diagnosis with two windows.",
-    "Rope and constant torque": "Left out: it takes the run with the rope and the run with the constant torque; "
-    "only one of them was given.",
+    "Windows side by side": "Left out: it takes a diagnosis with two windows.",
+    "Two loads": "Left out: it takes runs with two models of the load; only one of them was given.",
     "Envelope table": _NO_CONTROL,
     "Cost": "Left out: no seconds and memory were recorded.",
     "Energy balance": "Left out: no energy balance was recorded.",
@@ -130,7 +129,7 @@ def _drive(contents: ReportContents) -> list[str]:
     run = next(iter(contents.runs.values()), None)
     if run is None or not {"motor_speed", "shaft_speed"} & set(run.data_vars):
         return []
-    caption = "Speeds of both motors and the input shaft" + (", force in the rope." if "rope_force" in run else ".")
+    caption = "Speeds of the motors and the first shaft" + (", force in the rope." if "rope_force" in run else ".")
     return [page.picture(drive_figure(run, contents.windows), caption)]
 
 

@@ -60,7 +60,7 @@ def healthy_faulty(contents: ReportContents) -> list[str]:
     return parts
 
 
-def lifting_lowering(contents: ReportContents) -> list[str]:
+def two_windows(contents: ReportContents) -> list[str]:
     parts = []
     for diagnosis in contents.diagnoses:
         windows = list(diagnosis.settings.windows)[:2]
@@ -73,7 +73,7 @@ def lifting_lowering(contents: ReportContents) -> list[str]:
     return parts
 
 
-def rope_torque(contents: ReportContents) -> list[str]:
+def two_loads(contents: ReportContents) -> list[str]:
     by_load = {diagnosis.load: diagnosis for diagnosis in contents.diagnoses}
     if not {"rope", "static-torque"} <= set(by_load):
         return []
@@ -95,7 +95,8 @@ def envelope_table(contents: ReportContents) -> list[str]:
         page.paragraph(
             f"Harmonics of f_r in the envelope and sidebands n f_m + k f_r in the spectrum at {settings.sensor} "
             f"({settings.axis}); detected lines are shaded. The floor is the median between the orders, one f_r to "
-            "either side. The stated sensor noise is in both runs. The rope mode is printed beside each line."
+            "either side. The stated sensor noise is in both runs."
+            + (" The rope mode is printed beside each line." if settings.rope_mode else "")
         )
     ]
     for diagnosis in contents.diagnoses:

@@ -1,8 +1,4 @@
-"""Drive and load of a gear unit: the one place that knows the scene's keys for them.
-
-Today a scene has one speed-driven motor and a hanging weight: a torque T is the weight m = T i / (g R) on a drum of
-radius R, with reeving i = 1.
-"""
+"""Drive and load of a gear unit: a motor of prescribed speed, and a constant torque at the output."""
 
 from __future__ import annotations
 
@@ -10,14 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from mbd.parts.machine import STANDARD_GRAVITY
 from pipelines.rexs.gear_unit import GearUnit, Note
 
 RUN_UP, END = 0.1, 1.0  # s
 TWIST = 0.01  # rad: of the coupling at the motor under the torque of the load case
 SETTLING = 2.5e-4  # s: its damping over its stiffness
-DRUM_RADIUS = 100.0  # mm
-NO_MACHINE = {"drum_mass_kg": 0.01, "drum_inertia_kg_m2": 1e-5}
 
 
 @dataclass(frozen=True)
@@ -36,6 +29,7 @@ def motion_tables(unit: GearUnit) -> MotionTables:
     torque = case.torque
     coupling = abs(torque) / TWIST if torque else 2000.0
     drive: dict[str, Any] = {
+        "model": "speed",
         "times_s": [0.0, RUN_UP, END],
         "motors": 1,
         "coupling_stiffness_N_m_per_rad": coupling,
@@ -46,19 +40,13 @@ def motion_tables(unit: GearUnit) -> MotionTables:
     else:
         missing["drive.speeds_rpm"] = "speed of the motor at times_s: the file gives no rotational_speed"
     place = unit.output_y if unit.output_y is not None else unit.shafts[unit.output].sections[-1].end
-    load: dict[str, Any] = {
-        "model": "static-torque",
-        "drum_radius_mm": DRUM_RADIUS,
-        "reeving_ratio": 1.0,
-        "drum_positions_mm": [place],
-        **NO_MACHINE,
-    }
+    load: dict[str, Any] = {"model": "torque", "position_mm": place}
     if unit.output != len(unit.shafts) - 1:
         load["shaft"] = unit.output + 1
     if torque:
-        load["container_kg"] = abs(torque * unit.ratio) / (STANDARD_GRAVITY * DRUM_RADIUS / 1000)
+        load["torque_N_m"] = abs(torque * unit.ratio)
     else:
-        missing["load.container_kg"] = "torque of the load over (9.80665 m/s2 * 0.1 m): the file gives no torque"
+        missing["load.torque_N_m"] = "torque that the driven machine takes: the file gives none"
     return MotionTables(drive, load, missing, _notes(unit, coupling))
 
 
@@ -79,17 +67,17 @@ def _notes(unit: GearUnit, coupling: float) -> tuple[Note, ...]:
         ),
         Note(
             kind="assumed",
-            where="load.drum_inertia_kg_m2",
-            value=f"{NO_MACHINE['drum_inertia_kg_m2']:g}",
-            reason="next to nothing: the file has no driven machine",
+            where="load.inertia_kg_m2",
+            value="0",
+            reason="the file has no driven machine",
         ),
     ]
     if case.torque is not None:
         notes.append(
             Note(
                 kind="assumed",
-                where="load",
-                value=f"{abs(case.torque * unit.ratio):.6g} N m at the output",
+                where="load.torque_N_m",
+                value=f"{abs(case.torque * unit.ratio):.6g}",
                 reason=f"{abs(case.torque):.6g} N m at the input times the ratio {unit.ratio:.6g}, without losses",
             )
         )

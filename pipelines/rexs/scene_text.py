@@ -248,7 +248,7 @@ def _motion_lines(unit: GearUnit, motion: MotionTables, stages: list[StageTable]
     yield from _keys(motion.drive)
     yield from _missing(motion, "drive")
     yield ""
-    yield "[load]  # the torque as a weight on a drum"
+    yield "[load]"
     yield from _keys(motion.load)
     yield from _missing(motion, "load")
     speed = (unit.load_case.speed or 0.0) / 60

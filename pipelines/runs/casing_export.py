@@ -162,10 +162,10 @@ def _accelerances(
 ) -> list[dict[str, Any]]:
     """Acceleration of every sensor per force at every bearing, all directions that have rows."""
     frequencies = np.linspace(0.0, band, _LINES + 1)[1:]
-    inputs, outputs = (
-        [(n, a) for n, name in enumerate(body.point_names) if name.startswith(kind) for a in range(3)]
-        for kind in ("bearing_", "sensor_")
-    )
+    numbers = range(len(body.point_names))
+    bearings = [n for n in numbers if body.point_names[n].startswith("bearing_")]
+    sensors = [n for n in numbers if not body.point_names[n].startswith(("bearing_", "ground_"))]
+    inputs, outputs = ([(n, a) for n in some for a in range(3)] for some in (bearings, sensors))
     inputs = [(n, a) for n, a in inputs if motions[n, a].any()]
     if not (inputs and outputs):
         return []

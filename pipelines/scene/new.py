@@ -22,7 +22,7 @@ _LOG = logging.getLogger(__name__)
 _MOST_COMMENTED = 100_000  # characters of a text whose comments are kept: it takes some 10 us for each
 
 
-def new_scene(target: str | Path, source: str = "rig-healthy") -> Path:
+def new_scene(target: str | Path, source: str = "bench") -> Path:
     """Write a copy of a scene, comments included, that extends nothing; an existing file is never overwritten.
 
     Raises

@@ -24,8 +24,8 @@ from pipelines.scene.tables.faults import FaultTable
 from pipelines.scene.tables.forces import ForceModel
 from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.housing import HousingTable
-from pipelines.scene.tables.losses import LossModel, NoLosses
-from pipelines.scene.tables.motion import DriveTable, LoadModel, SimulationTable
+from pipelines.scene.tables.losses import FilmModel, LossModel, NoFilm, NoLosses
+from pipelines.scene.tables.motion import DriveModel, LoadModel, SimulationTable
 from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ShaftModel, ShaftTable
 from pipelines.scene.train import stage_shafts
 
@@ -49,9 +49,10 @@ class Scene(Table):
     faults: Annotated[tuple[FaultTable, ...], Field(max_length=1000)] = ()
     casing: CasingModel
     sensors: Annotated[tuple[SensorTable, ...], Field(max_length=1000)] = ()
-    drive: DriveTable
+    drive: DriveModel
     load: LoadModel
     losses: LossModel = NoLosses()
+    film: FilmModel = NoFilm()
     simulation: SimulationTable
     diagnosis: DiagnosisTable = DiagnosisTable()
 
@@ -129,7 +130,8 @@ class Scene(Table):
                 yield f"faults.{number}.tooth = {fault.tooth}: the {fault.gear} has teeth 0 to {teeth - 1}"
         if self.diagnosis.stage > len(self.stages):
             yield f"diagnosis.stage = {self.diagnosis.stage}: there are {len(self.stages)} stages"
-        if self.sensors and self.diagnosis.sensor not in {sensor.name for sensor in self.sensors}:
+        known = {sensor.name for sensor in self.sensors}
+        if self.sensors and self.diagnosis.sensor is not None and self.diagnosis.sensor not in known:
             yield f"diagnosis.sensor = {shown_value(self.diagnosis.sensor)}: not among the sensors of the scene"
         teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in self.faults if fault.tooth is not None]
         for stage_number, gear, tooth in sorted({hit for hit in teeth_hit if teeth_hit.count(hit) > 1}):

@@ -16,15 +16,21 @@ _MOST_BYTES = 1_000_000_000  # of a STEP file or a mesh
 
 
 def anchored(tree: dict[str, Any], folder: Path | None) -> dict[str, Any]:
-    """The tree of a scene file with `casing.housing.file` made a full path, where that file lies beside the scene."""
-    try:
-        name = tree["casing"]["housing"]["file"]
-    except (KeyError, TypeError):
-        return tree
-    if folder is None or not isinstance(name, str) or not is_regular_file(folder / name):
-        return tree
-    housing = {**tree["casing"]["housing"], "file": os.path.realpath(folder / name)}
-    return {**tree, "casing": {**tree["casing"], "housing": housing}}
+    """The tree of a scene file with every `file` made a full path, where that file lies beside the scene."""
+
+    def walked(value: Any) -> Any:
+        if isinstance(value, list):
+            return [walked(item) for item in value]
+        if not isinstance(value, dict):
+            return value
+        return {key: full(item) if key == "file" else walked(item) for key, item in value.items()}
+
+    def full(name: Any) -> Any:
+        beside = folder is not None and isinstance(name, str) and is_regular_file(folder / name)
+        return os.path.realpath(folder / name) if beside and folder is not None else name
+
+    found: dict[str, Any] = walked(tree)
+    return found
 
 
 def find_file(name: str) -> Path:

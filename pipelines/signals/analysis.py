@@ -52,7 +52,7 @@ class DiagnosisSettings:
     windows: Mapping[str, tuple[float, float]]
     rope_mode: Mapping[str, float] = field(default_factory=dict)
     bearings: Mapping[str, float] = field(default_factory=dict)
-    sensor: str = "sensor_3"
+    sensor: str
     axis: str = "resultant"
     band: str | tuple[float, float] = "mesh"
     envelope_harmonics: int = 5

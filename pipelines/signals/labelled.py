@@ -61,14 +61,23 @@ def signals(motion: Trajectory) -> Iterator[Signal]:
     def points(named: tuple[str, ...], spell: Callable[[str, str], str]) -> list[list[str]]:
         return [[spell(name, axis) for axis in AXES] for name in named]
 
-    motor = list(zip(*map(channels.motor_channels, motion.motors), strict=True))
+    motor, source = (
+        list(zip(*map(channels.motor_channels, names), strict=True)) for names in (motion.motors, motion.sources)
+    )
     shaft = list(zip(*map(channels.shaft_channels, motion.shafts), strict=True))
     mesh = list(zip(*map(channels.mesh_channels, motion.meshes), strict=True))
     force = points(motion.bearings, channels.bearing_force)
     journal = points(motion.bearings, channels.journal_acceleration)
-    yield signal("motor_angle", ("motor",), motor[0], "angle of the motor, lifting positive")
+    yield signal("motor_angle", ("motor",), motor[0], "angle of the motor, positive as the first one turns it")
     yield signal("motor_speed", ("motor",), motor[1], "speed of the motor")
     yield signal("motor_torque", ("motor",), motor[2], "torque of the motor on the shaft")
+    if source:
+        yield signal("source_angle", ("source",), source[0], "angle of the load or further motor")
+        yield signal("source_speed", ("source",), source[1], "speed of the load or further motor")
+        yield signal("source_torque", ("source",), source[2], "its torque, driving positive")
+    couplings = [name for name in number if name.endswith(channels.COUPLING_TORQUE)]
+    if couplings:
+        yield signal("coupling_torque", ("coupling",), couplings, "torque from the rotor through its coupling")
     yield signal("shaft_angle", ("shaft",), shaft[0], "angle of the shaft")
     yield signal("shaft_speed", ("shaft",), shaft[1], "speed of the shaft")
     yield signal("mesh_approach", ("stage",), mesh[0], "approach on the drive flank")
@@ -104,7 +113,9 @@ def read(motion: Trajectory, signal: Signal, time: int | slice, place: tuple[int
 
 def coordinates(motion: Trajectory) -> dict[str, list]:
     """The names along all dimensions but time."""
-    named = {"motor": motion.motors, "shaft": motion.shafts, "stage": range(1, len(motion.meshes) + 1)}
+    couplings = [name.partition(":")[0] for name in motion.channel_names if name.endswith(channels.COUPLING_TORQUE)]
+    named: dict[str, Any] = {"motor": motion.motors, "source": motion.sources, "coupling": couplings}
+    named |= {"shaft": motion.shafts, "stage": range(1, len(motion.meshes) + 1)}
     named |= {"bearing": motion.bearings, "axis": AXES}
     return {name: list(values) for name, values in (named | {"sensor": motion.sensors}).items() if len(values)}
 

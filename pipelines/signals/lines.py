@@ -13,7 +13,11 @@ import numpy as np
 
 from fem.storage.records import Record, array, names
 
-LOADS = {"rope": "rope load", "static-torque": "constant torque"}  # words for load_case
+LOADS = {
+    "rope": "rope load",
+    "static-torque": "constant torque",
+    "torque": "torque on the shaft",
+}  # words for load_case
 RESOLUTION = 1e-9  # m/s2; levels are taken of at least this, so that a line of an error-free run keeps a finite level
 
 

@@ -113,7 +113,7 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
             found = f"{lines.kind[i]} line"
         elif lines.detected[i]:
             marked.add(i)
-        near = "on this line" if lines.near_rope[i] else (f"{rope:.2f}" if rope else "-")
+        near = ("on this line" if lines.near_rope[i] else f"{rope:.2f}",) if rope else ()
         rows.append(
             (
                 where + lines.label[i],
@@ -124,11 +124,12 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
                 f"{lines.over_floor[i]:+.1f}",
                 f"{lines.healthy_over_floor[i]:+.1f}",
                 found,
-                near,
+                *near,
             )
         )
     title = f"{_capital(window)}, {case_name(diagnosis)}; envelope of {low:.4g} to {high:.4g} Hz"
-    return Grid(title=title, headers=(*headers, "verdict", "rope mode Hz"), rows=tuple(rows), marked=frozenset(marked))
+    last = ("verdict", "rope mode Hz") if rope else ("verdict",)
+    return Grid(title=title, headers=(*headers, *last), rows=tuple(rows), marked=frozenset(marked))
 
 
 def summary_grid(diagnoses: Sequence[Diagnosis]) -> Grid:

@@ -119,5 +119,5 @@ def build_elastic(
 
 
 def _built(body: ReducedBody) -> CountedResult:
-    recovered = sum(name.startswith("sensor_") for name in body.row_names)
+    recovered = sum(not name.startswith(("bearing_", "ground_")) for name in body.row_names)
     return CountedResult(body, {"casing_coordinates": len(body.coordinate_names), "recovery_rows": recovered})

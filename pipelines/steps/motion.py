@@ -55,7 +55,10 @@ def build(
     if given.start:
         start = other_start(system, equilibrium(system, float(machine.profile.speed(np.zeros(1))[0])), given.start)
     trajectory = simulate(system, settings, start=start, file=folder / "values.npy" if folder else None)
-    return CountedResult(trajectory, ledger(trajectory, system.basis.shape[1], rope=bool(machine.load.coordinates)))
+    return CountedResult(
+        trajectory,
+        ledger(trajectory, system.basis.shape[1], rope=bool(machine.load is not None and machine.load.coordinates)),
+    )
 
 
 def ledger(trajectory: Trajectory, coordinates: int, *, rope: bool) -> dict[str, int]:

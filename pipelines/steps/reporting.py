@@ -15,6 +15,7 @@ import numpy as np
 from pipelines.engine.step import CountedResult
 from pipelines.plant.flanks import first_tooth_fault
 from pipelines.plant.plant import Plant
+from pipelines.plant.torques.hoist import Hoist
 from pipelines.signals.motion_warnings import gathered, told
 from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
 from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, pair_laws
@@ -105,19 +106,27 @@ def _runs(spec: ReportSpec, responses: Sequence[xarray.Dataset]) -> dict[str, xa
 
 def _summary(plant: Plant) -> dict[str, Any]:
     facts, models, labels = plant.facts, plant.models, plant.labels
+    hoist = {} if plant.hoist is None else _hoist_summary(plant.hoist, facts.rope_frequency)
     return {
         "motor speed": f"{facts.motor_speed * 30 / np.pi:.4g} rpm",
         "total ratio": facts.total_ratio,
         "torque at the input": f"{facts.input_torque:.4g} N m",
-        "torque at the drums": f"{facts.output_torque:.4g} N m",
+        f"torque at the {'load' if plant.hoist is None else 'drums'}": f"{facts.output_torque:.4g} N m",
         "mesh stiffness": ", ".join(models["mesh"]),
         "casing": models["casing"],
         "shafts": models["shaft_model"],
-        "load": f"{models['load']}, {plant.hoist.mass:g} kg",
-        "rope mode at the start": f"{facts.rope_frequency:.3g} Hz" if facts.rope_frequency else "no rope",
+        "load": models["load"],
+        **hoist,
         "faults": ", ".join(f"{f.name}, stage {f.stage} {f.gear}" for f in plant.faults) or "none",
         "deviations": "none" if labels["seed"] == "none" else f"grade {labels['iso_grade']}, seed {labels['seed']}",
         "integrator": models["integrator"],
+    }
+
+
+def _hoist_summary(hoist: Hoist, rope_frequency: float | None) -> dict[str, str]:
+    return {
+        "container": f"{hoist.mass:g} kg",
+        "rope mode at the start": f"{rope_frequency:.3g} Hz" if rope_frequency else "no rope",
     }
 
 

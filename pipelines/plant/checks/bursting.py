@@ -15,6 +15,7 @@ from pipelines.plant.checks.strength import YIELD_STRENGTH
 from pipelines.plant.facts import motor_speed
 from pipelines.plant.layout import Layout
 from pipelines.scene.scene import Scene
+from pipelines.scene.tables.motion import SpeedDrive
 
 RIM_SPEED = math.sqrt(8 * YIELD_STRENGTH / ((3 + STEEL.poisson_ratio) * STEEL.density))
 
@@ -29,10 +30,10 @@ def bursting(scene: Scene, layout: Layout) -> Iterator[Problem]:
             if not tips <= RIM_SPEED:
                 limit = RIM_SPEED / gear.tip_radius / ratio * 30 / math.pi
                 yield Problem(
-                    "drive.speeds_rpm",
+                    "drive.speeds_rpm" if isinstance(scene.drive, SpeedDrive) else "drive",
                     f"the tips of the stage {number} {name} would run at {tips:.4g} m/s; a disc of the strongest steel "
                     f"bursts at {RIM_SPEED:.0f} m/s",
                     f"Give at most {limit:.4g} rpm.",
-                    f"{max(map(abs, scene.drive.speeds_rpm)):.4g}",
+                    f"{60 * layout.turns:.4g}",
                 )
                 return

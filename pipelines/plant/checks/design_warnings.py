@@ -11,6 +11,7 @@ from pipelines.plant.checks.window_checks import bad_windows
 from pipelines.plant.facts import StageFacts, stage_facts
 from pipelines.plant.layout import Layout
 from pipelines.scene.scene import Scene
+from pipelines.scene.tables.motion import LoadBase
 
 HARMONICS = 5  # of the fastest mesh that a good record holds
 
@@ -22,7 +23,7 @@ def design_warnings(scene: Scene, layout: Layout) -> tuple[str, ...]:
         *_gears(scene, layout, stages),
         *flank_warnings(scene, layout, stages),
         *strength_warnings(scene, layout, stages),
-        *_record(scene, stages),
+        *_record(scene, layout, stages),
         *_diagnosis(scene, layout),
     )
 
@@ -49,11 +50,11 @@ def _gears(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[s
                 f"{place}: {stage.pinion_teeth} and {stage.wheel_teeth} teeth share the divisor {divisor}; the same "
                 "teeth meet often and wear in a pattern"
             )
-        if facts.backlash < 0.02e-3 and scene.load.container_kg > 0:
+        if facts.backlash < 0.02e-3 and layout.load_torque != 0.0:
             yield f"{place}: backlash {facts.backlash * 1e6:.1f} um is small; both flanks may touch under deviations"
 
 
-def _record(scene: Scene, stages: list[StageFacts]) -> Iterator[str]:
+def _record(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[str]:
     for number, facts in enumerate(stages, 1):
         if scene.simulation.output_rate_Hz < 2 * HARMONICS * facts.mesh_frequency:
             yield (
@@ -61,8 +62,9 @@ def _record(scene: Scene, stages: list[StageFacts]) -> Iterator[str]:
                 f"harmonics of the mesh frequency of stage {number}, {facts.mesh_frequency:.1f} Hz; raise it to "
                 f"{4 * HARMONICS * facts.mesh_frequency:.0f}"
             )
-    if scene.load.container_kg == 0:
-        yield "load.container_kg = 0: nothing holds the drive flank; the gears will rattle in their backlash"
+    if not any(layout.drawn):
+        key = "load.container_kg = 0" if isinstance(scene.load, LoadBase) else "load: torque 0"
+        yield f"{key}: nothing holds the drive flank; the gears will rattle in their backlash"
 
 
 def _diagnosis(scene: Scene, layout: Layout) -> Iterator[str]:

@@ -15,12 +15,14 @@ from mbd.parts.shafts import shaft_nodes
 from pipelines.border.errors import Problem
 from pipelines.plant.bearings import linear_bearing, rolling_elements
 from pipelines.plant.checks.held_shafts import unheld
-from pipelines.plant.hoist import drums, load_spec
 from pipelines.plant.layout import Layout
-from pipelines.plant.machine import losses_spec, shaft_specs, speed_profile
+from pipelines.plant.machine import losses_spec, shaft_specs
 from pipelines.plant.plant import law_specs
+from pipelines.plant.torques.drives import motor_places, motor_torques, speed_profile
+from pipelines.plant.torques.loads import hanging_load, load_places, torque_load
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.bearings import HertzBearings, LinearBearings, RigidBearings
+from pipelines.scene.tables.motion import LoadBase, SpeedDrive
 
 
 def bad_machine(scene: Scene, layout: Layout) -> Iterator[Problem]:
@@ -81,9 +83,10 @@ def _off_shaft(scene: Scene, layout: Layout) -> Iterator[Problem]:
     for number, coupling in enumerate(scene.couplings, 1):
         for shaft, y in zip(coupling.shafts, coupling.positions_mm, strict=True):
             placed.append((f"couplings.{number}.positions_mm", shaft - 1, y))
-    placed += [
-        ("load.drum_positions_mm", layout.loaded, 1000 * y) for y in drums(scene.load, scene.shafts[layout.loaded])
-    ]
+    key = "load.drum_positions_mm" if isinstance(scene.load, LoadBase) else "load.position_mm"
+    placed += [(key, layout.loaded, 1000 * y) for y in load_places(scene.load, scene.shafts[layout.loaded])]
+    motors = motor_places(scene.drive, scene.shafts[layout.driven])
+    placed += [("drive.position_mm", layout.driven, 1000 * y) for y in motors]
     for path, number, y in placed:
         sections = scene.shafts[number].sections
         start, end = sections[0].start_mm, sections[-1].end_mm
@@ -114,11 +117,23 @@ def _stations(scene: Scene, layout: Layout, shaft: int) -> tuple[float, ...]:
 
 
 def _bad_load(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    places = load_places(scene.load, scene.shafts[layout.loaded])
     try:
-        load = load_spec(scene.load, f"shaft_{layout.loaded + 1}", drums(scene.load, scene.shafts[layout.loaded]))
-        load.check_run(speed_profile(scene.drive), layout.shaft_ratios[layout.loaded], scene.simulation.end_s)
+        _ = torque_load(scene.load, layout.loaded, places)
+        load = hanging_load(scene.load, layout.loaded, places)
+        if load is not None and isinstance(scene.drive, SpeedDrive):
+            load.check_run(speed_profile(scene.drive), layout.shaft_ratios[layout.loaded], scene.simulation.end_s)
     except MachineError as error:
         yield Problem("load", str(error))
+    try:
+        _ = motor_torques(scene.drive, layout.driven, (0.0,))
+    except MachineError as error:
+        yield Problem("drive", str(error))
+    for number, force in enumerate(scene.forces, 1):
+        try:
+            _ = force.spec(number)
+        except MachineError as error:
+            yield Problem(f"forces.{number}", str(error))
 
 
 def bad_laws(scene: Scene, layout: Layout) -> Iterator[Problem]:

@@ -1,4 +1,4 @@
-"""What teeth and shafts bear under the hanging load: pressure of the flanks, give of the teeth, torsion of the shafts.
+"""What teeth and shafts bear under the largest load: pressure of the flanks, give of the teeth, torsion of the shafts.
 
 Pressure of the flanks at the pitch point, without load factors:
 
@@ -23,9 +23,11 @@ from fem.gears.geometry import GearPair
 from pipelines.border.errors import Problem
 from pipelines.plant.checks.flank_checks import TYPICAL_STIFFNESS
 from pipelines.plant.facts import StageFacts, input_torque, power_flows, stage_facts
-from pipelines.plant.hoist import drums, shaft_ends
 from pipelines.plant.layout import Layout
+from pipelines.plant.torques.drives import motor_places
+from pipelines.plant.torques.loads import load_places, load_torque
 from pipelines.scene.scene import Scene
+from pipelines.scene.tables.forces import TorqueTable
 
 ENDURANCE = 1650e6  # Pa: sigma_H lim of the best case-carburized gear steel
 STATIC_STRENGTH = 1.6 * ENDURANCE  # Pa: the same with Z_NT of a load that comes a few times only
@@ -37,7 +39,7 @@ TORSION_STRENGTH = YIELD_STRENGTH / math.sqrt(3)  # Pa: its yield in shear
 
 @dataclass(frozen=True, kw_only=True)
 class Torsion:
-    """The most stressed section of a shaft under the hanging load; numbers from 1, SI."""
+    """The most stressed section of a shaft under the largest load; numbers from 1, SI."""
 
     shaft: int
     section: int
@@ -66,26 +68,31 @@ def contact_pressure(pair: GearPair, pinion_torque: float) -> float:
 
 
 def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]]]:
-    """By shaft: places y (m) and the torques (N m, lifting positive) that enter there, without losses."""
+    """By shaft: places y (m) and the torques (N m, driving positive) that enter there, without losses."""
     entering: list[list[tuple[float, float]]] = [[] for _ in scene.shafts]
     torque, speeds = input_torque(layout), layout.shaft_ratios
 
-    def flow(giver: tuple[int, float], taker: tuple[int, float], share: float) -> None:
+    def flow(giver: tuple[int, float], taker: tuple[int, float], power: float) -> None:
         for (shaft, y), sign in ((giver, -1), (taker, 1)):
-            entering[shaft].append((y, sign * share * torque / speeds[shaft]))
+            entering[shaft].append((y, sign * power / speeds[shaft]))
 
-    shares = power_flows(layout)
-    for stage, (pinion, wheel), share in zip(scene.stages, layout.pair_shafts, shares, strict=False):
+    flows = power_flows(layout)
+    for stage, (pinion, wheel), power in zip(scene.stages, layout.pair_shafts, flows, strict=False):
         y = stage.position_mm / 1000
-        flow((pinion, y), (wheel, y), share)
+        flow((pinion, y), (wheel, y), power)
     turning = [coupling for coupling in scene.couplings if coupling.turns_both]
-    for coupling, share in zip(turning, shares[len(scene.stages) :], strict=True):
+    for coupling, power in zip(turning, flows[len(scene.stages) :], strict=True):
         one, other = zip(coupling.shafts, coupling.positions_mm, strict=True)
-        flow((one[0] - 1, one[1] / 1000), (other[0] - 1, other[1] / 1000), share)
-    motors = shaft_ends(scene.shafts[layout.driven])[: scene.drive.motors]
+        flow((one[0] - 1, one[1] / 1000), (other[0] - 1, other[1] / 1000), power)
+    motors = motor_places(scene.drive, scene.shafts[layout.driven])
     entering[layout.driven] += [(y, torque / len(motors)) for y in motors]
-    places = drums(scene.load, scene.shafts[layout.loaded])
-    entering[layout.loaded] += [(y, -layout.hanging_torque / len(places)) for y in places]
+    for number, force in enumerate(scene.forces, 1):
+        if isinstance(force, TorqueTable):
+            largest = sum(force.spec(number).largest_torques(0.0).values())
+            entering[force.shaft - 1].append((force.position_mm / 1000, largest))
+    places = load_places(scene.load, scene.shafts[layout.loaded])
+    torque = load_torque(scene.load, layout.loaded)
+    entering[layout.loaded] += [(y, -torque / len(places)) for y in places]
     return entering
 
 
@@ -111,7 +118,7 @@ def torsions(scene: Scene, layout: Layout) -> list[Torsion]:
 
 
 def overloaded(scene: Scene, layout: Layout) -> Iterator[Problem]:
-    """Teeth and shafts that no steel could make strong enough for the hanging load."""
+    """Teeth and shafts that no steel could make strong enough for the largest load."""
     for number, (pair, facts) in enumerate(zip(layout.pairs, stage_facts(layout), strict=True), 1):
         yield from _overloaded_teeth(number, pair, facts)
     for worst in torsions(scene, layout):
@@ -120,7 +127,7 @@ def overloaded(scene: Scene, layout: Layout) -> Iterator[Problem]:
                 worst.path,
                 f"shaft {worst.shaft} is too thin for its {worst.torque:.4g} N m: torsion {worst.stress / 1e6:.4g} "
                 f"MPa, the strongest shaft steel yields at {TORSION_STRENGTH / 1e6:.0f} MPa (30CrNiMo8, ISO 683-2)",
-                f"Give {_enough(worst, TORSION_ENDURANCE):.4g} mm or more, or lower load.container_kg.",
+                f"Give {_enough(worst, TORSION_ENDURANCE):.4g} mm or more, or lower the load.",
                 f"{1000 * worst.diameter:g}",
             )
 
@@ -128,7 +135,7 @@ def overloaded(scene: Scene, layout: Layout) -> Iterator[Problem]:
 def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterator[Problem]:
     pressure = contact_pressure(pair, facts.pinion_torque)
     load = f"line load {facts.line_load / 1000:.4g} N/mm"
-    remedy = "Lower load.container_kg, or raise face_width_mm or module_mm"
+    remedy = "Lower the load, or raise face_width_mm or module_mm"
     if not pressure <= STATIC_STRENGTH:
         yield Problem(
             f"stages.{number}",

@@ -11,12 +11,14 @@ from mbd.parts.drive import SpeedProfile
 from pipelines.border.errors import Problem
 from pipelines.plant.bearings import rolling_bearings
 from pipelines.plant.flanks import tooth_faults
-from pipelines.plant.hoist import hoist
 from pipelines.plant.layout import Layout
 from pipelines.plant.looked_for import diagnosis_settings
-from pipelines.plant.machine import speed_profile
 from pipelines.plant.plant import looked_for
+from pipelines.plant.torques.drives import speed_profile
+from pipelines.plant.torques.hoist import hoist
 from pipelines.scene.scene import Scene
+from pipelines.scene.tables.motion import SpeedDrive
+from pipelines.scene.tables.torques import RPM
 from pipelines.signals.analysis import SPEED_TOLERANCE, DiagnosisError, DiagnosisSettings, envelope_band
 from pipelines.signals.spectrum import FEWEST_REVOLUTIONS, SpectrumError, whole_revolutions
 
@@ -25,7 +27,15 @@ def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
     """Why the diagnosis that a scene asks for could not be made; nothing where it asks for none."""
     if not scene.diagnosis.windows_s or not scene.sensors:
         return
-    if not any(scene.drive.speeds_rpm):
+    if not isinstance(scene.drive, SpeedDrive):
+        yield Problem(
+            "diagnosis.windows_s",
+            f"the diagnosis compares lines at a known speed, and a drive of model {scene.drive.model} takes the speed "
+            "that its torque gives",
+            'Use drive.model = "speed", or leave windows_s empty for signals alone',
+        )
+        return
+    if layout.turns == 0.0:
         yield Problem(
             "drive.speeds_rpm", "the motors stand: no shaft turns, there is nothing to diagnose", "Let them turn"
         )
@@ -37,7 +47,7 @@ def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
     )
     if settings is None:
         return
-    profile = SpeedProfile(times=np.array(scene.drive.times_s), speeds=np.array(scene.drive.speeds_rpm))
+    profile = SpeedProfile(times=drive.times, speeds=drive.speeds / RPM, smooth=drive.smooth)
     for name, window in settings.windows.items():
         yield from _bad_window(scene, settings, profile, name, window)
     highest = max(settings.mesh_harmonics) * settings.mesh_frequency

@@ -12,7 +12,7 @@ from pipelines.scene.tables.base import Number, Positive, Table, Whole, Window
 class DiagnosisTable(Table):
     """What the spectra and the envelope table look at."""
 
-    sensor: Annotated[str, Field(description="its signal is diagnosed")] = "sensor_3"
+    sensor: Annotated[str | None, Field(description="its signal is diagnosed; left out: the first one's")] = None
     axis: Annotated[Literal["x", "y", "z", "resultant"], Field(description="of the sensor")] = "z"
     stage: Annotated[Whole, Field(ge=1, description="stage whose mesh frequency carries the sidebands")] = 1
     gear: Annotated[Literal["pinion", "wheel"], Field(description="gear whose rotation is sought")] = "wheel"

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from pipelines.scene.tables.base import MaterialTable, NotNegative, Number, Positive, Table
 from pipelines.scene.tables.housing import Axes, HousingModel, MeshHousingTable
 
 Damping = Annotated[Number, Field(ge=0, lt=1)]
 Spring = Annotated[Number, Field(gt=0, le=1e7)]
+POINTS = re.compile(
+    r"(bearing|ground)_|(bearing|ground|casing|shaft|mesh|motor|load|rope|container)(_[0-9]+)?$|(origin|[xyz])$"
+)
 
 
 class NoCasingTable(Table):
@@ -130,7 +134,10 @@ CasingModel = Annotated[
 class SensorTable(Table):
     """A tri-axial accelerometer on the casing."""
 
-    name: Annotated[str, Field(pattern=r"^sensor_[1-9][0-9]*$", description="sensor_1, sensor_2, ...")]
+    name: Annotated[
+        str,
+        Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="letters, digits, _ and -; 40 at most"),
+    ]
     position_mm: Annotated[
         tuple[Number, Number, Number], Field(description="x, y, z; moved to the nearest surface point")
     ]
@@ -139,3 +146,10 @@ class SensorTable(Table):
         (0.0, 1.0, 0.0),
         (0.0, 0.0, 1.0),
     )
+
+    @field_validator("name")
+    @classmethod
+    def _not_another_point(cls, name: str) -> str:
+        if POINTS.match(name):
+            raise ValueError(f"{name} is the name of a point that is no sensor; choose another")
+        return name

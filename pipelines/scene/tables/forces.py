@@ -1,56 +1,56 @@
-"""Tables of forces from outside besides the load, each with what it is for the multibody model.
+"""Tables of forces from outside besides drive and load, each with what it is for the multibody model.
 
-A new kind is a table here, in `ForceModel`, and its file in `mbd.forces`; nothing else knows the kinds.
+A new kind is a table here, in `ForceModel`, and its class in `mbd`; nothing else knows the kinds.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from pipelines.scene.tables.base import Number, Table, Whole
+from pipelines.scene.tables.torques import ControlledTable, InductionTable, TorqueCurve
 
 if TYPE_CHECKING:
     from mbd.parts.load import OutsideForce
 
 
-class ForceBase(Table):
-    """Where a force acts."""
+class PlacedTable(Table):
+    """Where a force acts: it must be said."""
 
     shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
     position_mm: Annotated[Number, Field(description="y")]
 
-    def place(self, number: int) -> dict[str, Any]:
-        """Name, shaft and y (m) of the force with a number in the scene."""
-        return {"name": f"force_{number}", "shaft": f"shaft_{self.shaft}", "y": self.position_mm / 1000}
+    def place(self, number: int) -> tuple[str, int, float]:
+        """Name, shaft (from 0) and y (m) of the force with a number in the scene."""
+        return f"force_{number}", self.shaft - 1, self.position_mm / 1000
 
 
-class TorqueTable(ForceBase):
-    """A torque over time on a shaft, linear between the times and constant outside."""
+class TorqueTable(PlacedTable, TorqueCurve):
+    """A torque on a shaft: constant, over time or over speed; positive values drive in the positive sense."""
 
     model: Literal["torque"] = "torque"
-    times_s: Annotated[tuple[Number, ...], Field(min_length=1, description="strictly rising")]
-    torques_N_m: Annotated[
-        tuple[Number, ...], Field(min_length=1, description="at these times, positive in the lifting sense")
-    ]
-
-    @model_validator(mode="after")
-    def _pairs(self) -> TorqueTable:
-        if len(self.times_s) != len(self.torques_N_m):
-            raise ValueError(f"times_s has {len(self.times_s)} values, torques_N_m has {len(self.torques_N_m)}")
-        for before, after in zip(self.times_s, self.times_s[1:], strict=False):
-            if after <= before:
-                raise ValueError(f"times_s must rise strictly: {after} s follows {before} s")
-        return self
 
     def spec(self, number: int) -> OutsideForce:
-        """The force in SI."""
-        import numpy as np
-
-        from mbd.forces.torque import Torque
-
-        return Torque(**self.place(number), times=np.array(self.times_s), torques=np.array(self.torques_N_m))
+        """The torque in SI."""
+        return self.curve(self.at(*self.place(number)), 1.0, f"forces.{number}")
 
 
-ForceModel = TorqueTable
+class FurtherInductionMotor(PlacedTable, InductionTable):
+    """A further induction motor."""
+
+    def spec(self, number: int) -> OutsideForce:
+        """The motor in SI."""
+        return self.motor(self.at(*self.place(number)))
+
+
+class FurtherControlledMotor(PlacedTable, ControlledTable):
+    """A further motor under speed control."""
+
+    def spec(self, number: int) -> OutsideForce:
+        """The motor in SI."""
+        return self.motor(self.at(*self.place(number)), f"forces.{number}")
+
+
+ForceModel = Annotated[TorqueTable | FurtherInductionMotor | FurtherControlledMotor, Field(discriminator="model")]

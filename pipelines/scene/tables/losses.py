@@ -1,4 +1,4 @@
-"""Tables of the losses: what makes lowering differ from lifting."""
+"""Tables of the losses: what makes driving differ from being driven; and of the oil film between flanks."""
 
 from __future__ import annotations
 
@@ -34,4 +34,21 @@ class CoulombLosses(Table):
     ] = 0.0015
 
 
+class NoFilm(Table):
+    """Dry flanks."""
+
+    model: Literal["none"] = "none"
+
+
+class SqueezeFilm(Table):
+    """Oil that approaching flanks press out of their gap, in all meshes."""
+
+    model: Literal["squeeze"] = "squeeze"
+    viscosity_mPa_s: Annotated[
+        Number, Field(gt=0, le=1e5, description="dynamic viscosity at the temperature of the oil")
+    ] = 50.0
+    roughness_um: Annotated[Number, Field(ge=0.05, le=100, description="gap below which no film gets thinner")] = 1.0
+
+
+FilmModel = Annotated[NoFilm | SqueezeFilm, Field(discriminator="model")]
 LossModel = Annotated[NoLosses | EfficiencyLosses | CoulombLosses, Field(discriminator="model")]

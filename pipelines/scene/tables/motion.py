@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from pipelines.scene.tables.base import Number, Table, Whole
+from pipelines.scene.tables.samples import ColumnTable, Samples, check_pairs
+from pipelines.scene.tables.torques import ControlledTable, InductionTable, SomewhereTable, TorqueCurve
+
+Motors = Annotated[Literal[1, 2], Field(description="2: one at each end of the shaft; 1: at the -y end")]
 
 
-class DriveTable(Table):
-    """Speed-driven motors at both ends of a shaft, each through a coupling that only holds the rotation."""
+class SpeedDrive(Table):
+    """Motors of prescribed speed at the ends of a shaft, each through a coupling that only holds the rotation."""
 
-    times_s: Annotated[tuple[Number, ...], Field(min_length=2, description="strictly rising, starting at 0")]
-    speeds_rpm: Annotated[tuple[Number, ...], Field(min_length=2, description="motor speed at these times")]
-    motors: Annotated[Literal[1, 2], Field(description="2: one at each end; 1: at the -y end")] = 2
+    model: Literal["speed"] = "speed"
+    times_s: Annotated[Samples, Field(description="rising strictly, starting at 0; two or more")]
+    speeds_rpm: Annotated[
+        Samples,
+        Field(
+            description="motor speed at these times: linear between, measured speeds (from a file) by a smooth curve"
+        ),
+    ]
+    motors: Motors = 2
     coupling_stiffness_N_m_per_rad: Annotated[Number, Field(gt=0, description="of each coupling")] = 2000.0
     coupling_damping_N_m_s_per_rad: Annotated[Number, Field(ge=0, description="of each coupling")] = 0.5
     shaft: Annotated[Whole | None, Field(ge=1, description="number of the driven shaft; left out: 1")] = None
@@ -24,15 +34,67 @@ class DriveTable(Table):
     ] = 0.0
 
     @model_validator(mode="after")
-    def _table(self) -> DriveTable:
-        if len(self.times_s) != len(self.speeds_rpm):
-            raise ValueError(f"times_s has {len(self.times_s)} values, speeds_rpm has {len(self.speeds_rpm)}")
-        if self.times_s[0] != 0:
+    def _table(self) -> SpeedDrive:
+        check_pairs(self, "times_s", "speeds_rpm")
+        for key in ("times_s", "speeds_rpm"):
+            if not isinstance(getattr(self, key), ColumnTable) and len(getattr(self, key)) < 2:
+                raise ValueError(f"{key} has {len(getattr(self, key))} values; give two or more")
+        if not isinstance(self.times_s, ColumnTable) and self.times_s[0] != 0:
             raise ValueError(f"times_s must start at 0, it starts at {self.times_s[0]}")
-        for before, after in zip(self.times_s, self.times_s[1:], strict=False):
-            if after <= before:
-                raise ValueError(f"times_s must rise strictly: {after} s follows {before} s")
         return self
+
+
+class MotorsTable(SomewhereTable):
+    """One motor somewhere on a shaft, or one at each end."""
+
+    motors: Motors = 1
+
+    @model_validator(mode="after")
+    def _both_ends(self) -> MotorsTable:
+        if self.motors == 2 and self.position_mm is not None:
+            raise ValueError("motors = 2 stand at both ends of the shaft: leave position_mm out")
+        return self
+
+
+class TorqueDrive(MotorsTable, TorqueCurve):
+    """Motors that give a torque, whatever the speed that follows."""
+
+    model: Literal["torque"] = "torque"
+    start_rpm: Annotated[Number, Field(description="speed of the shaft at t = 0")]
+    highest_rpm: Annotated[
+        Number | None,
+        Field(gt=0, description="speed for which frequencies and strength are stated; left out: start_rpm"),
+    ] = None
+
+
+class InductionDrive(MotorsTable, InductionTable):
+    """Induction motors at the ends of a shaft."""
+
+    start_rpm: Annotated[
+        Number | None, Field(description="speed of the shaft at t = 0; left out: rated_rpm; 0: a start from standstill")
+    ] = None
+
+
+class ControlledDrive(MotorsTable, ControlledTable):
+    """Motors under speed control at the ends of a shaft."""
+
+
+def _speed_by_default(value: Any) -> Any:
+    return {"model": "speed", **value} if isinstance(value, dict) and "model" not in value else value
+
+
+DriveModel = Annotated[
+    SpeedDrive | TorqueDrive | InductionDrive | ControlledDrive,
+    Field(discriminator="model"),
+    BeforeValidator(_speed_by_default),
+]
+
+
+class TorqueLoad(SomewhereTable, TorqueCurve):
+    """A brake, fan or other machine that takes a torque: positive values resist the positive rotation."""
+
+    channels: ClassVar[int] = 4
+    model: Literal["torque"] = "torque"
 
 
 class LoadBase(Table):
@@ -101,7 +163,7 @@ class RopePendulumTable(RopeTable):
     sway_y_deg: Annotated[Number, Field(gt=-60, lt=60, description="the same across, along the shafts")] = 0.0
 
 
-LoadModel = Annotated[StaticTorqueTable | RopeTable | RopePendulumTable, Field(discriminator="model")]
+LoadModel = Annotated[TorqueLoad | StaticTorqueTable | RopeTable | RopePendulumTable, Field(discriminator="model")]
 
 
 class SimulationTable(Table):

@@ -13,7 +13,8 @@ from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rope import Rope
 from mbd.parts.load import Load, StaticTorque
 from mbd.parts.machine import STANDARD_GRAVITY
-from pipelines.scene.tables.motion import LoadModel, RopePendulumTable, RopeTable
+from pipelines.plant.torques.places import shaft_ends
+from pipelines.scene.tables.motion import LoadBase, LoadModel, RopePendulumTable, RopeTable
 from pipelines.scene.tables.shafts import ShaftTable
 
 if TYPE_CHECKING:
@@ -51,8 +52,10 @@ class Hoist:
         return self.rope_length - angle * self.drum_radius / self.reeving
 
 
-def hoist(table: LoadModel) -> Hoist:
-    """What hangs on the drums."""
+def hoist(table: LoadModel) -> Hoist | None:
+    """What hangs on the drums; None where nothing does."""
+    if not isinstance(table, LoadBase):
+        return None
     common = {
         "mass": table.container_kg,
         "drum_radius": table.drum_radius_mm / 1000,
@@ -64,7 +67,7 @@ def hoist(table: LoadModel) -> Hoist:
     return Hoist(**common, rope_strength=strength, rope_length=table.rope_length_m)
 
 
-def output_torque(load: LoadModel) -> float:
+def output_torque(load: LoadBase) -> float:
     """Torque of the hanging weight on the shaft of the drums (N m): m g R / reeving."""
     return load.container_kg * STANDARD_GRAVITY * load.drum_radius_mm / 1000 / load.reeving_ratio
 
@@ -75,18 +78,13 @@ def _rope_strength(load: RopeTable) -> float:
     return load.rope_modulus_GPa * 1e9 * area
 
 
-def drums(load: LoadModel, shaft: ShaftTable) -> tuple[float, ...]:
+def drums(load: LoadBase, shaft: ShaftTable) -> tuple[float, ...]:
     """y of the drums (m) on their shaft."""
     given = tuple(y / 1000 for y in load.drum_positions_mm)
     return given or shaft_ends(shaft)
 
 
-def shaft_ends(shaft: ShaftTable) -> tuple[float, float]:
-    """y of the two ends of a shaft (m)."""
-    return shaft.sections[0].start_mm / 1000, shaft.sections[-1].end_mm / 1000
-
-
-def load_spec(table: LoadModel, shaft: str, places: tuple[float, ...]) -> Load:
+def load_spec(table: LoadBase, shaft: str, places: tuple[float, ...]) -> Load:
     """The load on the drums at `places` (m) of a shaft."""
     radius = table.drum_radius_mm / 1000
     direction = None if table.rope_direction_deg is None else math.radians(table.rope_direction_deg)

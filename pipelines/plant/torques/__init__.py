@@ -1,0 +1,1 @@
+"""What drives and loads the machine of a scene, in SI."""

@@ -1,0 +1,10 @@
+"""Places on shafts, in m."""
+
+from __future__ import annotations
+
+from pipelines.scene.tables.shafts import ShaftTable
+
+
+def shaft_ends(shaft: ShaftTable) -> tuple[float, float]:
+    """y of the two ends of a shaft (m)."""
+    return shaft.sections[0].start_mm / 1000, shaft.sections[-1].end_mm / 1000

@@ -1,0 +1,178 @@
+"""Values over time or speed: written in the scene, or a column of a file, which is read and checked line by line."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Discriminator, Field, Tag
+
+from pipelines.border.errors import InputError, Problem, SceneError
+from pipelines.border.shown import nearest_name, shown
+from pipelines.border.user_files import read_text, regular_file
+from pipelines.scene.tables.base import Number, Table
+
+MOST_BYTES = 200_000_000
+HDF5 = (".h5", ".hdf5")
+
+
+class ColumnTable(Table):
+    """One column of a CSV file with a line of names, or one dataset of an HDF5 file (.h5, .hdf5)."""
+
+    file: Annotated[str, Field(min_length=1, description="beside the scene, or a path")]
+    column: Annotated[str, Field(min_length=1, description="name of the column or dataset; the key says its unit")]
+
+
+def _kind(value: object) -> str:
+    return "values" if isinstance(value, Sequence) and not isinstance(value, str) else "column"
+
+
+Samples = Annotated[
+    Annotated[tuple[Number, ...], Field(min_length=1, max_length=100_000), Tag("values")]
+    | Annotated[ColumnTable, Tag("column")],
+    Discriminator(_kind),
+]
+
+
+def check_pairs(table: Table, places: str, values: str) -> None:
+    """Raise ValueError unless two keys of a table hold pairs, as far as the scene alone tells; places must rise."""
+    first, second = getattr(table, places), getattr(table, values)
+    if isinstance(first, ColumnTable) or isinstance(second, ColumnTable):
+        return
+    if len(first) != len(second):
+        raise ValueError(f"{places} has {len(first)} values, {values} has {len(second)}")
+    unit = places.rpartition("_")[2]
+    for before, after in zip(first, first[1:], strict=False):
+        if after <= before:
+            raise ValueError(f"{places} must rise strictly: {after} {unit} follows {before} {unit}")
+
+
+def pairs(table: Table, places: str, values: str, path: str) -> tuple[np.ndarray, np.ndarray]:
+    """Places (n,) and values (n,) of two keys of a table, as written, in the units of their keys.
+
+    Parameters
+    ----------
+    table : of the scene
+    places, values : its keys, e.g. "times_s" and "speeds_rpm"; places rise
+    path : of the table in the scene, for messages
+
+    Raises
+    ------
+    SceneError : no such file or column, a cell that is no number, places that do not rise, different lengths
+    """
+    found, lines = [], []
+    for key in (places, values):
+        numbers, line = samples(getattr(table, key), f"{path}.{key}")
+        found.append(numbers)
+        lines.append(line)
+    first, second = found
+    if len(first) != len(second):
+        raise _refused(f"{path}.{values}", f"{len(second)} values for {len(first)} of {places}", "Give pairs")
+    wrong = np.flatnonzero(np.diff(first) <= 0)
+    if len(wrong):
+        i = int(wrong[0]) + 1
+        raise _refused(
+            f"{path}.{places}",
+            f"{first[i]:g} follows {first[i - 1]:g}{_at(lines[0], i)}",
+            "Sort the file, and drop repeated instants",
+        )
+    return first, second
+
+
+def samples(given: tuple[float, ...] | ColumnTable, path: str) -> tuple[np.ndarray, int | None]:
+    """The values (n,), and the line of the file that holds the first; None if they are in the scene.
+
+    Parameters
+    ----------
+    given : values or the name of a column
+    path : of the key in the scene, for messages
+
+    Raises
+    ------
+    SceneError : no such file or column, a cell that is no number
+    """
+    if not isinstance(given, ColumnTable):
+        return np.array(given, dtype=float), None
+    file = _found(given.file)
+    try:
+        regular_file(file, MOST_BYTES)
+        if file.suffix.lower() in HDF5:
+            return _dataset(file, given.column, path), None
+        return _column(read_text(file, MOST_BYTES), given, path), 2
+    except FileNotFoundError:
+        raise _refused(f"{path}.file", "no such file", "Give a path from the folder of the scene", given.file) from None
+    except InputError as error:
+        if isinstance(error, SceneError):
+            raise
+        raise _refused(f"{path}.file", str(error), "") from error
+
+
+def _found(name: str) -> Path:
+    """The file of that name, or the one that is shipped with a scene."""
+    shipped = Path(str(resources.files("pipelines.scene"))) / "shipped" / name
+    beside = Path(name)
+    return shipped if shipped.suffix == ".csv" and not beside.exists() and shipped.is_file() else beside
+
+
+def _column(text: str, given: ColumnTable, path: str) -> np.ndarray:
+    head = text.partition("\n")[0]
+    separator = ";" if ";" in head else "\t" if "\t" in head else ","
+    rows = csv.reader(io.StringIO(text), delimiter=separator)
+    names = [name.strip() for name in next(rows, [])]
+    if given.column not in names:
+        near = nearest_name(given.column, names)
+        hint = f'Did you mean "{near}"?' if near else "Choose one of them"
+        raise _refused(f"{path}.column", f"the file has the columns {', '.join(map(shown, names))}", hint, given.column)
+    place, values = names.index(given.column), []
+    for row in rows:
+        if not row:
+            continue
+        cell = row[place].strip() if place < len(row) else ""
+        try:
+            value = float(cell)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            what = f"{shown(cell)} is no number" if cell else "the cell is empty"
+            raise _refused(f"{path}.file", f"line {rows.line_num}: {what}", "Mend or drop that line", given.file)
+        values.append(value)
+    if not values:
+        raise _refused(f"{path}.file", "the file holds no values", "Give one with a line of names and values below")
+    return np.array(values)
+
+
+def _dataset(file: Path, name: str, path: str) -> np.ndarray:
+    import h5py
+
+    try:
+        with h5py.File(file, "r") as opened:
+            found: Any = opened.get(name)
+            if not isinstance(found, h5py.Dataset):
+                raise _refused(
+                    f"{path}.column", f"the file has no dataset of that name ({', '.join(opened)})", "", name
+                )
+            values = np.asarray(found[()], dtype=float).ravel()
+    except (OSError, ValueError, TypeError) as error:
+        if isinstance(error, SceneError):
+            raise
+        raise _refused(f"{path}.file", f"cannot be read as HDF5 ({error})", "Give a CSV or HDF5 file") from error
+    bad = np.flatnonzero(~np.isfinite(values))
+    if len(bad):
+        raise _refused(
+            f"{path}.column", f"value {bad[0] + 1} of {len(values)} is {values[bad[0]]}", "Fill the gap", name
+        )
+    return values
+
+
+def _at(line: int | None, number: int) -> str:
+    return "" if line is None else f" (value {number + 1}, about line {line + number})"
+
+
+def _refused(path: str, message: str, remedy: str, value: str | None = None) -> SceneError:
+    return SceneError("scene", [Problem(path, message, remedy, None if value is None else f'"{value}"')])

@@ -1,0 +1,166 @@
+"""Tables of torques from outside: drives that give a torque, brakes and fans that take one.
+
+A kind is a table here with its `spec`, and a class in `mbd.torques`; it may stand under `[drive]`, `[load]` or
+`[[forces]]` as those list it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from pipelines.scene.tables.base import Number, Table, Whole
+from pipelines.scene.tables.samples import Samples, check_pairs
+
+if TYPE_CHECKING:
+    from mbd.torques.torque_source import TorqueSource
+
+RPM = 2 * math.pi / 60
+
+
+class SourceTable(Table):
+    """The rotor that a torque acts on."""
+
+    inertia_kg_m2: Annotated[Number, Field(ge=0, description="moment of inertia of the rotor; 0: none")] = 0.0
+    coupling_stiffness_N_m_per_rad: Annotated[
+        Number | None,
+        Field(
+            gt=0,
+            description="of the coupling of the rotor; left out: the rotor is fixed to the shaft. Without inertia a "
+            "coupling passes the torque on as it is",
+        ),
+    ] = None
+    coupling_damping_N_m_s_per_rad: Annotated[Number, Field(ge=0, description="of the same coupling")] = 0.0
+
+    def at(self, name: str, shaft: int, y: float) -> dict[str, Any]:
+        """Arguments of a `TorqueSource`: its name, its shaft (from 0), its place y (m), and the rotor."""
+        from mbd.torques.torque_source import Rotor
+
+        rotor = None
+        if self.inertia_kg_m2 > 0.0:
+            rotor = Rotor(
+                inertia=self.inertia_kg_m2,
+                stiffness=self.coupling_stiffness_N_m_per_rad,
+                damping=self.coupling_damping_N_m_s_per_rad,
+            )
+        return {"name": name, "shaft": f"shaft_{shaft + 1}", "y": y, "rotor": rotor}
+
+
+class SomewhereTable(Table):
+    """A shaft and a place on it that need not be given."""
+
+    shaft: Annotated[
+        Whole | None, Field(ge=1, description="number of the shaft; left out: 1 for a drive, the last for a load")
+    ] = None
+    position_mm: Annotated[
+        Number | None, Field(description="y on the shaft; left out: the -y end for a drive, the +y end for a load")
+    ] = None
+
+
+class TorqueCurve(SourceTable):
+    """A torque: constant, over time, or over speed."""
+
+    torque_N_m: Annotated[Number | None, Field(description="constant, whatever the speed and its sign")] = None
+    times_s: Annotated[Samples | None, Field(description="rising; linear between, constant outside")] = None
+    speeds_rpm: Annotated[Samples | None, Field(description="of the shaft, rising, instead of times_s")] = None
+    torques_N_m: Annotated[Samples | None, Field(description="at these times or speeds")] = None
+
+    @model_validator(mode="after")
+    def _one_curve(self) -> TorqueCurve:
+        places = [name for name in ("times_s", "speeds_rpm") if getattr(self, name) is not None]
+        if self.torque_N_m is not None and (places or self.torques_N_m is not None):
+            raise ValueError("give torque_N_m alone, or torques_N_m with times_s or speeds_rpm")
+        if self.torque_N_m is None and (len(places) != 1 or self.torques_N_m is None):
+            raise ValueError("give torque_N_m, or torques_N_m with either times_s or speeds_rpm")
+        if places:
+            check_pairs(self, places[0], "torques_N_m")
+        return self
+
+    def curve(self, where: dict[str, Any], sign: float, path: str) -> TorqueSource:
+        """The torque in SI.
+
+        Parameters
+        ----------
+        where : from `at`
+        sign : +1 if positive values drive, -1 if they resist
+        path : of this table in the scene, for messages
+        """
+        import numpy as np
+
+        from mbd.torques.speed_torque import SpeedTorque
+        from mbd.torques.torque import Torque
+        from pipelines.scene.tables.samples import pairs
+
+        if self.torque_N_m is not None:
+            return Torque(**where, times=np.zeros(1), torques=np.array([sign * self.torque_N_m]))
+        key = "times_s" if self.times_s is not None else "speeds_rpm"
+        places, torques = pairs(self, key, "torques_N_m", path)
+        if key == "times_s":
+            return Torque(**where, times=places, torques=sign * torques)
+        return SpeedTorque(**where, speeds=places * RPM, torques=sign * torques)
+
+
+class InductionTable(SourceTable):
+    """An induction motor on the mains, by its rating and Kloss' formula."""
+
+    model: Literal["induction-motor"] = "induction-motor"
+    synchronous_rpm: Annotated[Number, Field(gt=0, description="speed of the field: 60 times mains over pole pairs")]
+    rated_rpm: Annotated[Number, Field(gt=0, description="speed at the rated torque")]
+    rated_torque_N_m: Annotated[Number, Field(gt=0, description="at the rated speed")]
+    breakdown_ratio: Annotated[Number, Field(gt=1, le=10, description="breakdown torque over rated torque")] = 2.5
+
+    @model_validator(mode="after")
+    def _slips(self) -> InductionTable:
+        if self.rated_rpm >= self.synchronous_rpm:
+            raise ValueError(
+                f"rated_rpm = {self.rated_rpm:g} must be below synchronous_rpm = {self.synchronous_rpm:g}: the slip "
+                "makes the torque"
+            )
+        return self
+
+    def motor(self, where: dict[str, Any]) -> TorqueSource:
+        """The motor in SI; `where` is from `at`."""
+        from mbd.torques.induction_motor import InductionMotor, breakdown_slip
+
+        slip = breakdown_slip(1.0 - self.rated_rpm / self.synchronous_rpm, self.breakdown_ratio)
+        return InductionMotor(
+            **where,
+            synchronous_speed=self.synchronous_rpm * RPM,
+            breakdown_torque=self.breakdown_ratio * self.rated_torque_N_m,
+            breakdown_slip=slip,
+        )
+
+
+class ControlledTable(SourceTable):
+    """A motor under a speed controller with proportional and integral part."""
+
+    model: Literal["controlled-motor"] = "controlled-motor"
+    times_s: Annotated[Samples, Field(description="rising, starting at 0")]
+    speeds_rpm: Annotated[Samples, Field(description="wanted speed at these times")]
+    proportional_N_m_s_per_rad: Annotated[Number, Field(gt=0, description="torque per error of the speed")]
+    integral_N_m_per_rad: Annotated[Number, Field(ge=0, description="torque per error of the angle")] = 0.0
+    limit_N_m: Annotated[Number, Field(gt=0, description="largest torque, either way")]
+    starting_torque_N_m: Annotated[Number, Field(description="what the integral part holds at t = 0")] = 0.0
+
+    @model_validator(mode="after")
+    def _pairs(self) -> ControlledTable:
+        check_pairs(self, "times_s", "speeds_rpm")
+        return self
+
+    def motor(self, where: dict[str, Any], path: str) -> TorqueSource:
+        """The motor in SI; `where` is from `at`, `path` that of this table in the scene."""
+        from mbd.parts.drive import SpeedProfile
+        from mbd.torques.speed_controller import SpeedController
+        from pipelines.scene.tables.samples import pairs
+
+        times, speeds = pairs(self, "times_s", "speeds_rpm", path)
+        return SpeedController(
+            **where,
+            reference=SpeedProfile(times=times, speeds=speeds * RPM),
+            proportional=self.proportional_N_m_s_per_rad,
+            integral=self.integral_N_m_per_rad,
+            limit=self.limit_N_m,
+            starting_torque=self.starting_torque_N_m,
+        )
