@@ -47,7 +47,7 @@ def free_gears(film, speed):
 
 
 def approach(system, speed, gap):
-    """A state with delta = -gap that closes at ``speed``: both gears turn as rigid bodies, without momentum together."""
+    """A state with delta = -gap that closes at ``speed``: both gears turn rigidly, without momentum together."""
     row, turns = system.rows[system.at("stage_1:drive").start], []
     for shaft in ("shaft_1", "shaft_2"):
         own = np.zeros(system.layout.size)

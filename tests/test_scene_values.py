@@ -91,7 +91,8 @@ SCENES = {
         "stages.1.pinion_shaft": 1, "stages.1.wheel_shaft": 2, "stages.1.cycle_at_start": 0.1,
         "deviations.include": ["pitch", "helix"],
         "faults": FAULTS, "forces": [TORQUE], **dotted("load", ROPE), **dotted("casing", ELASTIC),
-        **dotted("casing.housing", HOUSING), "losses": {"model": "coulomb"}, "film": {"model": "squeeze"}, "shaft_model.model": "timoshenko",
+        **dotted("casing.housing", HOUSING), "losses": {"model": "coulomb"},
+        "film": {"model": "squeeze"}, "shaft_model.model": "timoshenko",
         "drive.shaft": 1, "drive.brake_torque_N_m": 20.0, "simulation.start": 1,
     }),
     "joined": ("minimal", {

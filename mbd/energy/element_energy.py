@@ -36,6 +36,7 @@ class ElementWork:
         self._received, self._loss, self._shifted = np.zeros(m), np.zeros(m), np.zeros(m)
         self._let_go = np.zeros(len(self._opening), dtype=int)
         self._touched = np.zeros(len(self._opening), dtype=int)
+        self._open = np.zeros(len(self._opening))  # s
         self.throughput = 0.0
 
     def take(self, block: Block) -> None:
@@ -50,6 +51,7 @@ class ElementWork:
         loaded = elastic[new][:, self._contact_rows] > 0.0
         self._let_go += (loaded[:-1] & ~loaded[1:]).sum(axis=0)
         self._touched += (~loaded[:-1] & loaded[1:]).sum(axis=0)
+        self._open += (~loaded[1:] * clock[new][1:, LENGTH, None]).sum(axis=0)
         turned = np.diff(clock[new, ANGLE])
         for force, sums in ((elastic + lost, self._received), (lost, self._loss)):
             sums += _path_work(force, rows, known, even) + self._rolling_work(force[new], turned)
@@ -84,13 +86,16 @@ class ElementWork:
         return rows
 
     def events(self) -> dict[str, int]:
-        """Contacts lost and made, by the counters that the elements name."""
+        """Contacts lost and made, by the counters that the elements name, and us without contact of those that hold the
+        train."""
         found: dict[str, int] = {}
         for k, i in enumerate(self._opening):
             element = self._elements[i]
             for name, count in ((element.lets_go, self._let_go[k]), (element.touches, self._touched[k])):
                 if name:
                     found[name] = found.get(name, 0) + int(count)
+            if element.contact is not None and element.contact.side == 0:
+                found[f"{element.contact.name}:microseconds_open"] = round(1e6 * float(self._open[k]))
         return found
 
 

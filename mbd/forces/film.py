@@ -5,8 +5,8 @@ Reynolds' equation for a long cylinder of radius R at the distance h from a plan
     F = 12 pi eta b v (R/2h)^1.5 = 3 sqrt(2) pi eta b v (R/h)^1.5,   v > 0;   F = 0 where the flanks part.
 
 The flanks of both teeth at the pitch point make the cylinder, b is the mean length of all contact lines. h is the gap
-in which no tooth touches, floored by the roughness h_0. Where the flanks carry a force F_c the film is squeezed out: it
-fades as F_0/(F_0 + F_c), F_0 the force that presses the teeth together by h_0; in a loaded mesh the damping of the
+in which no tooth touches, floored by the roughness h_0. Where the flanks carry a force F_c the film is squeezed out:
+it fades as F_0/(F_0 + F_c), F_0 the force that presses the teeth together by h_0; in a loaded mesh the damping of the
 mesh itself counts (`mbd.forces.flank`). The thinning of the film by pressure and the sliding of the flanks are left out.
 
 References

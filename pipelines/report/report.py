@@ -13,6 +13,7 @@ from pipelines.figures.views import LeftOut
 from pipelines.report import page, spectra
 from pipelines.report.contents import ReportContents, cell, grid
 from pipelines.signals.analysis import channel_names
+from pipelines.signals.levels import contact_sentence, level_grid
 from pipelines.signals.verdict import criterion, directions, grade, headline, sentences, summary_grid
 
 __all__ = ["ReportContents", "write_report"]
@@ -142,8 +143,12 @@ def _signals(contents: ReportContents) -> list[str]:
     if not runs:
         return []
     figure = waveform_figure(runs, contents.sensor, contents.axis, contents.windows)
+    first = next(iter(contents.runs.values()))
+    levels, contact = level_grid(first, contents.windows), contact_sentence(first)
     caption = "Acceleration at the sensor, without sensor noise: the whole run, and a tenth of a second."
-    return [page.picture(figure, caption)]
+    parts = [page.picture(figure, caption)]
+    parts += [] if levels is None else [page.table(levels)]
+    return parts + ([page.paragraph(contact)] if contact else [])
 
 
 def _cost(contents: ReportContents) -> list[str]:
