@@ -86,7 +86,7 @@ def test_shafts_of_the_public_units_lie_where_their_files_say(scene_of, name, pl
     _, tree = scene_of(unit(**UNITS[name]))
     layout = lay_out(scene_of_tree(tree).scene)
     for (x, z), (v, w) in zip(layout.axes, places, strict=True):
-        assert (1000 * x, 1000 * z) == pytest.approx((-v, w), abs=1e-4 * 53)
+        assert (1000 * x, 1000 * z) == pytest.approx((-v, w), abs=1e-6)
 
 
 def test_the_output_torque_of_the_sew_unit_is_its_rated_one(scene_of):
