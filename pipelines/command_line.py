@@ -122,11 +122,11 @@ def _new(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("file", metavar="FILE", type=path, help="file to write, ending in .toml; never overwritten")
     sub.add_argument(
         "--from",
-        metavar="SCENE",
+        metavar="SOURCE",
         type=path,
         dest="source",
         default="bench",
-        help="default: bench",
+        help="a scene, or a gear unit in REXS: .rexs, .rexsj or .rexsz (default: bench)",
     )
 
 

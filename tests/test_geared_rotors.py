@@ -10,6 +10,7 @@ from scipy import linalg
 
 from mbd.forces.gyroscopic_plane import planes
 from mbd.parts.bearings import BEARING_AXES, BearingSpec
+from mbd.parts.checks import MachineError
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.load import StaticTorque
@@ -187,3 +188,23 @@ def test_the_strongest_planes_rebuild_a_skew_matrix():
     assert left == pytest.approx(1e-3 / math.hypot(5.0, 2.0), rel=1e-2)
     rebuilt = sum(s * (np.outer(x, y) - np.outer(y, x)) for x, y, s in zip(a, b, g, strict=True))
     assert abs(rebuilt - turn @ skew @ turn.T).max() < 2e-3
+
+
+def with_density(density):
+    machine = turbine_set()
+    shafts = tuple(dataclasses.replace(shaft, density=density) for shaft in machine.shafts)
+    return assemble(dataclasses.replace(machine, shafts=shafts), no_casing(), band=np.inf)
+
+
+def test_light_shafts_come_to_the_frequencies_of_disks_on_springs():
+    """What the mass of the shafts changes falls with their density, down to where round-off hides it."""
+    found = [linear_modes(with_density(density), up_to=90.0, speed=SPEED).frequencies[:6] for density in (10, 1, 0.1)]
+    found = [frequencies[frequencies > 1.0] for frequencies in found]
+    assert (found[0] - found[1])[:4] / (found[1] - found[2])[:4] == pytest.approx(10.0, rel=0.1)
+
+
+@pytest.mark.parametrize("density", [1e-3, 1e-4, 1e-6, 1e-8])
+def test_a_shaft_of_next_to_no_mass_is_refused(density):
+    """Its own frequencies are so high that round-off of their squares would change the lowest ones by some per cent."""
+    with pytest.raises(MachineError, match="has next to no mass"):
+        with_density(density)

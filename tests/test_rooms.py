@@ -44,6 +44,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "pipelines.plant.torques",
     "pipelines.plant",
     "pipelines.plant.checks",
+    "pipelines.rexs",
     "pipelines.engine",
     "pipelines.figures",
     "pipelines.orders",

@@ -89,7 +89,8 @@ SCENES = {
     "details": ("minimal", {
         "stages.1.pinion": GEAR | {"rim_thickness_mm": None, "web_thickness_mm": None}, "stages.1.wheel": GEAR,
         "stages.1.centre_distance_mm": 76.9, "stages.1.backlash_um": 300.0, "stages.1.mesh": {"model": "plane"},
-        "stages.1.pinion_shaft": 1, "stages.1.wheel_shaft": 2, "deviations.include": ["pitch", "helix"],
+        "stages.1.pinion_shaft": 1, "stages.1.wheel_shaft": 2, "stages.1.cycle_at_start": 0.1,
+        "deviations.include": ["pitch", "helix"],
         "faults": FAULTS, "forces": [TORQUE], **dotted("load", ROPE), **dotted("casing", ELASTIC),
         **dotted("casing.housing", HOUSING), "losses": {"model": "coulomb"},
         "film": {"model": "squeeze"}, "shaft_model.model": "timoshenko",

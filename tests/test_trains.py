@@ -10,6 +10,7 @@ from mbd_rigs import no_casing, rigid_casing, train
 from mbd.parts.bearings import BEARING_AXES, BearingSpec, rigid_bearing
 from mbd.parts.checks import MachineError
 from mbd.parts.couplings import ShaftCoupling
+from mbd.parts.gear_mesh import mesh_rows
 from mbd.parts.train import Link, power_flow, shaft_ratios
 from mbd.reference.mesh_reference import nominal_forces
 from mbd.simulate import Settings, simulate
@@ -139,6 +140,51 @@ def test_a_coupling_between_shafts_winds_up_by_its_torque():
         dataclasses.replace(machine, shafts=(*machine.shafts[:2], dataclasses.replace(end, x=end.x + 1e-3)))
 
 
+def nested(**stiffness):
+    """A second pinion shaft on the axis of the first, with one bearing of its own and one on the first shaft."""
+    machine = train(1)
+    mesh, pinion = machine.meshes[0], machine.shafts[0]
+    twin = dataclasses.replace(pinion, name="shaft_3")
+    second = dataclasses.replace(mesh, name="stage_2", driving="shaft_3", y=mesh.y + 0.05)
+    own = dataclasses.replace(machine.bearings[0], name="extra", shaft="shaft_3")
+    joint = ShaftCoupling(
+        name="coupling_1", shafts=("shaft_1", "shaft_3"), y=(0.2, 0.2), torsional_stiffness=0.0, **stiffness
+    )
+    return dataclasses.replace(
+        machine, shafts=(*machine.shafts, twin), meshes=(mesh, second), bearings=(*machine.bearings, own),
+        shaft_couplings=(joint,),
+    )  # fmt: skip
+
+
+def test_a_bearing_between_two_shafts_carries_what_the_other_bearing_leaves():
+    """The shaft that turns idly hangs by its weight in both; the rotation of each is its own."""
+    stiffness = 5e7
+    machine = nested(radial_stiffness=stiffness)
+    system = assemble(machine, no_casing())
+    assert machine.shaft_couplings[0].links == ()
+    state = equilibrium(system)
+    lay, q = system.layout, state.displacement
+    lift = lay.axis_row("shaft_1", 0.2, 2) - lay.axis_row("shaft_3", 0.2, 2)
+    turn = lay.axis_row("shaft_3", -0.1, 2)
+    bearing = next(b for b in machine.bearings if b.name == "extra")
+    shaft = next(part for part in system.parts if part.name == "shaft_3")
+    up = [place for place, i in enumerate(shaft.index) if lay.names[i].endswith(":uz")]
+    weight = shaft.mass[np.ix_(up, up)].sum() * machine.gravity
+    mesh = mesh_rows(machine.mesh("stage_2"), machine.shaft("shaft_3"), machine.shaft("shaft_2"))[0, 2]
+    held = stiffness * lift @ q - bearing.stiffness_z * turn @ q - state.mesh_force[1] * mesh
+    assert stiffness * lift @ q > 0.1 * weight
+    assert held == pytest.approx(weight, rel=1e-6)
+
+
+def test_a_bearing_between_shafts_stands_on_one_axis_and_holds_something():
+    machine = nested(radial_stiffness=1e7)
+    off = dataclasses.replace(machine.shaft_couplings[0], shafts=("shaft_1", "shaft_2"))
+    with pytest.raises(MachineError, match="mm apart"):
+        dataclasses.replace(machine, shaft_couplings=(off,))
+    with pytest.raises(MachineError, match="has no stiffness in any direction"):
+        nested()
+
+
 def test_cross_terms_turn_the_axes_of_a_bearing():
     """A bearing that is stiff along 30 degrees, K = R diag(k) R^T: its energy is balanced."""
     angle, k = math.radians(30), (4e7, 1e7)
@@ -197,6 +243,10 @@ def test_rigid_bearings_are_the_limit_of_stiff_ones():
     assert BEARING_AXES[:3] == ("ux", "uy", "uz")
 
 
+JOINT = {
+    "shafts": [1, 2], "positions_mm": [0.0, 0.0], "torsional_stiffness_N_m_per_rad": 0.0,
+    "radial_stiffness_N_per_um": 10.0,
+}  # fmt: skip
 SPLIT = {
     "stages.2.pinion_shaft": 1, "stages.2.wheel_shaft": 3, "stages.2.pinion_teeth": 20, "stages.2.wheel_teeth": 55,
     "stages.2.module_mm": 2.0, "stages.2.face_width_mm": 12.0, "stages.2.pinion_bore_mm": 25.0,
@@ -224,6 +274,8 @@ def test_a_scene_with_a_branch_on_the_input_shaft():
         ({"stages.1.wheel_shaft": 1}, "both ends are on shaft 1"),
         ({"shafts.1.bearing_positions_mm": [-135.0, 0.0, 135.0]}, "bearing_supports"),
         ({"load.shaft": 7}, "there is no shaft 7"),
+        ({"couplings": [JOINT]}, r"couplings\.1\.shafts: the axes of shafts 1 and 2 are .* mm apart"),
+        ({"couplings": [JOINT | {"radial_stiffness_N_per_um": 0.0}]}, "all of its stiffnesses are 0"),
     ],
 )
 def test_contradictory_trains_are_refused(changes, message):

@@ -16,6 +16,7 @@ from fem.gears.path import line_length
 
 KISSSOFT = "KISSsoft report 03/2017, published in gfsReboucas/Drivetrain"
 ISO_21771 = "ISO 21771:2007, evaluated independently"
+REXS = "SEW_3-stage_cylindrical_gearbox_1.0.rexs and FVA-Industriegetriebe_2stufig_1-4.rexs, public"
 ISO_6336 = "ISO 6336-1:2019, clause 9, evaluated independently"
 
 
@@ -29,6 +30,18 @@ def _diameters() -> Values:
     return [
         2000 * r for gear in (pair.pinion, pair.wheel) for r in (gear.base_radius, gear.tip_radius, gear.root_radius)
     ]
+
+
+def _centre_distances() -> Values:
+    """From the profile shifts, free of backlash."""
+    pairs = (
+        gear_pair((23, 67), 1, 30, 11, (0.581, 0.5131)),
+        gear_pair((13, 76), 1.25, 10, 15, (0.521, -0.094), tip_mm=-0.016855),
+        gear_pair((14, 87), 1.5, 10, 36, (0.536, -0.4815)),
+        gear_pair((27, 51), 4.5, 21, 50, (0.231415, 0.231415)),
+        gear_pair((23, 34), 6.5, 10, 74, (0.15074, 0.15074)),
+    )
+    return [1000 * pair.axis_distance for pair in pairs]
 
 
 def _ratios(pair: GearPair) -> Values:
@@ -81,6 +94,9 @@ SUBJECTS = (
               "test_involute.py::test_diameters_of_a_published_pair", "absolute"),
         Check("ε_α and ε_β of the same pair", KISSSOFT, "", (1.463, 1.421), 1e-3, lambda: _ratios(kisssoft_helical()),
               "test_involute.py::test_diameters_of_a_published_pair"),
+        Check("centre distances of the five stages of two gear units in REXS, from their profile shifts", REXS, "mm",
+              (53.0, 57.0, 77.0, 190.0, 190.0), 1e-4, _centre_distances,
+              "test_rexs.py::test_profile_shifts_of_the_public_units_give_their_centre_distances"),
         Check("ε_α, z 20/55, m_n 2 mm, b 30 mm, β 0°", ISO_21771, "", (1.6638,), 5e-5,
               lambda: _ratios(_standard(0.0))[:1], "test_involute.py::test_contact_ratios", "absolute"),
         Check("ε_α and ε_β, z 20/55, m_n 2 mm, b 30 mm, β 12°", ISO_21771, "", (1.6140, 0.9927), 5e-5,

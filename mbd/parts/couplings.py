@@ -1,7 +1,8 @@
 """Couplings between two shafts on one axis: linear springs and dampers between a node of each.
 
-The force on the first shaft is -K u - C u' with u = u_1 - u_2, K = diag(k) and C = tau K. Torsion must be held; a
-direction of stiffness 0 is free, as in a coupling that only takes the rotation.
+The force on the first shaft is -K u - C u' with u = u_1 - u_2, K = diag(k) and C = tau K. A direction of stiffness 0 is
+free, as in a coupling that only takes the rotation; where that is free, it is a bearing between two shafts, each of
+which turns by itself.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 from mbd.elements.component import Component, Link, Place
 from mbd.elements.linear import LinearElement, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
-from mbd.parts.checks import MachineError, finite, not_negative, positive
+from mbd.parts.checks import MachineError, finite, not_negative
 from mbd.parts.shafts import ShaftSpec
 
 if TYPE_CHECKING:
@@ -58,9 +59,10 @@ class ShaftCoupling(Component):
         where = f"coupling {self.name}"
         for y in self.y:
             finite(f"{where} y", y)
-        positive(f"{where} torsional_stiffness", self.torsional_stiffness, "A coupling must hold the rotation.")
-        for name in ("radial_stiffness", "axial_stiffness", "tilt_stiffness", "damping_time"):
+        for name in ("torsional_stiffness", "radial_stiffness", "axial_stiffness", "tilt_stiffness", "damping_time"):
             not_negative(f"{where} {name}", getattr(self, name))
+        if not any(self.stiffness):
+            raise MachineError(f"{where}: has no stiffness in any direction; give one, or leave it out.")
         if self.shafts[0] == self.shafts[1]:
             raise MachineError(f"{where}: both ends are on {self.shafts[0]}; it must join two shafts.")
 
@@ -77,8 +79,8 @@ class ShaftCoupling(Component):
 
     @property
     def links(self) -> tuple[Link, ...]:
-        """Both shafts turn alike."""
-        return (Link(f"coupling {self.name}", *self.shafts, 1.0),)
+        """Both shafts turn alike, if the rotation is held."""
+        return (Link(f"coupling {self.name}", *self.shafts, 1.0),) if self.torsional_stiffness else ()
 
     def parts(self, lay: Coordinates) -> Iterator[Part]:
         """Springs in the directions that it holds."""
@@ -94,14 +96,14 @@ class ShaftCoupling(Component):
 
 
 def check_coaxial(coupling: ShaftCoupling, first: ShaftSpec, second: ShaftSpec) -> None:
-    """Raise MachineError unless both shafts have one axis and one lifting sense."""
+    """Raise MachineError unless both shafts have one axis and, where they turn alike, one lifting sense."""
     off = math.hypot(first.x - second.x, first.z - second.z)
     if off > COAXIAL:
         raise MachineError(
             f"coupling {coupling.name}: axes of {first.name} and {second.name} are {off * 1e3:.3f} mm apart; a "
             "coupling joins shafts on one axis."
         )
-    if first.sense != second.sense:
+    if coupling.torsional_stiffness and first.sense != second.sense:
         raise MachineError(
             f"coupling {coupling.name}: {first.name} and {second.name} have opposite lifting senses; coupled shafts "
             "turn the same way."

@@ -13,6 +13,7 @@ from mbd.parts.checks import MachineError
 
 SMALLEST_FREQUENCY = 1e-2  # Hz: below it a coordinate counts as free
 INDEPENDENT = 1e-6  # static responses closer to the others than this are dropped
+LARGEST_BLUR = 0.5  # Hz: at ten times of it a frequency is off by 0.5 %
 
 
 def modal_basis(
@@ -36,7 +37,7 @@ def modal_basis(
 
     Raises
     ------
-    MachineError : the mass is not positive definite, or a motion has no stiffness
+    MachineError : the mass is not positive definite, a motion has next to no mass, or one has no stiffness
     """
     span = np.eye(len(mass)) if rolling is None else linalg.null_space((mass @ rolling)[None])
     try:
@@ -48,6 +49,7 @@ def modal_basis(
             "Check densities and the casing's mass."
         ) from error
     lowest, modes = squares[0], span @ modes
+    _check_blur(squares, modes[:, -1], mass, names)
     if lowest < (2 * np.pi * SMALLEST_FREQUENCY) ** 2:
         i = int(np.argmax(abs(modes[:, 0]) * np.sqrt(np.diag(mass))))
         raise MachineError(
@@ -66,3 +68,15 @@ def modal_basis(
     extra_squares, vectors = linalg.eigh(left.T @ (squares[~keep][:, None] * left))
     basis = np.hstack([kept, rest @ left @ vectors])
     return basis, np.sqrt(np.concatenate([squares[keep], extra_squares]))
+
+
+def _check_blur(squares: np.ndarray, highest: np.ndarray, mass: np.ndarray, names: tuple[str, ...]) -> None:
+    """Refuse motions so light that round-off of their omega^2 hides the others: eps omega_max^2 is what is lost."""
+    blur = float(np.sqrt(np.finfo(float).eps * max(squares[-1], 0.0))) / (2 * np.pi)
+    if blur > LARGEST_BLUR:
+        i = int(np.argmax(abs(highest) * np.sqrt(np.diag(mass))))
+        raise MachineError(
+            f"mass matrix: a motion dominated by {names[i]} has next to no mass; beside its "
+            f"{np.sqrt(squares[-1]) / (2 * np.pi):.3g} Hz round-off hides frequencies near {blur:.3g} Hz (limit "
+            f"{LARGEST_BLUR:g} Hz). Raise the density, or make sections and elements longer."
+        )

@@ -12,6 +12,7 @@ from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.flanks import modifications
 from pipelines.plant.torques.drives import highest_rpm
 from pipelines.plant.torques.loads import load_torque, loaded_shaft
+from pipelines.scene.phases import mesh_cycles
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.base import MaterialTable
 from pipelines.scene.tables.forces import TorqueTable
@@ -112,7 +113,8 @@ class Layout:
     senses: tuple[int, ...]  # lifting rotation about +y or -y; that of the first shaft is +1
     shaft_ratios: tuple[float, ...]  # speed of each shaft over that of the motors
     pair_shafts: tuple[tuple[int, int], ...]  # shafts of pinion and wheel, by stage
-    coupling_shafts: tuple[tuple[int, int], ...]
+    cycles_at_start: tuple[float, ...]  # mesh cycle at t = 0, by stage
+    coupling_shafts: tuple[tuple[int, int], ...]  # of the couplings that hold the rotation
     driven: int
     loaded: int  # the shaft that carries the load
     turns: float
@@ -156,7 +158,8 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
     if problems:
         raise SceneError(source, problems)
     places, problems = place_shafts(len(scene.shafts), scene.stages, pairs, scene.couplings)
-    if problems:
+    cycles, phases = mesh_cycles(scene.stages, pairs, senses)
+    if problems := problems or phases:
         raise SceneError(source, problems)
     driven = (scene.drive.shaft or 1) - 1
     return Layout(
@@ -166,7 +169,10 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
         senses=tuple(senses),
         shaft_ratios=tuple(place.speed / places[driven].speed for place in places),
         pair_shafts=tuple(pair_shafts),
-        coupling_shafts=tuple((table.shafts[0] - 1, table.shafts[1] - 1) for table in scene.couplings),
+        cycles_at_start=tuple(cycles),
+        coupling_shafts=tuple(
+            (table.shafts[0] - 1, table.shafts[1] - 1) for table in scene.couplings if table.turns_both
+        ),
         driven=driven,
         loaded=loaded_shaft(scene),
         turns=highest_rpm(scene.drive) / 60,

@@ -170,7 +170,7 @@ def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[
             pinion=gear_teeth(scene.deviations, faults, number, "pinion"),
             wheel=gear_teeth(scene.deviations, faults, number, "wheel"),
             damping_time=stage.mesh_damping_time_us / 1_000_000,
-            cycle_at_start=stage.cycle_at_start,
+            cycle_at_start=layout.cycles_at_start[number - 1],
             film=film_spec(scene.film, pair),
         )
         for number, (stage, pair, (driving, driven)) in enumerate(

@@ -30,11 +30,19 @@ def new_scene(target: str | Path, source: str = "bench") -> Path:
     InputError : `target` does not end in .toml, exists, or its folder cannot be written
     SceneError : the source is not valid
     """
-    path, name = checked_path(target), shown(target)
-    if path.suffix != ".toml":
-        raise InputError(f"{name}: a scene file ends in .toml. Write gearcase new {path.stem or 'my'}.toml.")
+    path = _target(target)
     loaded = load_scene(source)
-    text = standalone_text(loaded.source, loaded.tree)
+    return write_scene(path, standalone_text(loaded.source, loaded.tree))
+
+
+def write_scene(target: str | Path, text: str) -> Path:
+    """Write the text of a scene; an existing file is never overwritten.
+
+    Raises
+    ------
+    InputError : `target` does not end in .toml, exists, or its folder cannot be written
+    """
+    path, name = _target(target), shown(target)
     try:
         with open(path, "x", encoding="utf-8", newline="\n") as file:
             file.write(text)
@@ -42,6 +50,13 @@ def new_scene(target: str | Path, source: str = "bench") -> Path:
         raise InputError(f"{name}: exists already and is not overwritten. Choose another name.") from None
     except OSError as error:
         raise InputError(f"{name}: cannot be written ({os.strerror(error.errno or 0)}). Choose a folder.") from error
+    return path
+
+
+def _target(target: str | Path) -> Path:
+    path = checked_path(target)
+    if path.suffix != ".toml":
+        raise InputError(f"{shown(target)}: a scene file ends in .toml. Write gearcase new {path.stem or 'my'}.toml.")
     return path
 
 

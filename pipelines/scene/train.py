@@ -7,7 +7,7 @@ shafts on one axis. Where a loop closes, both ways to a shaft must meet.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -59,7 +59,7 @@ def stage_shafts(stages: Sequence[StageTable]) -> list[tuple[int, int]]:
 def shaft_senses(count: int, stages: Sequence[StageTable], couplings: Sequence[CouplingTable]) -> list[int]:
     """Lifting sense of every shaft, +1 about +y as the first: meshes reverse it, couplings keep it; +1 out of reach."""
     links = [(one, other, -1) for one, other in stage_shafts(stages)]
-    links += [(table.shafts[0] - 1, table.shafts[1] - 1, 1) for table in couplings]
+    links += [(table.shafts[0] - 1, table.shafts[1] - 1, 1) for table in couplings if table.turns_both]
     senses = {0: 1}
     while True:
         ready = next((link for link in links if (link[0] in senses) != (link[1] in senses)), None)
@@ -84,6 +84,7 @@ def place_shafts(
     waiting += [
         _Step(f"couplings.{number}", table.shafts[0] - 1, table.shafts[1] - 1, 0.0, 0.0, 1, 1.0)
         for number, table in enumerate(couplings, 1)
+        if table.turns_both
     ]
     found, problems = {0: Place(0.0, 0.0, 1, 1.0)}, []
     while ready := next((step for step in waiting if step.first in found or step.second in found), None):
@@ -101,7 +102,22 @@ def place_shafts(
                 "shafts", f"no stage or coupling connects shaft {', '.join(lost)} to shaft 1", "Connect or remove it"
             )
         )
-    return [found.get(shaft, Place(0.0, 0.0, 1, 1.0)) for shaft in range(count)], problems
+    places = [found.get(shaft, Place(0.0, 0.0, 1, 1.0)) for shaft in range(count)]
+    return places, problems + list(_beside_one_another(places, couplings))
+
+
+def _beside_one_another(places: Sequence[Place], couplings: Sequence[CouplingTable]) -> Iterator[Problem]:
+    """Bearings between two shafts that are not on one axis."""
+    for number, table in enumerate(couplings, 1):
+        one, other = (places[shaft - 1] for shaft in table.shafts)
+        off = math.hypot(one.x - other.x, one.z - other.z)
+        if not table.turns_both and off > MEETING:
+            yield Problem(
+                f"couplings.{number}.shafts",
+                f"the axes of shafts {table.shafts[0]} and {table.shafts[1]} are {off * 1000:.3f} mm apart; a bearing "
+                "stands between shafts on one axis",
+                "Change direction_deg or profile shifts, or name other shafts",
+            )
 
 
 def _stage_step(number: int, stage: StageTable, pair: GearPair, shafts: tuple[int, int]) -> _Step:

@@ -19,7 +19,7 @@ from pipelines.scene.tables.housing import HousingTable
 
 @dataclass(frozen=True)
 class Cylinder:
-    """A body of revolution about the axis of `shaft`, between two y (m)."""
+    """A body of revolution about the axis of `shaft`, between two y (m); hollow below the radius `inner`."""
 
     name: str
     path: str
@@ -27,10 +27,15 @@ class Cylinder:
     radius: float
     start: float
     end: float
+    inner: float = 0.0
 
     def overlaps(self, other: Cylinder) -> bool:
         """Whether both occupy some of the same y."""
         return self.start < other.end and other.start < self.end
+
+    def encloses(self, other: Cylinder, distance: float) -> bool:
+        """Whether another one, its axis at a distance, runs inside the hollow of this one."""
+        return distance + other.radius < self.inner
 
 
 def gears(scene: Scene, layout: Layout) -> list[Cylinder]:
@@ -41,7 +46,8 @@ def gears(scene: Scene, layout: Layout) -> list[Cylinder]:
         places = layout.pair_shafts[number]
         for shaft, gear, name in ((places[0], pair.pinion, "pinion"), (places[1], pair.wheel, "wheel")):
             label = f"tip circle of the stage {number + 1} {name}"
-            found.append(Cylinder(label, f"stages.{number + 1}", shaft, gear.tip_radius, middle - half, middle + half))
+            ends = middle - half, middle + half
+            found.append(Cylinder(label, f"stages.{number + 1}", shaft, gear.tip_radius, *ends, gear.bore_radius))
     return found
 
 
@@ -80,7 +86,7 @@ def _clashes(first: list[Cylinder], second: list[Cylinder], layout: Layout) -> I
             if one.shaft == two.shaft or not one.overlaps(two):
                 continue
             distance = math.dist(layout.axes[one.shaft], layout.axes[two.shaft])
-            if distance <= one.radius + two.radius:
+            if distance <= one.radius + two.radius and not one.encloses(two, distance):
                 needed = one.radius + two.radius
                 yield Problem(
                     one.path,

@@ -80,7 +80,8 @@ def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]
     for stage, (pinion, wheel), power in zip(scene.stages, layout.pair_shafts, flows, strict=False):
         y = stage.position_mm / 1000
         flow((pinion, y), (wheel, y), power)
-    for coupling, power in zip(scene.couplings, flows[len(scene.stages) :], strict=True):
+    turning = [coupling for coupling in scene.couplings if coupling.turns_both]
+    for coupling, power in zip(turning, flows[len(scene.stages) :], strict=True):
         one, other = zip(coupling.shafts, coupling.positions_mm, strict=True)
         flow((one[0] - 1, one[1] / 1000), (other[0] - 1, other[1] / 1000), power)
     motors = motor_places(scene.drive, scene.shafts[layout.driven])

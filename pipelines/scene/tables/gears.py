@@ -89,7 +89,14 @@ class StageTable(Table):
     direction_deg: Annotated[
         Number, Field(ge=-180, le=180, description="direction from pinion axis to wheel axis: 0 is +x, 90 is up")
     ] = 0.0
-    cycle_at_start: Annotated[Number, Field(ge=0, lt=1, description="mesh cycle c at t = 0, modulo 1")] = 0.0
+    cycle_at_start: Annotated[
+        Number | None,
+        Field(
+            ge=0,
+            lt=1,
+            description="mesh cycle c at t = 0, modulo 1; left out: 0, or what another stage of one of its gears gives",
+        ),
+    ] = None
     mesh_damping_time_us: Annotated[Number, Field(ge=0, le=1000, description="tau_m: damping = tau_m * stiffness")] = (
         1.8
     )

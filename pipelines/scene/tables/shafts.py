@@ -86,8 +86,22 @@ class CouplingTable(Table):
 
     shafts: Annotated[tuple[Whole, Whole], Field(description="numbers of the two shafts")]
     positions_mm: Annotated[tuple[Number, Number], Field(description="y on each of them")]
-    torsional_stiffness_N_m_per_rad: Annotated[Number, Field(gt=0, description="about the axis")]
+    torsional_stiffness_N_m_per_rad: Annotated[
+        Number, Field(ge=0, description="about the axis; 0: a bearing between two shafts that turn by themselves")
+    ]
     radial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="in x and z")] = 0.0
     axial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="along the axis")] = 0.0
     tilt_stiffness_N_m_per_rad: Annotated[Number, Field(ge=0, description="about x and z")] = 0.0
     damping_time_us: Annotated[Number, Field(ge=0, le=1e5, description="damping = this time * stiffness")] = 0.0
+
+    @model_validator(mode="after")
+    def _holds(self) -> CouplingTable:
+        radial, axial = self.radial_stiffness_N_per_um, self.axial_stiffness_N_per_um
+        if not (self.torsional_stiffness_N_m_per_rad or radial or axial or self.tilt_stiffness_N_m_per_rad):
+            raise ValueError("all of its stiffnesses are 0: give one, or leave the coupling out")
+        return self
+
+    @property
+    def turns_both(self) -> bool:
+        """Whether both shafts turn alike."""
+        return self.torsional_stiffness_N_m_per_rad > 0

@@ -1,0 +1,1 @@
+"""Gear units in the exchange format REXS, read into scenes."""

@@ -1,0 +1,158 @@
+"""A gear unit as a REXS file describes it: plain data in the units of the format (mm, deg, 1/min, N m, N/mm2, kg/dm3).
+
+Places are in the frame of the scene: y along the shafts, z up, x across; the input shaft turns about +y.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """A stretch of a shaft, from -y to +y, whose diameters may change along it."""
+
+    start: float
+    end: float
+    outer: tuple[float, float]
+    inner: tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Elements:
+    """What a bearing row says of its rolling elements."""
+
+    count: int
+    diameter: float
+    pitch_diameter: float
+    contact_angle: float
+    length: float | None  # of a roller
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bearing:
+    """A bearing on a shaft."""
+
+    label: str
+    y: float
+    kind: str  # as the format names the type, e.g. radial_grooved_ball_bearing
+    designation: str
+    axial: str  # both_directions, positive, negative, no_direction, or "" where the file says nothing
+    radial: bool
+    inner_diameter: float | None
+    outer_diameter: float | None
+    static_rating: float | None  # N
+    radial_stiffness: float | None  # N/m
+    elements: Elements | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Between:
+    """A bearing between two shafts, by their places in the unit's tuple of shafts."""
+
+    shafts: tuple[int, int]
+    bearing: Bearing
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gear:
+    """A cylindrical gear; a value that the file does not give is None."""
+
+    label: str
+    teeth: int
+    module: float
+    helix: float  # positive: right hand
+    pressure_angle: float
+    profile_shift: float
+    start: float  # of the face
+    end: float
+    tip_diameter: float | None
+    root_diameter: float | None
+    addendum: float | None  # h_aP*
+    tip_radius: float | None  # of the tool, in modules
+    grade: int | None  # tolerance class of ISO 1328
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """A material; N/mm2, kg/dm3."""
+
+    elastic_modulus: float
+    poisson_ratio: float
+    density: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shaft:
+    """A shaft with its axis at (x, z)."""
+
+    label: str
+    x: float
+    z: float
+    sections: tuple[Section, ...]
+    bearings: tuple[Bearing, ...]
+    material: Material | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stage:
+    """A pair of gears; `shafts` are the places of the driving and the driven shaft in the unit's tuple of shafts."""
+
+    label: str
+    shafts: tuple[int, int]
+    pinion: Gear
+    wheel: Gear
+    centre_distance: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadCase:
+    """How the unit runs: speed of the input shaft and torque into it, None where the file gives none."""
+
+    name: str
+    speed: float | None
+    torque: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class GearUnit:
+    """The whole unit: shafts in the order of the power flow, the input first."""
+
+    source: str
+    written_by: str
+    version: str
+    shafts: tuple[Shaft, ...]
+    stages: tuple[Stage, ...]
+    between: tuple[Between, ...]
+    output: int
+    output_y: float | None  # where the load is coupled
+    load_case: LoadCase
+    other_cases: tuple[LoadCase, ...]
+    notes: tuple[Note, ...]
+
+    @property
+    def ratio(self) -> float:
+        """Turns of the input for one turn of the output."""
+        speeds = {0: 1.0}
+        waiting = list(self.stages)
+        while ready := next((stage for stage in waiting if stage.shafts[0] in speeds), None):
+            waiting.remove(ready)
+            driving, driven = ready.shafts
+            speeds[driven] = speeds[driving] * ready.pinion.teeth / ready.wheel.teeth
+        return 1 / speeds[self.output]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Note:
+    """What a reader did not take as the file has it: `assumed` what the file lacks, `changed` what a scene cannot
+    express, `left out` what it does not hold."""
+
+    kind: Literal["assumed", "changed", "left out"]
+    where: str  # in the scene or in the file
+    value: str  # taken; "" where nothing is
+    reason: str
+
+    def __str__(self) -> str:
+        """``kind: where = value: reason``."""
+        return f"{self.kind}: {self.where}{f' = {self.value}' if self.value else ''}: {self.reason}"

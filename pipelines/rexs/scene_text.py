@@ -1,0 +1,275 @@
+"""A gear unit as the text of a scene: commented TOML that says what was assumed, changed and left out."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pipelines.border.shown import shown
+from pipelines.border.toml_text import format_value
+from pipelines.rexs.bearing_tables import bearing_table, between_table
+from pipelines.rexs.document import RexsError
+from pipelines.rexs.gear_unit import GearUnit, LoadCase, Material, Note, Section, Shaft
+from pipelines.rexs.motion_tables import MotionTables, motion_tables
+from pipelines.rexs.stage_tables import StageTable, stage_table
+
+DIGITS = 12  # significant ones that are written
+PIECES = 4  # cylinders in place of a conical stretch
+JOINT = 1e-6  # mm: sections closer than this join
+STEEL = Material(elastic_modulus=206_000.0, poisson_ratio=0.3, density=7.85)
+GRADE = 5
+HARMONICS = 20  # of the fastest mesh, times two, that the record holds
+HEADINGS = {
+    "assumed": "Assumed: the file does not say.",
+    "changed": "Changed: a scene cannot express it as the file has it.",
+    "left out": "Left out: in the file, not in this scene.",
+}
+
+
+@dataclass(frozen=True)
+class SceneText:
+    """A scene, what it does not take from the file as it is, and the keys that its user must still give."""
+
+    text: str
+    notes: tuple[Note, ...]
+    missing: Mapping[str, str]
+
+
+def scene_text(unit: GearUnit, name: str) -> SceneText:
+    """The scene of a gear unit; `name` is its title.
+
+    Raises
+    ------
+    RexsError : what a scene cannot hold: gears that do not fit, gaps in a shaft, a shaft without bearings
+    """
+    stages = [stage_table(unit, number) for number in range(1, len(unit.stages) + 1)]
+    motion = motion_tables(unit)
+    shafts, notes = [], [*unit.notes, *(note for stage in stages for note in stage.notes), *motion.notes]
+    for number, shaft in enumerate(unit.shafts, 1):
+        lines, more = _shaft_lines(unit, number, shaft)
+        shafts += lines
+        notes += more
+    joints, more = _between_lines(unit)
+    notes += more
+    material, more = _material(unit)
+    grade, graded = _grade(unit)
+    notes += [*more, *graded, *_simplest()]
+    body = [
+        f"title = {format_value(shown(name, 100))}",
+        "",
+        "[gear_material]",
+        *_keys(_material_keys(material)),
+        *(line for number, stage in enumerate(stages, 1) for line in _stage_lines(unit, number, stage)),
+        *shafts,
+        *joints,
+        *_plain_lines(grade),
+        *_motion_lines(unit, motion, stages),
+    ]
+    return SceneText("\n".join([*_head(unit, notes), *body, ""]), tuple(notes), motion.missing)
+
+
+def _head(unit: GearUnit, notes: Iterable[Note]) -> Iterator[str]:
+    yield f"# From {shown(unit.source)}: REXS {shown(unit.version)}, written by {shown(unit.written_by, 60)}."
+    yield "# y is u of the file (against it where the input turns backwards there), z is w; places in mm."
+    for kind, heading in HEADINGS.items():
+        found = [note for note in notes if note.kind == kind]
+        if found:
+            yield "#"
+            yield f"# {heading}"
+        for note in found:
+            value = f" = {note.value}" if note.value else ""
+            yield from _comment(f"- {note.where}{value}: {note.reason}")
+    yield ""
+
+
+def _comment(text: str) -> list[str]:
+    return textwrap.wrap(shown(text, 1000), 118, initial_indent="# ", subsequent_indent="#   ", break_long_words=False)
+
+
+def _keys(table: Mapping[str, Any]) -> list[str]:
+    return [f"{key} = {format_value(_rounded(value))}" for key, value in table.items()]
+
+
+def _rounded(value: Any) -> Any:
+    """Numbers without the round-off of their last digits."""
+    if isinstance(value, float):
+        return float(f"{value:.{DIGITS}g}") + 0.0  # no -0
+    if isinstance(value, list):
+        return [_rounded(item) for item in value]
+    if isinstance(value, Mapping):
+        return {key: _rounded(item) for key, item in value.items()}
+    return value
+
+
+def _material(unit: GearUnit) -> tuple[Material, list[Note]]:
+    """One material for all: that of the first shaft that names one."""
+    given = [shaft.material for shaft in unit.shafts if shaft.material is not None]
+    material = given[0] if given else STEEL
+    value = f"E {material.elastic_modulus / 1000:g} GPa, nu {material.poisson_ratio:g}, {material.density:g} kg/dm3"
+    if not given:
+        return material, [Note(kind="assumed", where="gear_material", value=value, reason="steel; the file gives none")]
+    reason = "that of the shafts, taken for the gears too"
+    if len(set(given)) > 1:
+        reason = "one material for all, that of the first shaft that names one; the file has several"
+        return material, [Note(kind="changed", where="gear_material", value=value, reason=reason)]
+    return material, [Note(kind="assumed", where="gear_material", value=value, reason=reason)]
+
+
+def _material_keys(material: Material) -> dict[str, float]:
+    return {
+        "elastic_modulus_GPa": material.elastic_modulus / 1000,
+        "poisson_ratio": material.poisson_ratio,
+        "density_kg_m3": 1000 * material.density,
+    }
+
+
+def _grade(unit: GearUnit) -> tuple[int, list[Note]]:
+    grades = {gear.grade for stage in unit.stages for gear in (stage.pinion, stage.wheel) if gear.grade is not None}
+    if len(grades) == 1:
+        return grades.pop(), []
+    reason = f"the coarsest of {sorted(grades)}" if grades else "the file gives none"
+    grade = max(grades, default=GRADE)
+    return grade, [Note(kind="assumed", where="deviations.iso_grade", value=f"{grade}", reason=reason)]
+
+
+def _simplest() -> Iterator[Note]:
+    yield Note(
+        kind="assumed", where="casing.model", value="none", reason="bearings stand on the ground: REXS has no housing"
+    )
+    yield Note(kind="assumed", where="stages.mesh.model", value="iso", reason="a first look within seconds")
+
+
+def _stage_lines(unit: GearUnit, number: int, stage: StageTable) -> Iterator[str]:
+    pair = stage.pair
+    yield ""
+    yield f"[[stages]]  # {number}: {unit.stages[number - 1].label}"
+    for name, gear in (("pinion", pair.pinion), ("wheel", pair.wheel)):
+        diameters = ", ".join(
+            f"{symbol} {2000 * radius:.4f}"
+            for symbol, radius in (
+                ("d", gear.reference_radius),
+                ("d_a", gear.tip_radius),
+                ("d_f", gear.root_radius),
+                ("d_b", gear.base_radius),
+            )
+        )
+        yield f"# {name}: {diameters} mm"
+    angle = math.degrees(pair.working_pressure_angle)
+    yield (
+        f"# alpha_wt {angle:.4f} deg, eps_alpha {pair.transverse_contact_ratio:.4f}, eps_beta {pair.overlap_ratio:.4f}"
+    )
+    yield from _keys(stage.values)
+    yield 'mesh = { model = "iso" }  # "plane": 2-D finite elements, seconds; "solid": 3-D, tens of seconds'
+
+
+def _shaft_lines(unit: GearUnit, number: int, shaft: Shaft) -> tuple[list[str], list[Note]]:
+    notes: list[Note] = []
+    sections = list(_cylinders(unit, shaft, notes, f"shafts.{number}.sections"))
+    if not shaft.bearings:
+        raise RexsError(f"{unit.source}: {shaft.label}: has no bearing. Add the relation side of one with this shaft.")
+    lines = ["", f"[[shafts]]  # {number}: {shaft.label}", "sections = ["]
+    lines += [f"    {format_value(_rounded(section))}," for section in sections]
+    lines += ["]", *_keys({"bearing_positions_mm": [bearing.y for bearing in shaft.bearings]})]
+    lines.append("bearings = [")
+    for place, bearing in enumerate(shaft.bearings, 1):
+        table, more = bearing_table(bearing, shaft, f"shafts.{number}.bearings.{place}")
+        lines.append(f"    {format_value(_rounded(table))},  # {bearing.label}")
+        notes += more
+    return [*lines, "]"], notes
+
+
+def _between_lines(unit: GearUnit) -> tuple[list[str], list[Note]]:
+    """Bearings between two shafts, as couplings that leave the rotation free."""
+    lines, notes = list[str](), list[Note]()
+    for number, between in enumerate(unit.between, 1):
+        bearing = between.bearing
+        table, more = between_table(bearing, unit.shafts[between.shafts[0]], f"couplings.{number}")
+        lines += ["", f"[[couplings]]  # {bearing.label}, between two shafts"]
+        lines += _keys({"shafts": [shaft + 1 for shaft in between.shafts], "positions_mm": [bearing.y, bearing.y]})
+        lines += _keys(table)
+        notes += more
+    return lines, notes
+
+
+def _cylinders(unit: GearUnit, shaft: Shaft, notes: list[Note], path: str) -> Iterator[dict[str, float]]:
+    """Sections without gaps, conical ones as steps of the mean diameter."""
+    before: Section | None = None
+    for section in shaft.sections:
+        if before is not None and abs(section.start - before.end) > JOINT:
+            raise RexsError(
+                f"{unit.source}: {shaft.label}: a section ends at y = {before.end:g} mm, the next starts at "
+                f"{section.start:g} mm. Sections must join: correct u_coordinate_on_shaft or length."
+            )
+        start = section.start if before is None else before.end
+        before = Section(start=start, end=section.end, outer=section.outer, inner=section.inner)
+        conical = section.outer[0] != section.outer[1] or section.inner[0] != section.inner[1]
+        if conical:
+            where = f"{path} from y = {start:g} to {section.end:g} mm"
+            value = f"{PIECES} steps"
+            notes.append(Note(kind="changed", where=where, value=value, reason="conical; a scene has cylinders"))
+        pieces = PIECES if conical else 1
+        for piece in range(pieces):
+            middle = (piece + 0.5) / pieces
+            low, high = (start + (section.end - start) * share / pieces for share in (piece, piece + 1))
+            yield {
+                "start_mm": _rounded(low),
+                "end_mm": _rounded(high),
+                "diameter_mm": section.outer[0] + middle * (section.outer[1] - section.outer[0]),
+                "bore_mm": section.inner[0] + middle * (section.inner[1] - section.inner[0]),
+            }
+
+
+def _plain_lines(grade: int) -> list[str]:
+    return [
+        "",
+        "[shaft_model]",
+        'model = "timoshenko"',
+        "",
+        "[deviations]",
+        "enabled = true",
+        f"iso_grade = {grade}",
+        "seed = 1",
+        "",
+        "[casing]",
+        'model = "none"  # signals are bearing forces; for sensors on a housing give one, docs/scene-keys.md:',
+        '# model = "rigid", with [casing.housing] (box, or model = "step" with a file), [casing.material], [[sensors]]',
+    ]
+
+
+def _motion_lines(unit: GearUnit, motion: MotionTables, stages: list[StageTable]) -> Iterator[str]:
+    yield ""
+    yield "[drive]"
+    yield f"# load case {unit.load_case.name}"
+    for case in unit.other_cases:
+        yield f"# load case {case.name}: {_case_text(case)}"
+    yield from _keys(motion.drive)
+    yield from _missing(motion, "drive")
+    yield ""
+    yield "[load]"
+    yield from _keys(motion.load)
+    yield from _missing(motion, "load")
+    speed = (unit.load_case.speed or 0.0) / 60
+    fastest = 0.0
+    speeds = {0: speed}
+    for stage in unit.stages:
+        driving, driven = stage.shafts
+        fastest = max(fastest, abs(speeds[driving]) * stage.pinion.teeth)
+        speeds[driven] = speeds[driving] * stage.pinion.teeth / stage.wheel.teeth
+    rate = max(10_000.0, 1000.0 * math.ceil(HARMONICS * fastest / 1000))
+    yield ""
+    yield "[simulation]"
+    yield from _keys({"end_s": motion.drive["times_s"][-1], "output_rate_Hz": rate, "step_us": 20.0})
+
+
+def _case_text(case: LoadCase) -> str:
+    speed = "no speed" if case.speed is None else f"{case.speed:g} rpm"
+    return f"{speed}, {'no torque' if case.torque is None else f'{case.torque:g} N m at the input'}"
+
+
+def _missing(motion: MotionTables, table: str) -> Iterator[str]:
+    for path, words in motion.missing.items():
+        if path.startswith(f"{table}."):
+            yield f"# {path.partition('.')[2]} = ...  # TO GIVE: {words}"

@@ -1,0 +1,207 @@
+"""A stage of a gear unit as the table [[stages]] of a scene.
+
+Where the file gives no tip circle, tips are shortened by k m_n = a - a_d - m_n (x1 + x2), so that the tip clearance
+stays that of the basic rack (ISO 21771:2007, 5.4.5; a_d reference centre distance).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from fem.gears.body import THINNEST_RIM
+from fem.gears.geometry import Gear as Body
+from fem.gears.geometry import GearPair, GeometryError, Rack
+from pipelines.plant.layout import USUAL_BACKLASH_UM
+from pipelines.rexs.document import RexsError
+from pipelines.rexs.gear_unit import Gear, GearUnit, Note, Shaft, Stage
+
+USUAL_RACK = {"rack_addendum": 1.0, "rack_dedendum": 1.25, "rack_tip_radius": 0.38}  # ISO 53 A
+INTEGRAL_BORE = 0.5  # of the root diameter, where a gear is cut from its shaft
+
+
+@dataclass(frozen=True)
+class StageTable:
+    """Keys and values of the table, the gears in SI, and what was assumed."""
+
+    values: dict[str, Any]
+    pair: GearPair
+    notes: tuple[Note, ...]
+
+
+def stage_table(unit: GearUnit, number: int) -> StageTable:
+    """The table of a stage, counted from 1.
+
+    Raises
+    ------
+    RexsError : the gears do not fit together, with the reason
+    """
+    stage, notes = unit.stages[number - 1], list[Note]()
+    pinion, wheel = stage.pinion, stage.wheel
+    _same(unit, stage)
+    low, high = max(pinion.start, wheel.start), min(pinion.end, wheel.end)
+    if high <= low:
+        raise RexsError(
+            f"{unit.source}: {stage.label}: its gears do not overlap along the shafts ({pinion.start:g} to "
+            f"{pinion.end:g} mm and {wheel.start:g} to {wheel.end:g} mm). Correct their places."
+        )
+    for name, gear in (("pinion", pinion), ("wheel", wheel)):
+        if gear.end - gear.start > (high - low) * (1 + 1e-9):
+            wide = gear.end - gear.start
+            reason = f"the common part of the faces; the {name} is {wide:g} mm wide, its mass beside is left out"
+            notes.append(
+                Note(kind="changed", where=f"stages.{number}.face_width_mm", value=_text(high - low), reason=reason)
+            )
+    driving, driven = (unit.shafts[shaft] for shaft in stage.shafts)
+    values: dict[str, Any] = {}
+    if any(one.shafts != (place, place + 1) for place, one in enumerate(unit.stages)):
+        values |= {"pinion_shaft": stage.shafts[0] + 1, "wheel_shaft": stage.shafts[1] + 1}
+    values |= {
+        "pinion_teeth": pinion.teeth,
+        "wheel_teeth": wheel.teeth,
+        "module_mm": pinion.module,
+        "pressure_angle_deg": pinion.pressure_angle,
+        "helix_angle_deg": abs(pinion.helix),
+        "pinion_hand": "right" if pinion.helix >= 0 else "left",
+        "face_width_mm": high - low,
+        "pinion_profile_shift": pinion.profile_shift,
+        "wheel_profile_shift": wheel.profile_shift,
+        "centre_distance_mm": stage.centre_distance,
+        "position_mm": (low + high) / 2,
+        "direction_deg": _direction(unit, stage, driving, driven, notes, number),
+    }
+    for name, gear, shaft in zip(("pinion", "wheel"), (pinion, wheel), (driving, driven), strict=True):
+        details, more = _details(stage, gear, f"stages.{number}.{name}")
+        bore, bores = _bore(gear, shaft, (low + high) / 2, details, f"stages.{number}.{name}_bore_mm", unit)
+        values |= {f"{name}_bore_mm": bore, name: details}
+        notes += more + bores
+    pair = _pair(unit, stage, values)
+    if pair.backlash * 1e6 < USUAL_BACKLASH_UM:
+        values["backlash_um"] = USUAL_BACKLASH_UM
+        reason = (
+            f"tooth thickness allowances are not read; the centre distance alone leaves {pair.backlash * 1e6:.2f} um"
+        )
+        notes.append(
+            Note(kind="assumed", where=f"stages.{number}.backlash_um", value=f"{USUAL_BACKLASH_UM:g}", reason=reason)
+        )
+    return StageTable(values, pair, tuple(notes))
+
+
+def _same(unit: GearUnit, stage: Stage) -> None:
+    pinion, wheel = stage.pinion, stage.wheel
+    for name, one, other in (
+        ("normal_module", pinion.module, wheel.module),
+        ("normal_pressure_angle", pinion.pressure_angle, wheel.pressure_angle),
+        ("helix_angle_reference_diameter", pinion.helix, -wheel.helix),
+    ):
+        if not math.isclose(one, other, rel_tol=1e-9, abs_tol=1e-9):
+            raise RexsError(
+                f"{unit.source}: {stage.label}: {name} is {one:g} at {pinion.label} and "
+                f"{-other if 'helix' in name else other:g} at {wheel.label}; external gears on parallel axes have the "
+                "same module and pressure angle and opposite helices. Correct one."
+            )
+
+
+def _direction(unit: GearUnit, stage: Stage, one: Shaft, other: Shaft, notes: list[Note], number: int) -> float:
+    """Direction from the pinion's axis to that of the wheel (deg); the distance must be that of the stage."""
+    x, z = other.x - one.x, other.z - one.z
+    distance, wanted = math.hypot(x, z), stage.centre_distance
+    if abs(distance - wanted) > 1e-2 * wanted:
+        raise RexsError(
+            f"{unit.source}: {stage.label}: center_distance is {wanted:g} mm, but the axes of {one.label} and "
+            f"{other.label} are {distance:.6g} mm apart. Correct support_vector or center_distance."
+        )
+    if abs(distance - wanted) > 1e-4 * wanted:
+        reason = f"center_distance; the axes of the file are {distance:.6g} mm apart"
+        notes.append(
+            Note(kind="changed", where=f"stages.{number}.centre_distance_mm", value=_text(wanted), reason=reason)
+        )
+    return math.degrees(math.atan2(z, x))
+
+
+def _details(stage: Stage, gear: Gear, path: str) -> tuple[dict[str, float], list[Note]]:
+    """The table of one gear: rack and tip."""
+    notes = []
+    values = {"rack_addendum": gear.addendum, "rack_dedendum": _dedendum(gear), "rack_tip_radius": gear.tip_radius}
+    if missing := [key for key, value in values.items() if value is None]:
+        value = ", ".join(f"{key} {USUAL_RACK[key]:g}" for key in missing)
+        notes.append(Note(kind="assumed", where=path, value=value, reason="ISO 53 A; the file gives none"))
+    details = {key: USUAL_RACK[key] if value is None else value for key, value in values.items()}
+    standard = _reference_diameter(gear) / 2 + gear.module * (details["rack_addendum"] + gear.profile_shift)
+    given = gear.tip_diameter
+    height = 0.0 if given is None else (given - _reference_diameter(gear)) / 2 - gear.module * gear.profile_shift
+    if given is not None and 0.3 * gear.module < height < 2 * gear.module:
+        details["tip_alteration_mm"] = given / 2 - standard
+        return details, notes
+    sum_of_shifts = stage.pinion.profile_shift + stage.wheel.profile_shift
+    reference = (_reference_diameter(stage.pinion) + _reference_diameter(stage.wheel)) / 2
+    details["tip_alteration_mm"] = stage.centre_distance - reference - gear.module * sum_of_shifts
+    reason = "tips shortened to keep the tip clearance; the file gives no tip_diameter"
+    if given is not None:
+        reason = f"tips shortened to keep the tip clearance; tip_diameter = {given:g} mm of the file is no tip circle"
+    value = _text(details["tip_alteration_mm"])
+    notes.append(Note(kind="assumed", where=f"{path}.tip_alteration_mm", value=value, reason=reason))
+    return details, notes
+
+
+def _dedendum(gear: Gear) -> float | None:
+    if gear.root_diameter is None:
+        return None
+    return (_reference_diameter(gear) - gear.root_diameter) / 2 / gear.module + gear.profile_shift
+
+
+def _reference_diameter(gear: Gear) -> float:
+    return gear.teeth * gear.module / math.cos(math.radians(gear.helix))
+
+
+def _bore(
+    gear: Gear, shaft: Shaft, y: float, details: dict[str, float], path: str, unit: GearUnit
+) -> tuple[float, list[Note]]:
+    """Where the gear body begins: at the shaft's surface, or inside it where the gear is cut from the shaft."""
+    root = _reference_diameter(gear) - 2 * gear.module * (details["rack_dedendum"] - gear.profile_shift)
+    section = next((one for one in shaft.sections if one.start <= y <= one.end), None)
+    if section is None:
+        raise RexsError(
+            f"{unit.source}: {gear.label}: its middle, y = {y:g} mm, is off {shaft.label}. Correct its place."
+        )
+    diameter = max(section.outer)
+    if root - diameter >= 2 * THINNEST_RIM * gear.module:
+        return diameter, []
+    reason = (
+        f"half the root circle {root:.4g} mm: cut from its shaft of {diameter:g} mm, the body bends from there outwards"
+    )
+    return INTEGRAL_BORE * root, [Note(kind="assumed", where=path, value=_text(INTEGRAL_BORE * root), reason=reason)]
+
+
+def _pair(unit: GearUnit, stage: Stage, values: dict[str, Any]) -> GearPair:
+    """The gears of a table in SI; RexsError with the reason where they do not work."""
+    try:
+        pinion, wheel = (_body(values, name, hand) for name, hand in (("pinion", "right"), ("wheel", "left")))
+        return GearPair(pinion=pinion, wheel=wheel, centre_distance=values["centre_distance_mm"] / 1000)
+    except GeometryError as error:
+        raise RexsError(f"{unit.source}: {stage.label}: {error}") from error
+
+
+def _body(values: dict[str, Any], name: str, hand: str) -> Body:
+    details = values[name]
+    return Body(
+        teeth=values[f"{name}_teeth"],
+        normal_module=values["module_mm"] / 1000,
+        helix_angle=math.radians(values["helix_angle_deg"]),
+        face_width=values["face_width_mm"] / 1000,
+        profile_shift=values[f"{name}_profile_shift"],
+        rack=Rack(
+            addendum=details["rack_addendum"],
+            dedendum=details["rack_dedendum"],
+            tip_radius=details["rack_tip_radius"],
+            pressure_angle=math.radians(values["pressure_angle_deg"]),
+        ),
+        bore_radius=values[f"{name}_bore_mm"] / 2000,
+        tip_alteration=details["tip_alteration_mm"] / 1000,
+        hand=hand,
+    )
+
+
+def _text(value: float) -> str:
+    return f"{value:.6g}"

@@ -1,0 +1,124 @@
+"""Phases of the meshes that share a gear: an idler, a gear with several mates, a closed loop.
+
+In the sense s about +y in which its shaft turns, the middle of tooth 0 of a gear stands, counted in teeth, at
+
+    T_1 = z_1 a_1 / (2 pi) + c - tau_1 / 2,    a_1 = -s_1 D            as the pinion of a stage,
+    T_2 = z_2 a_2 / (2 pi) + c + tau_2 / 2,    a_2 = -s_2 (D + pi)     as its wheel,
+
+with the mesh cycle c, the direction D from pinion axis to wheel axis, and the tooth thickness tau = s_w / p_wt on the
+operating pitch circle as a share of the pitch: at c = 0 the leading flank of the pinion's tooth 0 touches the trailing
+flank of the wheel's at the pitch point. A gear has one T, so the cycles of its stages follow from one of them; around a
+closed loop of shared gears they must come out the same, the condition of assembly of planets. A gear that has one mate
+may be mounted at any angle on its shaft: its phase is free.
+
+References
+----------
+Parker & Lin (2004), Mesh phasing relationships in planetary and epicyclic gears, J. Mech. Design 126, 365-370.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from pipelines.border.errors import Problem
+from pipelines.scene.tables.gears import StageTable
+from pipelines.scene.train import stage_shafts
+
+if TYPE_CHECKING:
+    from fem.gears.geometry import GearPair
+
+LOOP = 0.01  # mesh cycles by which a closed loop may miss: directions are given to some digits
+GIVEN = 1e-3  # mesh cycles by which a given phase may miss
+Gear = tuple[int, int, float, float]  # shaft, teeth, place and tip radius
+
+
+def mesh_cycles(
+    stages: Sequence[StageTable], pairs: Sequence[GearPair], senses: Sequence[int]
+) -> tuple[list[float], list[Problem]]:
+    """Mesh cycle of every stage at t = 0, in [0, 1), and what contradicts itself.
+
+    Parameters
+    ----------
+    stages, pairs : tables of the stages, and the gears of each
+    senses : of the shafts, +1 or -1 about +y
+    """
+    offsets = [dict(_teeth(*item, senses)) for item in zip(stages, pairs, stage_shafts(stages), strict=True)]
+    cycles: list[float] = [0.0] * len(stages)
+    problems: list[Problem] = []
+    done: set[int] = set()
+    for first in range(len(stages)):
+        if first in done:
+            continue
+        found, loops = _together(first, offsets)
+        problems += loops
+        given = [number for number in sorted(found) if stages[number].cycle_at_start is not None]
+        anchor = given[0] if given else first
+        start = (stages[anchor].cycle_at_start or 0.0) - found[anchor]
+        for number, cycle in found.items():
+            cycles[number] = _whole(cycle + start) % 1.0 if number != anchor else (stages[anchor].cycle_at_start or 0.0)
+        problems += [] if loops else _contradictions(stages, given, cycles, anchor)
+        done |= found.keys()
+    return cycles, problems
+
+
+def _teeth(
+    stage: StageTable, pair: GearPair, shafts: tuple[int, int], senses: Sequence[int]
+) -> Iterator[tuple[Gear, float]]:
+    """T - c of both gears."""
+    direction, pitch = math.radians(stage.direction_deg), 2 * math.pi
+    thicknesses = (thickness / pair.working_pitch for thickness in pair.working_thicknesses)
+    sides = ((pair.pinion, direction, -1), (pair.wheel, direction + math.pi, 1))
+    for (gear, towards, side), shaft, thickness in zip(sides, shafts, thicknesses, strict=True):
+        place = -senses[shaft] * towards
+        key = (shaft, gear.teeth, round(stage.position_mm, 6), round(gear.tip_radius, 9))
+        yield key, gear.teeth * place / pitch + side * thickness / 2
+
+
+def _together(first: int, offsets: Sequence[dict[Gear, float]]) -> tuple[dict[int, float], list[Problem]]:
+    """Cycles of the stages that hang on the first by shared gears, less its own, and loops that do not fit."""
+    found, waiting, problems = {first: 0.0}, [first], []
+    while waiting:
+        known = waiting.pop(0)
+        for number, other in enumerate(offsets):
+            for gear in sorted(other.keys() & offsets[known].keys()) if number != known else ():
+                cycle = found[known] + offsets[known][gear] - other[gear]
+                if number not in found:
+                    found[number] = cycle
+                    waiting.append(number)
+                elif number > known and abs(miss := _apart(cycle, found[number])) > LOOP:
+                    problems.append(
+                        Problem(
+                            f"stages.{number + 1}",
+                            f"closes a loop of gears whose teeth do not fit: on shaft {gear[0] + 1} they miss by "
+                            f"{abs(miss):.3f} of a pitch (limit {LOOP:g})",
+                            "Change teeth or direction_deg, or put one of the gears beside the others (position_mm)",
+                        )
+                    )
+    return found, problems
+
+
+def _contradictions(
+    stages: Sequence[StageTable], given: Sequence[int], cycles: Sequence[float], anchor: int
+) -> Iterator[Problem]:
+    for number in given:
+        wanted = stages[number].cycle_at_start
+        if wanted is not None and abs(_apart(wanted, cycles[number])) > GIVEN:
+            yield Problem(
+                f"stages.{number + 1}.cycle_at_start",
+                f"must be {cycles[number]:.4f}: a gear of this stage meshes in stage {anchor + 1} too, whose phase "
+                "gives it",
+                "Leave one of the two out",
+                f"{wanted:g}",
+            )
+
+
+def _apart(one: float, other: float) -> float:
+    """Difference of two cycles to the nearest whole number, in [-0.5, 0.5]."""
+    return (one - other) - round(one - other)
+
+
+def _whole(cycle: float) -> float:
+    """The cycle, without the round-off that lies beside a whole number."""
+    return float(round(cycle)) if abs(_apart(cycle, 0.0)) < 1e-12 else cycle
