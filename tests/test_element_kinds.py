@@ -10,6 +10,7 @@ from mbd.elements.element import BY_ANGLE, ENERGY, WIDTH, Element, Signal, rule
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.newton import forces_at
 from mbd.elements.table import instant, slope_matrix
+from mbd.excitations.unbalance import Unbalance
 from mbd.forces.ground import Ground
 from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rolling_bearing import hertz_bearing
@@ -70,6 +71,7 @@ def lossy(losses):
 
 SNUBBER = Snubber(name="snubber", shaft="shaft_1", y=0.0)
 PUSH = Torque(name="push", shaft="shaft_2", y=0.0, times=np.array([0.0, 0.02, 0.03]), torques=np.array([0.0, 5.0, 3.0]))
+EXCITED = (Unbalance(name="unbalance", shaft="shaft_2", y=0.0, size=1e-4, angle=0.4),)
 MACHINES = {
     "rope": hoisting,
     "ground": lambda: hoisting(ground=Ground(level=-0.0002, stiffness=1e6)),
@@ -80,6 +82,7 @@ MACHINES = {
     "coulomb": lambda: lossy(Coulomb(tooth_friction=0.06, bearing_friction=0.002)),
     "gyroscopic": lambda: dataclasses.replace(hoisting(), gyroscopic=True),
     "from outside": lambda: dataclasses.replace(hoisting(), forces=(SNUBBER, PUSH)),
+    "excited": lambda: dataclasses.replace(hoisting(), forces=EXCITED),
 }
 
 

@@ -26,6 +26,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "fem.casing.models",
     "mbd.elements",
     "mbd.parts",
+    "mbd.excitations",
     "mbd.coordinates",
     "mbd.reference",
     "mbd.forces",

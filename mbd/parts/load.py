@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 
@@ -118,3 +118,7 @@ class OutsideForce(Component):
     def places(self) -> tuple[Place, ...]:
         """Where it acts."""
         return (Place(self.name, self.shaft, self.y),)
+
+    def turned(self, angle: float) -> Self:
+        """The force after its shaft has turned by ``angle`` (rad) about +y; its times stay as they are."""
+        return self

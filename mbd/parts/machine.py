@@ -107,7 +107,8 @@ class Machine:
         return shaft_ratios([s.name for s in self.shafts], self.links, self.couplings[0].shaft)
 
     def turned(self, angle: float) -> Machine:
-        """The machine after its motors have rolled by ``angle`` (rad): mesh cycles and rope length move, nothing else.
+        """The machine after its motors have rolled by ``angle`` (rad): mesh cycles, rope length and what turns with the
+        shafts move, nothing else.
 
         Raises
         ------
@@ -115,7 +116,9 @@ class Machine:
         """
         ratios = self.ratios()
         meshes = tuple(mesh.turned(ratios[mesh.driving] * angle) for mesh in self.meshes)
-        return replace(self, meshes=meshes, load=self.load.turned(angle, ratios[self.load.shaft]))
+        turns = {shaft.name: shaft.sense * ratios[shaft.name] * angle for shaft in self.shafts}
+        forces = tuple(force.turned(turns[force.shaft]) for force in self.forces)
+        return replace(self, meshes=meshes, load=self.load.turned(angle, ratios[self.load.shaft]), forces=forces)
 
     def check_run(self, end: float) -> None:
         """Raise MachineError if the load does not allow the motion up to ``end`` (s)."""

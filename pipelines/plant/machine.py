@@ -214,7 +214,10 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> Mach
         drive=speed_profile(drive),
         load=load_spec(scene.load, f"shaft_{layout.loaded + 1}", places),
         couplings=coupling_specs(scene.couplings),
-        forces=tuple(table.spec(number) for number, table in enumerate(scene.forces, 1)),
+        forces=(
+            *(table.spec(number) for number, table in enumerate(scene.forces, 1)),
+            *(force for number, table in enumerate(scene.disks, 1) for force in table.unbalances(number)),
+        ),
         losses=losses_spec(scene.losses),
         brake=Brake(shaft=driven, y=ends[0], torque=drive.brake_torque_N_m) if drive.brake_torque_N_m else None,
         gyroscopic=scene.shaft_model.gyroscopic,

@@ -1,15 +1,17 @@
 """Tables of forces from outside besides the load, each with what it is for the multibody model.
 
-A new kind is a table here, in `ForceModel`, and its file in `mbd.forces`; nothing else knows the kinds.
+A new kind is a table here, in `ForceModel`, and its file in `mbd.forces` or `mbd.excitations`; nothing else knows the
+kinds.
 """
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from pipelines.scene.tables.base import Number, Table, Whole
+from pipelines.scene.tables.base import Number, Positive, Table, Whole
 
 if TYPE_CHECKING:
     from mbd.parts.load import OutsideForce
@@ -53,4 +55,18 @@ class TorqueTable(ForceBase):
         return Torque(**self.place(number), times=np.array(self.times_s), torques=np.array(self.torques_N_m))
 
 
-ForceModel = TorqueTable
+class UnbalanceTable(ForceBase):
+    """A mass off the axis of a shaft, that turns with it."""
+
+    model: Literal["unbalance"] = "unbalance"
+    unbalance_g_mm: Annotated[Positive, Field(description="mass times radius")]
+    angle_deg: Annotated[Number, Field(description="of the heavy spot at t = 0, from +x towards +z")] = 0.0
+
+    def spec(self, number: int) -> OutsideForce:
+        """The force in SI."""
+        from mbd.excitations.unbalance import Unbalance
+
+        return Unbalance(**self.place(number), size=self.unbalance_g_mm / 1_000_000, angle=math.radians(self.angle_deg))
+
+
+ForceModel = Annotated[TorqueTable | UnbalanceTable, Field(discriminator="model")]

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, model_validator
 
 from pipelines.scene.tables.base import Flag, Number, Table, Whole
 from pipelines.scene.tables.bearings import BearingModel
+
+if TYPE_CHECKING:
+    from mbd.parts.load import OutsideForce
 
 
 class SectionTable(Table):
@@ -79,6 +84,29 @@ class DiskTable(Table):
     mass_kg: Annotated[Number, Field(ge=0, description="mass")]
     polar_inertia_kg_m2: Annotated[Number, Field(ge=0, description="about the shaft")]
     diametral_inertia_kg_m2: Annotated[Number, Field(ge=0, description="about a diameter")]
+    eccentricity_um: Annotated[Number, Field(ge=0, le=1e5, description="of its centre of mass: an unbalance")] = 0.0
+    eccentricity_angle_deg: Annotated[
+        Number, Field(description="of its centre of mass at t = 0, from +x towards +z")
+    ] = 0.0
+
+    @model_validator(mode="after")
+    def _heavy(self) -> DiskTable:
+        if self.eccentricity_um and not self.mass_kg:
+            raise ValueError("eccentricity_um: a disk of mass_kg = 0 has no centre of mass; give its mass")
+        return self
+
+    def unbalances(self, number: int) -> Iterator[OutsideForce]:
+        """The unbalance m e of the disk with a number in the scene, if it is eccentric."""
+        if self.eccentricity_um:
+            from mbd.excitations.unbalance import Unbalance
+
+            yield Unbalance(
+                name=f"disk_{number} eccentricity",
+                shaft=f"shaft_{self.shaft}",
+                y=self.position_mm / 1000,
+                size=self.mass_kg * self.eccentricity_um / 1_000_000,
+                angle=math.radians(self.eccentricity_angle_deg),
+            )
 
 
 class CouplingTable(Table):
