@@ -10,7 +10,9 @@ from mbd.elements.element import BY_ANGLE, ENERGY, WIDTH, Element, Signal, rule
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.newton import forces_at
 from mbd.elements.table import instant, slope_matrix
+from mbd.excitations.outside_force import ShaftForce
 from mbd.excitations.unbalance import Unbalance
+from mbd.excitations.waveform import SweepWave
 from mbd.forces.ground import Ground
 from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rolling_bearing import hertz_bearing
@@ -71,7 +73,11 @@ def lossy(losses):
 
 SNUBBER = Snubber(name="snubber", shaft="shaft_1", y=0.0)
 PUSH = Torque(name="push", shaft="shaft_2", y=0.0, times=np.array([0.0, 0.02, 0.03]), torques=np.array([0.0, 5.0, 3.0]))
-EXCITED = (Unbalance(name="unbalance", shaft="shaft_2", y=0.0, size=1e-4, angle=0.4),)
+SWEEP = SweepWave(name="sweep", start=0.0, end=0.1, first=50.0, last=500.0, ramp=0.02, amplitude=20.0)
+EXCITED = (
+    Unbalance(name="unbalance", shaft="shaft_2", y=0.0, size=1e-4, angle=0.4),
+    ShaftForce(name="sweep", shaft="shaft_1", y=0.0, axis="z", force=SWEEP),
+)
 MACHINES = {
     "rope": hoisting,
     "ground": lambda: hoisting(ground=Ground(level=-0.0002, stiffness=1e6)),

@@ -104,9 +104,9 @@ class Unbalance(OutsideForce):
         """The first seismic mass turns with the shaft."""
         return np.array([ratios[self.shaft], 0.0, 0.0])
 
-    def turned(self, angle: float) -> Self:
-        """The unbalance after its shaft has turned by ``angle`` (rad) about +y."""
-        return replace(self, angle=self.angle - angle)
+    def turned(self, turns: Mapping[str, float]) -> Self:
+        """The unbalance after its shaft has turned."""
+        return replace(self, angle=self.angle - turns[self.shaft])
 
     def parts(self, lay: Coordinates) -> Iterator[Part]:
         """The seismic masses."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, Self
 
@@ -106,11 +107,26 @@ def pull_axis(direction: float | None) -> tuple[float, float, float]:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class OutsideForce(Component):
-    """A force at ``y`` (m) of ``shaft`` besides the load, with a name of its own: nonlinear `elements`, linear `parts`,
-    or a constant force."""
+class Excitation(Component):
+    """A force from outside besides the load, with a name of its own: nonlinear `elements`, linear `parts`, or a
+    constant force."""
 
     name: str
+
+    @property
+    def casing_rows(self) -> tuple[str, ...]:
+        """Rows of the casing that it pulls, e.g. ``sensor_1:uz``."""
+        return ()
+
+    def turned(self, turns: Mapping[str, float]) -> Self:
+        """The force after the shafts by name have turned by ``turns`` (rad) about +y; its times stay as they are."""
+        return self
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OutsideForce(Excitation):
+    """A force at ``y`` (m) of ``shaft``."""
+
     shaft: str
     y: float
 
@@ -118,7 +134,3 @@ class OutsideForce(Component):
     def places(self) -> tuple[Place, ...]:
         """Where it acts."""
         return (Place(self.name, self.shaft, self.y),)
-
-    def turned(self, angle: float) -> Self:
-        """The force after its shaft has turned by ``angle`` (rad) about +y; its times stay as they are."""
-        return self

@@ -15,7 +15,7 @@ from mbd.parts.checks import MachineError, finite, known, unique
 from mbd.parts.couplings import ShaftCoupling, check_coaxial
 from mbd.parts.drive import CouplingSpec, Drive, SpeedProfile
 from mbd.parts.gear_mesh import MeshSpec, mesh_rows
-from mbd.parts.load import Load, OutsideForce
+from mbd.parts.load import Excitation, Load
 from mbd.parts.losses import Brake, Losses, NoLosses
 from mbd.parts.shafts import ShaftSpec
 from mbd.parts.train import shaft_ratios
@@ -38,7 +38,7 @@ class Machine:
     profile: SpeedProfile
     load: Load
     shaft_couplings: tuple[ShaftCoupling, ...] = ()
-    forces: tuple[OutsideForce, ...] = ()
+    forces: tuple[Excitation, ...] = ()
     gravity: float = STANDARD_GRAVITY
     losses: Losses = NoLosses()
     brake: Brake | None = None
@@ -117,7 +117,7 @@ class Machine:
         ratios = self.ratios()
         meshes = tuple(mesh.turned(ratios[mesh.driving] * angle) for mesh in self.meshes)
         turns = {shaft.name: shaft.sense * ratios[shaft.name] * angle for shaft in self.shafts}
-        forces = tuple(force.turned(turns[force.shaft]) for force in self.forces)
+        forces = tuple(force.turned(turns) for force in self.forces)
         return replace(self, meshes=meshes, load=self.load.turned(angle, ratios[self.load.shaft]), forces=forces)
 
     def check_run(self, end: float) -> None:

@@ -21,7 +21,7 @@ from pipelines.scene.tables.casing import (
     SensorTable,
 )
 from pipelines.scene.tables.faults import FaultTable
-from pipelines.scene.tables.forces import ForceModel
+from pipelines.scene.tables.forces import CasingForceTable, ForceBase, ForceModel
 from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.housing import HousingTable
 from pipelines.scene.tables.losses import LossModel, NoLosses
@@ -94,7 +94,7 @@ class Scene(Table):
         ]
         named += [(f"couplings.{n}.shafts", tuple(s - 1 for s in c.shafts)) for n, c in enumerate(self.couplings, 1)]
         named += [(f"disks.{n}.shaft", (disk.shaft - 1,)) for n, disk in enumerate(self.disks, 1)]
-        named += [(f"forces.{n}.shaft", (force.shaft - 1,)) for n, force in enumerate(self.forces, 1)]
+        named += [(f"forces.{n}.shaft", (force.shaft - 1,)) for n, force in self._forces_on_shafts()]
         named += [("drive.shaft", ((self.drive.shaft or 1) - 1,))]
         named += [("load.shaft", ((self.load.shaft or len(self.shafts)) - 1,))]
         for path, shafts in named:
@@ -103,7 +103,7 @@ class Scene(Table):
                     yield f"{path}: there is no shaft {place + 1}; {len(self.shafts)} are given"
             if len(shafts) == 2 and shafts[0] == shafts[1]:
                 yield f"{path}: both ends are on shaft {shafts[0] + 1}"
-        for order, force in enumerate(self.forces, 1):
+        for order, force in self._forces_on_shafts():
             sections = self.shafts[min(max(force.shaft, 1), len(self.shafts)) - 1].sections
             start, end = sections[0].start_mm, sections[-1].end_mm
             if not start <= force.position_mm <= end:
@@ -118,7 +118,17 @@ class Scene(Table):
                         "the others by the ground (bearing_supports)"
                     )
 
+    def _forces_on_shafts(self):
+        return [(n, force) for n, force in enumerate(self.forces, 1) if isinstance(force, ForceBase)]
+
     def _references(self):
+        known = [sensor.name for sensor in self.sensors]
+        for number, force in enumerate(self.forces, 1):
+            if isinstance(force, CasingForceTable) and force.point not in known:
+                yield (
+                    f"forces.{number}.point = {shown_value(force.point)}: a force on the casing acts at the place of a "
+                    f"sensor; known: {', '.join(known) or 'none, without sensors on a casing'}"
+                )
         for number, fault in enumerate(self.faults, 1):
             if fault.stage > len(self.stages):
                 yield f"faults.{number}.stage = {fault.stage}: there are {len(self.stages)} stages"

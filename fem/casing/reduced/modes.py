@@ -205,8 +205,10 @@ def reduced_body(
     for sensor in sensors:
         corners, weights, place = nearest_surface_point(modes.nodes, modes.facets, np.array(sensor.position))
         shape = np.einsum("a,adk->dk", weights, modes.basis[corners].astype(float)) @ chosen.basis
-        rows += list(np.array(sensor.axes, float) @ shape)
-        row_names += [f"{sensor.name}:{axis}" for axis in ("ux", "uy", "uz")]
+        for axis, row in zip(GROUND_AXES, np.array(sensor.axes, float) @ shape, strict=True):
+            if f"{sensor.name}:{axis}" not in modes.interface_names:  # which a forced point is
+                rows.append(row)
+                row_names.append(f"{sensor.name}:{axis}")
         places[sensor.name] = place
     mode_names = [f"mode_{i + 1}" for i in range(chosen.n_fixed)] + [f"inertia_{i + 1}" for i in range(extra)]
     return ReducedBody(

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from pipelines.scene.tables.base import Number, Positive, Table, Whole
+from pipelines.scene.tables.base import NotNegative, Number, Positive, Table, Whole
 
 if TYPE_CHECKING:
-    from mbd.parts.load import OutsideForce
+    from mbd.excitations.waveform import Waveform
+    from mbd.parts.load import Excitation, OutsideForce
 
 
 class ForceBase(Table):
@@ -28,6 +29,85 @@ class ForceBase(Table):
         return {"name": f"force_{number}", "shaft": f"shaft_{self.shaft}", "y": self.position_mm / 1000}
 
 
+class SweepTable(Table):
+    """A swept sine, its frequency linear in time; the envelope rises and falls as sin^2."""
+
+    signal: Literal["sweep"] = "sweep"
+    start_s: Annotated[NotNegative, Field(description="when it starts")]
+    end_s: Annotated[Positive, Field(description="when it ends")]
+    from_Hz: Annotated[NotNegative, Field(description="at the start")]
+    to_Hz: Annotated[NotNegative, Field(description="at the end")]
+    ramp_s: Annotated[Positive, Field(description="length of the rise and of the fall")]
+
+    @model_validator(mode="after")
+    def _ramps_fit(self) -> SweepTable:
+        if 2 * self.ramp_s > self.end_s - self.start_s:
+            raise ValueError(f"ramp_s = {self.ramp_s:g} s fits not twice between {self.start_s:g} and {self.end_s:g} s")
+        return self
+
+    def wave(self, name: str, amplitude: float) -> Waveform:
+        """The waveform in SI."""
+        from mbd.excitations.waveform import SweepWave
+
+        return SweepWave(
+            name=name,
+            start=self.start_s,
+            end=self.end_s,
+            first=self.from_Hz,
+            last=self.to_Hz,
+            ramp=self.ramp_s,
+            amplitude=amplitude,
+        )
+
+
+class ForceSweepTable(SweepTable):
+    """A swept sine, its frequency linear in time; the envelope rises and falls as sin^2."""
+
+    amplitude_N: Annotated[Positive, Field(description="of the force")]
+
+    def waveform(self, name: str) -> Waveform:
+        """The force in SI."""
+        return self.wave(name, self.amplitude_N)
+
+
+class ForceTimesTable(Table):
+    """Values over time, linear between the times and constant outside."""
+
+    signal: Literal["table"] = "table"
+    times_s: Annotated[tuple[Number, ...], Field(min_length=1, description="strictly rising")]
+    forces_N: Annotated[tuple[Number, ...], Field(min_length=1, description="at these times")]
+
+    @model_validator(mode="after")
+    def _pairs(self) -> ForceTimesTable:
+        check_pairs("forces_N", self.times_s, self.forces_N)
+        return self
+
+    def waveform(self, name: str) -> Waveform:
+        """The force in SI."""
+        return table_wave(name, self.times_s, self.forces_N)
+
+
+ForceOverTime = Annotated[ForceTimesTable | ForceSweepTable, Field(discriminator="signal")]
+
+
+def check_pairs(key: str, times: tuple[float, ...], values: tuple[float, ...]) -> None:
+    """Raise ValueError unless there is a value of ``key`` for each of the rising times."""
+    if len(times) != len(values):
+        raise ValueError(f"times_s has {len(times)} values, {key} has {len(values)}")
+    for before, after in zip(times, times[1:], strict=False):
+        if after <= before:
+            raise ValueError(f"times_s must rise strictly: {after} s follows {before} s")
+
+
+def table_wave(name: str, times: tuple[float, ...], levels: tuple[float, ...]) -> Waveform:
+    """The waveform of a table, in SI."""
+    import numpy as np
+
+    from mbd.excitations.waveform import TableWave
+
+    return TableWave(name=name, times=np.array(times), levels=np.array(levels))
+
+
 class TorqueTable(ForceBase):
     """A torque over time on a shaft, linear between the times and constant outside."""
 
@@ -39,11 +119,7 @@ class TorqueTable(ForceBase):
 
     @model_validator(mode="after")
     def _pairs(self) -> TorqueTable:
-        if len(self.times_s) != len(self.torques_N_m):
-            raise ValueError(f"times_s has {len(self.times_s)} values, torques_N_m has {len(self.torques_N_m)}")
-        for before, after in zip(self.times_s, self.times_s[1:], strict=False):
-            if after <= before:
-                raise ValueError(f"times_s must rise strictly: {after} s follows {before} s")
+        check_pairs("torques_N_m", self.times_s, self.torques_N_m)
         return self
 
     def spec(self, number: int) -> OutsideForce:
@@ -69,4 +145,38 @@ class UnbalanceTable(ForceBase):
         return Unbalance(**self.place(number), size=self.unbalance_g_mm / 1_000_000, angle=math.radians(self.angle_deg))
 
 
-ForceModel = Annotated[TorqueTable | UnbalanceTable, Field(discriminator="model")]
+Axis = Annotated[Literal["x", "y", "z"], Field(description="along which it acts")]
+
+
+class ShaftForceTable(ForceBase):
+    """A force over time on a shaft."""
+
+    model: Literal["shaft-force"] = "shaft-force"
+    axis: Axis
+    force: ForceOverTime
+
+    def spec(self, number: int) -> OutsideForce:
+        """The force in SI."""
+        from mbd.excitations.outside_force import ShaftForce
+
+        place = self.place(number)
+        return ShaftForce(**place, axis=self.axis, force=self.force.waveform(place["name"]))
+
+
+class CasingForceTable(Table):
+    """A force over time on the casing, at the place of a sensor."""
+
+    model: Literal["casing-force"] = "casing-force"
+    point: Annotated[str, Field(description="name of the sensor at whose place it acts")]
+    axis: Annotated[Literal["x", "y", "z"], Field(description="channel of the sensor along which it acts")]
+    force: ForceOverTime
+
+    def spec(self, number: int) -> Excitation:
+        """The force in SI."""
+        from mbd.excitations.outside_force import CasingForce
+
+        name = f"force_{number}"
+        return CasingForce(name=name, point=self.point, axis=self.axis, force=self.force.waveform(name))
+
+
+ForceModel = Annotated[TorqueTable | UnbalanceTable | ShaftForceTable | CasingForceTable, Field(discriminator="model")]
