@@ -11,6 +11,7 @@ from mbd.elements.mode_words import ModeWords
 from mbd.elements.newton import forces_at
 from mbd.elements.table import instant, slope_matrix
 from mbd.excitations.outside_force import ShaftForce
+from mbd.excitations.ripple import TorqueRipple
 from mbd.excitations.unbalance import Unbalance
 from mbd.excitations.waveform import SweepWave
 from mbd.forces.ground import Ground
@@ -76,6 +77,7 @@ PUSH = Torque(name="push", shaft="shaft_2", y=0.0, times=np.array([0.0, 0.02, 0.
 SWEEP = SweepWave(name="sweep", start=0.0, end=0.1, first=50.0, last=500.0, ramp=0.02, amplitude=20.0)
 EXCITED = (
     Unbalance(name="unbalance", shaft="shaft_2", y=0.0, size=1e-4, angle=0.4),
+    TorqueRipple(name="ripple", shaft="shaft_2", y=0.1, amplitude=3.0, order=6.0, angle=0.3),
     ShaftForce(name="sweep", shaft="shaft_1", y=0.0, axis="z", force=SWEEP),
 )
 MACHINES = {

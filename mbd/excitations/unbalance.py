@@ -23,18 +23,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Self
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbd.elements.element import Element, rule
 from mbd.elements.linear import LinearElement, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
-from mbd.excitations.turning import turned_direction
+from mbd.excitations.turning import TurningForce, turned_direction
 from mbd.parts.checks import finite, positive
 from mbd.parts.couplings import CouplingSprings
-from mbd.parts.load import OutsideForce
 
 if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
@@ -84,11 +83,10 @@ class SeismicMasses(LinearElement):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Unbalance(OutsideForce):
+class Unbalance(TurningForce):
     """``size`` U (kg m) at ``y`` of ``shaft``, at the ``angle`` (rad) from +x towards +z at t = 0."""
 
     size: float
-    angle: float = 0.0
 
     def __post_init__(self) -> None:
         finite(f"{self.name} y", self.y)
@@ -103,10 +101,6 @@ class Unbalance(OutsideForce):
     def rolling(self, ratios: Mapping[str, float]) -> np.ndarray:
         """The first seismic mass turns with the shaft."""
         return np.array([ratios[self.shaft], 0.0, 0.0])
-
-    def turned(self, turns: Mapping[str, float]) -> Self:
-        """The unbalance after its shaft has turned."""
-        return replace(self, angle=self.angle - turns[self.shaft])
 
     def parts(self, lay: Coordinates) -> Iterator[Part]:
         """The seismic masses."""
@@ -134,13 +128,12 @@ class Unbalance(OutsideForce):
     def elements(self, lay: Coordinates) -> Iterator[Element]:
         """The force on the axis and the torque on the shaft."""
         forced = self._forced(lay)
-        sense, ratio = float(lay.sense(self.shaft)), lay.ratios[self.shaft]
         yield Element(
             kind="unbalance",
             name=self.name,
             part=self.name,
             rule=unbalance_rule,
-            values=(self.size, self.angle, sense, ratio, lay.gravity),
+            values=(self.size, *self.direction(lay), lay.gravity),
             rows=np.vstack([forced, forced - self._own(lay)]),
             row_names=(*FORCED, *MEASURED),
             scale=(self.size * ACCELERATION, *5 * (self.size * CENTRIFUGAL,)),

@@ -119,7 +119,7 @@ class Excitation(Component):
         return ()
 
     def turned(self, turns: Mapping[str, float]) -> Self:
-        """The force after the shafts by name have turned by ``turns`` (rad) about +y; its times stay as they are."""
+        """The force after the shafts by name have turned by ``turns`` (rad, in their own sense); its times stay."""
         return self
 
 

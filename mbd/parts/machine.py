@@ -116,7 +116,7 @@ class Machine:
         """
         ratios = self.ratios()
         meshes = tuple(mesh.turned(ratios[mesh.driving] * angle) for mesh in self.meshes)
-        turns = {shaft.name: shaft.sense * ratios[shaft.name] * angle for shaft in self.shafts}
+        turns = {name: ratio * angle for name, ratio in ratios.items()}
         forces = tuple(force.turned(turns) for force in self.forces)
         return replace(self, meshes=meshes, load=self.load.turned(angle, ratios[self.load.shaft]), forces=forces)
 

@@ -145,6 +145,22 @@ class UnbalanceTable(ForceBase):
         return Unbalance(**self.place(number), size=self.unbalance_g_mm / 1_000_000, angle=math.radians(self.angle_deg))
 
 
+class TorqueRippleTable(ForceBase):
+    """A torque that goes by the angle of a shaft, at an order of its rotation."""
+
+    model: Literal["torque-ripple"] = "torque-ripple"
+    amplitude_N_m: Annotated[Positive, Field(description="of the torque")]
+    order: Annotated[Positive, Field(description="periods per turn of the shaft")]
+    phase_deg: Annotated[Number, Field(description="at t = 0, of a cosine")] = 0.0
+
+    def spec(self, number: int) -> OutsideForce:
+        """The torque in SI."""
+        from mbd.excitations.ripple import TorqueRipple
+
+        phase = math.radians(self.phase_deg)
+        return TorqueRipple(**self.place(number), amplitude=self.amplitude_N_m, order=self.order, angle=phase)
+
+
 Axis = Annotated[Literal["x", "y", "z"], Field(description="along which it acts")]
 
 
@@ -179,4 +195,5 @@ class CasingForceTable(Table):
         return CasingForce(name=name, point=self.point, axis=self.axis, force=self.force.waveform(name))
 
 
-ForceModel = Annotated[TorqueTable | UnbalanceTable | ShaftForceTable | CasingForceTable, Field(discriminator="model")]
+ForceModel = Annotated[TorqueTable | TorqueRippleTable | UnbalanceTable | ShaftForceTable | CasingForceTable,
+    Field(discriminator="model")]
