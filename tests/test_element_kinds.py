@@ -10,6 +10,7 @@ from mbd.elements.element import BY_ANGLE, ENERGY, WIDTH, Element, Signal, rule
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.newton import forces_at
 from mbd.elements.table import instant, slope_matrix
+from mbd.excitations.misaligned_coupling import MisalignedCoupling
 from mbd.excitations.outside_force import ShaftForce
 from mbd.excitations.ripple import TorqueRipple
 from mbd.excitations.unbalance import Unbalance
@@ -72,6 +73,26 @@ def lossy(losses):
     return dataclasses.replace(hoisting(), losses=losses, brake=Brake(shaft="shaft_1", y=-0.2, torque=40.0))
 
 
+def misaligned(joint):
+    """The first shaft in two, motors at the outer one, a coupling between them."""
+    machine = hoisting()
+    outer = dataclasses.replace(machine.shafts[0], name="shaft_0", disks=())
+    bearings = tuple(
+        dataclasses.replace(bearing, name=f"bearing_{9 + i}", shaft="shaft_0")
+        for i, bearing in enumerate(machine.bearings[:2])
+    )
+    coupling = MisalignedCoupling(
+        name="coupling_1", shafts=("shaft_0", "shaft_1"), y=(0.2, 0.2), torsional_stiffness=3e4, radial_stiffness=1e7,
+        axial_stiffness=2e6, tilt_stiffness=2e3, damping_time=1e-5, offset=(1e-4, -5e-5), tilt=(0.02, 0.05),
+        radial_stiffness_across=4e6, tilt_stiffness_across=5e2, angle=0.4, joint=joint,
+    )  # fmt: skip
+    motors = tuple(dataclasses.replace(motor, shaft="shaft_0") for motor in machine.couplings)
+    return dataclasses.replace(
+        machine, shafts=(outer, *machine.shafts), bearings=(*bearings, *machine.bearings), couplings=motors,
+        shaft_couplings=(coupling,),
+    )  # fmt: skip
+
+
 SNUBBER = Snubber(name="snubber", shaft="shaft_1", y=0.0)
 PUSH = Torque(name="push", shaft="shaft_2", y=0.0, times=np.array([0.0, 0.02, 0.03]), torques=np.array([0.0, 5.0, 3.0]))
 SWEEP = SweepWave(name="sweep", start=0.0, end=0.1, first=50.0, last=500.0, ramp=0.02, amplitude=20.0)
@@ -90,6 +111,8 @@ MACHINES = {
     "coulomb": lambda: lossy(Coulomb(tooth_friction=0.06, bearing_friction=0.002)),
     "gyroscopic": lambda: dataclasses.replace(hoisting(), gyroscopic=True),
     "from outside": lambda: dataclasses.replace(hoisting(), forces=(SNUBBER, PUSH)),
+    "coupled": lambda: misaligned(False),
+    "joint": lambda: misaligned(True),
     "excited": lambda: dataclasses.replace(hoisting(), forces=EXCITED),
 }
 

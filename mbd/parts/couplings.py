@@ -7,9 +7,9 @@ direction of stiffness 0 is free, as in a coupling that only takes the rotation.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -63,6 +63,10 @@ class ShaftCoupling(Component):
             not_negative(f"{where} {name}", getattr(self, name))
         if self.shafts[0] == self.shafts[1]:
             raise MachineError(f"{where}: both ends are on {self.shafts[0]}; it must join two shafts.")
+
+    def turned(self, turns: Mapping[str, float]) -> Self:
+        """The coupling after the shafts by name have turned by ``turns`` (rad, in their own sense)."""
+        return self
 
     @property
     def stiffness(self) -> tuple[float, ...]:

@@ -117,8 +117,13 @@ class Machine:
         ratios = self.ratios()
         meshes = tuple(mesh.turned(ratios[mesh.driving] * angle) for mesh in self.meshes)
         turns = {name: ratio * angle for name, ratio in ratios.items()}
-        forces = tuple(force.turned(turns) for force in self.forces)
-        return replace(self, meshes=meshes, load=self.load.turned(angle, ratios[self.load.shaft]), forces=forces)
+        return replace(
+            self,
+            meshes=meshes,
+            load=self.load.turned(angle, ratios[self.load.shaft]),
+            shaft_couplings=tuple(coupling.turned(turns) for coupling in self.shaft_couplings),
+            forces=tuple(force.turned(turns) for force in self.forces),
+        )
 
     def check_run(self, end: float) -> None:
         """Raise MachineError if the load does not allow the motion up to ``end`` (s)."""

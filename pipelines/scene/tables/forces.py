@@ -195,5 +195,6 @@ class CasingForceTable(Table):
         return CasingForce(name=name, point=self.point, axis=self.axis, force=self.force.waveform(name))
 
 
-ForceModel = Annotated[TorqueTable | TorqueRippleTable | UnbalanceTable | ShaftForceTable | CasingForceTable,
-    Field(discriminator="model")]
+ForceModel = Annotated[
+    TorqueTable | TorqueRippleTable | UnbalanceTable | ShaftForceTable | CasingForceTable, Field(discriminator="model")
+]

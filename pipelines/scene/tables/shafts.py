@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from pipelines.scene.tables.base import Flag, Number, Table, Whole
+from pipelines.scene.tables.base import Flag, NotNegative, Number, Table, Whole
 from pipelines.scene.tables.bearings import BearingModel
 
 if TYPE_CHECKING:
@@ -109,6 +109,9 @@ class DiskTable(Table):
             )
 
 
+Small = Annotated[Number, Field(ge=-70, le=70)]
+
+
 class CouplingTable(Table):
     """A coupling between two shafts on one axis; 0 leaves a direction free."""
 
@@ -119,3 +122,25 @@ class CouplingTable(Table):
     axial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="along the axis")] = 0.0
     tilt_stiffness_N_m_per_rad: Annotated[Number, Field(ge=0, description="about x and z")] = 0.0
     damping_time_us: Annotated[Number, Field(ge=0, le=1e5, description="damping = this time * stiffness")] = 0.0
+    radial_stiffness_across_N_per_um: Annotated[
+        NotNegative | None, Field(description="along the second stiffness axis, both turn; left out: as the first")
+    ] = None
+    tilt_stiffness_across_N_m_per_rad: Annotated[
+        NotNegative | None, Field(description="about the second stiffness axis, both turn; left out: as the first")
+    ] = None
+    stiff_axis_deg: Annotated[Number, Field(description="first stiffness axis at t = 0, from +x towards +z")] = 0.0
+    offset_um: Annotated[
+        tuple[Number, Number], Field(description="axis of the second shaft off that of the first in x and z")
+    ] = (0.0, 0.0)
+    tilt_mrad: Annotated[
+        tuple[Small, Small], Field(description="axis of the second shaft against that of the first, about x and z")
+    ] = (0.0, 0.0)
+    universal_joint: Annotated[Flag, Field(description="true: turns with Cardan's error, the axes are its pins")] = (
+        False
+    )
+
+    @property
+    def turns(self) -> bool:
+        """Whether what it does depends on where its shafts have turned to."""
+        across = self.radial_stiffness_across_N_per_um, self.tilt_stiffness_across_N_m_per_rad
+        return self.universal_joint or across != (None, None) or any((*self.offset_um, *self.tilt_mrad))
