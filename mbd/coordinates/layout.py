@@ -16,7 +16,7 @@ from mbd.elements.component import Component
 from mbd.parts.casing import Casing
 from mbd.parts.checks import MachineError
 from mbd.parts.machine import Machine
-from mbd.parts.shafts import node_at, shaft_basis, shaft_nodes
+from mbd.parts.shafts import flexibility, node_at, shaft_basis, shaft_nodes
 
 BEARING_PLACE_TOLERANCE = 1e-4  # m
 
@@ -67,6 +67,10 @@ class Layout:
     def basis(self, shaft: str) -> np.ndarray:
         """T (6 node, own coordinate): displacements of the nodes of a shaft from its coordinates."""
         return self.bases[shaft]
+
+    def flexibility(self, shaft: str, y: float, supports: tuple[float, float]) -> float:
+        """Deflection over force (m/N) at ``y`` of a shaft alone, simply supported at two stations."""
+        return flexibility(self.machine.shaft(shaft), self.shaft_nodes[shaft], y, supports)
 
     def read_at(self, shaft: str) -> float:
         """Place y at which the rotation of a shaft is read: its first gear, else its first end."""

@@ -39,6 +39,9 @@ class Coordinates(Protocol):
     def basis(self, shaft: str) -> np.ndarray:
         """T (6 node, own coordinate): displacements of the nodes of a shaft from its coordinates."""
 
+    def flexibility(self, shaft: str, y: float, supports: tuple[float, float]) -> float:
+        """Deflection over force (m/N) at ``y`` of a shaft alone, simply supported at two stations."""
+
     def read_at(self, shaft: str) -> float:
         """Place y at which the rotation of a shaft is read: its first gear, else its first end."""
 

@@ -106,9 +106,9 @@ class Scene(Table):
         for order, force in self._forces_on_shafts():
             sections = self.shafts[min(max(force.shaft, 1), len(self.shafts)) - 1].sections
             start, end = sections[0].start_mm, sections[-1].end_mm
-            if not start <= force.position_mm <= end:
-                path = f"forces.{order}.position_mm = {force.position_mm:g}"
-                yield f"{path}: shaft {force.shaft} reaches from {start:g} to {end:g} mm"
+            for key, place in force.positions.items():
+                if not start <= place <= end:
+                    yield f"forces.{order}.{key} = {place:g}: shaft {force.shaft} reaches from {start:g} to {end:g} mm"
         if isinstance(self.casing, FlexibleBase):
             for number, shaft in enumerate(self.shafts, 1):
                 carried = len(shaft.bearing_positions_mm) - shaft.bearing_supports.count("ground")

@@ -24,6 +24,11 @@ class ForceBase(Table):
     shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
     position_mm: Annotated[Number, Field(description="y")]
 
+    @property
+    def positions(self) -> dict[str, float]:
+        """Places (mm) on the shaft by key."""
+        return {"position_mm": self.position_mm}
+
     def place(self, number: int) -> dict[str, Any]:
         """Name, shaft and y (m) of the force with a number in the scene."""
         return {"name": f"force_{number}", "shaft": f"shaft_{self.shaft}", "y": self.position_mm / 1000}
@@ -161,6 +166,40 @@ class TorqueRippleTable(ForceBase):
         return TorqueRipple(**self.place(number), amplitude=self.amplitude_N_m, order=self.order, angle=phase)
 
 
+class BentShaftTable(ForceBase):
+    """A shaft with a fixed bow, as bent by a force between two places where it is straight."""
+
+    model: Literal["bent-shaft"] = "bent-shaft"
+    bow_um: Annotated[Positive, Field(description="at position_mm, of the axis off its straight line")]
+    straight_at_mm: Annotated[tuple[Number, Number], Field(description="y of two places without bow: the bearings")]
+    angle_deg: Annotated[Number, Field(description="of the bow at t = 0, from +x towards +z")] = 0.0
+
+    @model_validator(mode="after")
+    def _apart(self) -> BentShaftTable:
+        if len({self.position_mm, *self.straight_at_mm}) < 3:
+            raise ValueError(
+                f"straight_at_mm = {list(self.straight_at_mm)}: give two places beside position_mm = "
+                f"{self.position_mm:g}, e.g. the bearings"
+            )
+        return self
+
+    @property
+    def positions(self) -> dict[str, float]:
+        """Places (mm) on the shaft by key."""
+        return super().positions | {f"straight_at_mm.{n}": y for n, y in enumerate(self.straight_at_mm, 1)}
+
+    def spec(self, number: int) -> OutsideForce:
+        """The bow in SI."""
+        from mbd.excitations.bent_shaft import BentShaft
+
+        return BentShaft(
+            **self.place(number),
+            bow=self.bow_um / 1_000_000,
+            straight=(self.straight_at_mm[0] / 1000, self.straight_at_mm[1] / 1000),
+            angle=math.radians(self.angle_deg),
+        )
+
+
 Axis = Annotated[Literal["x", "y", "z"], Field(description="along which it acts")]
 
 
@@ -196,5 +235,5 @@ class CasingForceTable(Table):
 
 
 ForceModel = Annotated[
-    TorqueTable | TorqueRippleTable | UnbalanceTable | ShaftForceTable | CasingForceTable, Field(discriminator="model")
+    TorqueTable | TorqueRippleTable | UnbalanceTable | BentShaftTable | ShaftForceTable | CasingForceTable, Field(discriminator="model")
 ]
