@@ -4,10 +4,9 @@ import cmath
 import dataclasses
 import math
 
-import numpy as np
 import pytest
 from mbd_rigs import no_casing, train
-from rotors import CRITICAL, DAMPING, LENGTH, MASS, MOVING, PROBE, STIFFNESS, Probe, jeffcott, line
+from rotors import CRITICAL, DAMPING, LENGTH, MOVING, PROBE, STIFFNESS, Probe, jeffcott, line
 
 from mbd.excitations.bent_shaft import BentShaft
 from mbd.excitations.unbalance import Unbalance

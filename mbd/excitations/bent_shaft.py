@@ -1,8 +1,8 @@
 """A bent shaft: a fixed bow that turns with it.
 
-A shaft that would rest at the bow b(y) stores (q - b)^T K (q - b)/2, so that the force K b acts on it, which turns. The
-bow has the shape of the shaft under a force at ``y`` between two places where it is straight, as a shaft bent in a press
-or by its own weight between its bearings: K b is then that force and its two reactions,
+A shaft that would rest at the bow b(y) stores (q - b)^T K (q - b)/2, so that the force K b acts on it, which turns.
+The bow has the shape of the shaft under a force at ``y`` between two places where it is straight, as of a shaft bent in
+a press: K b is then that force and its two reactions,
 
     U = k b^2/2 - k b n . d,   d = u(y) - (1 - share) u(y_1) - share u(y_2),
 

@@ -235,5 +235,6 @@ class CasingForceTable(Table):
 
 
 ForceModel = Annotated[
-    TorqueTable | TorqueRippleTable | UnbalanceTable | BentShaftTable | ShaftForceTable | CasingForceTable, Field(discriminator="model")
+    TorqueTable | TorqueRippleTable | UnbalanceTable | BentShaftTable | ShaftForceTable | CasingForceTable,
+    Field(discriminator="model"),
 ]
