@@ -10,6 +10,7 @@ from mbd.elements.element import BY_ANGLE, ENERGY, WIDTH, Element, Signal, rule
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.newton import forces_at
 from mbd.elements.table import instant, slope_matrix
+from mbd.excitations.base_acceleration import BaseAcceleration
 from mbd.excitations.bent_shaft import BentShaft
 from mbd.excitations.misaligned_coupling import MisalignedCoupling
 from mbd.excitations.outside_force import ShaftForce
@@ -101,6 +102,7 @@ EXCITED = (
     Unbalance(name="unbalance", shaft="shaft_2", y=0.0, size=1e-4, angle=0.4),
     TorqueRipple(name="ripple", shaft="shaft_2", y=0.1, amplitude=3.0, order=6.0, angle=0.3),
     BentShaft(name="bent", shaft="shaft_1", y=0.0, bow=3e-5, straight=(-0.1, 0.1), angle=1.0),
+    BaseAcceleration(name="ground", axis="z", acceleration=SWEEP),
     ShaftForce(name="sweep", shaft="shaft_1", y=0.0, axis="z", force=SWEEP),
 )
 MACHINES = {

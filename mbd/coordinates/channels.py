@@ -92,20 +92,36 @@ def channel_rows(names: tuple[str, ...], lay: Layout, elements: Sequence[Element
                     f"channel {name!r}: a casing of model {lay.casing.model!r} does not move. Ask for bearing forces "
                     "or journal accelerations, or use another casing model."
                 )
-            readings.append(Reading("m/s2", acceleration=lay.casing_row(f"{thing}:u{quantity[1]}"), vibration=True))
+            row = f"{thing}:u{quantity[1]}"
+            acceleration = lay.casing_row(row)  # which names the rows there are
+            readings.append(Reading("m/s2", acceleration=acceleration, shift=lay.casing_shift(row), vibration=True))
         else:
             raise MachineError(f"channel {name!r} is unknown; known: {', '.join(offered)} and '<sensor>:ax|ay|az'.")
     n, m = lay.size, sum(len(element.rows) for element in elements)
+    forces = _stack([r.forces for r in readings], m) + _shaken(readings, lay, elements)
     return ChannelRows(
         names=tuple(names),
         units=tuple(r.units for r in readings),
         displacement=_stack([r.displacement for r in readings], n),
         velocity=_stack([r.velocity for r in readings], n),
         acceleration=_stack([r.acceleration for r in readings], n),
-        forces=_stack([r.forces for r in readings], m),
+        forces=forces,
         rigid=np.array([r.rigid for r in readings]).reshape(-1, 3),
         vibration=np.array([r.vibration for r in readings], dtype=bool),
     )
+
+
+def _shaken(readings: Sequence[Reading], lay: Layout, elements: Sequence[Element]) -> np.ndarray:
+    """What accelerometers read of the acceleration of the ground (channel, force); motions are relative to it."""
+    found = np.zeros((len(readings), sum(len(element.rows) for element in elements)))
+    first = 0
+    for element in elements:
+        if element.shakes:
+            for row, reading in zip(found, readings, strict=True):
+                own = np.broadcast_to(reading.acceleration, lay.size) @ lay.translation
+                row[first] = (own if reading.shift is None else reading.shift) @ element.shakes
+        first += len(element.rows)
+    return found
 
 
 def _stack(rows: list, length: int) -> np.ndarray:

@@ -144,6 +144,7 @@ class Element:
     contact: Contact | None = None  # if the train is without a hold where it is open
     in_matrix: bool = False  # its slopes are no part of the linearised view: a matrix stands for them, or they turn
     signals: tuple[Signal, ...] = ()
+    shakes: tuple[float, ...] = ()  # (3,) where its lambda (m/s2) accelerates the ground, which accelerometers read too
     lets_go: str = ""  # counter of contacts lost
     touches: str = ""  # counter of contacts made
 

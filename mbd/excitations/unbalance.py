@@ -102,6 +102,10 @@ class Unbalance(TurningForce):
         """The first seismic mass turns with the shaft."""
         return np.array([ratios[self.shaft], 0.0, 0.0])
 
+    def translation(self) -> np.ndarray:
+        """Of the seismic masses of x and z."""
+        return np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+
     def parts(self, lay: Coordinates) -> Iterator[Part]:
         """The seismic masses."""
         own = self._own(lay)

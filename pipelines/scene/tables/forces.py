@@ -75,6 +75,33 @@ class ForceSweepTable(SweepTable):
         return self.wave(name, self.amplitude_N)
 
 
+class BaseSweepTable(SweepTable):
+    """A swept sine, its frequency linear in time; the envelope rises and falls as sin^2."""
+
+    amplitude_m_s2: Annotated[Positive, Field(description="of the acceleration")]
+
+    def waveform(self, name: str) -> Waveform:
+        """The acceleration in SI."""
+        return self.wave(name, self.amplitude_m_s2)
+
+
+class BaseTimesTable(Table):
+    """Values over time, linear between the times and constant outside."""
+
+    signal: Literal["table"] = "table"
+    times_s: Annotated[tuple[Number, ...], Field(min_length=1, description="strictly rising")]
+    accelerations_m_s2: Annotated[tuple[Number, ...], Field(min_length=1, description="at these times")]
+
+    @model_validator(mode="after")
+    def _pairs(self) -> BaseTimesTable:
+        check_pairs("accelerations_m_s2", self.times_s, self.accelerations_m_s2)
+        return self
+
+    def waveform(self, name: str) -> Waveform:
+        """The acceleration in SI."""
+        return table_wave(name, self.times_s, self.accelerations_m_s2)
+
+
 class ForceTimesTable(Table):
     """Values over time, linear between the times and constant outside."""
 
@@ -234,7 +261,28 @@ class CasingForceTable(Table):
         return CasingForce(name=name, point=self.point, axis=self.axis, force=self.force.waveform(name))
 
 
+class BaseAccelerationTable(Table):
+    """Acceleration over time of the ground under all feet together, and of what else stands on the ground."""
+
+    model: Literal["base-acceleration"] = "base-acceleration"
+    axis: Axis
+    acceleration: Annotated[BaseTimesTable | BaseSweepTable, Field(discriminator="signal")]
+
+    def spec(self, number: int) -> Excitation:
+        """The acceleration in SI."""
+        from mbd.excitations.base_acceleration import BaseAcceleration
+
+        name = f"force_{number}"
+        return BaseAcceleration(name=name, axis=self.axis, acceleration=self.acceleration.waveform(name))
+
+
 ForceModel = Annotated[
-    TorqueTable | TorqueRippleTable | UnbalanceTable | BentShaftTable | ShaftForceTable | CasingForceTable,
+    TorqueTable
+    | TorqueRippleTable
+    | UnbalanceTable
+    | BentShaftTable
+    | ShaftForceTable
+    | CasingForceTable
+    | BaseAccelerationTable,
     Field(discriminator="model"),
 ]
