@@ -150,5 +150,5 @@ def test_a_single_foot_is_not_moved():
         "model": "base-acceleration", "axis": "z", "foot": "ground_1",
         "acceleration": {"signal": "table", "times_s": [0.0], "accelerations_m_s2": [1.0]},
     }  # fmt: skip
-    with pytest.raises(SceneError, match="foot.*is not a key"):
+    with pytest.raises(SceneError, match=r"foot.*is not a key"):
         load_scene("minimal", {"forces": [force]})
