@@ -29,7 +29,14 @@ from pipelines.scene.file import load_scene
 
 STANDING = SpeedProfile(times=np.zeros(1), speeds=np.zeros(1))
 SWEEP = SweepWave(name="base", start=0.0, end=0.6, first=20.0, last=1200.0, ramp=0.05, amplitude=1.0)
-CHANNELS = ("base:acceleration", "sensor_2:az", "sensor_1:ax", "bearing_3:fz", "bearing_1:journal_az", "motor_1:torque")
+CHANNELS = (
+    "base:ground_acceleration",
+    "sensor_2:az",
+    "sensor_1:ax",
+    "bearing_3:fz",
+    "bearing_1:journal_az",
+    "motor_1:torque",
+)
 RATE = 5e3
 
 
@@ -67,7 +74,7 @@ def test_a_sweep_of_the_ground_finds_the_frequency_response():
     frequencies = np.fft.rfftfreq(len(run.time), 1 / RATE)
     some = np.flatnonzero((frequencies > 60.0) & (frequencies < 1100.0))[::5]
     exact = frequency_response(system, "base", frequencies[some])
-    push = np.fft.rfft(run.channel("base:acceleration"))[some]
+    push = np.fft.rfft(run.channel("base:ground_acceleration"))[some]
     for name, wanted in zip(CHANNELS, exact, strict=True):
         signal = run.channel(name) - run.channel(name)[0]
         found = np.fft.rfft(signal)[some] / push
@@ -135,10 +142,10 @@ def test_the_mounts_of_a_casing_on_springs_carry_its_mass(mesh):
 
 def test_base_acceleration_of_a_scene_in_si():
     sweep = {
-        "signal": "sweep", "start_s": 0.0, "end_s": 0.4, "from_Hz": 10.0, "to_Hz": 500.0, "ramp_s": 0.05,
+        "model": "sweep", "start_s": 0.0, "end_s": 0.4, "from_Hz": 10.0, "to_Hz": 500.0, "ramp_s": 0.05,
         "amplitude_m_s2": 3.0,
     }  # fmt: skip
-    table = {"signal": "table", "times_s": [0.0, 0.1], "accelerations_m_s2": [0.0, 2.0]}
+    table = {"model": "table", "times_s": [0.0, 0.1], "accelerations_m_s2": [0.0, 2.0]}
     forces = [{"model": "base-acceleration", "axis": "z", "acceleration": wave} for wave in (sweep, table)]
     one, other = make_plant(load_scene("minimal", {"forces": forces}).scene).machine.forces
     assert (one.axis, one.acceleration.amplitude) == ("z", 3.0)
@@ -148,7 +155,7 @@ def test_base_acceleration_of_a_scene_in_si():
 def test_a_single_foot_is_not_moved():
     force = {
         "model": "base-acceleration", "axis": "z", "foot": "ground_1",
-        "acceleration": {"signal": "table", "times_s": [0.0], "accelerations_m_s2": [1.0]},
+        "acceleration": {"model": "table", "times_s": [0.0], "accelerations_m_s2": [1.0]},
     }  # fmt: skip
     with pytest.raises(SceneError, match=r"foot.*is not a key"):
         load_scene("minimal", {"forces": [force]})

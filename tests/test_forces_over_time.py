@@ -37,14 +37,14 @@ def test_a_sweep_finds_the_frequency_response_of_the_linearised_machine(force):
     standing = SpeedProfile(times=np.zeros(1), speeds=np.zeros(1))
     machine = train(1, profile=standing, coupling_damping=20.0, bearing_tau=3e-4, shaft_tau=5e-5)
     machine = dataclasses.replace(machine, forces=(force,))
-    channels = ("push:force", "sensor_2:az", "sensor_1:ax", "motor_1:torque", "bearing_1:fx")
+    channels = ("push:outside_force", "sensor_2:az", "sensor_1:ax", "motor_1:torque", "bearing_1:fx")
     system = assemble(machine, rigid_casing(machine, extra=3, ratio=0.03), channels, np.inf)
     run = simulate(system, Settings(end=1.0, output_rate=RATE, step=2e-5))
     assert run.counter("stage_1:contact_losses") == 0
     frequencies = np.fft.rfftfreq(len(run.time), 1 / RATE)
     some = np.flatnonzero((frequencies > 60.0) & (frequencies < 1100.0))[::5]
     exact = frequency_response(system, "push", frequencies[some])
-    push = np.fft.rfft(run.channel("push:force"))[some]
+    push = np.fft.rfft(run.channel("push:outside_force"))[some]
     for name, wanted in zip(channels, exact, strict=True):
         signal = run.channel(name) - run.channel(name)[0]
         assert abs(signal[-200:]).max() < 1e-6 * abs(signal).max()  # at rest again
@@ -106,14 +106,14 @@ def test_a_forced_point_of_an_elastic_casing_gives_way_as_the_full_model():
 
 
 SCENE_SWEEP = {
-    "signal": "sweep", "start_s": 0.0, "end_s": 0.4, "from_Hz": 10.0, "to_Hz": 500.0, "ramp_s": 0.05,
+    "model": "sweep", "start_s": 0.0, "end_s": 0.4, "from_Hz": 10.0, "to_Hz": 500.0, "ramp_s": 0.05,
     "amplitude_N": 30.0,
 }  # fmt: skip
 PUSHED = {"model": "casing-force", "point": "sensor_3", "axis": "z", "force": SCENE_SWEEP}
 
 
 def test_forces_of_a_scene_in_si_and_the_casing_that_bears_them():
-    table = {"signal": "table", "times_s": [0.0, 0.1], "forces_N": [0.0, 20.0]}
+    table = {"model": "table", "times_s": [0.0, 0.1], "forces_N": [0.0, 20.0]}
     shaft = {"model": "shaft-force", "shaft": 2, "position_mm": 10.0, "axis": "x", "force": table}
     elastic = {"casing.model": "craig-bampton", "casing.band_Hz": 1000.0, "casing.element_size_mm": 40.0}
     plant = make_plant(load_scene("minimal", elastic | {"forces": [PUSHED, shaft]}).scene)

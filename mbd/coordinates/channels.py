@@ -17,7 +17,7 @@ from mbd.parts.bearings import DIRECTIONS, bearing_force, journal_acceleration
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import motor_channels
 from mbd.parts.gear_mesh import mesh_channels
-from mbd.parts.load import CONTAINER, ROPE_FORCE, SWAY
+from mbd.parts.load import CONTAINER, GROUND_ACCELERATION, OUTSIDE_FORCE, ROPE_FORCE, SWAY
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import shaft_channels
 
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 __all__ = [
     "CONTAINER",
     "DIRECTIONS",
+    "GROUND_ACCELERATION",
+    "OUTSIDE_FORCE",
     "ROPE_FORCE",
     "SWAY",
     "ChannelRows",
@@ -34,6 +36,7 @@ __all__ = [
     "bearing_force",
     "channel_names",
     "channel_rows",
+    "excitations",
     "journal_acceleration",
     "mesh_channels",
     "motor_channels",
@@ -51,6 +54,11 @@ def channel_names(machine: Machine, sensors: tuple[str, ...] = ()) -> tuple[str,
     """All channels of ``machine`` with the accelerations of the casing points ``sensors``."""
     points = [acceleration(s, a) for s in sensors for a in DIRECTIONS]
     return (*points, *(name for component in machine.components for name in component.channel_names))
+
+
+def excitations(names: Sequence[str], quantity: str) -> tuple[str, ...]:
+    """What has a channel of that quantity among ``names``, `OUTSIDE_FORCE` or `GROUND_ACCELERATION`."""
+    return tuple(name.partition(":")[0] for name in names if name.endswith(f":{quantity}"))
 
 
 def sensor_names(names: tuple[str, ...]) -> tuple[str, ...]:

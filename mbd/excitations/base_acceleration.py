@@ -22,7 +22,7 @@ from mbd.elements.element import Element, Signal, rule
 from mbd.excitations.outside_force import DIRECTIONS
 from mbd.excitations.waveform import Waveform, wave_value
 from mbd.parts.checks import known
-from mbd.parts.load import Excitation
+from mbd.parts.load import GROUND_ACCELERATION, Excitation
 
 if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
@@ -38,7 +38,7 @@ def base_rule(values, motion, answer):
 
 def base_channel(name: str) -> str:
     """The acceleration (m/s2) of the ground."""
-    return f"{name}:acceleration"
+    return f"{name}:{GROUND_ACCELERATION}"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,7 +15,7 @@ import numpy as np
 from mbd.elements.element import Element, Signal, rule
 from mbd.excitations.waveform import Waveform, wave_value
 from mbd.parts.checks import MachineError, finite, known
-from mbd.parts.load import Excitation, OutsideForce
+from mbd.parts.load import OUTSIDE_FORCE, Excitation, OutsideForce
 
 if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
@@ -32,7 +32,7 @@ def force_rule(values, motion, answer):
 
 def force_channel(name: str) -> str:
     """The force (N) over time."""
-    return f"{name}:force"
+    return f"{name}:{OUTSIDE_FORCE}"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -44,7 +44,7 @@ SEISMIC_FREQUENCY = 2 * math.pi * 5e3  # rad/s
 SEISMIC_DAMPING = 1.25  # ratio: it does not oscillate
 FORCED = ("angle", "ux", "uz")
 MEASURED = tuple(f"seismic {name}" for name in FORCED)
-ACCELERATION, CENTRIFUGAL = 1e3, 1e5  # m/s2 and rad2/s2, for the scale of the forces
+ACCELERATION, CENTRIFUGAL = 1e5, 1e6  # m/s2 and rad2/s2, for the scale of the forces
 SIZE, START, SENSE, ROLL, GRAVITY = range(5)
 
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 ROPE_FORCE = "rope:force"  # N, all falls together; of a swinging container its vertical part
 CONTAINER = ("container:lift", "container:acceleration")  # m from the start, m/s2
+OUTSIDE_FORCE, GROUND_ACCELERATION = "outside_force", "ground_acceleration"  # N, m/s2; of an excitation by its name
 SWAY = ("container:sway_x", "container:sway_y")  # m
 
 

@@ -37,7 +37,7 @@ class ForceBase(Table):
 class SweepTable(Table):
     """A swept sine, its frequency linear in time; the envelope rises and falls as sin^2."""
 
-    signal: Literal["sweep"] = "sweep"
+    model: Literal["sweep"] = "sweep"
     start_s: Annotated[NotNegative, Field(description="when it starts")]
     end_s: Annotated[Positive, Field(description="when it ends")]
     from_Hz: Annotated[NotNegative, Field(description="at the start")]
@@ -88,7 +88,7 @@ class BaseSweepTable(SweepTable):
 class BaseTimesTable(Table):
     """Values over time, linear between the times and constant outside."""
 
-    signal: Literal["table"] = "table"
+    model: Literal["table"] = "table"
     times_s: Annotated[tuple[Number, ...], Field(min_length=1, description="strictly rising")]
     accelerations_m_s2: Annotated[tuple[Number, ...], Field(min_length=1, description="at these times")]
 
@@ -105,7 +105,7 @@ class BaseTimesTable(Table):
 class ForceTimesTable(Table):
     """Values over time, linear between the times and constant outside."""
 
-    signal: Literal["table"] = "table"
+    model: Literal["table"] = "table"
     times_s: Annotated[tuple[Number, ...], Field(min_length=1, description="strictly rising")]
     forces_N: Annotated[tuple[Number, ...], Field(min_length=1, description="at these times")]
 
@@ -119,7 +119,7 @@ class ForceTimesTable(Table):
         return table_wave(name, self.times_s, self.forces_N)
 
 
-ForceOverTime = Annotated[ForceTimesTable | ForceSweepTable, Field(discriminator="signal")]
+ForceOverTime = Annotated[ForceTimesTable | ForceSweepTable, Field(discriminator="model")]
 
 
 def check_pairs(key: str, times: tuple[float, ...], values: tuple[float, ...]) -> None:
@@ -266,7 +266,7 @@ class BaseAccelerationTable(Table):
 
     model: Literal["base-acceleration"] = "base-acceleration"
     axis: Axis
-    acceleration: Annotated[BaseTimesTable | BaseSweepTable, Field(discriminator="signal")]
+    acceleration: Annotated[BaseTimesTable | BaseSweepTable, Field(discriminator="model")]
 
     def spec(self, number: int) -> Excitation:
         """The acceleration in SI."""
