@@ -13,6 +13,13 @@ from mbd.elements.element import BY_ANGLE, ENERGY, WIDTH, Element, Signal, rule
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.newton import forces_at
 from mbd.elements.table import instant, slope_matrix
+from mbd.excitations.base_acceleration import BaseAcceleration
+from mbd.excitations.bent_shaft import BentShaft
+from mbd.excitations.misaligned_coupling import MisalignedCoupling
+from mbd.excitations.outside_force import ShaftForce
+from mbd.excitations.ripple import TorqueRipple
+from mbd.excitations.unbalance import Unbalance
+from mbd.excitations.waveform import SweepWave
 from mbd.forces.ground import Ground
 from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rolling_bearing import hertz_bearing
@@ -79,8 +86,36 @@ def lossy(losses):
     return dataclasses.replace(hoisting(), losses=losses, brake=Brake(shaft="shaft_1", y=-0.2, torque=40.0))
 
 
+def misaligned(joint):
+    """The first shaft in two, motors at the outer one, a coupling between them."""
+    machine = hoisting()
+    outer = dataclasses.replace(machine.shafts[0], name="shaft_0", disks=())
+    bearings = tuple(
+        dataclasses.replace(bearing, name=f"bearing_{9 + i}", shaft="shaft_0")
+        for i, bearing in enumerate(machine.bearings[:2])
+    )
+    coupling = MisalignedCoupling(
+        name="coupling_1", shafts=("shaft_0", "shaft_1"), y=(0.2, 0.2), torsional_stiffness=3e4, radial_stiffness=1e7,
+        axial_stiffness=2e6, tilt_stiffness=2e3, damping_time=1e-5, offset=(1e-4, -5e-5), tilt=(0.02, 0.05),
+        radial_stiffness_across=4e6, tilt_stiffness_across=5e2, angle=0.4, joint=joint,
+    )  # fmt: skip
+    motors = tuple(dataclasses.replace(motor, shaft="shaft_0") for motor in machine.couplings)
+    return dataclasses.replace(
+        machine, shafts=(outer, *machine.shafts), bearings=(*bearings, *machine.bearings), couplings=motors,
+        shaft_couplings=(coupling,),
+    )  # fmt: skip
+
+
 SNUBBER = Snubber(name="snubber", shaft="shaft_1", y=0.0)
 PUSH = Torque(name="push", shaft="shaft_2", y=0.0, times=np.array([0.0, 0.02, 0.03]), torques=np.array([0.0, 5.0, 3.0]))
+SWEEP = SweepWave(name="sweep", start=0.0, end=0.1, first=50.0, last=500.0, ramp=0.02, amplitude=20.0)
+EXCITED = (
+    Unbalance(name="unbalance", shaft="shaft_2", y=0.0, size=1e-4, angle=0.4),
+    TorqueRipple(name="ripple", shaft="shaft_2", y=0.1, amplitude=3.0, order=6.0, angle=0.3),
+    BentShaft(name="bent", shaft="shaft_1", y=0.0, bow=3e-5, straight=(-0.1, 0.1), angle=1.0),
+    BaseAcceleration(name="ground", axis="z", acceleration=SWEEP),
+    ShaftForce(name="sweep", shaft="shaft_1", y=0.0, axis="z", force=SWEEP),
+)
 MACHINES = {
     "rope": hoisting,
     "ground": lambda: hoisting(ground=Ground(level=-0.0002, stiffness=1e6)),
@@ -92,6 +127,9 @@ MACHINES = {
     "coulomb": lambda: lossy(Coulomb(tooth_friction=0.06, bearing_friction=0.002)),
     "gyroscopic": lambda: dataclasses.replace(hoisting(), gyroscopic=True),
     "from outside": lambda: dataclasses.replace(hoisting(), forces=(SNUBBER, PUSH)),
+    "coupled": lambda: misaligned(False),
+    "joint": lambda: misaligned(True),
+    "excited": lambda: dataclasses.replace(hoisting(), forces=EXCITED),
 }
 
 

@@ -12,6 +12,7 @@ from mbd_rigs import rigid_casing, train
 import mbd
 from mbd.elements.linear import LinearElement, part_on_rows
 from mbd.elements.mode_words import ModeWords
+from mbd.excitations.unbalance import Unbalance
 from mbd.forces.pendulum import RopePendulum
 from mbd.parts.checks import MachineError
 from mbd.parts.couplings import CouplingSprings, ShaftCoupling
@@ -61,12 +62,17 @@ def coupled():
     )  # fmt: skip
 
 
+def unbalanced():
+    return dataclasses.replace(hoisting(), forces=(Unbalance(name="heavy", shaft="shaft_2", y=0.0, size=1e-4),))
+
+
 MACHINES = {
     "beams": hoisting,
     "torsion": lambda: hoisting("torsion"),
     "pendulum": swinging,
     "coupling": coupled,
     "gyroscopic": lambda: dataclasses.replace(hoisting(), gyroscopic=True),
+    "unbalance": unbalanced,
 }
 
 
@@ -145,7 +151,7 @@ def test_rolling_costs_no_elastic_energy_but_against_standing_motors(system):
             assert np.allclose(part.shape @ own, 1e-3 * part.driven)
             assert stored > 0.0
         else:
-            assert stored <= ROUND_OFF * 0.5 * own @ abs(part.stiffness) @ own
+            assert stored <= ROUND_OFF * 0.5 * abs(own) @ abs(part.stiffness) @ abs(own)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

@@ -27,6 +27,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "mbd.elements",
     "mbd.parts",
     "mbd.torques",
+    "mbd.excitations",
     "mbd.coordinates",
     "mbd.reference",
     "mbd.forces",

@@ -46,6 +46,18 @@ HOUSING = {
     "flange": {"width_mm": 12.0, "height_mm": 16.0},
 }  # fmt: skip
 TORQUE = {"model": "torque", "shaft": 2, "position_mm": 0.0, "times_s": [0.0, 0.5], "torques_N_m": [0.0, 12.0]}
+SWEEP = {"model": "sweep", "start_s": 0.1, "end_s": 0.4, "from_Hz": 10.0, "to_Hz": 500.0, "ramp_s": 0.05}
+EXCITATIONS = [
+    {"model": "torque-ripple", "shaft": 2, "position_mm": 0.0, "amplitude_N_m": 2.0, "order": 6.0},
+    {"model": "unbalance", "shaft": 2, "position_mm": 0.0, "unbalance_g_mm": 40.0},
+    {"model": "bent-shaft", "shaft": 2, "position_mm": 10.0, "bow_um": 30.0, "straight_at_mm": [-20.0, 25.0]},
+    {"model": "shaft-force", "shaft": 2, "position_mm": 0.0, "axis": "x", "force": SWEEP | {"amplitude_N": 30.0}},
+    {"model": "casing-force", "point": "sensor_3", "axis": "x",
+     "force": {"model": "table", "times_s": [0.0, 0.5], "forces_N": [0.0, 12.0]}},
+    {"model": "base-acceleration", "axis": "x", "acceleration": SWEEP | {"amplitude_m_s2": 3.0}},
+    {"model": "base-acceleration", "axis": "x",
+     "acceleration": {"model": "table", "times_s": [0.0, 0.5], "accelerations_m_s2": [0.0, 12.0]}},
+]  # fmt: skip
 SHAFTS = [
     {"sections": [{"start_mm": -100.0, "end_mm": 100.0, "diameter_mm": 25.0, "bore_mm": 2.0}],
      "bearing_positions_mm": [-65.0, 65.0], "bearing_supports": ["casing", "ground"],
@@ -54,9 +66,13 @@ SHAFTS = [
      "bearing_positions_mm": [-65.0, 65.0], "bearing_supports": ["casing", "ground"], "bearings": [HERTZ, BALL]},
     {"sections": [{"start_mm": -140.0, "end_mm": 140.0, "diameter_mm": 35.0}], "bearing_positions_mm": [-65.0, 65.0]},
 ]  # fmt: skip
-COUPLING = {"shafts": [2, 3], "positions_mm": [140.0, -140.0], "torsional_stiffness_N_m_per_rad": 1e4}
+COUPLING = {
+    "shafts": [2, 3], "positions_mm": [140.0, -140.0], "torsional_stiffness_N_m_per_rad": 1e4,
+    "radial_stiffness_across_N_per_um": 2.0, "tilt_stiffness_across_N_m_per_rad": 50.0,
+}  # fmt: skip
 DISK = {
     "shaft": 2, "position_mm": 30.0, "mass_kg": 1.0, "polar_inertia_kg_m2": 0.1, "diametral_inertia_kg_m2": 0.1,
+    "eccentricity_um": 20.0,
 }  # fmt: skip
 ROPE = {
     "model": "rope", "ground_level_m": -1.0, "rope_direction_deg": 90.0, "shaft": 2,
@@ -91,7 +107,7 @@ SCENES = {
         "stages.1.centre_distance_mm": 76.9, "stages.1.backlash_um": 300.0, "stages.1.mesh": {"model": "plane"},
         "stages.1.pinion_shaft": 1, "stages.1.wheel_shaft": 2, "stages.1.cycle_at_start": 0.1,
         "deviations.include": ["pitch", "helix"],
-        "faults": FAULTS, "forces": [TORQUE], **dotted("load", ROPE), **dotted("casing", ELASTIC),
+        "faults": FAULTS, "forces": [TORQUE, *EXCITATIONS], **dotted("load", ROPE), **dotted("casing", ELASTIC),
         **dotted("casing.housing", HOUSING), "losses": {"model": "coulomb"},
         "film": {"model": "squeeze"}, "shaft_model.model": "timoshenko",
         "drive.shaft": 1, "drive.brake_torque_N_m": 20.0, "simulation.start": 1,
@@ -132,8 +148,8 @@ AFTER_THE_STEPS = {  # words, what is looked for in finished signals, and what o
     "DiagnosisTable.sensor", "DiagnosisTable.axis", "DiagnosisTable.stage", "DiagnosisTable.gear",
     "DiagnosisTable.windows_s", "DiagnosisTable.envelope_band_Hz", "DiagnosisTable.noise_m_s2",
 }  # fmt: skip
-ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one would have no bearing
-    "ColumnTable.file", "ColumnTable.column", "ImportedTable.file",
+ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one would have no bearing; one sensor
+    "CasingForceTable.point", "ColumnTable.file", "ColumnTable.column", "ImportedTable.file",
     "SeatTable.name", "StageTable.pinion_shaft", "StageTable.wheel_shaft",
 }  # fmt: skip
 

@@ -17,7 +17,7 @@ from mbd.parts.bearings import DIRECTIONS, bearing_force, journal_acceleration
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import COUPLING_TORQUE, motor_channels
 from mbd.parts.gear_mesh import mesh_channels
-from mbd.parts.load import CONTAINER, ROPE_FORCE, SWAY
+from mbd.parts.load import CONTAINER, GROUND_ACCELERATION, OUTSIDE_FORCE, ROPE_FORCE, SWAY
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import shaft_channels
 
@@ -28,6 +28,8 @@ __all__ = [
     "CONTAINER",
     "COUPLING_TORQUE",
     "DIRECTIONS",
+    "GROUND_ACCELERATION",
+    "OUTSIDE_FORCE",
     "ROPE_FORCE",
     "SWAY",
     "ChannelRows",
@@ -35,6 +37,7 @@ __all__ = [
     "bearing_force",
     "channel_names",
     "channel_rows",
+    "excitations",
     "journal_acceleration",
     "mesh_channels",
     "motor_channels",
@@ -52,6 +55,11 @@ def channel_names(machine: Machine, sensors: tuple[str, ...] = ()) -> tuple[str,
     """All channels of ``machine`` with the accelerations of the casing points ``sensors``."""
     points = [acceleration(s, a) for s in sensors for a in DIRECTIONS]
     return (*points, *(name for component in machine.components for name in component.channel_names))
+
+
+def excitations(names: Sequence[str], quantity: str) -> tuple[str, ...]:
+    """What has a channel of that quantity among ``names``, `OUTSIDE_FORCE` or `GROUND_ACCELERATION`."""
+    return tuple(name.partition(":")[0] for name in names if name.endswith(f":{quantity}"))
 
 
 def sensor_names(names: tuple[str, ...]) -> tuple[str, ...]:
@@ -93,20 +101,36 @@ def channel_rows(names: tuple[str, ...], lay: Layout, elements: Sequence[Element
                     f"channel {name!r}: a casing of model {lay.casing.model!r} does not move. Ask for bearing forces "
                     "or journal accelerations, or use another casing model."
                 )
-            readings.append(Reading("m/s2", acceleration=lay.casing_row(f"{thing}:u{quantity[1]}"), vibration=True))
+            row = f"{thing}:u{quantity[1]}"
+            acceleration = lay.casing_row(row)  # which names the rows there are
+            readings.append(Reading("m/s2", acceleration=acceleration, shift=lay.casing_shift(row), vibration=True))
         else:
             raise MachineError(f"channel {name!r} is unknown; known: {', '.join(offered)} and '<sensor>:ax|ay|az'.")
     n, m = lay.size, sum(len(element.rows) for element in elements)
+    forces = _stack([r.forces for r in readings], m) + _shaken(readings, lay, elements)
     return ChannelRows(
         names=tuple(names),
         units=tuple(r.units for r in readings),
         displacement=_stack([r.displacement for r in readings], n),
         velocity=_stack([r.velocity for r in readings], n),
         acceleration=_stack([r.acceleration for r in readings], n),
-        forces=_stack([r.forces for r in readings], m),
+        forces=forces,
         rigid=np.array([r.rigid for r in readings]).reshape(-1, 3),
         vibration=np.array([r.vibration for r in readings], dtype=bool),
     )
+
+
+def _shaken(readings: Sequence[Reading], lay: Layout, elements: Sequence[Element]) -> np.ndarray:
+    """What accelerometers read of the acceleration of the ground (channel, force); motions are relative to it."""
+    found = np.zeros((len(readings), sum(len(element.rows) for element in elements)))
+    first = 0
+    for element in elements:
+        if element.shakes:
+            for row, reading in zip(found, readings, strict=True):
+                own = np.broadcast_to(reading.acceleration, lay.size) @ lay.translation
+                row[first] = (own if reading.shift is None else reading.shift) @ element.shakes
+        first += len(element.rows)
+    return found
 
 
 def _stack(rows: list, length: int) -> np.ndarray:

@@ -16,7 +16,7 @@ from mbd.elements.component import Component
 from mbd.parts.casing import Casing
 from mbd.parts.checks import MachineError
 from mbd.parts.machine import Machine
-from mbd.parts.shafts import node_at, shaft_basis, shaft_nodes
+from mbd.parts.shafts import flexibility, node_at, shaft_basis, shaft_nodes
 
 BEARING_PLACE_TOLERANCE = 1e-4  # m
 
@@ -52,6 +52,25 @@ class Layout:
         """Lifting angle of every shaft by name per motor angle."""
         return self.machine.ratios()
 
+    @cached_property
+    def translation(self) -> np.ndarray:
+        """X (coordinate, 3): motion of the coordinates when all moves by 1 along x, y, z; 0 in the casing, whose modes
+        need not hold it."""
+        found = np.zeros((self.size, 3))
+        for shaft in self.machine.shafts:
+            span = self.spans[shaft.name]
+            for k, axis in enumerate(("ux", "uy", "uz")):
+                found[span, k] = [label.endswith(f":{axis}") for label in self.names[span]]
+        for component in self.machine.components:
+            for name, motion in zip(component.coordinates, component.translation(), strict=True):
+                found[self.names.index(name)] = motion
+        return found
+
+    @property
+    def ground_inertia(self) -> np.ndarray:
+        """M X (coordinate, 3) of all components."""
+        return sum((component.ground_inertia(self) for component in self.components), np.zeros((self.size, 3)))
+
     def sense(self, shaft: str) -> int:
         """+1 if a shaft lifts about +y, else -1."""
         return self.machine.shaft(shaft).sense
@@ -67,6 +86,10 @@ class Layout:
     def basis(self, shaft: str) -> np.ndarray:
         """T (6 node, own coordinate): displacements of the nodes of a shaft from its coordinates."""
         return self.bases[shaft]
+
+    def flexibility(self, shaft: str, y: float, supports: tuple[float, float]) -> float:
+        """Deflection over force (m/N) at ``y`` of a shaft alone, simply supported at two stations."""
+        return flexibility(self.machine.shaft(shaft), self.shaft_nodes[shaft], y, supports)
 
     def read_at(self, shaft: str) -> float:
         """Place y at which the rotation of a shaft is read: its first gear, else its first end."""
@@ -110,6 +133,10 @@ class Layout:
                     f"{len(self.casing.row_names)} rows was given. Add the key point to the casing."
                 ) from None
         return row
+
+    def casing_shift(self, name: str) -> np.ndarray:
+        """Motion (3,) of a row of the casing when all moves by 1 along x, y, z."""
+        return self.casing.row_shifts[self.casing.row_names.index(name)]
 
     def check_key_point(self, name: str, shaft: str, y: float) -> None:
         """Raise MachineError if the casing's key point of that name is not at ``y`` of the shaft's axis; one that is

@@ -63,6 +63,17 @@ class Component:
         """Motion (own coordinate,) per motor angle while the train rolls; lifting angles of the shafts by name."""
         return np.zeros(len(self.coordinates))
 
+    def translation(self) -> np.ndarray:
+        """Motion (own coordinate, 3) when all of it moves by 1 along x, y, z."""
+        return np.zeros((len(self.coordinates), 3))
+
+    def ground_inertia(self, lay: Coordinates) -> np.ndarray:
+        """Inertia force (coordinate, 3) per acceleration of the ground along x, y, z: M X of its parts."""
+        found = np.zeros((lay.size, 3))
+        for part in self.parts(lay):
+            found[part.index] += part.mass @ lay.translation[part.index]
+        return found
+
     def parts(self, lay: Coordinates) -> Iterable[Part]:
         """What it adds to mass, damping and stiffness."""
         return ()

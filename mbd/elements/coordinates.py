@@ -27,6 +27,15 @@ class Coordinates(Protocol):
     def ratios(self) -> Mapping[str, float]:
         """Lifting angle of every shaft by name per motor angle."""
 
+    @property
+    def translation(self) -> np.ndarray:
+        """X (coordinate, 3): motion of the coordinates when all moves by 1 along x, y, z; 0 in the casing, whose modes
+        need not hold it."""
+
+    @property
+    def ground_inertia(self) -> np.ndarray:
+        """M X (coordinate, 3) of all components."""
+
     def sense(self, shaft: str) -> int:
         """+1 if a shaft lifts about +y, else -1."""
 
@@ -38,6 +47,9 @@ class Coordinates(Protocol):
 
     def basis(self, shaft: str) -> np.ndarray:
         """T (6 node, own coordinate): displacements of the nodes of a shaft from its coordinates."""
+
+    def flexibility(self, shaft: str, y: float, supports: tuple[float, float]) -> float:
+        """Deflection over force (m/N) at ``y`` of a shaft alone, simply supported at two stations."""
 
     def read_at(self, shaft: str) -> float:
         """Place y at which the rotation of a shaft is read: its first gear, else its first end."""
@@ -59,6 +71,9 @@ class Coordinates(Protocol):
 
     def casing_row(self, name: str) -> np.ndarray:
         """Row of a casing point, e.g. ``bearing_1:ux``; zero if the casing has no coordinates."""
+
+    def casing_shift(self, name: str) -> np.ndarray:
+        """Motion (3,) of a row of the casing when all moves by 1 along x, y, z."""
 
     def check_key_point(self, name: str, shaft: str, y: float) -> None:
         """Raise MachineError if the casing's key point of that name is not at ``y`` of the shaft's axis."""

@@ -142,8 +142,9 @@ class Element:
     inner_contacts: bool = False  # contacts inside it, or with the ground, open and close unseen by `opens`
     by_frozen: bool = False  # its parametric work goes by frozen rows, see above
     contact: Contact | None = None  # if the train is without a hold where it is open
-    in_matrix: bool = False  # it stands in the time step for a matrix that the linearised view takes as a whole
+    in_matrix: bool = False  # its slopes are no part of the linearised view: a matrix stands for them, or they turn
     signals: tuple[Signal, ...] = ()
+    shakes: tuple[float, ...] = ()  # (3,) where its lambda (m/s2) accelerates the ground, which accelerometers read too
     lets_go: str = ""  # counter of contacts lost
     touches: str = ""  # counter of contacts made
 

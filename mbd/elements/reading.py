@@ -17,4 +17,5 @@ class Reading:
     acceleration: np.ndarray | float = 0.0
     forces: np.ndarray | float = 0.0
     rigid: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    shift: np.ndarray | None = None  # (3,) motion by which it reads 1 m along x, y, z; None: that of its coordinates
     vibration: bool = False  # by which the error of a run is judged

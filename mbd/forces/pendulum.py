@@ -93,6 +93,10 @@ class RopePendulum(Rope):
         """Motion of its coordinates per motor angle."""
         return np.array([0.0, 0.0, self.rise(ratios)])
 
+    def translation(self) -> np.ndarray:
+        """Sway along x and y, lift along z."""
+        return np.eye(3)
+
     @property
     def along(self) -> np.ndarray:
         """Unit vector (3,) of the ropes at t = 0, from the container."""

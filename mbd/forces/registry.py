@@ -1,7 +1,7 @@
 """SOURCES_OF_FORCE: everything in a machine that makes a force, in the order of their rows.
 
-A kind of element is a file of this folder (see `mbd.elements.element`) and a line here. Loads, nonlinear bearings and
-outside forces are objects of the machine that bring their own elements: a new one of these needs no line.
+A kind of element is a file of this folder (see `mbd.elements.element`) and a line here. Loads, nonlinear bearings,
+couplings and outside forces are objects of the machine that bring their own elements: a new one of these needs no line.
 """
 
 from __future__ import annotations
@@ -25,6 +25,12 @@ def bearings(assembly: Assembly) -> Iterator[Element]:
         yield from bearing.elements(assembly.layout)
 
 
+def couplings(assembly: Assembly) -> Iterator[Element]:
+    """Couplings that are no linear springs."""
+    for coupling in assembly.machine.shaft_couplings:
+        yield from coupling.elements(assembly.layout)
+
+
 def outside(assembly: Assembly) -> Iterator[Element]:
     """Further forces from outside."""
     for force in assembly.machine.forces:
@@ -36,6 +42,7 @@ SOURCES_OF_FORCE: dict[str, Callable[[Assembly], Iterable[Element]]] = {
     "films": film.elements,
     "load": load,
     "bearings": bearings,
+    "couplings": couplings,
     "mesh efficiency": efficiency.elements,
     "tooth friction": sliding.elements,
     "brake": drag.brakes,

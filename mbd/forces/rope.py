@@ -131,6 +131,10 @@ class Rope(Load):
         """Motion of its coordinates per motor angle."""
         return np.array([self.rise(ratios)])
 
+    def translation(self) -> np.ndarray:
+        """Its lift is along z."""
+        return np.array([[0.0, 0.0, 1.0]])
+
     def parts(self, lay: Coordinates) -> Iterator[Part]:
         """The container."""
         n = len(self.coordinates)

@@ -44,6 +44,13 @@ class Casing(Component):
 
     body: ReducedBody
 
+    def ground_inertia(self, lay: Coordinates) -> np.ndarray:
+        """That of the body: where it is clamped, its coordinates do not hold a translation."""
+        found = np.zeros((lay.size, 3))
+        if len(self.body.coordinate_names):
+            found[lay.index(NAME)] = self.body.ground_inertia
+        return found
+
     def parts(self, lay: Coordinates) -> Iterator[Part]:
         """The body, if it moves."""
         n = len(self.body.coordinate_names)

@@ -8,9 +8,9 @@ which turns by itself.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -65,6 +65,10 @@ class ShaftCoupling(Component):
             raise MachineError(f"{where}: has no stiffness in any direction; give one, or leave it out.")
         if self.shafts[0] == self.shafts[1]:
             raise MachineError(f"{where}: both ends are on {self.shafts[0]}; it must join two shafts.")
+
+    def turned(self, turns: Mapping[str, float]) -> Self:
+        """The coupling after the shafts by name have turned by ``turns`` (rad, in their own sense)."""
+        return self
 
     @property
     def stiffness(self) -> tuple[float, ...]:

@@ -10,7 +10,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 ROPE_FORCE = "rope:force"  # N, all falls together; of a swinging container its vertical part
 CONTAINER = ("container:lift", "container:acceleration")  # m from the start, m/s2
+OUTSIDE_FORCE, GROUND_ACCELERATION = "outside_force", "ground_acceleration"  # N, m/s2; of an excitation by its name
 SWAY = ("container:sway_x", "container:sway_y")  # m
 
 
@@ -115,11 +116,26 @@ def pull_axis(direction: float | None) -> tuple[float, float, float]:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class OutsideForce(Component):
-    """A force at ``y`` (m) of ``shaft`` besides the load, with a name of its own: nonlinear `elements`, linear `parts`,
-    or a constant force."""
+class Excitation(Component):
+    """A force from outside besides the load, with a name of its own: nonlinear `elements`, linear `parts`, or a
+    constant force."""
 
     name: str
+
+    @property
+    def casing_rows(self) -> tuple[str, ...]:
+        """Rows of the casing that it pulls, e.g. ``sensor_1:uz``."""
+        return ()
+
+    def turned(self, turns: Mapping[str, float]) -> Self:
+        """The force after the shafts by name have turned by ``turns`` (rad, in their own sense); its times stay."""
+        return self
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OutsideForce(Excitation):
+    """A force at ``y`` (m) of ``shaft``."""
+
     shaft: str
     y: float
 

@@ -21,7 +21,7 @@ from mbd.parts.checks import MachineError, finite, known, unique
 from mbd.parts.couplings import ShaftCoupling, check_coaxial
 from mbd.parts.drive import CouplingSpec, Drive, SpeedProfile
 from mbd.parts.gear_mesh import MeshSpec, mesh_rows
-from mbd.parts.load import Load, OutsideForce
+from mbd.parts.load import Excitation, Load, OutsideForce
 from mbd.parts.losses import Brake, Losses, NoLosses
 from mbd.parts.shafts import ShaftSpec
 from mbd.parts.train import shaft_ratios
@@ -47,7 +47,7 @@ class Machine:
     profile: SpeedProfile
     load: Load | None = None  # what hangs on drums
     shaft_couplings: tuple[ShaftCoupling, ...] = ()
-    forces: tuple[OutsideForce, ...] = ()
+    forces: tuple[Excitation, ...] = ()
     gravity: float = STANDARD_GRAVITY
     losses: Losses = NoLosses()
     brake: Brake | None = None
@@ -128,7 +128,8 @@ class Machine:
         return shaft_ratios([s.name for s in self.shafts], self.links, self.driven)
 
     def turned(self, angle: float) -> Machine:
-        """The machine after its motors have rolled by ``angle`` (rad): mesh cycles and rope length move, nothing else.
+        """The machine after its motors have rolled by ``angle`` (rad): mesh cycles, rope length and what turns with the
+        shafts move, nothing else.
 
         Raises
         ------
@@ -136,8 +137,14 @@ class Machine:
         """
         ratios = self.ratios()
         meshes = tuple(mesh.turned(ratios[mesh.driving] * angle) for mesh in self.meshes)
-        load = None if self.load is None else self.load.turned(angle, ratios[self.load.shaft])
-        return replace(self, meshes=meshes, load=load)
+        turns = {name: ratio * angle for name, ratio in ratios.items()}
+        return replace(
+            self,
+            meshes=meshes,
+            load=None if self.load is None else self.load.turned(angle, ratios[self.load.shaft]),
+            shaft_couplings=tuple(coupling.turned(turns) for coupling in self.shaft_couplings),
+            forces=tuple(force.turned(turns) for force in self.forces),
+        )
 
     @property
     def starting_speed(self) -> float:
@@ -148,7 +155,9 @@ class Machine:
     def highest_speed(self) -> float:
         """Highest |speed| of the first drive that is known before the run, rad/s."""
         ratios = self.ratios()
-        own = [abs(force.highest_speed) / ratios[force.shaft] for force in self.forces]
+        own = [
+            abs(force.highest_speed) / ratios[force.shaft] for force in self.forces if isinstance(force, OutsideForce)
+        ]
         return max([self.profile.highest, *own])
 
     def largest_torques(self) -> dict[str, float]:

@@ -186,6 +186,27 @@ def torsional_stiffness(spec: ShaftSpec) -> float:
     return float(modulus * np.pi / 32 / twist)
 
 
+def flexibility(spec: ShaftSpec, nodes: np.ndarray, y: float, supports: tuple[float, float]) -> float:
+    """Deflection over force (m/N) across the shaft alone, simply supported.
+
+    Parameters
+    ----------
+    spec, nodes : the shaft and its nodes (node,), m
+    y, supports : nodes (m) of the force and of the supports
+
+    Raises
+    ------
+    MachineError : the shaft does not bend
+    """
+    if spec.model != "timoshenko":
+        raise MachineError(f"shaft {spec.name}: a shaft of model {spec.model} does not bend; take timoshenko.")
+    held = [6 * node_at(nodes, place) + AXES.index("uz") for place in supports]
+    bending = np.setdiff1d([6 * node + AXES.index(axis) for node in range(len(nodes)) for axis in ("uz", "rx")], held)
+    load = (bending == 6 * node_at(nodes, y) + AXES.index("uz")).astype(float)
+    stiffness = free_shaft(spec, nodes).summed("stiffness")[np.ix_(bending, bending)]
+    return float(load @ np.linalg.solve(stiffness, load))
+
+
 def shaft_nodes(spec: ShaftSpec, stations: tuple[float, ...] = ()) -> np.ndarray:
     """Node positions y (node,), m: section ends, disks and ``stations``, no gap longer than ``element_length``.
 

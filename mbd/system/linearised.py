@@ -125,8 +125,8 @@ def tangent(system: System, state: State) -> Tangent:
             )
         forces.append(carried[0] - carried[1:].sum())
         stiffness.append(now.stiffness[rows, 0].sum())
-    by_u, by_v = slope_matrix(slope_u, table), slope_matrix(slope_v, table)
-    damping = system.damping - system.rows.T @ _without_matrices(system, by_v) @ system.rows
+    by_u, by_v = (_without_matrices(system, slope_matrix(slope, table)) for slope in (slope_u, slope_v))
+    damping = system.damping - system.rows.T @ by_v @ system.rows
     if system.gyroscopic.size:
         damping = damping + state.motor_speed * system.gyroscopic
     return Tangent(
@@ -141,7 +141,7 @@ def tangent(system: System, state: State) -> Tangent:
 
 
 def _without_matrices(system: System, slope: np.ndarray) -> np.ndarray:
-    """The slopes (m, m) without those of elements that stand for a matrix of the system."""
+    """The slopes (m, m) without those of elements that stand for a matrix, or turn on while the view stands still."""
     result = slope.copy()
     for element in system.elements:
         if element.in_matrix:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 from fem.gears.geometry import Gear, GearPair
 from mbd.parts.couplings import ShaftCoupling
@@ -122,18 +123,34 @@ def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
 
 def coupling_specs(tables: Sequence[CouplingTable]) -> tuple[ShaftCoupling, ...]:
     """Couplings between shafts."""
-    return tuple(
-        ShaftCoupling(
-            name=f"coupling_{number}",
-            shafts=(f"shaft_{table.shafts[0]}", f"shaft_{table.shafts[1]}"),
-            y=(table.positions_mm[0] / 1000, table.positions_mm[1] / 1000),
-            torsional_stiffness=table.torsional_stiffness_N_m_per_rad,
-            radial_stiffness=table.radial_stiffness_N_per_um * 1e6,
-            axial_stiffness=table.axial_stiffness_N_per_um * 1e6,
-            tilt_stiffness=table.tilt_stiffness_N_m_per_rad,
-            damping_time=table.damping_time_us / 1_000_000,
-        )
-        for number, table in enumerate(tables, 1)
+    return tuple(_coupling(number, table) for number, table in enumerate(tables, 1))
+
+
+def _coupling(number: int, table: CouplingTable) -> ShaftCoupling:
+    radial, tilt = table.radial_stiffness_N_per_um, table.tilt_stiffness_N_m_per_rad
+    common: dict[str, Any] = {
+        "name": f"coupling_{number}",
+        "shafts": (f"shaft_{table.shafts[0]}", f"shaft_{table.shafts[1]}"),
+        "y": (table.positions_mm[0] / 1000, table.positions_mm[1] / 1000),
+        "torsional_stiffness": table.torsional_stiffness_N_m_per_rad,
+        "radial_stiffness": radial * 1e6,
+        "axial_stiffness": table.axial_stiffness_N_per_um * 1e6,
+        "tilt_stiffness": tilt,
+        "damping_time": table.damping_time_us / 1_000_000,
+    }
+    if not table.turns:
+        return ShaftCoupling(**common)
+    from mbd.excitations.misaligned_coupling import MisalignedCoupling
+
+    across = table.radial_stiffness_across_N_per_um, table.tilt_stiffness_across_N_m_per_rad
+    return MisalignedCoupling(
+        **common,
+        radial_stiffness_across=(radial if across[0] is None else across[0]) * 1e6,
+        tilt_stiffness_across=tilt if across[1] is None else across[1],
+        offset=(table.offset_um[0] / 1_000_000, table.offset_um[1] / 1_000_000),
+        tilt=(table.tilt_mrad[0] / 1000, table.tilt_mrad[1] / 1000),
+        angle=math.radians(table.stiff_axis_deg),
+        joint=table.universal_joint,
     )
 
 
@@ -222,6 +239,7 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> Mach
             *motor_torques(drive, layout.driven, ends),
             *torque_load(scene.load, layout.loaded, places),
             *(table.spec(number) for number, table in enumerate(scene.forces, 1)),
+            *(force for number, table in enumerate(scene.disks, 1) for force in table.unbalances(number)),
         ),
         losses=losses_spec(scene.losses),
         brake=Brake(shaft=driven, y=ends[0], torque=brake) if brake else None,

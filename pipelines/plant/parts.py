@@ -13,7 +13,7 @@ from mbd.parts.bearings import BearingSpec
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.film import Film
-from mbd.parts.load import Load, OutsideForce
+from mbd.parts.load import Excitation, Load
 from mbd.parts.losses import Brake, Losses
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import ShaftSpec
@@ -71,7 +71,7 @@ class MachineParts:
     drive: SpeedProfile
     load: Load | None
     couplings: tuple[ShaftCoupling, ...]
-    forces: tuple[OutsideForce, ...]
+    forces: tuple[Excitation, ...]
     losses: Losses
     brake: Brake | None
     gyroscopic: bool

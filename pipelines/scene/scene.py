@@ -21,7 +21,7 @@ from pipelines.scene.tables.casing import (
     SensorTable,
 )
 from pipelines.scene.tables.faults import AnyFaultTable, BearingSpallTable, FaultBase, FaultTable
-from pipelines.scene.tables.forces import ForceModel
+from pipelines.scene.tables.forces import CasingForceTable, ForceModel, PlacedTable
 from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.housing import HousingTable
 from pipelines.scene.tables.losses import FilmModel, LossModel, NoFilm, NoLosses
@@ -105,7 +105,7 @@ class Scene(Table):
         ]
         named += [(f"couplings.{n}.shafts", tuple(s - 1 for s in c.shafts)) for n, c in enumerate(self.couplings, 1)]
         named += [(f"disks.{n}.shaft", (disk.shaft - 1,)) for n, disk in enumerate(self.disks, 1)]
-        named += [(f"forces.{n}.shaft", (force.shaft - 1,)) for n, force in enumerate(self.forces, 1)]
+        named += [(f"forces.{n}.shaft", (force.shaft - 1,)) for n, force in self._forces_on_shafts()]
         named += [("drive.shaft", ((self.drive.shaft or 1) - 1,))]
         named += [("load.shaft", ((self.load.shaft or len(self.shafts)) - 1,))]
         for path, shafts in named:
@@ -114,12 +114,12 @@ class Scene(Table):
                     yield f"{path}: there is no shaft {place + 1}; {len(self.shafts)} are given"
             if len(shafts) == 2 and shafts[0] == shafts[1]:
                 yield f"{path}: both ends are on shaft {shafts[0] + 1}"
-        for order, force in enumerate(self.forces, 1):
+        for order, force in self._forces_on_shafts():
             sections = self.shafts[min(max(force.shaft, 1), len(self.shafts)) - 1].sections
             start, end = sections[0].start_mm, sections[-1].end_mm
-            if not start <= force.position_mm <= end:
-                path = f"forces.{order}.position_mm = {force.position_mm:g}"
-                yield f"{path}: shaft {force.shaft} reaches from {start:g} to {end:g} mm"
+            for key, place in force.positions.items():
+                if not start <= place <= end:
+                    yield f"forces.{order}.{key} = {place:g}: shaft {force.shaft} reaches from {start:g} to {end:g} mm"
         if isinstance(self.casing, FlexibleBase):
             for number, shaft in enumerate(self.shafts, 1):
                 carried = len(shaft.bearing_positions_mm) - shaft.bearing_supports.count("ground")
@@ -148,8 +148,18 @@ class Scene(Table):
                     '"hertz", with a designation or the geometry of the bearing'
                 )
 
+    def _forces_on_shafts(self):
+        return [(n, force) for n, force in enumerate(self.forces, 1) if isinstance(force, PlacedTable)]
+
     def _references(self):
         yield from self._spalled_bearings()
+        known = [sensor.name for sensor in self.sensors]
+        for number, force in enumerate(self.forces, 1):
+            if isinstance(force, CasingForceTable) and force.point not in known:
+                yield (
+                    f"forces.{number}.point = {shown_value(force.point)}: a force on the casing acts at the place of a "
+                    f"sensor; known: {', '.join(known) or 'none, without sensors on a casing'}"
+                )
         for number, fault in self.tooth_faults.items():
             if fault.stage > len(self.stages):
                 yield f"faults.{number}.stage = {fault.stage}: there are {len(self.stages)} stages"
@@ -160,7 +170,6 @@ class Scene(Table):
                 yield f"faults.{number}.tooth = {fault.tooth}: the {fault.gear} has teeth 0 to {teeth - 1}"
         if self.diagnosis.stage > len(self.stages):
             yield f"diagnosis.stage = {self.diagnosis.stage}: there are {len(self.stages)} stages"
-        known = {sensor.name for sensor in self.sensors}
         if self.sensors and self.diagnosis.sensor is not None and self.diagnosis.sensor not in known:
             yield f"diagnosis.sensor = {shown_value(self.diagnosis.sensor)}: not among the sensors of the scene"
         on_teeth = self.tooth_faults.values()

@@ -14,6 +14,10 @@ from mbd.output.trajectory import Trajectory
 from pipelines.signals.motion_warnings import ATTRIBUTE, motion_warnings
 
 AXES = list(channels.DIRECTIONS)
+EXCITATIONS = (  # dimension, quantity, text
+    ("force", channels.OUTSIDE_FORCE, "force from outside"),
+    ("base", channels.GROUND_ACCELERATION, "acceleration of the ground"),
+)
 ROUNDED = ("m/s2", "N", "N m")
 ROUNDING = "float32, rounded by at most 2^-24 (6e-8) of each value; the motion in the cache is float64"
 
@@ -90,6 +94,9 @@ def signals(motion: Trajectory) -> Iterator[Signal]:
         yield signal("acceleration", ("sensor", "axis"), rows, "acceleration of the casing")
     if journal[0][0] in number:
         yield signal("journal_acceleration", ("bearing", "axis"), journal, "acceleration of the journal")
+    for dimension, quantity, text in EXCITATIONS:
+        if things := channels.excitations(motion.channel_names, quantity):
+            yield signal(quantity, (dimension,), [f"{thing}:{quantity}" for thing in things], text)
     if channels.ROPE_FORCE in number:
         lift, acceleration = channels.CONTAINER
         yield signal("rope_force", (), channels.ROPE_FORCE, "force of all falls together")
@@ -117,6 +124,7 @@ def coordinates(motion: Trajectory) -> dict[str, list]:
     named: dict[str, Any] = {"motor": motion.motors, "source": motion.sources, "coupling": couplings}
     named |= {"shaft": motion.shafts, "stage": range(1, len(motion.meshes) + 1)}
     named |= {"bearing": motion.bearings, "axis": AXES}
+    named |= {dimension: channels.excitations(motion.channel_names, quantity) for dimension, quantity, _ in EXCITATIONS}
     return {name: list(values) for name, values in (named | {"sensor": motion.sensors}).items() if len(values)}
 
 

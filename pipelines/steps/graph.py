@@ -21,6 +21,7 @@ from pipelines.plant.casing import RigidBox, RigidMeshed
 from pipelines.plant.plant import Plant
 
 if TYPE_CHECKING:
+    from fem.casing.reduced.grounded import ForcedPoint
     from pipelines.steps.casing_modes import CasingModesSpec
 
 _NUMERIC = ("numpy", "scipy", "numba")
@@ -115,7 +116,8 @@ def _casing_steps(plant: Plant) -> list[Step]:
         takes = ("casing mesh",)
         return [mesh, Step(name="casing", kind="casing", build=body.build_rigid_mesh, spec=meshed, takes=takes)]
     interfaces = loaded_axes(plant.machine.bearings)
-    reduced = casing_modes.CasingModesSpec(material=part.material, model=replace(part.model, interfaces=interfaces))
+    model = replace(part.model, interfaces=interfaces, forced=forced_points(plant))
+    reduced = casing_modes.CasingModesSpec(material=part.material, model=model)
     coarser = _coarser_steps(mesh, reduced, interfaces) if part.extrapolated else []
     return [
         mesh,
@@ -192,6 +194,17 @@ def casing_error_step(graph: Graph, band: float) -> Step:
         libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
         seconds=40.0,
     )
+
+
+def forced_points(plant: Plant) -> tuple[ForcedPoint, ...]:
+    """Sensors that bear outside forces, with the axes along which they do."""
+    pulled = {row for force in plant.machine.forces for row in force.casing_rows}
+    if not pulled:
+        return ()
+    from fem.casing.reduced.grounded import GROUND_AXES, ForcedPoint
+
+    points = ((s, tuple(axis for axis in GROUND_AXES if f"{s.name}:{axis}" in pulled)) for s in plant.sensors)
+    return tuple(ForcedPoint(sensor=sensor, axes=axes) for sensor, axes in points if axes)
 
 
 def loaded_axes(bearings: Iterable[BearingSpec]) -> dict[str, tuple[str, ...]]:

@@ -14,7 +14,7 @@ from fem.casing.meshing.source import mesh_geometry
 from fem.casing.reduced.body import ReducedBody
 from fem.casing.reduced.checkup import CheckUp
 from fem.casing.reduced.damping import DampingRatio
-from fem.casing.reduced.grounded import Attachment, Ground, GroundedCasing, ground_casing
+from fem.casing.reduced.grounded import Attachment, ForcedPoint, Ground, GroundedCasing, ground_casing
 from fem.casing.reduced.modes import CasingModes, Mounts, reduced_body
 from fem.elements.materials import Material
 from fem.numerics.linear_solver import Solver
@@ -33,6 +33,7 @@ class ElasticCasing(ABC):
     ground: Ground = "fixed"
     attachment: Attachment = "mean"
     interfaces: Mapping[str, Sequence[str]] | None = None  # bearing -> axes that carry loads; all by default
+    forced: tuple[ForcedPoint, ...] = ()  # surface points that bear outside forces
     mounts: Mounts | None = None  # stiffness of the feet, if the ground is "springs"
     damping: DampingRatio = 0.01
     solver: Solver = "auto"
@@ -52,6 +53,7 @@ class ElasticCasing(ABC):
             mesh,
             material,
             interfaces=self.interfaces,
+            forced=self.forced,
             ground=self.ground,
             attachment=self.attachment,
             solver=self.solver,

@@ -29,6 +29,8 @@ class ReducedBody(Record):
     coordinate_names: tuple[str, ...] = names("coordinate")  # "bearing_1:ux", ..., "mode_1", ...
     row_names: tuple[str, ...] = names("row")
     rows: np.ndarray = array("row", "coordinate", units="SI")
+    ground_inertia: np.ndarray = array("coordinate", "axis", units="SI")  # T^T M X, X the motion by 1 along x, y, z
+    row_shifts: np.ndarray = array("row", "axis", units="1")  # X at every row: what it reads of a shifted body
     point_names: tuple[str, ...] = names("point")
     point_positions: np.ndarray = array("point", "axis", units="m")
     stiffness_factor: float = dataclasses.field(default=1.0, metadata=scalar(units="1").metadata)  # by extrapolation

@@ -17,8 +17,9 @@ from typing import Literal
 import numpy as np
 import scipy.sparse as sp
 
+from fem.casing.geometry.dimensions import Sensor
 from fem.casing.meshing.mesh import CasingMesh
-from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows
+from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.reduction import Interface, held_interface
 from fem.elements.materials import Material
@@ -29,6 +30,14 @@ GROUND_AXES = ("ux", "uy", "uz")
 
 Ground = Literal["fixed", "springs"]
 Attachment = Literal["mean", "rigid"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForcedPoint:
+    """A sensor's point that bears outside forces along some of its ``axes`` (ux, uy, uz)."""
+
+    sensor: Sensor
+    axes: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +80,7 @@ def ground_casing(
     material: Material,
     *,
     interfaces: Mapping[str, Sequence[str]] | None = None,
+    forced: Sequence[ForcedPoint] = (),
     ground: Ground = "fixed",
     attachment: Attachment = "mean",
     solver: Solver = "auto",
@@ -81,6 +91,7 @@ def ground_casing(
     ----------
     mesh, material : of the casing
     interfaces : bearing patches that carry loads with the axes they carry; all with `BEARING_AXES` by default
+    forced : surface points that bear outside forces, interfaces too
     ground : "fixed" clamps the feet, "springs" leaves them free and holds them by springs while factorising
     attachment : a point has the "mean" motion of its patch, or the patch is "rigid"
     solver : see `fem.numerics.linear_solver.factorize`
@@ -115,6 +126,9 @@ def ground_casing(
     else:
         expansion, rows = _mean_patches(mesh, points, clamped_nodes)
     names = tuple(f"{name}:{axis}" for name, axes in points.items() for axis in axes)
+    if forced:
+        rows = sp.csr_matrix(sp.vstack([rows, *(_point_rows(mesh, point) @ expansion for point in forced)]))
+        names += tuple(f"{point.sensor.name}:{axis}" for point in forced for axis in point.axes)
     K_free, M_free = _projected(K, expansion), _projected(M, expansion)
     reference = material.elastic_modulus * mesh.element_size
     springs = np.array([reference if name.startswith("ground_") else 0.0 for name in names])
@@ -133,6 +147,16 @@ def ground_casing(
         springs=springs,
         interface=held_interface(K_free, rows, penalty=springs if on_springs else None, solver=solver),
     )
+
+
+def _point_rows(mesh: CasingMesh, point: ForcedPoint) -> sp.csr_matrix:
+    """Rows (axis, 3 node) of the displacements of a surface point along its axes."""
+    corners, weights, _ = nearest_surface_point(mesh.nodes, mesh.facets, np.array(point.sensor.position))
+    directions = np.array(point.sensor.axes, float)[[GROUND_AXES.index(axis) for axis in point.axes]]
+    values = (directions[:, None, :] * weights[:, None]).reshape(len(directions), -1)
+    rows = np.zeros((len(directions), 3 * len(mesh.nodes)))
+    rows[:, _unknowns(corners)] = values
+    return sp.csr_matrix(rows)
 
 
 def _mean_patches(

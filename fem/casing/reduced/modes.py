@@ -205,8 +205,10 @@ def reduced_body(
     for sensor in sensors:
         corners, weights, place = nearest_surface_point(modes.nodes, modes.facets, np.array(sensor.position))
         shape = np.einsum("a,adk->dk", weights, modes.basis[corners].astype(float)) @ chosen.basis
-        rows += list(np.array(sensor.axes, float) @ shape)
-        row_names += [f"{sensor.name}:{axis}" for axis in ("ux", "uy", "uz")]
+        for axis, row in zip(GROUND_AXES, np.array(sensor.axes, float) @ shape, strict=True):
+            if f"{sensor.name}:{axis}" not in modes.interface_names:  # which a forced point is
+                rows.append(row)
+                row_names.append(f"{sensor.name}:{axis}")
         places[sensor.name] = place
     mode_names = [f"mode_{i + 1}" for i in range(chosen.n_fixed)] + [f"inertia_{i + 1}" for i in range(extra)]
     return ReducedBody(
@@ -217,10 +219,23 @@ def reduced_body(
         coordinate_names=(*modes.interface_names, *mode_names),
         row_names=tuple(row_names),
         rows=np.array(rows).reshape(len(rows), len(stiffness)),
+        ground_inertia=chosen.basis.T @ modes.participation[:, :3],
+        row_shifts=_row_shifts(row_names, sensors),
         point_names=tuple(places),
         point_positions=np.array(list(places.values())),
         stiffness_factor=stiffness_factor,
     )
+
+
+def _row_shifts(row_names: Sequence[str], sensors: Sequence[Sensor]) -> np.ndarray:
+    """Motion (row, 3) of every row when the body moves by 1 along x, y, z."""
+    axes = {sensor.name: np.array(sensor.axes, float) for sensor in sensors}
+    shifts = np.zeros((len(row_names), 3))
+    for shift, name in zip(shifts, row_names, strict=True):
+        point, axis = name.split(":")
+        if axis in GROUND_AXES:
+            shift[:] = axes.get(point, np.eye(3))[GROUND_AXES.index(axis)]
+    return shifts
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -268,6 +283,8 @@ def grounded_body(bearings: Mapping[str, Sequence[float]]) -> ReducedBody:
         coordinate_names=(),
         row_names=tuple(row_names),
         rows=np.zeros((len(row_names), 0)),
+        ground_inertia=np.zeros((0, 3)),
+        row_shifts=np.zeros((len(row_names), 3)),
         point_names=tuple(bearings),
         point_positions=np.array([list(place) for place in bearings.values()], float).reshape(-1, 3),
     )

@@ -147,6 +147,8 @@ def _on_springs(
         coordinate_names=tuple(f"body:{axis}" for axis in AXES),
         row_names=tuple(row_names),
         rows=np.vstack(rows),
+        ground_inertia=M[:, :3],
+        row_shifts=np.vstack(rows)[:, :3],
         point_names=tuple(places),
         point_positions=np.array(list(places.values())),
     )

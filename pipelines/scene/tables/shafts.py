@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from pipelines.scene.tables.base import Flag, Number, Table, Whole
+from pipelines.scene.tables.base import Flag, NotNegative, Number, Table, Whole
 from pipelines.scene.tables.bearings import BearingModel
+
+if TYPE_CHECKING:
+    from mbd.parts.load import OutsideForce
 
 
 class SectionTable(Table):
@@ -79,6 +84,32 @@ class DiskTable(Table):
     mass_kg: Annotated[Number, Field(ge=0, description="mass")]
     polar_inertia_kg_m2: Annotated[Number, Field(ge=0, description="about the shaft")]
     diametral_inertia_kg_m2: Annotated[Number, Field(ge=0, description="about a diameter")]
+    eccentricity_um: Annotated[Number, Field(ge=0, le=1e5, description="of its centre of mass: an unbalance")] = 0.0
+    eccentricity_angle_deg: Annotated[
+        Number, Field(description="of its centre of mass at t = 0, from +x towards +z")
+    ] = 0.0
+
+    @model_validator(mode="after")
+    def _heavy(self) -> DiskTable:
+        if self.eccentricity_um and not self.mass_kg:
+            raise ValueError("eccentricity_um: a disk of mass_kg = 0 has no centre of mass; give its mass")
+        return self
+
+    def unbalances(self, number: int) -> Iterator[OutsideForce]:
+        """The unbalance m e of the disk with a number in the scene, if it is eccentric."""
+        if self.eccentricity_um:
+            from mbd.excitations.unbalance import Unbalance
+
+            yield Unbalance(
+                name=f"disk_{number} eccentricity",
+                shaft=f"shaft_{self.shaft}",
+                y=self.position_mm / 1000,
+                size=self.mass_kg * self.eccentricity_um / 1_000_000,
+                angle=math.radians(self.eccentricity_angle_deg),
+            )
+
+
+Small = Annotated[Number, Field(ge=-70, le=70)]
 
 
 class CouplingTable(Table):
@@ -93,6 +124,22 @@ class CouplingTable(Table):
     axial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="along the axis")] = 0.0
     tilt_stiffness_N_m_per_rad: Annotated[Number, Field(ge=0, description="about x and z")] = 0.0
     damping_time_us: Annotated[Number, Field(ge=0, le=1e5, description="damping = this time * stiffness")] = 0.0
+    radial_stiffness_across_N_per_um: Annotated[
+        NotNegative | None, Field(description="along the second stiffness axis, both turn; left out: as the first")
+    ] = None
+    tilt_stiffness_across_N_m_per_rad: Annotated[
+        NotNegative | None, Field(description="about the second stiffness axis, both turn; left out: as the first")
+    ] = None
+    stiff_axis_deg: Annotated[Number, Field(description="first stiffness axis at t = 0, from +x towards +z")] = 0.0
+    offset_um: Annotated[
+        tuple[Number, Number], Field(description="axis of the second shaft off that of the first in x and z")
+    ] = (0.0, 0.0)
+    tilt_mrad: Annotated[
+        tuple[Small, Small], Field(description="axis of the second shaft against that of the first, about x and z")
+    ] = (0.0, 0.0)
+    universal_joint: Annotated[Flag, Field(description="true: turns with Cardan's error, the axes are its pins")] = (
+        False
+    )
 
     @model_validator(mode="after")
     def _holds(self) -> CouplingTable:
@@ -105,3 +152,9 @@ class CouplingTable(Table):
     def turns_both(self) -> bool:
         """Whether both shafts turn alike."""
         return self.torsional_stiffness_N_m_per_rad > 0
+
+    @property
+    def turns(self) -> bool:
+        """Whether what it does depends on where its shafts have turned to."""
+        across = self.radial_stiffness_across_N_per_um, self.tilt_stiffness_across_N_m_per_rad
+        return self.universal_joint or across != (None, None) or any((*self.offset_um, *self.tilt_mrad))

@@ -1,0 +1,1 @@
+"""Forces that vary with time or turn with a shaft."""

@@ -1,0 +1,74 @@
+"""Acceleration of the ground: all feet, and all bearings on the ground, move alike.
+
+Measured from the moving ground, every mass feels its inertia force: with the motion X of all coordinates by 1 along the
+axis, M q'' + C q' + K q = f + B^T lambda - M X a(t). Of the casing M X is T^T M X of its mesh, so that modes of a
+clamped casing, which hold no translation, are driven as those of the finite elements are.
+Motions are relative to the ground; accelerometers read the true acceleration, q'' + X a.
+
+References
+----------
+Clough & Penzien (1993), Dynamics of Structures, 2nd ed., chapters 2 and 26 (support excitation, effective force).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mbd.elements.element import Element, Signal, rule
+from mbd.excitations.outside_force import DIRECTIONS
+from mbd.excitations.waveform import Waveform, wave_value
+from mbd.parts.checks import known
+from mbd.parts.load import GROUND_ACCELERATION, Excitation
+
+if TYPE_CHECKING:
+    from mbd.elements.coordinates import Coordinates
+
+LEAST_SCALE = 1e-9  # m/s2
+
+
+@rule(__file__)
+def base_rule(values, motion, answer):
+    """Acceleration on the row -M X; ``values`` are those of the waveform."""
+    answer.lost[0] = -wave_value(values, motion.time)
+
+
+def base_channel(name: str) -> str:
+    """The acceleration (m/s2) of the ground."""
+    return f"{name}:{GROUND_ACCELERATION}"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BaseAcceleration(Excitation):
+    """An ``acceleration`` (m/s2) of the ground over time along the ``axis`` x, y or z."""
+
+    axis: str
+    acceleration: Waveform
+
+    def __post_init__(self) -> None:
+        known(f"{self.name} axis", self.axis, DIRECTIONS)
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """The acceleration."""
+        return (base_channel(self.name),)
+
+    def elements(self, lay: Coordinates) -> Iterator[Element]:
+        """The inertia forces of everything."""
+        axis = DIRECTIONS.index(self.axis)
+        yield Element(
+            kind="base acceleration",
+            name=self.name,
+            part=self.name,
+            rule=base_rule,
+            values=self.acceleration.packed,
+            rows=-lay.ground_inertia[:, axis][None],
+            row_names=("inertia",),
+            scale=(max(self.acceleration.largest, LEAST_SCALE),),
+            rolls=True,
+            signals=(Signal(base_channel(self.name), "m/s2", force=(-1.0,)),),
+            shakes=tuple(np.eye(3)[axis]),
+        )

@@ -1,0 +1,94 @@
+"""A bent shaft: a fixed bow that turns with it.
+
+A shaft that would rest at the bow b(y) stores (q - b)^T K (q - b)/2, so that the force K b acts on it, which turns.
+The bow has the shape of the shaft under a force at ``y`` between two places where it is straight, as of a shaft bent in
+a press: K b is then that force and its two reactions,
+
+    U = k b^2/2 - k b n . d,   d = u(y) - (1 - share) u(y_1) - share u(y_2),
+
+with n of `mbd.excitations.turning`, the deflection d over the chord, and the stiffness k of the shaft simply supported
+at y_1 and y_2 under a force at y. The torque on the rotation follows from the same potential.
+
+References
+----------
+Nicholas, Gunter & Allaire (1976), J. Eng. Power 98(2), 171-181 and 182-189 (residual bow of a Jeffcott rotor).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mbd.elements.component import Place
+from mbd.elements.element import ENERGY, Element, rule
+from mbd.excitations.turning import TurningForce, turned_direction
+from mbd.parts.checks import MachineError, finite, positive
+
+if TYPE_CHECKING:
+    from mbd.elements.coordinates import Coordinates
+
+APART = 1e-6  # m: places closer than that are the same
+START, SENSE, ROLL, FORCE, BOW = range(5)
+
+
+@rule(__file__)
+def bow_rule(values, motion, answer):
+    """On the angle and the deflections in x and z; the force is k b."""
+    s, force, u = values[SENSE], values[FORCE], motion.u
+    cos, sin = turned_direction(values[START], s, values[ROLL], motion.angle, u[0])
+    answer.elastic[0] = s * force * (u[2] * cos - u[1] * sin)
+    answer.elastic[1], answer.elastic[2] = -force * cos, -force * sin
+    stiffness = answer.stiffness
+    stiffness[0, 0] = force * (u[1] * cos + u[2] * sin)
+    stiffness[0, 1] = stiffness[1, 0] = -s * force * sin
+    stiffness[0, 2] = stiffness[2, 0] = s * force * cos
+    answer.log[ENERGY] = force * (0.5 * values[BOW] - u[1] * cos - u[2] * sin)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BentShaft(TurningForce):
+    """A ``bow`` (m) at ``y``, straight at two places (m); at ``angle`` (rad) from +x towards +z at t = 0."""
+
+    bow: float
+    straight: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        finite(f"{self.name} y", self.y)
+        positive(f"{self.name} bow (m)", self.bow)
+        finite(f"{self.name} angle", self.angle)
+        if abs(self.straight[1] - self.straight[0]) < APART or min(abs(y - self.y) for y in self.straight) < APART:
+            raise MachineError(
+                f"{self.name}: bent by {self.bow} m at y = {self.y} m and straight at {self.straight} m; give two "
+                "places beside it, e.g. its bearings."
+            )
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """The bow and where it is straight."""
+        return tuple(Place(self.name, self.shaft, y) for y in (self.y, *self.straight))
+
+    def elements(self, lay: Coordinates) -> Iterator[Element]:
+        """The force that bends it."""
+        first, second = self.straight
+        share = (self.y - first) / (second - first)
+        shares = ((self.y, 1.0), (first, share - 1.0), (second, -share))
+        force = self.bow / lay.flexibility(self.shaft, self.y, self.straight)
+        yield Element(
+            kind="bent shaft",
+            name=self.name,
+            part=self.name,
+            rule=bow_rule,
+            values=(*self.direction(lay), force, self.bow),
+            rows=np.array(
+                [
+                    lay.angle_row(self.shaft, self.y),
+                    *(sum(part * lay.axis_row(self.shaft, y, axis) for y, part in shares) for axis in (0, 2)),
+                ]
+            ),
+            row_names=("angle", "ux", "uz"),
+            scale=(force * self.bow, force, force),
+            rolls=True,
+        )

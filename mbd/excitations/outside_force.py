@@ -1,0 +1,101 @@
+"""Outside forces over time on a shaft or on the casing.
+
+They depend on time alone: F(t) on the row r of the place pulls the coordinates by r^T F. A point of an elastic casing
+that is forced is one of its interfaces (`fem.casing.reduced.grounded`), so that its static response is exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mbd.elements.element import Element, Signal, rule
+from mbd.excitations.waveform import Waveform, wave_value
+from mbd.parts.checks import MachineError, finite, known
+from mbd.parts.load import OUTSIDE_FORCE, Excitation, OutsideForce
+
+if TYPE_CHECKING:
+    from mbd.elements.coordinates import Coordinates
+
+DIRECTIONS = ("x", "y", "z")
+LEAST_SCALE = 1e-9  # N
+
+
+@rule(__file__)
+def force_rule(values, motion, answer):
+    """``values`` are those of the waveform."""
+    answer.lost[0] = -wave_value(values, motion.time)
+
+
+def force_channel(name: str) -> str:
+    """The force (N) over time."""
+    return f"{name}:{OUTSIDE_FORCE}"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShaftForce(OutsideForce):
+    """A force (N) over time on a shaft along the ``axis`` x, y or z."""
+
+    axis: str
+    force: Waveform
+
+    def __post_init__(self) -> None:
+        finite(f"{self.name} y", self.y)
+        known(f"{self.name} axis", self.axis, DIRECTIONS)
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """The force."""
+        return (force_channel(self.name),)
+
+    def elements(self, lay: Coordinates) -> Iterator[Element]:
+        """The force on its node."""
+        yield _element(self.name, self.force, lay.axis_row(self.shaft, self.y, DIRECTIONS.index(self.axis)))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CasingForce(Excitation):
+    """A force (N) over time on a ``point`` of the casing along its ``axis`` x, y or z."""
+
+    point: str
+    axis: str
+    force: Waveform
+
+    def __post_init__(self) -> None:
+        known(f"{self.name} axis", self.axis, DIRECTIONS)
+
+    @property
+    def casing_rows(self) -> tuple[str, ...]:
+        """The one of its point and axis."""
+        return (f"{self.point}:u{self.axis}",)
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """The force."""
+        return (force_channel(self.name),)
+
+    def elements(self, lay: Coordinates) -> Iterator[Element]:
+        """The force on its point. MachineError if the casing stands still or has no such point."""
+        row = lay.casing_row(self.casing_rows[0])
+        if not row.any():
+            raise MachineError(
+                f"{self.name}: {self.point} does not move; a force on the casing needs one that does (casing.model)."
+            )
+        yield _element(self.name, self.force, row)
+
+
+def _element(name: str, force: Waveform, row: np.ndarray) -> Element:
+    return Element(
+        kind="outside force",
+        name=name,
+        part=name,
+        rule=force_rule,
+        values=force.packed,
+        rows=row[None],
+        row_names=("displacement",),
+        scale=(max(force.largest, LEAST_SCALE),),
+        signals=(Signal(force_channel(name), "N", force=(-1.0,)),),
+    )
