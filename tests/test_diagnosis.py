@@ -32,6 +32,7 @@ def settings(**changes):
         "revolution_frequency": WHEEL,
         "mesh_frequency": MESH,
         "windows": WINDOWS,
+        "sensor": "sensor_3",
         "rope_mode": {"lifting": 7.9, "lowering": 7.6},
         "fault": "one tooth of the stage 1 wheel missing",
         "shaft": "shaft_2",

@@ -40,6 +40,7 @@ def diagnosis(runs):
         revolution_frequency=WHEEL,
         mesh_frequency=MESH,
         windows=WINDOWS,
+        sensor="sensor_3",
         rope_mode={"lifting": 7.9},
         fault="one tooth of the stage 1 wheel missing",
     )
@@ -103,7 +104,7 @@ def test_full_report_answers_first_and_fetches_nothing(tmp_path, runs, diagnosis
 
 def test_short_report_has_no_empty_sections(tmp_path, runs):
     settings = DiagnosisSettings(
-        revolution_frequency=WHEEL, mesh_frequency=MESH, windows={"steady": (0.5, 1.5)}, axis="z"
+        revolution_frequency=WHEEL, mesh_frequency=MESH, windows={"steady": (0.5, 1.5)}, sensor="sensor_3", axis="z"
     )
     contents = ReportContents(
         title="Minimal", stiffness=(CURVE,), runs={"healthy": runs["healthy"]}, settings=settings, short=True

@@ -36,7 +36,15 @@ def waterfall_figure(found: Waterfall, title: str, units: str, *, top: float | N
 
 
 def cuts_figure(found: Waterfall, orders: Sequence[float], title: str, units: str) -> Figure:
-    """Amplitude along orders over the speed."""
+    """Amplitude along orders over the speed.
+
+    Parameters
+    ----------
+    found : the spectra
+    orders : of the shaft
+    title : of the figure
+    units : of the signal
+    """
     figure = new_figure(4.2)
     axes = figure.subplots()
     rising = np.argsort(found.speed)

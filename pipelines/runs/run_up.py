@@ -100,7 +100,14 @@ def _mesh_orders(layout: Layout, shaft: int) -> tuple[float, ...]:
 
 
 def natural_over_speed(loaded: LoadedScene, work: Work, speeds: np.ndarray, up_to: float) -> dict[float, np.ndarray]:
-    """Natural frequencies (Hz) of the loaded machine with its gyroscopic moments, by motor speed (rad/s)."""
+    """Natural frequencies (Hz) of the loaded machine with its gyroscopic moments, by motor speed (rad/s).
+
+    Parameters
+    ----------
+    loaded, work : the scene, and what builds its steps
+    speeds : (n,) of the motors, rad/s
+    up_to : Hz, highest frequency
+    """
     from pipelines.runs.single_results import build_machine_modes
     from pipelines.scene.file import changed
 
