@@ -74,6 +74,7 @@ class Page(HTMLParser):
 def test_full_report_answers_first_and_fetches_nothing(tmp_path, runs, diagnosis):
     reason = "The picture of the gear pair is left out: off-screen rendering ended with SIGSEGV. Install libegl1."
     contents = ReportContents(
+        sensor="sensor_3",
         title="Hoist with a missing tooth",
         diagnoses=(diagnosis,),
         seeds=(diagnosis,),
@@ -107,7 +108,12 @@ def test_short_report_has_no_empty_sections(tmp_path, runs):
         revolution_frequency=WHEEL, mesh_frequency=MESH, windows={"steady": (0.5, 1.5)}, sensor="sensor_3", axis="z"
     )
     contents = ReportContents(
-        title="Minimal", stiffness=(CURVE,), runs={"healthy": runs["healthy"]}, settings=settings, short=True
+        sensor="sensor_3",
+        title="Minimal",
+        stiffness=(CURVE,),
+        runs={"healthy": runs["healthy"]},
+        settings=settings,
+        short=True,
     )
     text = write_report(tmp_path / "report.html", contents).read_text(encoding="utf-8")
     assert Page(text).headings == ["Stiffness", "Speed", "Signals", "Spectra"]
@@ -117,13 +123,17 @@ def test_short_report_has_no_empty_sections(tmp_path, runs):
 
 
 def test_report_without_control_says_so(tmp_path):
-    text = write_report(tmp_path / "report.html", ReportContents(title="No control")).read_text(encoding="utf-8")
+    text = write_report(tmp_path / "report.html", ReportContents(sensor="sensor_3", title="No control")).read_text(
+        encoding="utf-8"
+    )
     assert "No diagnosis: the scene names no healthy control" in text
     assert text.count('class="missing"') == 14
 
 
 def test_words_of_a_scene_cannot_break_the_page(tmp_path):
-    contents = ReportContents(title='<script>alert("1")</script>', summary={"a<b": "c&d"}, short=True)
+    contents = ReportContents(
+        sensor="sensor_3", title='<script>alert("1")</script>', summary={"a<b": "c&d"}, short=True
+    )
     text = write_report(tmp_path / "report.html", contents).read_text(encoding="utf-8")
     assert "<script" not in text
     assert "a&lt;b" in text

@@ -41,7 +41,7 @@ class ReportContents:
     casing_rows: Sequence[Mapping[str, Any]] = ()
     runs: Mapping[str, xarray.Dataset] = field(default_factory=dict)
     windows: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    sensor: str = ""
+    sensor: str = ""  # whose signals are shown
     axis: str = "z"
     settings: DiagnosisSettings | None = None
     steps: Sequence[Mapping[str, Any]] = ()
