@@ -7,6 +7,7 @@ import pytest
 from housings import small_housing
 from mbd_rigs import no_casing, rigid_casing, train
 
+import gearcase
 from fem.casing.meshing.mesher import mesh_housing
 from fem.casing.reduced.accuracy import sensor_rows
 from fem.casing.reduced.grounded import ForcedPoint, ground_casing
@@ -146,3 +147,24 @@ def test_a_casing_that_stands_still_cannot_be_forced():
     machine = dataclasses.replace(train(1), forces=(ON_CASING,))
     with pytest.raises(MachineError, match="sensor_1 does not move"):
         assemble(machine, no_casing(), ())
+
+
+def test_the_response_holds_what_excited_it(tmp_path, monkeypatch):
+    monkeypatch.setenv("GEARCASE_CACHE", str(tmp_path))
+    ground = {
+        "model": "base-acceleration", "axis": "x",
+        "acceleration": {"model": "table", "times_s": [0.0, 0.01], "accelerations_m_s2": [0.0, 0.5]},
+    }  # fmt: skip
+    scene = gearcase.Scene.from_file("minimal").changed(
+        {"forces": [PUSHED, ground], "simulation.end_s": 0.1, "drive.times_s": [0.0, 0.05, 0.1],
+         "diagnosis.windows_s": {}}
+    )  # fmt: skip
+    response = gearcase.simulate(scene)
+    assert response.outside_force.dims == ("time", "force")
+    assert list(response.force.values) == ["force_1"]
+    assert list(response.base.values) == ["force_2"]
+    (wave,) = (force.force for force in make_plant(load_scene("minimal", {"forces": [PUSHED]}).scene).machine.forces)
+    inside = slice(None, -20)
+    wanted = wave.values(response.time.values)
+    assert abs(response.outside_force.values[inside, 0] - wanted[inside]).max() < 0.02 * abs(wanted).max()
+    assert float(response.ground_acceleration[-1, 0]) == pytest.approx(0.5, rel=1e-6)
