@@ -21,6 +21,8 @@ from mbd.parts.load import OutsideForce
 from mbd.simulate import Settings, simulate
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
+from mbd.torques.torque import Torque
+from mbd.torques.torque_source import Rotor
 
 ROUND_OFF = 1e-12
 
@@ -66,6 +68,13 @@ def unbalanced():
     return dataclasses.replace(hoisting(), forces=(Unbalance(name="heavy", shaft="shaft_2", y=0.0, size=1e-4),))
 
 
+def with_rotor():
+    """A further torque on a rotor of its own behind a coupling."""
+    rotor = Rotor(inertia=2e-3, stiffness=1e4, damping=0.3)
+    one = Torque(name="fan", shaft="shaft_2", y=0.1, rotor=rotor, times=np.zeros(1), torques=np.array([-2.0]))
+    return dataclasses.replace(hoisting(), forces=(one,))
+
+
 MACHINES = {
     "beams": hoisting,
     "torsion": lambda: hoisting("torsion"),
@@ -73,6 +82,7 @@ MACHINES = {
     "coupling": coupled,
     "gyroscopic": lambda: dataclasses.replace(hoisting(), gyroscopic=True),
     "unbalance": unbalanced,
+    "rotor": with_rotor,
 }
 
 
