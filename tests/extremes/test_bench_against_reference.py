@@ -17,8 +17,10 @@ pytestmark = pytest.mark.slow
 
 BENCH = {
     "control": None, "diagnosis.windows_s": {}, "stages.1.mesh": {"model": "iso"}, "casing.model": "rigid",
-    "casing.mount_stiffness_N_per_um": 200.0, "film": {"model": "squeeze"}, "load.torque_N_m": 6.0,
-    "bearings": {"model": "hertz", "designation": "6208", "radial_clearance_um": 5.0, "damping_time_us": 20.0},
+    "casing.mount_stiffness_N_per_um": 200.0, "film": {"model": "squeeze"},
+    "load.torque_N_m": 1.5, "deviations.iso_grade": 9,
+    "bearings": {"model": "hertz", "designation": "6208", "radial_clearance_um": 0.0, "axial_preload_um": 8.0,
+                 "damping_time_us": 20.0},
     "drive.times_s": [0.0, 1.0], "drive.speeds_rpm": [1500.0, 1500.0], "shaft_model.model": "torsion",
     "faults": [{"kind": "bearing-spall", "shaft": 2, "bearing": 1, "on": "outer-ring", "width_mm": 2.0,
                 "depth_um": 40.0, "angle_deg": -90.0}],
