@@ -16,7 +16,7 @@ from mbd.accuracy.repeatability import Repeatability
 from mbd.accuracy.step_check import StepCheck
 from mbd.coordinates.channels import sensor_names
 from mbd.energy.balance import ENERGY_ENTRIES, EnergyBalance
-from mbd.integrators.base import LENGTH, Block, Integrator
+from mbd.integrators.base import ANGLE, LENGTH, Block, Integrator
 from mbd.integrators.methods import METHODS, make_integrator
 from mbd.output.recorder import PASS_SHARE, Recorder
 from mbd.output.trajectory import Trajectory
@@ -134,6 +134,11 @@ def _advance(integrator: Integrator, system: System, done: int, n: int, step: fl
         bad = int(np.argmax(~np.isfinite(block.states).all(axis=1)))
         at = step * done + block.clock[: bad + 1, LENGTH].sum()
         raise StepError(f"t = {at:.6g} s: the state is not finite (h = {step:.3g} s). Use a smaller step.")
+    machine = system.machine
+    if machine.free and machine.load is not None:
+        i = int(np.argmax(block.clock[:, ANGLE]))
+        at = step * done + block.clock[: i + 1, LENGTH].sum()
+        machine.load.check_turned(system.layout.ratios[machine.load.shaft] * float(block.clock[i, ANGLE]), at)
     return block
 
 

@@ -196,6 +196,13 @@ def test_a_controller_gives_no_more_than_its_limit():
     np.testing.assert_allclose(found.channel("motor_1:torque"), 5.0, rtol=1e-9)
 
 
+def test_a_motor_that_winds_up_the_rope_is_stopped_with_the_time():
+    machine = train(1, load="rope", rope={"length": 0.3, "container_mass": 50.0}, model="torsion", speed=100.0)
+    machine = replace(machine, couplings=(), input_shaft="shaft_1", forces=(motor(),))
+    with pytest.raises(MachineError, match=r"0.3 m are wound up at t = 0\.1"):
+        run(assembled(machine), 1.0)
+
+
 def test_breakdown_slip_gives_the_rated_torque_at_the_rated_slip():
     slip = breakdown_slip(0.04, 2.5)
     rated = motor(breakdown_torque=2.5 * 20.0, breakdown_slip=slip)

@@ -209,6 +209,14 @@ class Rope(Load):
             )
         return replace(self, length=self.length - wound)
 
+    def check_turned(self, angle: float, time: float) -> None:
+        """Raise MachineError if the drums have then wound more rope than there is."""
+        if self.follow_length and self.travel_per_radian * angle >= self.length:
+            raise MachineError(
+                f"rope: its {self.length:.4g} m are wound up at t = {time:.4g} s. Start with a longer rope, lower the "
+                "torque of the drive, or end the run before."
+            )
+
     def check_run(self, profile: SpeedProfile, ratio: float, end: float) -> None:
         """Raise MachineError if the drums would wind more rope than there is before ``end`` (s)."""
         if not self.follow_length:

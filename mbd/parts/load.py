@@ -65,6 +65,10 @@ class Load(Component, ABC):
         """The load after the motors have rolled by ``angle`` (rad); MachineError if it cannot."""
         return self
 
+    def check_turned(self, angle: float, time: float) -> None:
+        """Raise MachineError if its shaft cannot have turned by ``angle`` (rad) at a ``time`` (s)."""
+        return
+
     def check_run(self, profile: SpeedProfile, ratio: float, end: float) -> None:
         """Raise MachineError if it does not allow the motion up to ``end`` (s)."""
         return
