@@ -156,6 +156,12 @@ def test_a_diagnosis_without_a_known_speed_is_refused():
         gearcase.check(gearcase.Scene.from_file("bench").changed({"drive": TORQUE_DRIVE}))
 
 
+def test_a_motor_that_the_load_overcomes_is_said():
+    weak = {"drive": TORQUE_DRIVE | {"torque_N_m": 30.0}, "diagnosis.windows_s": {}, "control": None, "faults": []}
+    said = " ".join(gearcase.check(gearcase.Scene.from_file("bench").changed(weak)).warnings)
+    assert "the motors give 30 N m at most, the load asks for 40.32 N m" in said
+
+
 SHORT = {
     "simulation.end_s": 0.6, "drive.times_s": [0.0, 0.05, 0.6], "drive.speeds_rpm": [0.0, 3000.0, 3000.0],
     "diagnosis.windows_s": {"steady": [0.1, 0.6]}, "stages.1.mesh": {"model": "iso"}, "simulation.step_us": 26.1,

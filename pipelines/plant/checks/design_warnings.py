@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from pipelines.plant.checks.flank_checks import flank_warnings
 from pipelines.plant.checks.strength import strength_warnings
 from pipelines.plant.checks.window_checks import bad_windows
-from pipelines.plant.facts import StageFacts, stage_facts
+from pipelines.plant.facts import StageFacts, input_torque, stage_facts
 from pipelines.plant.layout import Layout
+from pipelines.plant.torques.drives import motor_places, motor_torques
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.motion import LoadBase
 
@@ -23,6 +24,7 @@ def design_warnings(scene: Scene, layout: Layout) -> tuple[str, ...]:
         *_gears(scene, layout, stages),
         *flank_warnings(scene, layout, stages),
         *strength_warnings(scene, layout, stages),
+        *_drive(scene, layout),
         *_record(scene, layout, stages),
         *_diagnosis(scene, layout),
     )
@@ -52,6 +54,17 @@ def _gears(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[s
             )
         if facts.backlash < 0.02e-3 and layout.load_torque != 0.0:
             yield f"{place}: backlash {facts.backlash * 1e6:.1f} um is small; both flanks may touch under deviations"
+
+
+def _drive(scene: Scene, layout: Layout) -> Iterator[str]:
+    """Motors of a torque that the largest load overcomes at their greatest."""
+    motors = motor_torques(scene.drive, layout.driven, motor_places(scene.drive, scene.shafts[layout.driven]))
+    given, drawn = sum(abs(motor.largest) for motor in motors), input_torque(layout)
+    if motors and given < drawn:
+        yield (
+            f"drive: the motors give {given:.4g} N m at most, the load asks for {drawn:.4g} N m at their shaft: it "
+            "drives the machine backwards unless it fades with the speed; lower the load or choose a stronger motor"
+        )
 
 
 def _record(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[str]:
