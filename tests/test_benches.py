@@ -162,7 +162,29 @@ def test_a_motor_that_the_load_overcomes_is_said():
     assert "the motors give 30 N m at most, the load asks for 40.32 N m" in said
 
 
+def test_a_probe_reads_where_the_bearing_forces_push_the_shaft():
+    """At a bearing on the ground the axis moves by the bearing's force over its stiffness."""
+    place = 1000 * load_scene("bench").scene.shafts[1].bearing_positions_mm[0] / 1000
+    probes = {"probes": [{"name": "eddy-1", "shaft": 2, "position_mm": place}]}
+    _, system, state = standing("bench", **probes, **{"stages.1.mesh": {"model": "iso"}})
+    forces, _ = bearing_forces(system, state, "shaft_2")
+    stiffness = system.machine.bearings[2].stiffness[:3]
+    names = system.channels.names
+    for axis, force, k in zip("xyz", forces[0], stiffness, strict=True):
+        row = system.channels.displacement[names.index(f"eddy-1:displacement_{axis}")]
+        assert row @ state.displacement == pytest.approx(force / k, rel=1e-9)
+
+
+def test_a_probe_beside_its_shaft_or_given_twice_is_refused():
+    one = {"name": "a", "shaft": 2, "position_mm": 0.0}
+    with pytest.raises(SceneError, match="given 2 times"):
+        load_scene("bench", {"probes": [one, one]})
+    with pytest.raises(SceneError, match="off shaft 2"):
+        gearcase.check(gearcase.Scene.from_file("bench").changed({"probes": [one | {"position_mm": 900.0}]}))
+
+
 SHORT = {
+    "probes": [{"name": "eddy-1", "shaft": 2, "position_mm": 60.0}],
     "simulation.end_s": 0.6, "drive.times_s": [0.0, 0.05, 0.6], "drive.speeds_rpm": [0.0, 3000.0, 3000.0],
     "diagnosis.windows_s": {"steady": [0.1, 0.6]}, "stages.1.mesh": {"model": "iso"}, "simulation.step_us": 26.1,
 "casing.model": "rigid", "casing.mount_stiffness_N_per_um": 200.0,
@@ -200,6 +222,8 @@ def test_check_and_messages_of_a_bench_speak_of_no_hoist(capsys):
     assert not HOIST.findall(capsys.readouterr().out)
 
 
-def test_the_torque_of_the_load_is_recorded(bench_run):
+def test_torque_of_the_load_and_displacement_at_a_probe_are_recorded(bench_run):
     data, _ = bench_run
+    assert data.probe_displacement.sizes == {"time": 7680, "probe": 1, "axis": 3}
+    assert 1e-7 < float(abs(data.probe_displacement).max()) < 1e-4
     np.testing.assert_allclose(data.source_torque.sel(source="load"), -100.0)

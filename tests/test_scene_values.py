@@ -109,7 +109,8 @@ SCENES = {
         "deviations.include": ["pitch", "helix"],
         "faults": FAULTS, "forces": [TORQUE, *EXCITATIONS], **dotted("load", ROPE), **dotted("casing", ELASTIC),
         **dotted("casing.housing", HOUSING), "losses": {"model": "coulomb"},
-        "film": {"model": "squeeze"}, "shaft_model.model": "timoshenko",
+        "film": {"model": "squeeze"}, "probes": [{"name": "probe", "shaft": 2, "position_mm": 20.0}],
+        "shaft_model.model": "timoshenko",
         "drive.shaft": 1, "drive.brake_torque_N_m": 20.0, "simulation.start": 1,
     }),
     "joined": ("minimal", {

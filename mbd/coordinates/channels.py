@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbd.coordinates.layout import Layout
+from mbd.coordinates.probe import AXES as PROBE_AXES
+from mbd.coordinates.probe import DISPLACEMENT, probe_channel
 from mbd.elements.reading import Reading
 from mbd.parts.bearings import DIRECTIONS, bearing_force, journal_acceleration
 from mbd.parts.checks import MachineError
@@ -28,8 +30,10 @@ __all__ = [
     "CONTAINER",
     "COUPLING_TORQUE",
     "DIRECTIONS",
+    "DISPLACEMENT",
     "GROUND_ACCELERATION",
     "OUTSIDE_FORCE",
+    "PROBE_AXES",
     "ROPE_FORCE",
     "SWAY",
     "ChannelRows",
@@ -41,6 +45,7 @@ __all__ = [
     "journal_acceleration",
     "mesh_channels",
     "motor_channels",
+    "probe_channel",
     "sensor_names",
     "shaft_channels",
 ]

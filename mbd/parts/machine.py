@@ -52,6 +52,7 @@ class Machine:
     losses: Losses = NoLosses()
     brake: Brake | None = None
     gyroscopic: bool = False
+    probes: tuple[Component, ...] = ()  # what only reads
 
     def __post_init__(self) -> None:
         shafts = [s.name for s in self.shafts]
@@ -106,6 +107,7 @@ class Machine:
             *self.shaft_couplings,
             *self.forces,
             *brake,
+            *self.probes,
         )
 
     def stations(self, name: str) -> tuple[float, ...]:

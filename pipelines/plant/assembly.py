@@ -38,6 +38,7 @@ def assemble_machine(parts: MachineParts, laws: Sequence[Laws]) -> Machine:
         losses=parts.losses,
         brake=parts.brake,
         gyroscopic=parts.gyroscopic,
+        probes=parts.probes,
     )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from fem.gears.geometry import Gear, GearPair
+from mbd.coordinates.probe import Probe
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.film import Film
 from mbd.parts.losses import Brake, Coulomb, Efficiency, Losses, NoLosses
@@ -244,4 +245,7 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> Mach
         losses=losses_spec(scene.losses),
         brake=Brake(shaft=driven, y=ends[0], torque=brake) if brake else None,
         gyroscopic=scene.shaft_model.gyroscopic,
+        probes=tuple(
+            Probe(name=table.name, shaft=f"shaft_{table.shaft}", y=table.position_mm / 1000) for table in scene.probes
+        ),
     )

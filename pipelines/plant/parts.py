@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from fem.gears.geometry import GearPair
 from mbd.coordinates import channels
+from mbd.coordinates.probe import Probe
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.drive import CouplingSpec, SpeedProfile
@@ -75,6 +76,7 @@ class MachineParts:
     losses: Losses
     brake: Brake | None
     gyroscopic: bool
+    probes: tuple[Probe, ...]
 
 
 @dataclass(frozen=True, kw_only=True)

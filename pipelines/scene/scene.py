@@ -26,7 +26,7 @@ from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.housing import HousingTable
 from pipelines.scene.tables.losses import FilmModel, LossModel, NoFilm, NoLosses
 from pipelines.scene.tables.motion import DriveModel, LoadModel, SimulationTable
-from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ShaftModel, ShaftTable
+from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ProbeTable, ShaftModel, ShaftTable
 from pipelines.scene.train import stage_shafts
 
 
@@ -44,6 +44,7 @@ class Scene(Table):
     bearings: BearingModel = LinearBearings()
     couplings: Annotated[tuple[CouplingTable, ...], Field(max_length=100)] = ()
     disks: Annotated[tuple[DiskTable, ...], Field(max_length=100)] = ()
+    probes: Annotated[tuple[ProbeTable, ...], Field(max_length=100)] = ()
     forces: Annotated[tuple[ForceModel, ...], Field(max_length=100)] = ()
     deviations: DeviationTable = DeviationTable()
     faults: Annotated[tuple[AnyFaultTable, ...], Field(max_length=1000)] = ()
@@ -98,6 +99,9 @@ class Scene(Table):
         names = [sensor.name for sensor in self.sensors]
         for name in sorted({n for n in names if names.count(n) > 1}):
             yield f"sensors: {name} is given {names.count(name)} times"
+        probes = [probe.name for probe in self.probes]
+        for name in sorted({n for n in probes if probes.count(n) > 1}):
+            yield f"probes: {name} is given {probes.count(name)} times"
 
     def _shaft_numbers(self):
         named: list[tuple[str, tuple[int, ...]]] = [
@@ -105,6 +109,7 @@ class Scene(Table):
         ]
         named += [(f"couplings.{n}.shafts", tuple(s - 1 for s in c.shafts)) for n, c in enumerate(self.couplings, 1)]
         named += [(f"disks.{n}.shaft", (disk.shaft - 1,)) for n, disk in enumerate(self.disks, 1)]
+        named += [(f"probes.{n}.shaft", (probe.shaft - 1,)) for n, probe in enumerate(self.probes, 1)]
         named += [(f"forces.{n}.shaft", (force.shaft - 1,)) for n, force in self._forces_on_shafts()]
         named += [("drive.shaft", ((self.drive.shaft or 1) - 1,))]
         named += [("load.shaft", ((self.load.shaft or len(self.shafts)) - 1,))]

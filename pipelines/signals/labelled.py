@@ -82,6 +82,11 @@ def signals(motion: Trajectory) -> Iterator[Signal]:
     couplings = [name for name in number if name.endswith(channels.COUPLING_TORQUE)]
     if couplings:
         yield signal("coupling_torque", ("coupling",), couplings, "torque from the rotor through its coupling")
+    first = channels.DISPLACEMENT + AXES[0]
+    probes = [name.removesuffix(first) for name in number if name.endswith(first)]
+    if probes:
+        rows = points(tuple(probes), channels.probe_channel)
+        yield signal("probe_displacement", ("probe", "axis"), rows, "displacement of the shaft's axis at the probe")
     yield signal("shaft_angle", ("shaft",), shaft[0], "angle of the shaft")
     yield signal("shaft_speed", ("shaft",), shaft[1], "speed of the shaft")
     yield signal("mesh_approach", ("stage",), mesh[0], "approach on the drive flank")
@@ -122,6 +127,8 @@ def coordinates(motion: Trajectory) -> dict[str, list]:
     """The names along all dimensions but time."""
     couplings = [name.partition(":")[0] for name in motion.channel_names if name.endswith(channels.COUPLING_TORQUE)]
     named: dict[str, Any] = {"motor": motion.motors, "source": motion.sources, "coupling": couplings}
+    first = channels.DISPLACEMENT + AXES[0]
+    named |= {"probe": [name.removesuffix(first) for name in motion.channel_names if name.endswith(first)]}
     named |= {"shaft": motion.shafts, "stage": range(1, len(motion.meshes) + 1)}
     named |= {"bearing": motion.bearings, "axis": AXES}
     named |= {dimension: channels.excitations(motion.channel_names, quantity) for dimension, quantity, _ in EXCITATIONS}

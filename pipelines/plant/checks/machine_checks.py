@@ -100,7 +100,8 @@ def _bad_spalls(scene: Scene) -> Iterator[Problem]:
 
 def _off_shaft(scene: Scene, layout: Layout) -> Iterator[Problem]:
     """What is put beside the end of its shaft."""
-    placed = [(f"disks.{n}.position_mm", d.shaft - 1, d.position_mm) for n, d in enumerate(scene.disks, 1)]
+    placed = [(f"probes.{n}.position_mm", p.shaft - 1, p.position_mm) for n, p in enumerate(scene.probes, 1)]
+    placed += [(f"disks.{n}.position_mm", d.shaft - 1, d.position_mm) for n, d in enumerate(scene.disks, 1)]
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pair_shafts, strict=True), 1):
         placed += [(f"stages.{number}.position_mm", shaft, stage.position_mm) for shaft in pair]
     for number, coupling in enumerate(scene.couplings, 1):

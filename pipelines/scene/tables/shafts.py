@@ -76,6 +76,16 @@ class ShaftModel(Table):
     ] = False
 
 
+class ProbeTable(Table):
+    """A proximity probe on the ground: displacement of a shaft's axis along x, y and z."""
+
+    name: Annotated[
+        str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="letters, digits, _ and -; 40 at most")
+    ]
+    shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
+    position_mm: Annotated[Number, Field(description="y")]
+
+
 class DiskTable(Table):
     """A rigid disk on a shaft besides gears and drums: coupling half, brake disk, flywheel."""
 

@@ -1,0 +1,48 @@
+"""Probe: displacement of a shaft's axis at a place, as a proximity probe on the ground would measure it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mbd.elements.component import Component, Place
+from mbd.elements.reading import Reading
+from mbd.parts.checks import finite
+
+if TYPE_CHECKING:
+    from mbd.elements.coordinates import Coordinates
+
+AXES = ("x", "y", "z")
+DISPLACEMENT = ":displacement_"
+
+
+def probe_channel(probe: str, axis: str) -> str:
+    """Displacement (m) along an axis, from the unloaded straight shaft."""
+    return f"{probe}{DISPLACEMENT}{axis}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Probe(Component):
+    """At ``y`` (m) of ``shaft``."""
+
+    name: str
+    shaft: str
+    y: float
+
+    def __post_init__(self) -> None:
+        finite(f"probe {self.name} y", self.y)
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """Where it looks at the shaft."""
+        return (Place(f"probe {self.name}", self.shaft, self.y),)
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Along x, y and z."""
+        return tuple(probe_channel(self.name, axis) for axis in AXES)
+
+    def readings(self, lay: Coordinates) -> dict[str, Reading]:
+        """Displacements of the node there."""
+        rows = (lay.axis_row(self.shaft, self.y, axis) for axis in range(len(AXES)))
+        return {name: Reading("m", displacement=row) for name, row in zip(self.channel_names, rows, strict=True)}
