@@ -27,7 +27,7 @@ def test_the_force_is_the_integral_of_the_pressure_of_a_cylinder_that_approaches
         assert FILM.strength / gap**1.5 == pytest.approx(by_hand, rel=1e-8)
 
 
-def free_gears(film, speed):
+def free_gears(film):
     """Two rigid shafts that only turn, gears apart in their backlash, approaching on the drive flank."""
     machine = train(1, model="torsion", stage={"ripple": 0.0, "tau": 0.0, "backlash": 200e-6})
     idle = Torque(name="load", shaft="shaft_2", y=0.0, times=np.zeros(1), torques=np.zeros(1))
@@ -67,7 +67,7 @@ def approach(system, speed, gap):
 
 def test_a_lone_approach_loses_speed_as_the_closed_form_says():
     """m dv/dh = C h^-1.5: v(h) = v_0 - 2 C/m (h^-0.5 - h_0^-0.5)."""
-    system = free_gears(FILM, 0.0)
+    system = free_gears(FILM)
     start, relative = approach(system, 0.05, 80e-6)
     mass = float(relative @ system.mass @ relative)
     found = simulate(system, Settings(end=1.2e-3, output_rate=200e3, step=5e-6), start=start)
@@ -128,6 +128,6 @@ def test_a_film_of_nothing_is_refused(name):
 
 
 def test_the_rule_is_one_element_per_flank():
-    system = free_gears(FILM, 0.0)
+    system = free_gears(FILM)
     films = [element for element in system.elements if element.kind == "film"]
     assert [element.rule for element in films] == [film_rule, film_rule]

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbd.coordinates.layout import Layout
-from mbd.coordinates.probe import AXES as PROBE_AXES
 from mbd.coordinates.probe import DISPLACEMENT, probe_channel
 from mbd.elements.reading import Reading
 from mbd.parts.bearings import DIRECTIONS, bearing_force, journal_acceleration
@@ -33,7 +32,6 @@ __all__ = [
     "DISPLACEMENT",
     "GROUND_ACCELERATION",
     "OUTSIDE_FORCE",
-    "PROBE_AXES",
     "ROPE_FORCE",
     "SWAY",
     "ChannelRows",

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from mbd.elements.component import Component, Place
 from mbd.elements.reading import Reading
+from mbd.parts.bearings import DIRECTIONS
 from mbd.parts.checks import finite
 
 if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
 
-AXES = ("x", "y", "z")
 DISPLACEMENT = ":displacement_"
 
 
@@ -40,9 +40,9 @@ class Probe(Component):
     @property
     def channel_names(self) -> tuple[str, ...]:
         """Along x, y and z."""
-        return tuple(probe_channel(self.name, axis) for axis in AXES)
+        return tuple(probe_channel(self.name, axis) for axis in DIRECTIONS)
 
     def readings(self, lay: Coordinates) -> dict[str, Reading]:
         """Displacements of the node there."""
-        rows = (lay.axis_row(self.shaft, self.y, axis) for axis in range(len(AXES)))
+        rows = (lay.axis_row(self.shaft, self.y, axis) for axis in range(len(DIRECTIONS)))
         return {name: Reading("m", displacement=row) for name, row in zip(self.channel_names, rows, strict=True)}

@@ -18,9 +18,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbd.elements.element import Element, Signal, rule
-from mbd.excitations.outside_force import DIRECTIONS
-from mbd.excitations.waveform import Waveform, wave_value
+from mbd.elements.element import Element, Signal
+from mbd.excitations.outside_force import force_rule
+from mbd.excitations.waveform import Waveform
+from mbd.parts.bearings import DIRECTIONS
 from mbd.parts.checks import known
 from mbd.parts.load import GROUND_ACCELERATION, Excitation
 
@@ -28,12 +29,6 @@ if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
 
 LEAST_SCALE = 1e-9  # m/s2
-
-
-@rule(__file__)
-def base_rule(values, motion, answer):
-    """Acceleration on the row -M X; ``values`` are those of the waveform."""
-    answer.lost[0] = -wave_value(values, motion.time)
 
 
 def base_channel(name: str) -> str:
@@ -63,7 +58,7 @@ class BaseAcceleration(Excitation):
             kind="base acceleration",
             name=self.name,
             part=self.name,
-            rule=base_rule,
+            rule=force_rule,
             values=self.acceleration.packed,
             rows=-lay.ground_inertia[:, axis][None],
             row_names=("inertia",),

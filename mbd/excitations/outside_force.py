@@ -14,19 +14,19 @@ import numpy as np
 
 from mbd.elements.element import Element, Signal, rule
 from mbd.excitations.waveform import Waveform, wave_value
+from mbd.parts.bearings import DIRECTIONS
 from mbd.parts.checks import MachineError, finite, known
 from mbd.parts.load import OUTSIDE_FORCE, Excitation, OutsideForce
 
 if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
 
-DIRECTIONS = ("x", "y", "z")
 LEAST_SCALE = 1e-9  # N
 
 
 @rule(__file__)
 def force_rule(values, motion, answer):
-    """``values`` are those of the waveform."""
+    """A value over time on a row; ``values`` are those of the waveform."""
     answer.lost[0] = -wave_value(values, motion.time)
 
 

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.numerics.compiled import inner
-from mbd.parts.checks import MachineError, finite, frozen_array, not_negative, positive
+from mbd.elements.lookup import interpolated
+from mbd.parts.checks import MachineError, finite, frozen_array, not_negative, positive, rising_pairs
 
 TABLE, SWEEP = 0.0, 1.0  # the first of the packed numbers
 
@@ -24,20 +25,7 @@ def wave_value(packed, time):
     """The value of a waveform, from what its `packed` returns, at a time (s)."""
     if packed[0] == SWEEP:
         return _swept(packed, time)
-    n = (len(packed) - 1) // 2
-    if time <= packed[1]:
-        return packed[1 + n]
-    if time >= packed[n]:
-        return packed[2 * n]
-    low, high = 1, n
-    while high - low > 1:
-        middle = (low + high) // 2
-        if packed[middle] <= time:
-            low = middle
-        else:
-            high = middle
-    share = (time - packed[low]) / (packed[high] - packed[low])
-    return (1.0 - share) * packed[n + low] + share * packed[n + high]
+    return interpolated(packed, 1, (len(packed) - 1) // 2, time)[0]
 
 
 @inner()
@@ -83,14 +71,7 @@ class TableWave(Waveform):
         times, levels = frozen_array(self.times), frozen_array(self.levels)
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "levels", levels)
-        if len(times) != len(levels) or len(times) == 0:
-            raise MachineError(f"{self.name}: {len(times)} times for {len(levels)} values; give pairs.")
-        if not (np.isfinite(times).all() and np.isfinite(levels).all()):
-            raise MachineError(f"{self.name}: times and values must be finite.")
-        if (np.diff(times) <= 0).any():
-            raise MachineError(
-                f"{self.name}: its times must increase strictly. Spread a jump over at least one sample."
-            )
+        rising_pairs(self.name, ("times", times), ("values", levels))
 
     @property
     def packed(self) -> np.ndarray:

@@ -56,3 +56,14 @@ def frozen_array(values: object) -> np.ndarray:
     result = np.array(values, dtype=float).reshape(-1)
     result.flags.writeable = False
     return result
+
+
+def rising_pairs(name: str, places: tuple[str, np.ndarray], levels: tuple[str, np.ndarray]) -> None:
+    """Raise MachineError unless levels (n,) belong to rising places (n,); both with what they are, e.g. "times"."""
+    (what, at), (kind, values) = places, levels
+    if len(at) != len(values) or len(at) == 0:
+        raise MachineError(f"{name}: {len(at)} {what} for {len(values)} {kind}; give pairs.")
+    if not (np.isfinite(at).all() and np.isfinite(values).all()):
+        raise MachineError(f"{name}: {what} and {kind} must be finite.")
+    if (np.diff(at) <= 0).any():
+        raise MachineError(f"{name}: its {what} must increase strictly. Spread a jump over at least one sample.")

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbd.elements.element import rule
+from mbd.elements.lookup import cell_below, interpolated
 from mbd.parts.checks import finite, not_negative, positive
 from mbd.parts.drive import SpeedProfile
 from mbd.torques.torque_source import TorqueSource
@@ -24,21 +25,13 @@ RATIO, PROPORTIONAL, INTEGRAL, LIMIT, START, FIRST = range(6)  # then times, spe
 def controller_rule(values, motion, answer):
     """Torque on a rotation by the errors of speed and angle."""
     n = (len(values) - FIRST) // 3
-    low, high = FIRST, FIRST + n - 1
-    time = motion.time
-    if time >= values[high]:
-        speed = values[high + n]
-        angle = values[high + 2 * n] + speed * (time - values[high])
+    time, last = motion.time, FIRST + n - 1
+    speed, slope = interpolated(values, FIRST, n, time)
+    if time >= values[last]:
+        angle = values[last + 2 * n] + speed * (time - values[last])
     else:
-        while high - low > 1:
-            middle = (low + high) // 2
-            if time < values[middle]:
-                high = middle
-            else:
-                low = middle
+        low = FIRST + cell_below(values, FIRST, n, time)
         dt = time - values[low]
-        slope = (values[high + n] - values[low + n]) / (values[high] - values[low])
-        speed = values[low + n] + slope * dt
         angle = values[low + 2 * n] + (values[low + n] + 0.5 * slope * dt) * dt
     kp, ki, ratio = values[PROPORTIONAL], values[INTEGRAL], values[RATIO]
     torque = kp * (speed - motion.v[0] - ratio * motion.speed)

@@ -7,31 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbd.elements.element import rule
-from mbd.parts.checks import frozen_array
-from mbd.torques.torque_source import TorqueSource, checked_table
+from mbd.elements.lookup import interpolated
+from mbd.parts.checks import frozen_array, rising_pairs
+from mbd.torques.torque_source import TorqueSource
 
 
 @rule(__file__)
 def speed_torque_rule(values, motion, answer):
     """Torque on a rotation, linear between speeds and constant outside; ratio, speeds, torques."""
-    n = (len(values) - 1) // 2
     speed = motion.v[0] + values[0] * motion.speed
-    low, high = 1, n
-    if n == 1 or speed <= values[low]:
-        answer.lost[0] = -values[n + low]
-        return
-    if speed >= values[high]:
-        answer.lost[0] = -values[n + high]
-        return
-    while high - low > 1:
-        middle = (low + high) // 2
-        if speed < values[middle]:
-            high = middle
-        else:
-            low = middle
-    slope = (values[n + high] - values[n + low]) / (values[high] - values[low])
-    answer.lost[0] = -(values[n + low] + slope * (speed - values[low]))
-    answer.lost_by_v[0, 0] = -slope
+    torque, slope = interpolated(values, 1, (len(values) - 1) // 2, speed)
+    answer.lost[0], answer.lost_by_v[0, 0] = -torque, -slope
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -46,7 +32,7 @@ class SpeedTorque(TorqueSource):
         super().__post_init__()
         object.__setattr__(self, "speeds", frozen_array(self.speeds))
         object.__setattr__(self, "torques", frozen_array(self.torques))
-        checked_table(self.name, "speeds", self.speeds, self.torques)
+        rising_pairs(self.name, ("speeds", self.speeds), ("torques", self.torques))
 
     @property
     def rule(self) -> int:

@@ -7,29 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbd.elements.element import rule
-from mbd.parts.checks import frozen_array
-from mbd.torques.torque_source import TorqueSource, checked_table
+from mbd.elements.lookup import interpolated
+from mbd.parts.checks import frozen_array, rising_pairs
+from mbd.torques.torque_source import TorqueSource
 
 
 @rule(__file__)
 def torque_rule(values, motion, answer):
     """Torque on a rotation, linear between times and constant outside; ``values`` are the times, then the torques."""
-    n = len(values) // 2
-    low, high = 0, n - 1
-    if motion.time <= values[0] or n == 1:
-        answer.lost[0] = -values[n]
-        return
-    if motion.time >= values[high]:
-        answer.lost[0] = -values[n + high]
-        return
-    while high - low > 1:
-        middle = (low + high) // 2
-        if motion.time < values[middle]:
-            high = middle
-        else:
-            low = middle
-    share = (motion.time - values[low]) / (values[high] - values[low])
-    answer.lost[0] = -((1.0 - share) * values[n + low] + share * values[n + high])
+    answer.lost[0] = -interpolated(values, 0, len(values) // 2, motion.time)[0]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -43,7 +29,7 @@ class Torque(TorqueSource):
         super().__post_init__()
         object.__setattr__(self, "times", frozen_array(self.times))
         object.__setattr__(self, "torques", frozen_array(self.torques))
-        checked_table(self.name, "times", self.times, self.torques)
+        rising_pairs(self.name, ("times", self.times), ("torques", self.torques))
 
     @property
     def rule(self) -> int:

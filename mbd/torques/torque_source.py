@@ -18,7 +18,7 @@ from mbd.elements.element import Element, Signal
 from mbd.elements.linear import LinearElement, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
-from mbd.parts.checks import MachineError, finite, not_negative, positive
+from mbd.parts.checks import finite, not_negative, positive
 from mbd.parts.drive import COUPLING_TORQUE, MotorSpring, motor_channels
 from mbd.parts.load import OutsideForce
 
@@ -158,20 +158,3 @@ class TorqueSource(OutsideForce):
                 "N m", displacement=self.rotor.stiffness * twist, velocity=self.rotor.damping * twist
             )
         return found
-
-
-def checked_table(name: str, what: str, places: np.ndarray, torques: np.ndarray) -> None:
-    """Raise MachineError unless torques belong to rising places.
-
-    Parameters
-    ----------
-    name : of the source, for messages
-    what : of the places, e.g. "times"
-    places, torques : (n,), s or rad/s, and N m
-    """
-    if len(places) != len(torques) or len(places) == 0:
-        raise MachineError(f"{name}: {len(places)} {what} for {len(torques)} torques; give pairs.")
-    if not (np.isfinite(places).all() and np.isfinite(torques).all()):
-        raise MachineError(f"{name}: {what} and torques must be finite.")
-    if (np.diff(places) <= 0).any():
-        raise MachineError(f"{name}: its {what} must increase strictly. Spread a jump over at least one sample.")
