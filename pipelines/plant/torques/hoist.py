@@ -45,10 +45,7 @@ class Hoist:
     def rope_length_at(self, time: float, profile: SpeedProfile, ratio: float) -> float:
         """Free rope length (m) at a time (s): that at the start less what the drums, at ``ratio`` of the motors' speed,
         have wound."""
-        from scipy.integrate import trapezoid
-
-        fine = np.linspace(0.0, time, 2001)
-        angle = float(trapezoid(np.interp(fine, profile.times, profile.speeds), fine)) * ratio
+        angle = float(profile.angle(np.array([time]))[0]) * ratio
         return self.rope_length - angle * self.drum_radius / self.reeving
 
 
