@@ -7,7 +7,14 @@ from fem.numerics.compiled import inner
 
 @inner()
 def cell_below(values, first, count, place):
-    """Number (0 .. count - 2) of the cell of ``place`` among ``count`` > 1 rising places from ``first`` on."""
+    """Number (0 .. count - 2) of the cell in which a place lies; a place outside counts to the cell at that end.
+
+    Parameters
+    ----------
+    values : (k,) numbers of the element
+    first, count : where its rising places begin, and how many there are, two at least
+    place : the place looked for
+    """
     low, high = 0, count - 1
     while high - low > 1:
         middle = (low + high) // 2
