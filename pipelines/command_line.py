@@ -259,6 +259,18 @@ def _cache(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def _campaign(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("plan", metavar="PLAN", type=path, help="file of the campaign, ending in .toml")
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="data set instead of ./campaigns/<plan>")
+    sub.add_argument("--dry-run", action="store_true", help="say what it would simulate, and what that costs")
+    sub.add_argument("--processes", type=count, metavar="N", help="scenes at the same time (default: all cores)")
+    where = sub.add_mutually_exclusive_group()
+    where.add_argument("--scheduler", metavar="ADDRESS", help="Dask scheduler to use, or the file that it wrote")
+    where.add_argument("--cluster", action="store_true", help="a Dask scheduler of its own, with a dashboard")
+    sub.add_argument("--retry-failed", action="store_true", help="simulate again what failed")
+    sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
+
+
 FINISHED = ("diagnose", "export", "orders")  # commands that read a finished run, in a room of their own
 COMMANDS = (  # name, of the module too; one line; example; arguments
     ("new", "write a commented scene file to change", "gearcase new my.toml --from bench", _new),
@@ -303,6 +315,7 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
     ),
     ("diagnose", "print the lines of a fault in a finished run", "gearcase diagnose rig-missing-tooth", _diagnose),
     ("run", "everything: simulation, healthy control, diagnosis, report", "gearcase run rig-missing-tooth", _run),
+    ("campaign", "simulate the scenes of a plan into one labelled data set", "gearcase campaign plan.toml", _campaign),
     ("orders", "waterfall, order cuts and natural frequencies of a run-up", "gearcase orders reducer", _orders),
     (
         "inspect",

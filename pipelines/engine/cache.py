@@ -35,6 +35,7 @@ from fem.storage.cache_folder import (
     warn_without,
 )
 from pipelines.border.errors import CacheWarning, InputError
+from pipelines.border.locks import lock_file, same_file
 from pipelines.engine.manifest import Damaged, Entry, entry_name, read_manifest, verified, write_manifest
 
 _LOG = logging.getLogger(__name__)
@@ -134,6 +135,29 @@ class Cache:
             yield folder
         finally:
             shutil.rmtree(folder, ignore_errors=True)
+
+    @contextlib.contextmanager
+    def alone(self, key: str) -> Iterator[bool]:
+        """True while this process alone may build the result of a key, False if another one builds it.
+
+        The system drops the right of a process that dies. Without locks, on some network file systems, a result may be
+        built twice, which costs time alone.
+        """
+        path = self._partial / f"0-{key[:12]}"
+        with contextlib.ExitStack() as held:
+            mine = True
+            try:
+                claim(self.folder, make=True)
+                make_private(self._partial)
+                file = held.enter_context(open(path, "ab", buffering=0))
+                mine = lock_file(file) and same_file(file, path)
+                if mine:
+                    held.callback(path.unlink, missing_ok=True)
+            except FileNotFoundError:
+                mine = False  # removed by who held it, between opening and looking
+            except OSError as error:
+                _LOG.debug("no locks in %s: %s", self.folder, error)
+            yield mine
 
     def entries(self, kind: str | None = None) -> Iterator[Entry]:
         """All entries (of one kind) by their manifests, newest use first; files of results are not verified."""

@@ -18,7 +18,6 @@ import logging
 import os
 import platform
 import shutil
-import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,6 +26,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from pipelines.border.errors import InputError, WorkError
+from pipelines.border.locks import lock_file, same_file
 from pipelines.border.shown import shown
 from pipelines.border.user_files import writable_folder
 from pipelines.runs.run_folder import RESPONSE
@@ -117,7 +117,7 @@ def _claim(final: Path, place: Path) -> Claim | None:
         return None
     try:
         try:
-            _locked(lock, wait=True)  # who sweeps may be looking at it, and leaves it alone while it is empty
+            lock_file(lock, wait=True)  # who sweeps may be looking at it, and leaves it alone while it is empty
         except OSError as error:
             _LOG.debug("%s: no locks here (%s), so it is never swept", marker, error)
         lock.write(_host())
@@ -185,32 +185,11 @@ def _sweep(place: Path) -> None:
     for marker in place.glob(f"{_MARKER}*"):
         try:
             with open(marker, "r+b", buffering=0) as lock:
-                if _locked(lock) and lock.read() == _host() and _same_file(lock, marker):
+                if lock_file(lock) and lock.read() == _host() and same_file(lock, marker):
                     shutil.rmtree(place / marker.name.replace(_MARKER, _PARTIAL, 1), ignore_errors=True)
                     _drop(marker, lock)
         except OSError as error:  # of another user, just removed, or on a file system without locks
             _LOG.debug("%s is left alone: %s", marker, error)
-
-
-def _locked(file: BinaryIO, *, wait: bool = False) -> bool:
-    """True if this process now holds the file, False if another does; OSError where the file system has no locks."""
-    try:
-        if sys.platform == "win32":
-            import msvcrt
-
-            msvcrt.locking(file.fileno(), msvcrt.LK_LOCK if wait else msvcrt.LK_NBLCK, 1)
-        else:
-            import fcntl
-
-            fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-    except (BlockingIOError, PermissionError):
-        return False
-    return True
-
-
-def _same_file(file: BinaryIO, path: Path) -> bool:
-    """False if the file was removed, and perhaps made anew, between opening and locking."""
-    return os.path.samestat(os.fstat(file.fileno()), path.stat())
 
 
 def _drop(marker: Path, lock: BinaryIO) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
     from fem.casing.reduced.body import ReducedBody
     from fem.contact.law import MeshLaw
     from mbd.output.trajectory import Trajectory
+    from mbd.system.system import System
     from pipelines.plant.parts import MachineParts, MotionSettings, Recorded
 
 
@@ -40,25 +42,36 @@ def build(
     ------
     OSError : the file cannot be written
     """
+    system = assembled(spec, body, laws)
+    trajectory = moved(system, spec.motion, folder / "values.npy" if folder else None)
+    machine = system.machine
+    return CountedResult(
+        trajectory,
+        ledger(trajectory, system.basis.shape[1], rope=bool(machine.load is not None and machine.load.coordinates)),
+    )
+
+
+def assembled(spec: MotionSpec, body: ReducedBody, laws: Sequence[tuple[MeshLaw, MeshLaw]]) -> System:
+    """The machine in its casing, see `build`."""
+    from pipelines.plant.assembly import assemble_machine, assemble_system
+
+    return assemble_system(assemble_machine(spec.machine, laws), body, spec.recorded, spec.motion.band)
+
+
+def moved(system: System, given: MotionSettings, file: Path | None = None) -> Trajectory:
+    """The motion of a system; `file` as in `mbd.simulate.simulate`."""
     import numpy as np
 
     from mbd.accuracy.repeatability import other_start
     from mbd.simulate import Settings, simulate
     from mbd.system.statics import equilibrium
-    from pipelines.plant.assembly import assemble_machine, assemble_system
 
-    given = spec.motion
-    machine = assemble_machine(spec.machine, laws)
-    system = assemble_system(machine, body, spec.recorded, given.band)
     settings = Settings(end=given.end, output_rate=given.output_rate, step=given.step, integrator=given.integrator)
     start = None
     if given.start:
-        start = other_start(system, equilibrium(system, float(machine.profile.speed(np.zeros(1))[0])), given.start)
-    trajectory = simulate(system, settings, start=start, file=folder / "values.npy" if folder else None)
-    return CountedResult(
-        trajectory,
-        ledger(trajectory, system.basis.shape[1], rope=bool(machine.load is not None and machine.load.coordinates)),
-    )
+        speed = float(system.machine.profile.speed(np.zeros(1))[0])
+        start = other_start(system, equilibrium(system, speed), given.start)
+    return simulate(system, settings, start=start, file=file)
 
 
 def ledger(trajectory: Trajectory, coordinates: int, *, rope: bool) -> dict[str, int]:

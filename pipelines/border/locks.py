@@ -1,0 +1,29 @@
+"""Locks on files that the system drops however a process ends, so that nothing has to be cleared away by hand."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import BinaryIO
+
+
+def lock_file(file: BinaryIO, *, wait: bool = False) -> bool:
+    """True if this process now holds the file, False if another does; OSError where the file system has no locks."""
+    try:
+        if sys.platform == "win32":
+            import msvcrt
+
+            msvcrt.locking(file.fileno(), msvcrt.LK_LOCK if wait else msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+    except (BlockingIOError, PermissionError):
+        return False
+    return True
+
+
+def same_file(file: BinaryIO, path: Path) -> bool:
+    """False if the file was removed, and perhaps made anew, between opening and locking."""
+    return os.path.samestat(os.fstat(file.fileno()), path.stat())

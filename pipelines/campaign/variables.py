@@ -1,0 +1,159 @@
+"""Variables of a plan: what each one may be, from a number u between 0 and 1 to its value."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+
+from pipelines.scene.tables.base import Number, Table, Whole
+
+MOST = 10_000  # values of a list, levels of a grid
+Level = float | int | str | bool
+
+
+class RangeTable(Table):
+    """Any number between two, or any whole number where both are whole."""
+
+    from_: Annotated[Number | Whole, Field(alias="from", description="least value")]
+    to: Annotated[Number | Whole, Field(description="largest value")]
+    levels: Annotated[Whole | None, Field(ge=2, le=MOST, description="of a grid: values from `from` to `to`")] = None
+
+    @model_validator(mode="after")
+    def _rising(self) -> RangeTable:
+        if self.to < self.from_:
+            raise ValueError(f"to = {self.to:g} is less than from = {self.from_:g}")
+        return self
+
+    @property
+    def whole(self) -> bool:
+        """Only whole numbers."""
+        return isinstance(self.from_, int) and isinstance(self.to, int)
+
+    def at(self, share: float) -> Level:
+        """The value that a share (0..1) of all values lies below."""
+        if self.whole:
+            return int(self.from_ + min(math.floor(share * (self.to - self.from_ + 1)), self.to - self.from_))
+        return float(self.from_ + share * (self.to - self.from_))
+
+    def grid(self) -> list[Level]:
+        """The values of a grid; ValueError where nothing says how many."""
+        if self.whole and self.levels is None:
+            return list(range(int(self.from_), int(self.to) + 1))
+        if self.levels is None:
+            raise ValueError("a grid needs `levels`, or a list of values")
+        steps = [self.from_ + (self.to - self.from_) * i / (self.levels - 1) for i in range(self.levels)]
+        return list(dict.fromkeys(round(value) for value in steps)) if self.whole else [float(v) for v in steps]
+
+
+class DistributionTable(Table):
+    """A continuous distribution of scipy.stats by its name, with its parameters; cut off at `from` and `to` if given.
+
+    The part that is cut off is shared out over the rest.
+    """
+
+    distribution: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", description="name in scipy.stats, as norm")]
+    parameters: Annotated[
+        dict[str, Number], Field(default={}, description="as scipy calls them: loc, scale and shapes")
+    ]
+    from_: Annotated[Number | None, Field(alias="from", description="least value")] = None
+    to: Annotated[Number | None, Field(description="largest value")] = None
+
+    @model_validator(mode="after")
+    def _known(self) -> DistributionTable:
+        found = self._frozen()
+        low, high = self._limits(found)
+        if not low < high:
+            raise ValueError(f"from {self.from_} to {self.to} leaves nothing of {self.distribution}")
+        return self
+
+    def _frozen(self) -> Any:
+        from scipy import stats
+
+        found = getattr(stats, self.distribution, None)
+        if not isinstance(found, stats.rv_continuous):
+            raise ValueError(
+                f"{self.distribution} is no continuous distribution of scipy.stats, such as norm or uniform"
+            )
+        try:
+            frozen = found(**self.parameters)
+            median = float(frozen.median())
+        except TypeError as error:
+            raise ValueError(f"{self.distribution} does not take these parameters ({error})") from error
+        if not math.isfinite(median):
+            raise ValueError(f"{self.distribution} has no values with these parameters")
+        return frozen
+
+    def _limits(self, frozen: Any) -> tuple[float, float]:
+        low = 0.0 if self.from_ is None else float(frozen.cdf(self.from_))
+        return low, 1.0 if self.to is None else float(frozen.cdf(self.to))
+
+    def at(self, share: float) -> Level:
+        """The value that a share (0..1) of all values lies below."""
+        frozen = self._frozen()
+        low, high = self._limits(frozen)
+        within = low + share * (high - low)
+        return float(frozen.ppf(min(max(within, 1e-15), 1.0 - 1e-15)))
+
+    def grid(self) -> list[Level]:
+        """A distribution has no grid: ValueError."""
+        raise ValueError("a distribution cannot stand in a grid; give a list, or another design")
+
+
+class ListTable(Table):
+    """One of several values, all numbers or all texts; as often as its weight says."""
+
+    values: Annotated[tuple[Level, ...], Field(min_length=1, max_length=MOST, description="numbers, or texts")]
+    weights: Annotated[tuple[Number, ...] | None, Field(description="how often each one comes; left out: alike")] = None
+
+    @model_validator(mode="after")
+    def _alike(self) -> ListTable:
+        kinds = {"text" if isinstance(v, str) else "flag" if isinstance(v, bool) else "number" for v in self.values}
+        if len(kinds) > 1:
+            raise ValueError("numbers, texts and true/false are mixed; give values of one kind")
+        if len(set(self.values)) < len(self.values):
+            raise ValueError("a value is given twice; use weights to have it more often")
+        if self.weights is not None:
+            if len(self.weights) != len(self.values):
+                raise ValueError(f"{len(self.weights)} weights for {len(self.values)} values")
+            if min(self.weights) < 0.0 or not sum(self.weights) > 0.0:
+                raise ValueError("weights must not be negative, and one must be positive")
+        return self
+
+    def at(self, share: float) -> Level:
+        """The value that a share (0..1) of all values lies below."""
+        weights = self.weights or (1.0,) * len(self.values)
+        left = share * sum(weights)
+        for value, weight in zip(self.values, weights, strict=True):
+            left -= weight
+            if left < 0.0:
+                return value
+        return next(v for v, w in reversed(list(zip(self.values, weights, strict=True))) if w > 0.0)
+
+    def grid(self) -> list[Level]:
+        """All values."""
+        return list(self.values)
+
+
+def _as_table(given: Any) -> Any:
+    """A plain list is that of the values."""
+    return {"values": given} if isinstance(given, list | tuple) else given
+
+
+def _kind(given: Any) -> str:
+    """Which table is meant, by its keys."""
+    if isinstance(given, Table):
+        return type(given).__name__
+    keys = given if isinstance(given, Mapping) else ()
+    return "DistributionTable" if "distribution" in keys else "ListTable" if "values" in keys else "RangeTable"
+
+
+Variable = Annotated[
+    Annotated[RangeTable, Tag("RangeTable")]
+    | Annotated[DistributionTable, Tag("DistributionTable")]
+    | Annotated[ListTable, Tag("ListTable")],
+    Discriminator(_kind),
+    BeforeValidator(_as_table),
+]
