@@ -17,6 +17,7 @@ from pipelines.plant.plant import looked_for
 from pipelines.plant.torques.drives import speed_profile
 from pipelines.plant.torques.hoist import hoist
 from pipelines.scene.scene import Scene
+from pipelines.scene.shaft_faults import shaft_faults
 from pipelines.scene.tables.motion import SpeedDrive
 from pipelines.scene.tables.torques import RPM
 from pipelines.signals.analysis import SPEED_TOLERANCE, DiagnosisError, DiagnosisSettings, envelope_band
@@ -45,7 +46,7 @@ def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
     faults = tooth_faults(scene.tooth_faults.values(), layout.pinion_senses)
     settings = diagnosis_settings(
         looked_for(scene.diagnosis, scene.sensors), layout, hoist(scene.load), drive, rolling, faults,
-        bearing_faults(scene),
+        bearing_faults(scene), shaft_faults(scene),
     )  # fmt: skip
     if settings is None:
         return
