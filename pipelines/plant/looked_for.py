@@ -23,7 +23,8 @@ from pipelines.signals.shaft_lines import ShaftLines
 class LookedFor:
     """Where the diagnosis looks: a channel, a gear of a stage (from 1), windows (s), the band of the envelope (Hz).
 
-    `noise` (m/s2 rms) is added to the signals before; `possible` is False without windows or sensors.
+    `noise` (m/s2 rms) is added to the signals before; `possible` is False without windows or sensors; `speed_is_known`
+    where motors prescribe it.
     """
 
     sensor: str
@@ -34,6 +35,7 @@ class LookedFor:
     band: str | tuple[float, float]
     noise: float
     possible: bool
+    speed_is_known: bool
 
 
 def diagnosis_settings(
@@ -69,7 +71,7 @@ def diagnosis_settings(
     modes = {
         name: hoist.rope_frequency(hoist.rope_length_at(sum(window) / 2, profile, ratio))
         for name, window in asked.windows.items()
-        if hoist is not None and hoist.rope_strength is not None
+        if hoist is not None and hoist.rope_strength is not None and asked.speed_is_known
     }
     return DiagnosisSettings(
         revolution_frequency=stage.wheel_frequency if on_wheel else stage.pinion_frequency,
@@ -83,6 +85,7 @@ def diagnosis_settings(
         axis=asked.axis,
         band=asked.band,
         shaft=f"shaft_{layout.pair_shafts[asked.stage - 1][on_wheel] + 1}",
+        speed_is_known=asked.speed_is_known,
         fault=words or ("" if spalls or shafts else "no fault"),
     )
 

@@ -27,7 +27,7 @@ from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import ShaftFault, shaft_faults
 from pipelines.scene.tables.analysis import DiagnosisTable
 from pipelines.scene.tables.casing import NoCasingTable, SensorTable
-from pipelines.scene.tables.motion import SimulationTable
+from pipelines.scene.tables.motion import DriveModel, SimulationTable, SpeedDrive
 from pipelines.signals.analysis import DiagnosisSettings
 
 
@@ -139,7 +139,7 @@ def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None =
             sensors=tuple(sensor.name for sensor in scene.sensors), journals=isinstance(scene.casing, NoCasingTable)
         ),
         motion=motion_settings(scene.simulation),
-        looked_for=looked_for(scene.diagnosis, scene.sensors),
+        looked_for=looked_for(scene.diagnosis, scene.sensors, scene.drive),
     )
 
 
@@ -167,7 +167,7 @@ def motion_settings(table: SimulationTable) -> MotionSettings:
     )
 
 
-def looked_for(table: DiagnosisTable, sensors: Sequence[SensorTable]) -> LookedFor:
+def looked_for(table: DiagnosisTable, sensors: Sequence[SensorTable], drive: DriveModel) -> LookedFor:
     """What is asked of the diagnosis."""
     return LookedFor(
         sensor=table.sensor or (sensors[0].name if sensors else ""),
@@ -178,6 +178,7 @@ def looked_for(table: DiagnosisTable, sensors: Sequence[SensorTable]) -> LookedF
         band=table.envelope_band_Hz,
         noise=table.noise_m_s2,
         possible=bool(table.windows_s and sensors),
+        speed_is_known=isinstance(drive, SpeedDrive),
     )
 
 

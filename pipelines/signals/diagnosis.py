@@ -17,6 +17,7 @@ import numpy as np
 
 from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings, analyse, noise_of, sampling
 from pipelines.signals.lines import IN_ENVELOPE, LineTable, joined, level
+from pipelines.signals.measured_speed import at_measured_speed
 from pipelines.signals.pass_lines import peaks
 from pipelines.signals.shaft_lines import readable
 from pipelines.signals.spectrum import Segment, Spectrum
@@ -55,10 +56,13 @@ def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: Diagnosi
 
     Raises
     ------
-    DiagnosisError : different load, seed or sampling; sensor or axis missing; the shaft does not turn at f_r
+    DiagnosisError : different load, seed or sampling; sensor or axis missing; the shaft does not turn at f_r, or
+        unevenly where its speed was not known before
     SpectrumError : a window holds no whole revolution
     """
     _check_comparable(faulty, healthy)
+    if not settings.speed_is_known:
+        settings = at_measured_speed(settings, (faulty, healthy))
     control = analyse(healthy, settings, stream=0)
     damaged = analyse(faulty, settings, stream=1, band=control.band)
     analyses = {"faulty": damaged, "healthy": control}
