@@ -78,8 +78,9 @@ def _sampled(table: PlanTable) -> Iterator[Values]:
     if not variables:
         yield from ({} for _ in itertools.count())
     for cube in _cubes(table.design, len(variables), table):
-        for point in cube:
-            yield {n: v.at(float(u)) for (n, v), u in zip(variables.items(), point, strict=True)}
+        columns = [variable.at(shares) for variable, shares in zip(variables.values(), cube.T, strict=True)]
+        for point in zip(*columns, strict=True):
+            yield dict(zip(variables, point, strict=True))
 
 
 def _cubes(design: str, axes: int, table: PlanTable) -> Iterator[np.ndarray]:

@@ -44,8 +44,10 @@ def make_draws(plan: Plan, drawn: Sequence[Values]) -> list[Draw]:
     """
     table = plan.table
     distinct: dict[str, dict[str, Any]] = {}
+    known: dict[tuple[str, ...], set[str]] = {}  # by the case of every variable that has cases
     for values in drawn:
-        used = used_variables(table, values)
+        case = tuple(str(values[name]) for name in table.cases)
+        used = known[case] if case in known else known.setdefault(case, used_variables(table, values))
         row = {name: value if name in used else None for name, value in values.items()}
         key = json.dumps(row) if table.design == "grid" else str(len(distinct))  # samples may meet by chance
         distinct.setdefault(key, row)
@@ -63,8 +65,12 @@ def make_draws(plan: Plan, drawn: Sequence[Values]) -> list[Draw]:
 def used_variables(table: PlanTable, values: Values) -> set[str]:
     """Variables that the scene of these values hangs on."""
     chosen = [table.settings, *(cases[str(values[name])] for name, cases in table.cases.items())]
-    names = {name for tree in chosen for _, text in expressions(tree) for name in Expression(text[1:]).names}
-    return names | table.cases.keys()
+    return set().union(table.cases.keys(), *map(_names, chosen))
+
+
+def _names(tree: Any) -> set[str]:
+    """Variables in the expressions of a tree."""
+    return {name for _, text in expressions(tree) for name in Expression(text[1:]).names}
 
 
 def group_variables(table: PlanTable) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Variables of a plan: what each one may be, from a number u between 0 and 1 to its value."""
+"""Variables of a plan: what each one may be, from numbers between 0 and 1 to its values."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from pipelines.scene.tables.base import Number, Table, Whole
 
 MOST = 10_000  # values of a list, levels of a grid
+NEAREST = 1e-15  # to the ends of a distribution, which may lie at infinity
 Level = float | int | str | bool
 
 
@@ -32,11 +34,12 @@ class RangeTable(Table):
         """Only whole numbers."""
         return isinstance(self.from_, int) and isinstance(self.to, int)
 
-    def at(self, share: float) -> Level:
-        """The value that a share (0..1) of all values lies below."""
+    def at(self, shares: np.ndarray) -> list[Level]:
+        """The values that shares (n,), from 0 to below 1, of all values lie below."""
+        width = self.to - self.from_
         if self.whole:
-            return int(self.from_ + min(math.floor(share * (self.to - self.from_ + 1)), self.to - self.from_))
-        return float(self.from_ + share * (self.to - self.from_))
+            return (int(self.from_) + np.minimum(np.floor(shares * (width + 1)), width).astype(np.int64)).tolist()
+        return (self.from_ + shares * width).tolist()
 
     def grid(self) -> list[Level]:
         """The values of a grid; ValueError where nothing says how many."""
@@ -90,12 +93,11 @@ class DistributionTable(Table):
         low = 0.0 if self.from_ is None else float(frozen.cdf(self.from_))
         return low, 1.0 if self.to is None else float(frozen.cdf(self.to))
 
-    def at(self, share: float) -> Level:
-        """The value that a share (0..1) of all values lies below."""
+    def at(self, shares: np.ndarray) -> list[Level]:
+        """The values that shares (n,), from 0 to below 1, of all values lie below."""
         frozen = self._frozen()
         low, high = self._limits(frozen)
-        within = low + share * (high - low)
-        return float(frozen.ppf(min(max(within, 1e-15), 1.0 - 1e-15)))
+        return frozen.ppf(np.clip(low + shares * (high - low), NEAREST, 1.0 - NEAREST)).tolist()
 
     def grid(self) -> list[Level]:
         """A distribution has no grid: ValueError."""
@@ -122,15 +124,12 @@ class ListTable(Table):
                 raise ValueError("weights must not be negative, and one must be positive")
         return self
 
-    def at(self, share: float) -> Level:
-        """The value that a share (0..1) of all values lies below."""
-        weights = self.weights or (1.0,) * len(self.values)
-        left = share * sum(weights)
-        for value, weight in zip(self.values, weights, strict=True):
-            left -= weight
-            if left < 0.0:
-                return value
-        return next(v for v, w in reversed(list(zip(self.values, weights, strict=True))) if w > 0.0)
+    def at(self, shares: np.ndarray) -> list[Level]:
+        """The values that shares (n,), from 0 to below 1, of all values lie below."""
+        ends = np.cumsum(self.weights or (1.0,) * len(self.values))
+        places = np.searchsorted(ends, shares * ends[-1], side="right")
+        last = int(np.searchsorted(ends, ends[-1]))  # what has no weight after it never comes
+        return [self.values[place] for place in np.minimum(places, last)]
 
     def grid(self) -> list[Level]:
         """All values."""
