@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 import xarray
-from tests.datasets import RATE, SAMPLES, make_dataset, signals
+from datasets import RATE, SAMPLES, make_dataset, signals
 
 import gearcase
 from pipelines.dataset.columns import as_array, read_columns

@@ -73,6 +73,8 @@ def as_array(values: Sequence[Any]) -> np.ndarray:
 
 def counted(columns: Mapping[str, np.ndarray], name: str, none: str = "no row yet") -> dict[str, int]:
     """How many runs have each value of a text column, the most frequent first."""
-    values, counts = np.unique(columns[name], return_counts=True) if name in columns else ([], [])
+    if name not in columns:
+        return {}
+    values, counts = np.unique(columns[name], return_counts=True)
     found = {str(value) or none: int(count) for value, count in zip(values, counts, strict=True)}
     return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
