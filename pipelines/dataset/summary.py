@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from pipelines.border.toml_text import read_toml
 from pipelines.dataset.columns import counted, read_columns
 from pipelines.dataset.facts import read_facts
 from pipelines.dataset.rows import DONE
 from pipelines.dataset.store import SIGNALS
 from pipelines.dataset.varied import design_words, varied_grid
 
+PLAN = "plan.toml"
 _MOST_RUNS = 10  # stretches of missing runs that are named
 
 
@@ -64,7 +67,7 @@ def summarised(folder: Path) -> Summary:
     facts = read_facts(folder)
     columns = read_columns(folder, facts["runs"])
     done = columns["status"] == DONE
-    of_done = {name: columns[name][done] for name in ("label", "split") if name in columns}
+    of_done: dict[str, np.ndarray] = {name: columns[name][done] for name in ("label", "split") if name in columns}
     return Summary(
         title=title(folder, facts),
         runs=facts["runs"],
@@ -74,7 +77,7 @@ def summarised(folder: Path) -> Summary:
         groups=len({str(group) for group in columns.get("group", ()) if group}),
         groups_by=tuple(facts["groups by"]),
         missing=tuple(int(run) for run in np.flatnonzero(columns["status"] == "")),
-        bytes=sum(entry.stat().st_size for entry in _files(folder / SIGNALS)),
+        bytes=sum(_sizes(folder / SIGNALS)),
         facts=facts,
         columns=columns,
     )
@@ -87,11 +90,9 @@ def title(folder: Path, facts: Mapping[str, Any]) -> str:
 
 def plan_texts(folder: Path) -> dict[str, Any]:
     """The stored plan.toml as it was written; empty where it cannot be read."""
-    from pipelines.border.toml_text import TomlError, read_toml
-
     try:
-        return read_toml((folder / "plan.toml").read_text(encoding="utf-8"))
-    except (OSError, ValueError, TomlError):
+        return read_toml((folder / PLAN).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
         return {}
 
 
@@ -112,14 +113,13 @@ def stretches(runs: tuple[int, ...]) -> str:
     return ", ".join(shown) + (" ..." if len(found) > _MOST_RUNS else "")
 
 
-def _files(folder: Path) -> list[os.DirEntry]:
-    """All files below a folder."""
-    found: list[os.DirEntry] = []
+def _sizes(folder: Path) -> Iterator[int]:
+    """Sizes of all files below a folder."""
     waiting = [str(folder)]
     while waiting:
         for entry in os.scandir(waiting.pop()):
             if entry.is_dir():
                 waiting.append(entry.path)
             else:
-                found.append(entry)
-    return found
+                with contextlib.suppress(FileNotFoundError):  # moved into its place meanwhile
+                    yield entry.stat().st_size

@@ -44,7 +44,7 @@ def write_parquet(path: Path, rows: Callable[[], Iterable[Row]]) -> int:
             left = iter(rows())
             while batch := list(itertools.islice(left, _BATCH)):
                 columns = [
-                    pa.array([_cell(row.get(field.name), field.type) for row in batch], field.type) for field in schema
+                    pa.array([cell(row.get(field.name), field.type) for row in batch], field.type) for field in schema
                 ]
                 writer.write_table(pa.Table.from_arrays(columns, schema=schema))
                 count += len(batch)
@@ -68,7 +68,8 @@ def _wider(kind: Any, value: Any) -> Any:
     return pa.string() if pa.bool_() in (kind, own) else pa.float64()
 
 
-def _cell(value: Any, kind: Any) -> Any:
+def cell(value: Any, kind: Any) -> Any:
+    """A plain value as a column of a type of Arrow holds it."""
     import pyarrow as pa
 
     if value is None:

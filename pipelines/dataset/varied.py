@@ -46,7 +46,7 @@ def distribution(variable: Mapping[str, Any]) -> str:
     low, high = variable.get("from"), variable.get("to")
     if "distribution" in variable:
         given = ", ".join(f"{name} {value:g}" for name, value in variable["parameters"].items())
-        limits = [f"from {low:g}"] * (low is not None) + [f"to {high:g}"] * (high is not None)
+        limits = [f"{word} {limit:g}" for word, limit in (("from", low), ("to", high)) if limit is not None]
         cut = f", cut off {' '.join(limits)}" if limits else ""
         return f"{variable['distribution']} of scipy.stats ({given}){cut}"
     if "values" in variable:
