@@ -35,6 +35,7 @@ def dataset_arguments(sub: argparse.ArgumentParser) -> None:
     action("check", "compare signals, rows, labels and table with one another; 1 if anything is wrong")
     features = action("features", "compute features of every run into features.parquet; goes on where it was stopped")
     features.add_argument("--start", type=from_zero, metavar="T", default=0.0, help="leave out what is before (0 s)")
+    features.add_argument("--noise", metavar="RMS", type=from_zero, default=0.0, help="add sensor noise, m/s2 (0)")
     features.add_argument("--processes", type=count, metavar="N", help="runs at the same time (default: all cores)")
     _export(action("export", "write runs, or pieces of them, for NumPy, MATLAB and others, with their labels"))
 

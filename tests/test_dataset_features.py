@@ -9,6 +9,7 @@ import pyarrow.parquet as pq
 import pytest
 from datasets import RATE, SAMPLES, TEETH, make_dataset
 
+import gearcase
 from pipelines.border.errors import InputError
 from pipelines.dataset.passes.feature_pass import FEATURE_ROWS, make_features
 from pipelines.dataset.passes.statistics import statistics
@@ -166,6 +167,17 @@ def test_a_run_that_is_gone_has_no_features(tmp_path):
     row_path(folder, 1).unlink()
     make_features(folder, InOrder())
     assert 1 not in {line["run"] for line in table(folder)}
+
+
+def test_noise_is_that_of_the_pieces(tmp_path):
+    folder = make_dataset(tmp_path / "noisy")
+    make_features(folder, InOrder(), noise=0.5)
+    lines = {(line["run"], line["sensor"], line["axis"]): line for line in table(folder)}
+    for one in gearcase.pieces(gearcase.open_dataset(folder), noise_m_s2=0.5):
+        rms = np.sqrt(np.mean(one.values[0].astype(float) ** 2, axis=-1))
+        for i, sensor in enumerate(one.sensor.values):
+            for j, axis in enumerate(one.axis.values):
+                assert lines[int(one.run[0]), sensor, axis]["rms"] == pytest.approx(rms[i, j])
 
 
 def test_a_start_beyond_the_end_is_refused(folder):

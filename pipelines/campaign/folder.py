@@ -42,7 +42,7 @@ def identity_facts(plan: Plan, draws: Sequence[Draw]) -> dict[str, Any]:
     draw_digest = hashlib.sha256()
     for draw in draws:
         draw_digest.update(json.dumps([draw.values, draw.group, draw.split]).encode())
-    table = plan.table.model_dump(mode="json", by_alias=True, exclude={"title"})
+    table = plan.table.model_dump(mode="json", by_alias=True, exclude={"title", "licence"})
     return {
         "plan": table,
         "scene": json.loads(json.dumps(plan.tree)),

@@ -33,7 +33,7 @@ def _features(options: argparse.Namespace) -> int:
 
     folder = Path(options.folder)
     with local_workers(options.processes) as workers:
-        made, lines = make_features(folder, workers.executor, options.start)
+        made, lines = make_features(folder, workers.executor, options.start, options.noise)
     sys.stdout.write(f"features of {made} runs computed now\n{folder / FEATURES}: {lines} lines\n")
     return 0
 

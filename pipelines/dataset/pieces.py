@@ -91,7 +91,8 @@ def _pieces(
 
     for place in np.flatnonzero(dataset.status.values == DONE):
         one = signal.isel(run=place).transpose("sensor", "axis", "time")
-        noisy = _with_noise(one, noise, first, seed)
+        sensors, axes = map(str, one.sensor.values), map(str, one.axis.values)
+        noisy = noisy_run(one.values, int(one.run), list(sensors), list(axes), noise, seed, first)
         windows = np.lib.stride_tricks.sliding_window_view(noisy, size, axis=-1)[:, :, ::step]
         starts = (first + np.arange(windows.shape[2]) * step) / rate
         columns = {
@@ -114,16 +115,27 @@ def _pieces(
         )
 
 
-def _with_noise(one: xarray.DataArray, noise: float, first: int, seed: int) -> np.ndarray:
-    """A run with its noise, float32; `first` is the number of its first sample in the whole run."""
-    values = np.asarray(one.values, dtype=np.float32)
+def noisy_run(
+    values: np.ndarray, run: int, sensors: Sequence[str], axes: Sequence[str], noise: float, seed: int, first: int = 0
+) -> np.ndarray:
+    """The accelerations of a run with white sensor noise, float32.
+
+    Parameters
+    ----------
+    values : (sensor, axis, time), m/s2
+    run : its number
+    sensors, axes : names
+    noise : rms, m/s2
+    seed : of the noise
+    first : number of the first sample in the whole run
+    """
+    values = np.asarray(values, dtype=np.float32)
     if noise == 0.0:
         return values
     noisy = np.empty_like(values)
-    run = int(one.run)
-    for i, sensor in enumerate(one.sensor.values):
-        for j, axis in enumerate(one.axis.values):
-            fixed = [seed, run, zlib.crc32(str(sensor).encode()), zlib.crc32(str(axis).encode())]
+    for i, sensor in enumerate(sensors):
+        for j, axis in enumerate(axes):
+            fixed = [seed, run, zlib.crc32(sensor.encode()), zlib.crc32(axis.encode())]
             whole = with_noise(np.zeros(first + values.shape[-1]), noise, fixed)
             noisy[i, j] = values[i, j] + whole[first:]
     return noisy

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -27,10 +28,30 @@ def varied_grid(plan: Mapping[str, Any], columns: Mapping[str, np.ndarray]) -> G
     columns : see `pipelines.dataset.columns.read_columns`
     """
     rows = [
-        (name, distribution(variable), observed(columns.get(name, np.array([]))))
+        (name, distribution(variable), ", ".join(sets(plan, name)), observed(columns.get(name, np.array([]))))
         for name, variable in plan["variables"].items()
     ]
-    return Grid(title="", headers=("variable", "distribution", "in the rows"), rows=tuple(rows))
+    return Grid(title="", headers=("variable", "distribution", "sets", "in the rows"), rows=tuple(rows))
+
+
+def sets(plan: Mapping[str, Any], variable: str) -> list[str]:
+    """Keys of the scene that hang on a variable; they say its unit."""
+    name = re.compile(rf"\b{variable}\b")
+    cases = [case for values in plan["cases"].values() for case in values.values()]
+    found = [path for tree in (plan["settings"], *cases) for path, text in _expressions(tree, "") if name.search(text)]
+    return list(dict.fromkeys(found + [f"cases.{variable}"] * (variable in plan["cases"])))
+
+
+def _expressions(value: Any, path: str) -> Iterator[tuple[str, str]]:
+    """Expressions in a tree by the key that they stand under; items of a list stand under that of the list."""
+    if isinstance(value, Mapping):
+        for key, item in value.items():
+            yield from _expressions(item, f"{path}.{key}" if path else str(key))
+    elif isinstance(value, list):
+        for item in value:
+            yield from _expressions(item, path)
+    elif isinstance(value, str) and value.startswith("$"):
+        yield path, value[1:]
 
 
 def design_words(plan: Mapping[str, Any]) -> str:

@@ -22,6 +22,7 @@ from pipelines.dataset.facts import read_facts
 from pipelines.dataset.passes.statistics import statistics
 from pipelines.dataset.passes.stored_plan import shaft_meshes, stored_plan
 from pipelines.dataset.passes.synchronous import synchronous
+from pipelines.dataset.pieces import noisy_run
 from pipelines.dataset.reading import VIBRATION
 from pipelines.dataset.rows import DONE, numbers, read_row, read_rows, row_path, sweep_rows, write_row
 from pipelines.dataset.store import read_run
@@ -46,6 +47,7 @@ class FeatureJob:
     meshes: tuple[Mapping[int, int], ...]
     rate: float
     start: float
+    noise: float
     made_of: Mapping[str, Any]
 
 
@@ -53,6 +55,7 @@ def make_features(
     folder: Path,
     executor: Executor,
     start: float = 0.0,
+    noise: float = 0.0,
     told: Callable[[int, int], None] = lambda done, left: None,
 ) -> tuple[int, int]:
     """Write the features of all runs that are done, and the table of them; how many were made now, lines of the table.
@@ -62,6 +65,7 @@ def make_features(
     folder : of the data set
     executor : of the work
     start : s, of the part of every run that is looked at
+    noise : rms of the sensor noise that is added, m/s2, as `pipelines.dataset.pieces.pieces` does with seed 0
     told : is told how many of how many are done
 
     Raises
@@ -73,7 +77,7 @@ def make_features(
     (folder / FEATURE_ROWS).mkdir(exist_ok=True)
     wanted: set[int] = set()
     jobs = []
-    for job in _jobs(folder, facts, start):
+    for job in _jobs(folder, facts, start, noise):
         wanted.add(job.run)
         if not _made(job):
             jobs.append(job)
@@ -91,7 +95,7 @@ def write_features(job: FeatureJob) -> None:
     write_row(job.folder, job.run, row, FEATURE_ROWS)
 
 
-def _jobs(folder: Path, facts: Mapping[str, Any], start: float) -> Iterator[FeatureJob]:
+def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) -> Iterator[FeatureJob]:
     layout = facts["layout"]
     stored = [one["name"] for one in layout["signals"]]
     signal = next((name for name in VIBRATION if name in stored), None)
@@ -115,9 +119,11 @@ def _jobs(folder: Path, facts: Mapping[str, Any], start: float) -> Iterator[Feat
                 meshes=tuple(shaft_meshes(plan, row["values"])),
                 rate=layout["rate"],
                 start=start,
+                noise=noise,
                 made_of={
                     "code": code,
                     "start_s": start,
+                    "noise_m_s2": noise,
                     "checksums": [row["checksums"].get(name) for name in (signal, ANGLE)],
                 },
             )
@@ -134,7 +140,8 @@ def _made(job: FeatureJob) -> bool:
 def _channels(job: FeatureJob) -> Iterator[dict[str, Any]]:
     """The features of every channel, None where there are none."""
     first = math.ceil(job.start * job.rate)
-    signal = read_run(job.folder, job.run, job.signal)[..., first:].astype(float)
+    stored = read_run(job.folder, job.run, job.signal)
+    signal = noisy_run(stored, job.run, job.sensors, job.axes, job.noise, seed=0)[..., first:].astype(float)
     time = np.arange(signal.shape[-1]) / job.rate
     found = statistics(signal)
     if job.shafts:
