@@ -116,9 +116,9 @@ def _split_words(found: Summary) -> str:
         return f"Every run is a group of its own: {found.groups} groups, drawn into the parts by the seed of the plan."
     by = ", ".join(f"`{name}`" for name in found.groups_by)
     return (
-        f"Runs with equal {by} are one group ({found.groups} groups), and a group is in one part only. Train on one "
-        "part, test on another, and cut pieces after that, never before: two pieces of one run, or two runs of the same "
-        "gears, have more in common than their label, and who has seen the one recognises the other. Cross "
+        f"Runs with equal {by} are one group ({found.groups} groups), and a group is in one part only. Train on "
+        "one part, test on another, and cut pieces after that, never before: two pieces of one run, or two runs of one "
+        "pair of gears, have more in common than their label, and who has seen the one recognises the other. Cross "
         "validation goes by the column `group`, too."
     )
 
