@@ -22,6 +22,8 @@ PARTS = {
     "models": ("benchmarks.motion", "models"),
     "precision": ("benchmarks.motion", "precision"),
     "presets": ("benchmarks.presets", "presets"),
+    "campaign": ("benchmarks.campaigns", "campaign"),
+    "lockstep": ("benchmarks.lockstep", "lockstep"),
 }
 
 

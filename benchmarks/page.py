@@ -71,6 +71,12 @@ def benchmarks_page(result: dict[str, Any]) -> str:
          "precision", precision_table),
         ("Presets", "`gearcase simulate rig-missing-tooth --preset ...`: from an empty cache to written signals, with "
          "compiled code on disk; errors are the largest against the preset `reference`.", "presets", preset_table),
+        ("Campaigns", "Scenes per hour of `gearcase campaign` from when every process has done two scenes, beside the "
+         "bare time loop: the motion of one assembled machine again and again in as many processes, before and "
+         "after.", "campaign", campaign_table),
+        ("Scenes in step", "Scenes that share their modes could advance as columns of a matrix. The arithmetic over "
+         "modes per column and step, and what the whole step would gain at best; the forces stay as they are.",
+         "lockstep", lockstep_table),
     ]  # fmt: skip
     text = [
         "# Benchmarks",
@@ -164,6 +170,29 @@ def preset_table(rows: list[dict[str, Any]]) -> str:
         cells.append([r["preset"], wall, *parts, f"{r['peak_MB']:.0f}", shares[0], levels[0], *shares[1:], levels[1]])
     headers = ("preset", "cold, s", "laws s", "casing s", "motion s", "MB", "sensor RMS", "fault lines",
                "stiffness, TE", "casing Hz", "machine Hz", "FRF")  # fmt: skip
+    return markdown(headers, cells)
+
+
+def campaign_table(rows: list[dict[str, Any]]) -> str:
+    """Scenes per hour beside the bare loop."""
+    cells = [
+        [r["scene"], f"{r['motion_s']:g}", str(r["scenes"]), str(r["processes"]), f"{r['per_hour']:.0f}",
+         f"{r['loop_before']:.0f}, {r['loop_after']:.0f}", f"{r['share']:.3f}", f"{r['megabytes_per_scene']:.2f}"]
+        for r in rows
+    ]  # fmt: skip
+    headers = ("scene", "motion s", "scenes", "processes", "scenes per hour", "bare loop before, after", "ratio",
+               "MB per scene")  # fmt: skip
+    return markdown(headers, cells)
+
+
+def lockstep_table(rows: list[dict[str, Any]]) -> str:
+    """What columns of a matrix would gain."""
+    cells = [
+        [r["scene"], str(r["modes"]), str(r["rows"]), f"{r['step_us']:.1f}",
+         ", ".join(f"{n}: {us:.2g}" for n, us in r["columns_us"].items()), f"{r['gain']:.2f}"]
+        for r in rows
+    ]  # fmt: skip
+    headers = ("scene", "modes", "rows", "whole step µs", "modes, µs by columns", "gain at best")
     return markdown(headers, cells)
 
 

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any
 from gearcase.hidden import refuse_hidden
 
 if TYPE_CHECKING:
+    from gearcase.campaigns import Finished as Finished
+    from gearcase.campaigns import campaign as campaign
     from gearcase.casings import Casing as Casing
     from gearcase.casings import casing as casing
     from gearcase.datasets import open_dataset as open_dataset
@@ -42,6 +44,7 @@ if TYPE_CHECKING:
     from gearcase.working import StepProgress as StepProgress
 
 _PLACES = {
+    "campaigns": ("Finished", "campaign"),
     "casings": ("Casing", "casing"),
     "datasets": ("open_dataset", "pieces"),
     "errors": ("InputError", "SceneError", "WorkError"),

@@ -151,11 +151,6 @@ def test_contradictions_are_refused(settings, message):
         load_scene("bench", settings)
 
 
-def test_a_diagnosis_without_a_known_speed_is_refused():
-    with pytest.raises(SceneError, match="known speed"):
-        gearcase.check(gearcase.Scene.from_file("bench").changed({"drive": TORQUE_DRIVE}))
-
-
 def test_a_motor_that_the_load_overcomes_is_said():
     weak = {"drive": TORQUE_DRIVE | {"torque_N_m": 30.0}, "diagnosis.windows_s": {}, "control": None, "faults": []}
     said = " ".join(gearcase.check(gearcase.Scene.from_file("bench").changed(weak)).warnings)

@@ -75,7 +75,7 @@ def words(chosen):
 def loaded(chosen):
     settings = dict(SHORT)
     for field, name in chosen.items():
-        if field == "drive" and name != "speed":  # a table of its own; its speed is not known, so nothing is diagnosed
+        if field == "drive" and name != "speed":  # a table of its own; its speed settles too late for a diagnosis
             settings = {key: value for key, value in settings.items() if not key.startswith(("drive.", "diagnosis."))}
             settings |= {"drive": Whole({"model": name, **MINIMAL[field, name]}), "control": None}
             settings["diagnosis.windows_s"] = Whole()

@@ -61,8 +61,12 @@ def held(folder: str | Path) -> Iterator[Path]:
     InputError : it cannot be written, or another command works on it
     """
     place = writable_folder(folder)
-    place.mkdir(parents=True, exist_ok=True)
-    with open(place / LOCK, "ab") as lock:
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+        lock = open(place / LOCK, "ab")  # noqa: SIM115 - held until the command ends
+    except OSError as error:
+        raise InputError(f"{shown(place)}: cannot be written ({error.strerror}). Choose another --out.") from error
+    with lock:
         try:
             mine = lock_file(lock)
         except OSError:

@@ -10,9 +10,11 @@ import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from pipelines.border.errors import InputError, WorkError
+from pipelines.border.user_files import regular_file
 from pipelines.engine.build_step import one_thread
 
 _CONNECT_SECONDS = 30
@@ -124,8 +126,11 @@ def _own_cluster(distributed: Any, processes: int | None) -> Iterator[Any]:
 
 
 def _client(distributed: Any, scheduler: str) -> Any:
-    given = {"scheduler_file": scheduler} if scheduler.endswith(".json") else {"address": scheduler}
+    in_file = scheduler.endswith(".json")
+    given = {"scheduler_file": scheduler} if in_file else {"address": scheduler}
     try:
+        if in_file:
+            regular_file(Path(scheduler))  # Dask would wait for it without end
         return distributed.Client(**given, timeout=_CONNECT_SECONDS)
     except (OSError, TimeoutError, ValueError) as error:
         raise InputError(f"--scheduler {scheduler}: no scheduler answers there ({error}). Start one first.") from error

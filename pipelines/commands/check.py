@@ -58,6 +58,13 @@ def _lines(plant: Plant, control: str) -> Iterator[str]:
         for bearing in plant.rolling:
             rates = "  ".join(f"{value:<8.5g}" for value in pass_rates(plant.layout, bearing).values())
             yield f"  {bearing.name:<18} {bearing.shaft + 1:<6} {bearing.elements.count:<9} {rates}".rstrip()
+    if plant.shaft_faults:
+        from pipelines.plant.looked_for import shaft_lines
+
+        for fault in plant.shaft_faults:
+            wanted = shaft_lines(plant.layout, fault).wanted()
+            orders = ", ".join(f"{label} {frequency:.5g} Hz" for label, _, frequency in wanted)
+            yield f"  {fault.name}: {orders}"
     if plant.fault_words:
         yield f"  faults: {', '.join(plant.fault_words)}"
     yield f"  control: {control}"

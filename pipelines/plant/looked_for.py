@@ -13,15 +13,18 @@ from pipelines.plant.facts import stage_facts
 from pipelines.plant.flanks import Fault
 from pipelines.plant.layout import Layout
 from pipelines.plant.torques.hoist import Hoist
+from pipelines.scene.shaft_faults import MAIN_ORDER, ShaftFault
 from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.signals.pass_lines import PassLines
+from pipelines.signals.shaft_lines import ShaftLines
 
 
 @dataclass(frozen=True, kw_only=True)
 class LookedFor:
     """Where the diagnosis looks: a channel, a gear of a stage (from 1), windows (s), the band of the envelope (Hz).
 
-    `noise` (m/s2 rms) is added to the signals before; `possible` is False without windows or sensors.
+    `noise` (m/s2 rms) is added to the signals before; `possible` is False without windows or sensors; `speed_is_known`
+    where motors prescribe it.
     """
 
     sensor: str
@@ -32,6 +35,7 @@ class LookedFor:
     band: str | tuple[float, float]
     noise: float
     possible: bool
+    speed_is_known: bool
 
 
 def diagnosis_settings(
@@ -42,6 +46,7 @@ def diagnosis_settings(
     rolling: Sequence[RollingBearing],
     faults: Sequence[Fault],
     spalls: Sequence[BearingFault] = (),
+    shafts: Sequence[ShaftFault] = (),
 ) -> DiagnosisSettings | None:
     """The lines and windows of a diagnosis; None if it is not possible.
 
@@ -51,7 +56,7 @@ def diagnosis_settings(
     layout, hoist, profile : the train, its rope, and the speed of its motors
     rolling : bearings whose pass frequencies are named
     faults : for the words on what is wrong with teeth
-    spalls : of bearings, whose lines are looked for
+    spalls, shafts : faults of bearings and of shafts, whose lines are looked for
     """
     if not asked.possible:
         return None
@@ -66,7 +71,7 @@ def diagnosis_settings(
     modes = {
         name: hoist.rope_frequency(hoist.rope_length_at(sum(window) / 2, profile, ratio))
         for name, window in asked.windows.items()
-        if hoist is not None and hoist.rope_strength is not None
+        if hoist is not None and hoist.rope_strength is not None and asked.speed_is_known
     }
     return DiagnosisSettings(
         revolution_frequency=stage.wheel_frequency if on_wheel else stage.pinion_frequency,
@@ -75,11 +80,13 @@ def diagnosis_settings(
         rope_mode={name: value for name, value in modes.items() if value is not None},
         bearings=_bearing_frequencies(layout, rolling),
         passes=tuple(dict.fromkeys(_pass_lines(layout, rolling, fault) for fault in spalls)),
+        turning=tuple(shaft_lines(layout, fault) for fault in shafts),
         sensor=asked.sensor,
         axis=asked.axis,
         band=asked.band,
         shaft=f"shaft_{layout.pair_shafts[asked.stage - 1][on_wheel] + 1}",
-        fault=words or ("" if spalls else "no fault"),
+        speed_is_known=asked.speed_is_known,
+        fault=words or ("" if spalls or shafts else "no fault"),
     )
 
 
@@ -95,6 +102,16 @@ def pass_rates(layout: Layout, bearing: RollingBearing) -> dict[str, float]:
     """BPFO, BPFI, BSF, FTF (Hz) of a bearing at the highest motor speed."""
     turn, per = _turns(layout, bearing.shaft), pass_frequencies(bearing.elements)
     return {"BPFO": turn * per.outer, "BPFI": turn * per.inner, "BSF": turn * per.spin, "FTF": turn * per.cage}
+
+
+def shaft_lines(layout: Layout, fault: ShaftFault) -> ShaftLines:
+    """Orders of a faulty shaft at the highest motor speed."""
+    return ShaftLines(
+        fault=fault.name,
+        shaft=f"shaft_{fault.shaft + 1}",
+        frequency=abs(_turns(layout, fault.shaft)),
+        main=MAIN_ORDER[fault.kind],
+    )
 
 
 def _turns(layout: Layout, shaft: int) -> float:

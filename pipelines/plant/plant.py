@@ -24,9 +24,10 @@ from pipelines.plant.machine import machine_parts
 from pipelines.plant.parts import MachineParts, MotionSettings, Recorded
 from pipelines.plant.torques.hoist import Hoist, hoist
 from pipelines.scene.scene import Scene
+from pipelines.scene.shaft_faults import ShaftFault, shaft_faults
 from pipelines.scene.tables.analysis import DiagnosisTable
 from pipelines.scene.tables.casing import NoCasingTable, SensorTable
-from pipelines.scene.tables.motion import SimulationTable
+from pipelines.scene.tables.motion import DriveModel, SimulationTable, SpeedDrive
 from pipelines.signals.analysis import DiagnosisSettings
 
 
@@ -48,6 +49,7 @@ class Drivetrain:
     rolling: tuple[RollingBearing, ...]
     faults: tuple[Fault, ...]  # of teeth
     spalls: tuple[BearingFault, ...]
+    shaft_faults: tuple[ShaftFault, ...]
     bearing_points: tuple[tuple[float, float, float], ...]  # of bearing_1, ..., those that the casing carries (m)
     recorded: Recorded
     motion: MotionSettings
@@ -67,14 +69,21 @@ class Drivetrain:
     def diagnosis(self) -> DiagnosisSettings | None:
         """What a diagnosis looks for; None without windows or sensors."""
         return diagnosis_settings(
-            self.looked_for, self.layout, self.hoist, self.machine.drive, self.rolling, self.faults, self.spalls
+            self.looked_for,
+            self.layout,
+            self.hoist,
+            self.machine.drive,
+            self.rolling,
+            self.faults,
+            self.spalls,
+            self.shaft_faults,
         )
 
     @property
     def fault_words(self) -> tuple[str, ...]:
         """All faults, each with its place: "missing-tooth 0 of the stage 1 wheel"."""
         teeth = (f"{fault.name} of the stage {fault.stage} {fault.gear}" for fault in self.faults)
-        return (*teeth, *(fault.name for fault in self.spalls))
+        return (*teeth, *(fault.name for fault in self.spalls), *(fault.name for fault in self.shaft_faults))
 
     def faults_of(self, stage: int) -> tuple[Fault, ...]:
         """The faults of a stage (from 1)."""
@@ -124,12 +133,13 @@ def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None =
         rolling=rolling_bearings(scene.shafts, scene.bearings),
         faults=faults,
         spalls=bearing_faults(scene),
+        shaft_faults=shaft_faults(scene),
         bearing_points=bearing_points(scene.shafts, layout),
         recorded=Recorded(
             sensors=tuple(sensor.name for sensor in scene.sensors), journals=isinstance(scene.casing, NoCasingTable)
         ),
         motion=motion_settings(scene.simulation),
-        looked_for=looked_for(scene.diagnosis, scene.sensors),
+        looked_for=looked_for(scene.diagnosis, scene.sensors, scene.drive),
     )
 
 
@@ -157,7 +167,7 @@ def motion_settings(table: SimulationTable) -> MotionSettings:
     )
 
 
-def looked_for(table: DiagnosisTable, sensors: Sequence[SensorTable]) -> LookedFor:
+def looked_for(table: DiagnosisTable, sensors: Sequence[SensorTable], drive: DriveModel) -> LookedFor:
     """What is asked of the diagnosis."""
     return LookedFor(
         sensor=table.sensor or (sensors[0].name if sensors else ""),
@@ -168,17 +178,23 @@ def looked_for(table: DiagnosisTable, sensors: Sequence[SensorTable]) -> LookedF
         band=table.envelope_band_Hz,
         noise=table.noise_m_s2,
         possible=bool(table.windows_s and sensors),
+        speed_is_known=isinstance(drive, SpeedDrive),
     )
+
+
+def fault_labels(scene: Scene) -> list[dict[str, Any]]:
+    """Every fault of a scene with its kind, place and severity, in the words of the scene."""
+    return [*(fault.model_dump() for fault in scene.faults), *(fault.label for fault in shaft_faults(scene))]
 
 
 def _labels(scene: Scene) -> dict[str, Any]:
     """What is known of a run without its motion: the attributes that say what was run."""
-    deviations = scene.deviations
+    deviations, faults = scene.deviations, fault_labels(scene)
     return {
         "title": scene.title,
-        "state": "+".join(sorted({fault.kind for fault in scene.faults})) or "healthy",
+        "state": "+".join(sorted({fault["kind"] for fault in faults})) or "healthy",
         "load": scene.load.model,
-        "faults": json.dumps([fault.model_dump() for fault in scene.faults]),
+        "faults": json.dumps(faults),
         "seed": deviations.seed if deviations.enabled else "none",
         "iso_grade": deviations.iso_grade if deviations.enabled else "none",
         "sensor_noise_m_s2": scene.diagnosis.noise_m_s2,

@@ -35,6 +35,7 @@ class ReportContents:
     gears: Sequence[Mapping[str, Any]] = ()
     stiffness: Sequence[StiffnessPlot] = ()
     rolling: Sequence[Mapping[str, Any]] = ()  # bearings with their pass frequencies
+    shafts: Sequence[Mapping[str, Any]] = ()  # faults of shafts with their orders
     gear_picture: Picture | LeftOut | None = None
     gear_names: Mapping[str, str] = field(default_factory=dict)
     casing_picture: Picture | LeftOut | None = None

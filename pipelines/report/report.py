@@ -28,6 +28,7 @@ def write_report(path: Path | str, contents: ReportContents) -> Path:
         ("What was run", _what_was_run),
         ("Gears", _gears),
         *([("Rolling bearings", _rolling)] if contents.rolling else []),
+        *([("Faults of shafts", _shafts)] if contents.shafts else []),
         ("Stiffness", _stiffness),
         ("Casing", _casing),
         ("Speed", _drive),
@@ -113,6 +114,11 @@ def _gears(contents: ReportContents) -> list[str]:
 def _rolling(contents: ReportContents) -> list[str]:
     note = "Pass frequencies at the highest speed without slip; a spall of a rolling element passes twice per BSF."
     return [page.table(grid("", contents.rolling)), page.paragraph(note)]
+
+
+def _shafts(contents: ReportContents) -> list[str]:
+    note = "Orders 1x and 2x at the highest speed; the spectrum is searched for them."
+    return [page.table(grid("", contents.shafts)), page.paragraph(note)]
 
 
 def _stiffness(contents: ReportContents) -> list[str]:

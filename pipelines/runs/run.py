@@ -191,7 +191,8 @@ def _report_step(loaded: LoadedScene, study: Study, diagnosing: Step | None, out
     casing = [name for name in ("casing mesh", "casing modes") if name in study.graph.steps]
     takes = [*plant.law_names, "casing", *casing]
     takes += diagnosing.takes if diagnosing else (study.cases[0].faulty,)
-    kinds = [*(fault.kind for fault in plant.faults), *("bearing-spall" for _ in plant.spalls), "healthy"]
+    kinds = [*(fault.kind for fault in plant.faults), *("bearing-spall" for _ in plant.spalls)]
+    kinds += [*(fault.kind for fault in plant.shaft_faults), "healthy"]
     names = [kinds[0].replace("-", " "), "healthy"]
     unlike = [] if study.control is None else control_differences(loaded, study.control)
     spec = reporting.ReportSpec(

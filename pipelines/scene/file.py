@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pipelines.scene.scene import Scene
 
 WITHOUT_FAULTS = "without-faults"  # the control that is the scene itself, healthy
-_OWN_KEYS = ("title", "control", "faults")  # in these a scene and its control may differ
+_OWN_KEYS = ("title", "control", "faults")  # in these, and in faults of shafts, a scene and its control may differ
 
 Settings = Iterable[str] | Mapping[str, Any]
 
@@ -137,28 +137,36 @@ def plain(value: Any) -> Any:
 def control_of(loaded: LoadedScene) -> LoadedScene | None:
     """The healthy control that the scene names, with the same settings, or None if it names none.
 
-    The control ``"without-faults"`` is the scene itself without its faults; any other is a scene of its own, which
-    takes over every setting but those of its title, control and faults.
+    The control ``"without-faults"`` is the scene itself without its faults, those of its shafts included; any other is
+    a scene of its own, which takes over every setting but those of its title, control and faults.
     """
     from pipelines.scene.scene import Scene
+    from pipelines.scene.shaft_faults import without_shaft_faults
 
     control = loaded.scene.control
     if control is None:
         return None
     if control == WITHOUT_FAULTS:
-        tree = {key: value for key, value in loaded.tree.items() if key not in ("faults", "control")}
+        tree = without_shaft_faults(loaded.tree, loaded.scene)
+        tree = {key: value for key, value in tree.items() if key not in ("faults", "control")}
         tree["title"] = f"{loaded.scene.title} (without its faults)"
         scene, tree = validate(Merged(tree), Scene, loaded.source.shown)
         return LoadedScene(f"{loaded.name}-without-faults", loaded.source, loaded.settings, tree, scene)
     source = find_source(control, loaded.source.folder)
-    settings = {key: value for key, value in loaded.settings.items() if key not in _OWN_KEYS}
+    settings = without_shaft_faults(loaded.settings, loaded.scene)
+    settings = {key: value for key, value in settings.items() if key not in _OWN_KEYS}
     scene, tree = validate(merge(read_tree(source), settings), Scene, f"{source.shown} (control of {loaded.name})")
     return LoadedScene(source.name, source, settings, tree, scene)
 
 
 def control_differences(loaded: LoadedScene, control: LoadedScene) -> list[str]:
     """What sets the control apart beyond the faults: one line per value, empty if nothing does."""
-    sides = [side.scene.model_dump(mode="json", exclude=set(_OWN_KEYS)) for side in (loaded, control)]
+    from pipelines.scene.shaft_faults import without_shaft_faults
+
+    sides = [
+        without_shaft_faults(side.scene.model_dump(mode="json", exclude=set(_OWN_KEYS)), side.scene)
+        for side in (loaded, control)
+    ]
     return differences(*sides)
 
 

@@ -163,7 +163,8 @@ def _unknown_key(
 ) -> tuple[str, str]:
     table = ".".join(path[:-1])
     known = known_keys(path[:-1], model, tree)
-    message = f"is not a key of [{table}]" if table else "is not a key of the scene"
+    whole = model.__name__.removesuffix("Table").lower()
+    message = f"is not a key of [{table}]" if table else f"is not a key of the {whole}"
     near = RENAMED.get(".".join(path)) or nearest(path[-1], known)
     if near:
         return message, f"Did you mean {near}?"

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.signals.pass_lines import PassLines
+from pipelines.signals.shaft_lines import ShaftLines
 from pipelines.signals.spectrum import (
     Segment,
     Spectrum,
@@ -43,10 +44,12 @@ class DiagnosisSettings:
     """What is looked for, where.
 
     `windows` name -> (start, end) in s of the record's time; `rope_mode` window name -> Hz (none for a constant
-    torque); `bearings` "bearing_3 BPFO" -> Hz, lines to read besides; `passes` those of spalled bearings, which are
-    looked for; `axis` "resultant" or an axis of the sensor;
-    `shaft` the faulty shaft, whose speed is checked if given; `fault` and `reason` are words for the verdict: what is
-    damaged ("" if bearings alone are), and the physical reason where nothing is detected.
+    torque); `bearings` "bearing_3 BPFO" -> Hz, lines to read besides; `passes` those of spalled bearings and `turning`
+    those of faulty shafts, which are looked for; `axis` "resultant" or an axis of the sensor;
+    `shaft` the shaft of the suspected gear, whose speed is checked if given; without `speed_is_known` the frequencies
+    are a guess, see `pipelines.signals.measured_speed`; `fault` and `reason` are words for the
+    verdict: what is damaged of the gears ("" if bearings or shafts alone are), and the physical reason where nothing is
+    detected.
     """
 
     revolution_frequency: float
@@ -55,6 +58,7 @@ class DiagnosisSettings:
     rope_mode: Mapping[str, float] = field(default_factory=dict)
     bearings: Mapping[str, float] = field(default_factory=dict)
     passes: tuple[PassLines, ...] = ()
+    turning: tuple[ShaftLines, ...] = ()
     sensor: str
     axis: str = "resultant"
     band: str | tuple[float, float] = "mesh"
@@ -65,6 +69,7 @@ class DiagnosisSettings:
     difference_limit: float = 6.0
     floor_limit: float = 10.0
     shaft: str | None = None
+    speed_is_known: bool = True
     fault: str = "fault"
     reason: str = ""
 
@@ -78,6 +83,21 @@ class DiagnosisSettings:
             raise DiagnosisError(f"envelope band {self.band!r}: give 'mesh', 'resonance' or two frequencies in Hz")
         if not self.windows:
             raise DiagnosisError("windows: none given, at least one with constant speed is needed")
+
+    @property
+    def highest_line(self) -> float:
+        """Frequency (Hz) of the highest sideband that is looked for."""
+        return max(self.mesh_harmonics) * self.mesh_frequency + self.sideband_orders * self.revolution_frequency
+
+    @property
+    def highest_order(self) -> float:
+        """Periods of it in a turn of the shaft with f_r."""
+        return self.highest_line / self.revolution_frequency
+
+    @property
+    def beside_gears(self) -> tuple[PassLines | ShaftLines, ...]:
+        """What is looked for besides a fault of gears."""
+        return (*self.passes, *self.turning)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

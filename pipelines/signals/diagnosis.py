@@ -11,13 +11,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings, analyse, noise_of, sampling
-from pipelines.signals.lines import LineTable, joined, level
+from pipelines.signals.lines import IN_ENVELOPE, LineTable, joined, level
+from pipelines.signals.measured_speed import at_measured_speed
 from pipelines.signals.pass_lines import peaks
+from pipelines.signals.shaft_lines import readable
 from pipelines.signals.spectrum import Segment, Spectrum
 
 if TYPE_CHECKING:
@@ -54,10 +56,13 @@ def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: Diagnosi
 
     Raises
     ------
-    DiagnosisError : different load, seed or sampling; sensor or axis missing; the shaft does not turn at f_r
+    DiagnosisError : different load, seed or sampling; sensor or axis missing; the shaft does not turn at f_r, or
+        unevenly where its speed was not known before
     SpectrumError : a window holds no whole revolution
     """
     _check_comparable(faulty, healthy)
+    if not settings.speed_is_known:
+        settings = at_measured_speed(settings, (faulty, healthy))
     control = analyse(healthy, settings, stream=0)
     damaged = analyse(faulty, settings, stream=1, band=control.band)
     analyses = {"faulty": damaged, "healthy": control}
@@ -99,32 +104,25 @@ def _window_lines(
             wanted.append(("sideband" if k else "mesh", n, k))
     resolution = envelopes["faulty", window].resolution
     top = resolution * (envelopes["faulty", window].amplitude.size - 1)
-    rolling = {name: f for name, f in settings.bearings.items() if resolution / 2 < f <= top}  # not the mean itself
-    passing = [
-        (name, k, f, max(resolution, spall.spread * f))
-        for spall in settings.passes
-        for name, k, f in spall.wanted()
-        if resolution / 2 < f and f + max(resolution, spall.spread * f) < top
-    ]
-    rest = [0] * len(rolling)
+    placed = _placed_lines(settings, resolution, top)
     columns: dict[str, Any] = {
-        "kind": [kind for kind, _, _ in wanted] + ["bearing"] * len(rolling) + ["pass"] * len(passing),
-        "mesh_harmonic": np.array([n for _, n, _ in wanted] + rest + [0] * len(passing)),
-        "order": np.array([k for _, _, k in wanted] + rest + [k for _, k, _, _ in passing]),
-        "label": [_label(n, k) for _, n, k in wanted] + list(rolling) + [name for name, _, _, _ in passing],
+        "kind": [kind for kind, _, _ in wanted] + [line.kind for line in placed],
+        "mesh_harmonic": np.array([n for _, n, _ in wanted] + [0] * len(placed)),
+        "order": np.array([k for _, _, k in wanted] + [line.order for line in placed]),
+        "label": [_label(n, k) for _, n, k in wanted] + [line.label for line in placed],
     }
     frequency = columns["mesh_harmonic"] * f_m + columns["order"] * f_r
-    places, reach = [f for _, _, f, _ in passing], [width for _, _, _, width in passing]
-    bins = np.round(np.array([*rolling.values(), *places]) / resolution)
-    frequency[len(wanted) :] = bins * resolution  # no bin of their own: the nearest one
-    is_envelope = columns["mesh_harmonic"] == 0
+    places, reach = np.array([line.frequency for line in placed]), np.array([line.reach for line in placed])
+    frequency[len(wanted) :] = np.round(places / resolution) * resolution  # no bin of their own: the nearest one
+    is_envelope = np.array([kind in IN_ENVELOPE for kind in columns["kind"]])
     for state in STATES:
         columns[state] = np.empty(len(frequency))
         columns[f"{state}_floor"] = np.empty(len(frequency))
         for spectrum, rows in ((envelopes[state, window], is_envelope), (spectra[state, window], ~is_envelope)):
             columns[state][rows] = spectrum.lines(frequency[rows])
             columns[f"{state}_floor"][rows] = spectrum.floors(frequency[rows])
-        columns[state][len(frequency) - len(passing) :] = peaks(envelopes[state, window], places, reach)
+            own = rows[len(wanted) :]
+            columns[state][len(wanted) :][own] = peaks(spectrum, places[own].tolist(), reach[own].tolist())
     difference = level(columns["faulty"], columns["healthy"])
     over_floor = level(columns["faulty"], columns["faulty_floor"])
     healthy_over_floor = level(columns["healthy"], columns["healthy_floor"])
@@ -147,6 +145,32 @@ def _window_lines(
         near_rope=(rope > 0) & (np.abs(offset - rope) <= width),
         **columns,
     )
+
+
+class _Placed(NamedTuple):
+    """A line that lies on no bin: read at the largest within `reach` (Hz) of its `frequency` (Hz)."""
+
+    kind: str
+    label: str
+    order: int
+    frequency: float
+    reach: float
+
+
+def _placed_lines(settings: DiagnosisSettings, resolution: float, top: float) -> list[_Placed]:
+    """Those of bearings and shafts that a spectrum with a resolution (Hz) up to `top` (Hz) holds."""
+    least = resolution / 2  # not the mean itself
+    found = [_Placed("bearing", name, 0, f, 0.0) for name, f in settings.bearings.items() if least < f <= top]
+    for spall in settings.passes:
+        for name, k, f in spall.wanted():
+            reach = max(resolution, spall.spread * f)
+            if least < f < top - reach:
+                found.append(_Placed("pass", name, k, f, reach))
+    for fault in settings.turning:
+        for name, k, f in fault.wanted():
+            if readable(f, resolution, top):
+                found.append(_Placed("shaft", name, k, f, resolution))
+    return list(dict.fromkeys(found))  # faults of one shaft share its lines
 
 
 def _label(n: int, k: int) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 
 from fem.storage.records import Record, array, names
 
+IN_ENVELOPE = ("envelope", "bearing", "pass")  # kinds of lines of the envelope; the others are of the spectrum
 LOADS = {
     "rope": "rope load",
     "static-torque": "constant torque",
@@ -28,7 +29,8 @@ class LineTable(Record):
     `kind` is "envelope" (order k f_r in the envelope), "sideband" (n f_m + k f_r in the spectrum) or "mesh"
     (n f_m itself) or "bearing" (a pass frequency of a rolling bearing in the envelope, read at the nearest bin); these
     two are for reference and not counted as evidence. "pass" is a line of a spalled bearing in the envelope (order: of
-    its harmonic), read at the largest bin that slip may move it to.
+    its harmonic), read at the largest bin that slip may move it to. "shaft" is an order of a faulty shaft in the
+    spectrum, read at the largest of the three bins about it.
     """
 
     load_case: tuple[str, ...] = names("line")  # "rope" | "static-torque"

@@ -7,23 +7,23 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from pipelines.border.grid import Grid
-from pipelines.signals import pass_lines
+from pipelines.signals import pass_lines, shaft_lines
 from pipelines.signals.diagnosis import Diagnosis
-from pipelines.signals.lines import LOADS, LineTable
+from pipelines.signals.lines import IN_ENVELOPE, LOADS, LineTable
 
 EQUAL = 1.0  # dB; modulations this close are called equal
 SIDEBANDS_WANTED = 3  # of the eight around one mesh order, and one envelope harmonic: the fault is seen
 
 
 def headline(diagnoses: Sequence[Diagnosis]) -> str:
-    """The answer in one sentence for the gears and one for every spall: in how many cases and windows it is seen.
+    """The answer in one sentence for the gears and one for every fault of a bearing or shaft: where it is seen.
 
     Seen: at least three of the eight sidebands around one mesh order and at least one harmonic in the envelope
-    are detected; of a spall, see `pipelines.signals.pass_lines`.
+    are detected; of a spall, see `pipelines.signals.pass_lines`, of a shaft `pipelines.signals.shaft_lines`.
     """
     first = diagnoses[0].settings
     parts = [_headline(diagnoses, first.fault, grade)] if first.fault else []
-    return " ".join([*parts, *(_headline(diagnoses, spall.fault, spall.grade) for spall in first.passes)])
+    return " ".join([*parts, *(_headline(diagnoses, other.fault, other.grade) for other in first.beside_gears)])
 
 
 def _headline(diagnoses: Sequence[Diagnosis], fault: str, graded: Callable[[LineTable], str]) -> str:
@@ -50,7 +50,8 @@ def criterion(diagnosis: Diagnosis) -> str:
         f"the fault is seen if at least {SIDEBANDS_WANTED} sidebands around one mesh order and one harmonic in the "
         "envelope are detected"
     )
-    wanted = [gears] * bool(settings.fault) + [pass_lines.criterion()] * bool(settings.passes)
+    wanted = [gears] * bool(settings.fault)
+    wanted += [pass_lines.criterion()] * bool(settings.passes) + [shaft_lines.criterion()] * bool(settings.turning)
     return (
         f"A line is detected if it lies at least {settings.difference_limit:g} dB over the healthy control with the "
         f"same deviations and at least {settings.floor_limit:g} dB over its local floor; {', '.join(wanted)}."
@@ -60,7 +61,7 @@ def criterion(diagnosis: Diagnosis) -> str:
 def all_seen(diagnosis: Diagnosis, window: str) -> bool:
     """Whether every fault is seen in a window."""
     lines, settings = diagnosis.lines.where(window=window), diagnosis.settings
-    grades = [grade(lines)] * bool(settings.fault) + [spall.grade(lines) for spall in settings.passes]
+    grades = [grade(lines)] * bool(settings.fault) + [other.grade(lines) for other in settings.beside_gears]
     return set(grades) == {"seen"}
 
 
@@ -80,7 +81,7 @@ def sentences(diagnosis: Diagnosis) -> tuple[str, ...]:
     for window in settings.windows:
         lines = diagnosis.lines.where(window=window)
         parts = [_standing(diagnosis, lines), _control(lines)] if settings.fault else []
-        parts += [spall.sentence(lines) for spall in settings.passes]
+        parts += [other.sentence(lines) for other in settings.beside_gears]
         result.append(f"{_capital(window)}, {case_name(diagnosis)}: {' '.join(parts)}")
         rope = settings.rope_mode.get(window, 0.0)
         if rope > 0:
@@ -127,7 +128,7 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
     headers = ("line", "Hz", "faulty m/s²", "healthy m/s²", "difference dB", "over floor dB", "healthy over floor dB")
     rows, marked = [], set()
     for i in range(len(lines)):
-        where = "envelope " if lines.kind[i] in ("envelope", "bearing", "pass") else ""
+        where = "envelope " if lines.kind[i] in IN_ENVELOPE else ""
         found = "detected" if lines.detected[i] else "-"
         if lines.kind[i] in ("mesh", "bearing"):
             found = f"{lines.kind[i]} line"
@@ -165,6 +166,7 @@ def summary_grid(diagnoses: Sequence[Diagnosis]) -> Grid:
             rows.append((LOADS.get(load, load), window, *cells))
     title = "Detected lines: envelope harmonics · sidebands around each mesh order"
     title += " · lines of the spalls" if diagnoses[0].settings.passes else ""
+    title += " · orders of the faulty shafts" if diagnoses[0].settings.turning else ""
     names = ["error-free" if kind == "off" else kind for kind in kinds]
     return Grid(title=title, headers=("load", "window", *names), rows=tuple(rows))
 
@@ -172,10 +174,10 @@ def summary_grid(diagnoses: Sequence[Diagnosis]) -> Grid:
 def seeds_grid(diagnoses: Sequence[Diagnosis], load: str, window: str) -> Grid:
     """Difference faulty over healthy of every line, a column per set of deviations; a dot marks detected lines."""
     chosen = sorted((d for d in diagnoses if d.load == load), key=lambda d: _seed_order(d.deviations))
-    tables = [d.lines.where(window=window).of("envelope", "sideband", "pass") for d in chosen]
+    tables = [d.lines.where(window=window).of("envelope", "sideband", "pass", "shaft") for d in chosen]
     rows = []
     for i, label in enumerate(tables[0].label):
-        where = "" if tables[0].kind[i] == "sideband" else "envelope "
+        where = "envelope " if tables[0].kind[i] in IN_ENVELOPE else ""
         cells = [f"{t.difference[i]:+.1f}" + (" ●" if t.detected[i] else "") for t in tables]
         rows.append(
             (where + label, f"{tables[0].frequency[i]:.3f}", *cells, str(sum(int(t.detected[i]) for t in tables)))
@@ -208,8 +210,7 @@ def _counts(lines: LineTable) -> str:
     parts = [lines.where(kind="envelope")]
     sidebands = lines.where(kind="sideband")
     parts += [sidebands.where(mesh_harmonic=n) for n in dict.fromkeys(sidebands.mesh_harmonic.tolist())]
-    if "pass" in lines.kind:
-        parts.append(lines.where(kind="pass"))
+    parts += [lines.where(kind=kind) for kind in ("pass", "shaft") if kind in lines.kind]
     return " · ".join(f"{int(part.detected.sum())}/{len(part)}" for part in parts)
 
 

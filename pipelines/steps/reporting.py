@@ -14,7 +14,7 @@ import numpy as np
 
 from pipelines.engine.step import CountedResult
 from pipelines.plant.flanks import first_tooth_fault
-from pipelines.plant.looked_for import pass_rates
+from pipelines.plant.looked_for import pass_rates, shaft_lines
 from pipelines.plant.plant import Plant
 from pipelines.plant.torques.hoist import Hoist
 from pipelines.signals.motion_warnings import gathered, told
@@ -78,6 +78,7 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
         seeds=[d for d, full in zip(found, shown, strict=True) if not full],
         gears=gear_rows(plant),
         rolling=rolling_rows(plant),
+        shafts=shaft_rows(plant),
         stiffness=[curves[asked.stage - 1], *(c for i, c in enumerate(curves, 1) if i != asked.stage)],
         gear_picture=gears,
         gear_names=gear_names(plant, asked.stage),
@@ -168,6 +169,15 @@ def rolling_rows(plant: Plant) -> list[dict[str, Any]]:
         row |= {f"{name} Hz": value for name, value in pass_rates(plant.layout, bearing).items()}
         row["spalls"] = ", ".join(f.spall.place for f in plant.spalls if f.bearing == bearing.name) or "none"
         rows.append(row)
+    return rows
+
+
+def shaft_rows(plant: Plant) -> list[dict[str, Any]]:
+    """The faults of shafts with their orders."""
+    rows = []
+    for fault in plant.shaft_faults:
+        lines = shaft_lines(plant.layout, fault).wanted()
+        rows.append({"fault": fault.name, "shaft": fault.shaft + 1} | {f"{k}x Hz": f for _, k, f in lines})
     return rows
 
 

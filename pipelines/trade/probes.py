@@ -120,12 +120,16 @@ def _signals(plant: Plant, outcome: Outcome) -> list[Value]:
 
 def _lines(plant: Plant, outcome: Outcome) -> list[Value]:
     from pipelines.signals.analysis import analyse
+    from pipelines.signals.measured_speed import at_measured_speed
     from pipelines.signals.response import make_response
 
     settings = plant.diagnosis
     if settings is None or not plant.faults:
         return []
-    found = analyse(make_response(outcome.value("simulate"), plant.labels), settings, stream=1)
+    run = make_response(outcome.value("simulate"), plant.labels)
+    if not settings.speed_is_known:
+        settings = at_measured_speed(settings, (run,))
+    found = analyse(run, settings, stream=1)
     orders = np.arange(1, settings.envelope_harmonics + 1)
     values = []
     for window, envelope in found.envelopes.items():

@@ -12,6 +12,7 @@ from pipelines.plant.facts import StageFacts, input_torque, stage_facts
 from pipelines.plant.layout import Layout
 from pipelines.plant.torques.drives import motor_places, motor_torques
 from pipelines.scene.scene import Scene
+from pipelines.scene.shaft_faults import shaft_faults
 from pipelines.scene.tables.motion import LoadBase
 
 HARMONICS = 5  # of the fastest mesh that a good record holds
@@ -87,9 +88,10 @@ def _diagnosis(scene: Scene, layout: Layout) -> Iterator[str]:
             f"diagnosis looks for the stage {looked_at[0]} {looked_at[1]}, no fault is there; set diagnosis.stage and "
             "diagnosis.gear to the faulty gear"
         )
-    if scene.faults and scene.control is None:
+    faulty = bool(scene.faults or shaft_faults(scene))
+    if faulty and scene.control is None:
         for problem in bad_windows(scene, layout):
             yield f"{problem}"
-    if scene.faults and not (scene.control and scene.diagnosis.windows_s):
+    if faulty and not (scene.control and scene.diagnosis.windows_s):
         missing = "control" if not scene.control else "diagnosis.windows_s"
         yield f"{missing} is not given: the run makes signals, but no diagnosis"

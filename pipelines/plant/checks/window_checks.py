@@ -17,6 +17,7 @@ from pipelines.plant.plant import looked_for
 from pipelines.plant.torques.drives import speed_profile
 from pipelines.plant.torques.hoist import hoist
 from pipelines.scene.scene import Scene
+from pipelines.scene.shaft_faults import shaft_faults
 from pipelines.scene.tables.motion import SpeedDrive
 from pipelines.scene.tables.torques import RPM
 from pipelines.signals.analysis import SPEED_TOLERANCE, DiagnosisError, DiagnosisSettings, envelope_band
@@ -27,12 +28,12 @@ def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
     """Why the diagnosis that a scene asks for could not be made; nothing where it asks for none."""
     if not scene.diagnosis.windows_s or not scene.sensors:
         return
-    if not isinstance(scene.drive, SpeedDrive):
+    known = isinstance(scene.drive, SpeedDrive)
+    if layout.turns == 0.0 and not known:
         yield Problem(
             "diagnosis.windows_s",
-            f"the diagnosis compares lines at a known speed, and a drive of model {scene.drive.model} takes the speed "
-            "that its torque gives",
-            'Use drive.model = "speed", or leave windows_s empty for signals alone',
+            "the diagnosis must know about how fast the machine will turn, and the drive says no speed but 0",
+            "Give drive.highest_rpm, or leave windows_s empty for signals alone",
         )
         return
     if layout.turns == 0.0:
@@ -44,16 +45,17 @@ def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
     rolling = rolling_bearings(scene.shafts, scene.bearings)
     faults = tooth_faults(scene.tooth_faults.values(), layout.pinion_senses)
     settings = diagnosis_settings(
-        looked_for(scene.diagnosis, scene.sensors), layout, hoist(scene.load), drive, rolling, faults,
-        bearing_faults(scene),
+        looked_for(scene.diagnosis, scene.sensors, scene.drive), layout, hoist(scene.load), drive, rolling, faults,
+        bearing_faults(scene), shaft_faults(scene),
     )  # fmt: skip
     if settings is None:
         return
     profile = SpeedProfile(times=drive.times, speeds=drive.speeds / RPM, smooth=drive.smooth)
     for name, window in settings.windows.items():
-        yield from _bad_window(scene, settings, profile, name, window)
-    highest = max(settings.mesh_harmonics) * settings.mesh_frequency
-    highest += settings.sideband_orders * settings.revolution_frequency
+        yield from _short_window(scene, settings, name, window)
+        if known:
+            yield from _uneven_window(scene, settings, profile, name, window)
+    highest = settings.highest_line
     if highest >= rate / 2:
         yield Problem(
             "simulation.output_rate_Hz",
@@ -76,36 +78,48 @@ def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
             )
 
 
-def _bad_window(
-    scene: Scene, settings: DiagnosisSettings, profile: SpeedProfile, name: str, window: tuple[float, float]
+def _short_window(
+    scene: Scene, settings: DiagnosisSettings, name: str, window: tuple[float, float]
 ) -> Iterator[Problem]:
-    path, shown = f"diagnosis.windows_s.{name}", f"[{window[0]:g}, {window[1]:g}]"
-    shaft = f"the stage {scene.diagnosis.stage} {scene.diagnosis.gear}"
     frequency = settings.revolution_frequency
     try:
-        segment = whole_revolutions(window, scene.simulation.output_rate_Hz, frequency)
-        start, end, revolutions = segment.start, segment.start + segment.duration, segment.revolutions
+        revolutions = whole_revolutions(window, scene.simulation.output_rate_Hz, frequency).revolutions
     except SpectrumError:
-        start, end, revolutions = *window, 0
-    if revolutions < FEWEST_REVOLUTIONS:
-        held = (window[1] - window[0]) * frequency
-        cut = f", of which {revolutions} fill whole samples" if int(held) > revolutions else ""
-        yield Problem(
-            path,
-            f"holds {held:.1f} revolutions of {shaft}{cut}; the diagnosis needs {FEWEST_REVOLUTIONS}",
-            f"Give it {(FEWEST_REVOLUTIONS + bool(cut)) / frequency:.2f} s or more, or leave windows_s empty for "
-            "signals alone",
-            shown,
-        )
+        revolutions = 0
+    if revolutions >= FEWEST_REVOLUTIONS:
+        return
+    held = (window[1] - window[0]) * frequency
+    cut = f", of which {revolutions} fill whole samples" if int(held) > revolutions else ""
+    yield Problem(
+        f"diagnosis.windows_s.{name}",
+        f"holds {held:.1f} revolutions of {_gear(scene)}{cut}; the diagnosis needs {FEWEST_REVOLUTIONS}",
+        f"Give it {(FEWEST_REVOLUTIONS + bool(cut)) / frequency:.2f} s or more, or leave windows_s empty for "
+        "signals alone",
+        f"[{window[0]:g}, {window[1]:g}]",
+    )
+
+
+def _uneven_window(
+    scene: Scene, settings: DiagnosisSettings, profile: SpeedProfile, name: str, window: tuple[float, float]
+) -> Iterator[Problem]:
+    try:
+        segment = whole_revolutions(window, scene.simulation.output_rate_Hz, settings.revolution_frequency)
+        start, end = segment.start, segment.start + segment.duration
+    except SpectrumError:
+        start, end = window
     mean = abs(float(np.diff(profile.angle(np.array([start, end])))[0])) / (end - start)
     if abs(mean / profile.highest - 1) > SPEED_TOLERANCE:
         yield Problem(
-            path,
-            f"the motors turn at {mean:.4g} rpm in the mean, and the lines of {shaft} are looked for at the highest "
-            f"speed, {profile.highest:.4g} rpm (within {SPEED_TOLERANCE:g})",
+            f"diagnosis.windows_s.{name}",
+            f"the motors turn at {mean:.4g} rpm in the mean, and the lines of {_gear(scene)} are looked for at the "
+            f"highest speed, {profile.highest:.4g} rpm (within {SPEED_TOLERANCE:g})",
             f"Choose a window at constant highest speed: {_steady(scene, profile) or 'this drive has none'}",
-            shown,
+            f"[{window[0]:g}, {window[1]:g}]",
         )
+
+
+def _gear(scene: Scene) -> str:
+    return f"the stage {scene.diagnosis.stage} {scene.diagnosis.gear}"
 
 
 def _steady(scene: Scene, profile: SpeedProfile) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from pipelines.scene.tables.base import Number, Table, Whole
+from pipelines.scene.tables.base import Flag, Number, Table, Whole
 from pipelines.scene.tables.samples import Samples, check_pairs
 
 if TYPE_CHECKING:
@@ -143,6 +143,9 @@ class ControlledTable(SourceTable):
     integral_N_m_per_rad: Annotated[Number, Field(ge=0, description="torque per error of the angle")] = 0.0
     limit_N_m: Annotated[Number, Field(gt=0, description="largest torque, either way")]
     starting_torque_N_m: Annotated[Number, Field(description="what the integral part holds at t = 0")] = 0.0
+    anti_windup: Annotated[
+        Flag, Field(description="true: the integral part gives way while the torque is limited (back-calculation)")
+    ] = True
 
     @model_validator(mode="after")
     def _pairs(self) -> ControlledTable:
@@ -163,4 +166,5 @@ class ControlledTable(SourceTable):
             integral=self.integral_N_m_per_rad,
             limit=self.limit_N_m,
             starting_torque=self.starting_torque_N_m,
+            anti_windup=self.anti_windup,
         )

@@ -1,0 +1,37 @@
+"""The bare time loop of the first scene of a plan: python -m benchmarks.bare_loop PLAN REPEATS.
+
+Says "ready" when the machine is assembled and the loop compiled, waits for a line, and prints the seconds.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+
+from pipelines.campaign.campaign import planned
+from pipelines.campaign.plan import load_plan
+from pipelines.campaign.scenes import scene_of
+from pipelines.campaign.workshop import Workshop
+from pipelines.engine.build_step import one_thread
+from pipelines.engine.working import Work
+from pipelines.plant.checks.validity import checked_plant
+from pipelines.steps.motion import moved
+
+
+def main() -> None:
+    """Assemble, wait, move."""
+    plan = load_plan(sys.argv[1])
+    plant = checked_plant(scene_of(plan, planned(plan)[0].values).scene, "scene")
+    with one_thread():
+        system = Workshop(Work().cache).system(plant)
+        moved(system, plant.motion)
+        print("ready", flush=True)
+        sys.stdin.readline()
+        start = time.perf_counter()
+        for _ in range(int(sys.argv[2])):
+            moved(system, plant.motion)
+        print(time.perf_counter() - start, flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,69 @@
+"""Campaigns: many scenes drawn from a plan into one labelled data set."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from pathlib import Path
+
+from pipelines.campaign.campaign import Finished, run_campaign
+from pipelines.campaign.plan import load_plan
+from pipelines.campaign.workers import Workers, local_workers
+from pipelines.engine.working import Work
+
+__all__ = ["Finished", "campaign"]
+
+
+def campaign(
+    plan: str | Path,
+    *,
+    out: str | Path | None = None,
+    processes: int | None = None,
+    executor: Executor | None = None,
+    at_once: int = 1,
+) -> Finished:
+    """Simulate every scene of a plan that the data set does not hold yet.
+
+    In a script, local processes need the usual guard, ``if __name__ == "__main__":``.
+
+    Parameters
+    ----------
+    plan : file of the campaign, see docs/campaigns.md
+    out : folder of the data set instead of ./campaigns/<plan>
+    processes : scenes at the same time on this machine, all cores by default
+    executor : who simulates instead, any of `concurrent.futures`, or that of a Dask client
+    at_once : scenes that the executor takes at a time
+
+    Returns
+    -------
+    folder, number of scenes, how many were simulated now and how many of these failed
+
+    Raises
+    ------
+    SceneError, InputError : the plan or the folder cannot be used
+    WorkError : the disk is full, or the workers are gone; what is finished is kept
+
+    >>> import gearcase
+    >>> from concurrent.futures import ThreadPoolExecutor
+    >>> plan = Path("few.toml")
+    >>> _ = plan.write_text('''scene = "minimal"
+    ... scenes = 3
+    ... [variables]
+    ... load = { from = 50.0, to = 100.0 }
+    ... [settings]
+    ... load.container_kg = "$load"
+    ... simulation.end_s = 0.02
+    ... ''')
+    >>> done = gearcase.campaign(plan, executor=ThreadPoolExecutor(1))
+    >>> done.runs, done.failed, str(done.folder)
+    (3, 0, 'campaigns/few')
+    """
+    found = load_plan(plan)
+    workers = local_workers(processes) if executor is None else _given(executor, at_once)
+    return run_campaign(found, out or f"campaigns/{found.name}", workers, Work())
+
+
+@contextlib.contextmanager
+def _given(executor: Executor, at_once: int) -> Iterator[Workers]:
+    yield Workers(executor=executor, count=lambda: at_once)

@@ -1,0 +1,86 @@
+"""Lines at the speed that shafts had: where torques drive a machine its speed is known once it has run.
+
+The lines are looked for at the mean speed of the suspected gear's shaft over all windows of both runs, from the
+recorded angle. A line of the order n, n periods per turn, stays on its bin as long as the angle stays within a quarter
+of its period of an even rotation, pi/(2 n); the highest order that is looked for gives the limit. It bounds both a
+drift within a window and a difference between the windows or runs, whatever their sense.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings
+
+if TYPE_CHECKING:
+    import xarray
+
+QUARTER_PERIOD = math.pi / 2  # rad of the highest line
+
+
+class _Turned(NamedTuple):
+    """The shaft in a window of a run: time (s) and angle (rad) in its sense of rotation, mean speed (rad/s)."""
+
+    window: str
+    time: np.ndarray
+    angle: np.ndarray
+    speed: float
+
+
+def at_measured_speed(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> DiagnosisSettings:
+    """The settings with all lines that follow the shafts moved to the mean speed in the windows of the runs.
+
+    Raises
+    ------
+    DiagnosisError : no angle of the shaft is recorded, it stands, or it turns too unevenly for the highest line
+    """
+    pieces = list(_pieces(settings, runs))
+    speed = float(np.mean([piece.speed for piece in pieces]))
+    if speed == 0.0:
+        raise DiagnosisError(f"{settings.shaft} stands in the windows of the diagnosis: there are no lines to look for")
+    limit = QUARTER_PERIOD / settings.highest_order
+    for piece in pieces:
+        apart = piece.angle - speed * piece.time
+        off = float(np.ptp(apart)) / 2
+        if off > limit:
+            raise DiagnosisError(
+                f"window {piece.window!r}: {settings.shaft} turns at {piece.speed / (2 * math.pi):.5g} Hz in the mean "
+                f"and is up to {off:.3g} rad off an even rotation at {speed / (2 * math.pi):.5g} Hz, the mean of all "
+                f"windows and both runs; the highest line, of the order {settings.highest_order:.4g}, allows "
+                f"{limit:.3g} rad. Choose a later or shorter window, in which the speed has settled."
+            )
+    return _scaled(settings, speed / (2 * math.pi) / settings.revolution_frequency)
+
+
+def _pieces(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> Iterator[_Turned]:
+    for run in runs:
+        if "shaft_angle" not in run or settings.shaft not in run.shaft.values:
+            raise DiagnosisError(f"the angle of {settings.shaft} is not recorded, so its speed is not known")
+        angle = run.shaft_angle.sel(shaft=settings.shaft)
+        for name, (start, end) in settings.windows.items():
+            inside = angle.sel(time=slice(start, end))
+            time, turned = (np.asarray(x, dtype=float) for x in (inside.time.values, inside.values))
+            if len(time) < 2:
+                raise DiagnosisError(f"window {name!r}: fewer than two samples. Choose a window inside the record.")
+            speed = float(np.polyfit(time - time.mean(), turned, 1)[0])
+            yield _Turned(name, time, turned if speed >= 0.0 else -turned, abs(speed))
+
+
+def _scaled(settings: DiagnosisSettings, factor: float) -> DiagnosisSettings:
+    return replace(
+        settings,
+        speed_is_known=True,
+        revolution_frequency=factor * settings.revolution_frequency,
+        mesh_frequency=factor * settings.mesh_frequency,
+        bearings={name: factor * value for name, value in settings.bearings.items()},
+        passes=tuple(
+            replace(lines, frequency=factor * lines.frequency, spacing=factor * lines.spacing)
+            for lines in settings.passes
+        ),
+        turning=tuple(replace(lines, frequency=factor * lines.frequency) for lines in settings.turning),
+    )
