@@ -2,11 +2,12 @@
 
 import subprocess
 import sys
+import tracemalloc
 
 import numpy as np
 import pytest
 import xarray
-from datasets import RATE, SAMPLES, make_dataset, signals
+from datasets import PLAN, RATE, SAMPLES, make_dataset, signals
 
 import gearcase
 from pipelines.dataset.columns import as_array, read_columns
@@ -76,6 +77,14 @@ def test_a_table_older_than_the_rows_is_not_believed(tmp_path):
     assert list(gearcase.open_dataset(folder).status.values[2:5]) == ["done", "", "done"]
     write_table(folder)
     assert list(gearcase.open_dataset(folder).status.values[2:5]) == ["done", "", "done"]
+
+
+def test_variables_named_like_a_signal_or_a_dimension_hide_nothing(tmp_path):
+    plan = PLAN.replace("speed_rpm", "time").replace("seed = {", "start = {").replace('"$seed"', '"$start"')
+    dataset = gearcase.open_dataset(make_dataset(tmp_path / "named", plan))
+    assert dataset.time.dims == ("time",)
+    assert dataset.variable_time.values.min() >= 600.0
+    assert list(next(gearcase.pieces(dataset, 0.4)).start.values) == [0.0, 0.4]
 
 
 def test_columns_have_the_type_of_their_values():
@@ -158,6 +167,20 @@ def test_pieces_that_cannot_be_are_refused(dataset):
         gearcase.pieces(dataset, sensors=["sensor_9"])
     with pytest.raises(gearcase.InputError, match="no accelerations"):
         gearcase.pieces(dataset.drop_vars("acceleration"))
+
+
+def test_memory_holds_a_few_runs_however_many_there_are(tmp_path):
+    dataset = gearcase.open_dataset(make_dataset(tmp_path / "many", PLAN.replace("scenes = 8", "scenes = 60")))
+    one = dataset.acceleration[0].nbytes
+    for _ in gearcase.pieces(dataset.isel(run=[0, 1]), 0.1, noise_m_s2=0.1):
+        pass  # what is loaded once: modules, metadata
+    tracemalloc.start()
+    try:
+        for _ in gearcase.pieces(dataset, 0.1, noise_m_s2=0.1):
+            pass
+        assert tracemalloc.get_traced_memory()[1] < 12 * one
+    finally:
+        tracemalloc.stop()
 
 
 def test_all_pieces_can_be_laid_side_by_side(dataset):

@@ -72,7 +72,13 @@ def pieces(
 
 
 def pieces_per_run(samples: int, rate: float, seconds: float | None, overlap: float) -> int:
-    """How many pieces `pieces` cuts from a run."""
+    """How many pieces `pieces` cuts from a run.
+
+    Parameters
+    ----------
+    samples, rate : of a run, at Hz
+    seconds, overlap : as `pieces`
+    """
     size = samples if seconds is None else round(seconds * rate)
     return (samples - size) // max(1, round(size * (1.0 - overlap))) + 1
 

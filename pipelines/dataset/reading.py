@@ -20,6 +20,7 @@ from pipelines.dataset.store import SIGNALS
 if TYPE_CHECKING:
     import xarray
 
+START = "start"  # of a piece
 VIBRATION = ("acceleration", "journal_acceleration")  # on the casing; without one, of the shafts in their bearings
 
 
@@ -54,7 +55,8 @@ def open_dataset(folder: str | Path) -> xarray.Dataset:
     names = {name: values for name, values in facts["layout"]["names"].items() if isinstance(values[0], str)}
     texts = {name: (name, np.array(values, dtype=np.str_)) for name, values in names.items()}
     columns = read_columns(folder, opened.sizes["run"])
-    named = {f"variable_{name}" if name in opened.variables else name: values for name, values in columns.items()}
+    taken = {*opened.variables, START}
+    named = {f"variable_{name}" if name in taken else name: values for name, values in columns.items()}
     given = opened.assign_coords(texts).assign_coords({name: ("run", values) for name, values in named.items()})
     return given.assign_attrs(folder=str(folder), rate_Hz=facts["layout"]["rate"])
 

@@ -135,5 +135,11 @@ def sweep(folder: Path) -> None:
 
 
 def chunk_path(folder: Path, name: str, run: int, dims: int) -> Path:
-    """The file of a signal of `dims` dimensions in a run."""
+    """The file of a signal of a run.
+
+    Parameters
+    ----------
+    folder, name, run : the campaign, its signal and its run
+    dims : dimensions of the signal without that of the runs
+    """
     return folder / SIGNALS / name / ".".join(["c", str(run), *["0"] * dims])

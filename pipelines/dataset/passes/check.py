@@ -96,7 +96,7 @@ def check_dataset(folder: Path, told: Callable[[int, int], None] = lambda done, 
         found.wrong += [f"run {run}: {text}" for text in said]
     if repeated:
         found.notes.append(f"{repeated} runs repeat the scene of another one (same key), as draws may by chance")
-    found.notes += _of_what_is_not_done(folder, layout, present)
+    found.notes += _of_what_is_not_done(folder, layout)
     table_wrong, table_notes = _of_table(folder, present)
     found.wrong += table_wrong
     found.notes += table_notes
@@ -161,7 +161,7 @@ def _of_repeat(first: Mapping[str, Any], row: Mapping[str, Any]) -> Iterator[str
         yield f"is the same scene as run {first['run']} and has other signals. Remove both rows; repeat the campaign."
 
 
-def _of_what_is_not_done(folder: Path, layout: RunLayout, present: set[int]) -> Iterator[str]:
+def _of_what_is_not_done(folder: Path, layout: RunLayout) -> Iterator[str]:
     """Chunks without a row, as a campaign leaves them that runs or was stopped."""
     stored = set()
     for one in layout.signals:
@@ -169,7 +169,7 @@ def _of_what_is_not_done(folder: Path, layout: RunLayout, present: set[int]) -> 
             number = name.split(".")[1] if name.startswith("c.") else ""
             if number.isdecimal():
                 stored.add(int(number))
-    if left := tuple(sorted(stored - present)):
+    if left := tuple(sorted(stored - numbers(folder))):
         yield f"{len(left)} runs have signals and no row ({stretches(left)}): they are not done and are made again"
 
 
