@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
+
+_LINE_SECONDS = 30.0
 
 
 def main(options: argparse.Namespace) -> int:
@@ -22,7 +26,7 @@ def _info(options: argparse.Namespace) -> int:
 def _check(options: argparse.Namespace) -> int:
     from pipelines.dataset.passes.check import check_dataset
 
-    found = check_dataset(Path(options.folder))
+    found = check_dataset(Path(options.folder), _lines())
     sys.stdout.write(found.to_text())
     return 1 if found.wrong else 0
 
@@ -33,7 +37,7 @@ def _features(options: argparse.Namespace) -> int:
 
     folder = Path(options.folder)
     with local_workers(options.processes) as workers:
-        made, lines = make_features(folder, workers.executor, options.start, options.noise)
+        made, lines = make_features(folder, workers.executor, options.start, options.noise, _lines())
     sys.stdout.write(f"features of {made} runs computed now\n{folder / FEATURES}: {lines} lines\n")
     return 0
 
@@ -53,6 +57,19 @@ def _export(options: argparse.Namespace) -> int:
     target, count = export_dataset(Path(options.folder), options.form, wanted, options.out)
     sys.stdout.write(f"{count} pieces\n{target}\n")
     return 0
+
+
+def _lines() -> Callable[[int, int], None]:
+    """Says on standard error, now and then, how far the work is."""
+    said = time.monotonic()
+
+    def told(done: int, total: int) -> None:
+        nonlocal said
+        if time.monotonic() - said >= _LINE_SECONDS:
+            said = time.monotonic()
+            sys.stderr.write(f"{done} of {total} runs\n")
+
+    return told
 
 
 ACTIONS = {"info": _info, "check": _check, "features": _features, "export": _export}
