@@ -65,11 +65,16 @@ def test_a_scheduler_that_is_not_there_is_said(tmp_path, monkeypatch, place):
 
 CLUSTER = """
 import distributed
+import gearcase
 from pipelines.campaign.workers import dask_workers
+
+def whole_run():
+    scene = gearcase.Scene.from_file("minimal").changed({"simulation.end_s": 0.02, "diagnosis.windows_s": {}})
+    return gearcase.run(scene, out="run", control=False).sizes["time"]
 
 if __name__ == "__main__":
     with dask_workers(None, 1) as hands:
-        print("sum", hands.executor.submit(sum, [1, 2]).result())
+        print("samples", hands.executor.submit(whole_run).result())
         address = distributed.get_client().scheduler.address
         print("scheme", address.partition(":")[0])
         for other in (None, distributed.Security.temporary()):
@@ -92,5 +97,5 @@ def test_nobody_else_can_talk_to_a_scheduler_of_our_own(tmp_path):
         [sys.executable, "cluster.py"], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300
     )
     lines = done.stdout.splitlines()
-    assert lines[:2] == ["sum 3", "scheme tls"], done.stderr
+    assert lines[:2] == ["samples 200", "scheme tls"], done.stderr
     assert [line.split()[0] for line in lines[2:]] == ["refused", "refused"], done.stdout

@@ -188,6 +188,12 @@ def test_a_plan_whose_first_scenes_all_fail_is_refused_before_anything_is_made(t
     assert not (tmp_path / "out" / "campaign.json").exists()
 
 
+def test_a_run_that_fits_no_memory_is_refused_before_anything_is_built(tmp_path):
+    text = 'scene = "minimal"\nscenes = 1\n[settings]\nsimulation.end_s = 1000.0\nsimulation.output_rate_Hz = 10000.0\n'
+    with pytest.raises(InputError, match=r"in memory, limit 1 GB"):
+        run(tmp_path, text)
+
+
 def test_a_scene_that_records_something_else_fails_alone(tmp_path):
     text = PLAN.replace('state = ["healthy", "missing", "worn"]', 'state = ["healthy", "one"]')
     text = text[: text.index("[cases.state.missing]")].replace("tooth = { from = 0, to = 9 }\n", "")

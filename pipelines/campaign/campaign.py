@@ -12,7 +12,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pipelines.border.errors import SceneError, WorkError
+from pipelines.border.errors import InputError, SceneError, WorkError
 from pipelines.campaign.draws import draw
 from pipelines.campaign.folder import begin, find_begun, held, identity_facts, stored_or_said
 from pipelines.campaign.job import Done, Job, work
@@ -26,6 +26,8 @@ from pipelines.dataset.rows import FAILED, numbers, read_rows, row_path, sweep_r
 from pipelines.dataset.store import sweep, write_run
 from pipelines.engine.step import Graph
 from pipelines.engine.working import Work
+from pipelines.plant.checks.cost import cost
+from pipelines.plant.checks.cost import words as size_words
 from pipelines.plant.checks.validity import checked_plant
 from pipelines.scene.file import LoadedScene
 from pipelines.steps.graph import plant_steps
@@ -35,6 +37,7 @@ _LOG = logging.getLogger(__name__)
 _LAYOUT_TRIES = 20  # scenes that are looked at for one that can be run
 _LAYOUT_SAMPLES = 4
 _IN_FLIGHT = 2  # scenes per worker that are handed out
+MOST_BYTES = 1e9  # of the signals of one run in the memory of a worker
 MOST_DEATHS = 3  # of processes with one scene in them, before the scene counts as failed
 
 Told = Callable[[Done], None]
@@ -165,6 +168,7 @@ def first_layout(plan: Plan, draws: Sequence[Draw], work_: Work) -> tuple[Loaded
         except SceneError as error:
             failure = failure or error
             continue
+        check_memory(loaded)
         graph = Graph(plant_steps(plant))
         work_.build(graph, graph.steps["simulate"].takes)
         given = plant.motion
@@ -173,6 +177,16 @@ def first_layout(plan: Plan, draws: Sequence[Draw], work_: Work) -> tuple[Loaded
         return loaded, run_layout(motion, round(given.end * given.output_rate), plan.table.signals)
     assert failure is not None
     raise failure
+
+
+def check_memory(loaded: LoadedScene) -> None:
+    """InputError if one run does not fit into the memory of a worker, where it is until it is stored."""
+    one = cost(loaded.scene)
+    if one.bytes > MOST_BYTES:
+        raise InputError(
+            f"one run of {loaded.name} holds {size_words(one.bytes)} in memory, limit {size_words(MOST_BYTES)} in a "
+            "campaign. Lower simulation.end_s or output_rate_Hz; a long motion can be several scenes."
+        )
 
 
 def _simulated(jobs: Iterator[Job], workers: Workers) -> Iterator[Done]:

@@ -158,7 +158,8 @@ def end(*processes):
         children = psutil.Process(process.pid).children(recursive=True) if process.poll() is None else []
         for one in (process, *children):
             one.kill()
-        process.communicate()
+        process.wait()
+        process.stdout.close()
 
 
 def test_workers_of_a_scheduler_may_come_and_go(undisturbed, tmp_path):
