@@ -2,6 +2,7 @@
 
     scene = gearcase.Scene.from_file("minimal")    check laws casing modes simulate run tradeoff converge
     gearcase.open_run("minimal")                   a finished run; diagnose spectrum
+    gearcase.open_dataset("campaigns/plan")        a data set of many runs; pieces
 
 All numbers are SI unless a name ends in a unit. Nothing is printed; `progress=` takes a function that is told of every
 step of the work. What is not named here is internal and may change.
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from gearcase.campaigns import campaign as campaign
     from gearcase.casings import Casing as Casing
     from gearcase.casings import casing as casing
+    from gearcase.datasets import open_dataset as open_dataset
+    from gearcase.datasets import pieces as pieces
     from gearcase.errors import InputError as InputError
     from gearcase.errors import SceneError as SceneError
     from gearcase.errors import WorkError as WorkError
@@ -43,6 +46,7 @@ if TYPE_CHECKING:
 _PLACES = {
     "campaigns": ("Finished", "campaign"),
     "casings": ("Casing", "casing"),
+    "datasets": ("open_dataset", "pieces"),
     "errors": ("InputError", "SceneError", "WorkError"),
     "gears": ("PairLaws", "laws"),
     "machines": ("LinearModes", "modes", "simulate"),

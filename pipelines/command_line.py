@@ -10,6 +10,7 @@ import sys
 from typing import NoReturn
 
 from pipelines.border.argument_types import count, days, number, path, picture, positive, seconds, several, share
+from pipelines.dataset_arguments import dataset_arguments
 from pipelines.scene.presets import PRESETS
 from pipelines.trade.axes import AXES
 
@@ -316,6 +317,12 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
     ("diagnose", "print the lines of a fault in a finished run", "gearcase diagnose rig-missing-tooth", _diagnose),
     ("run", "everything: simulation, healthy control, diagnosis, report", "gearcase run rig-missing-tooth", _run),
     ("campaign", "simulate the scenes of a plan into one labelled data set", "gearcase campaign plan.toml", _campaign),
+    (
+        "dataset",
+        "count, check or export what a campaign made; features of it",
+        "gearcase dataset info campaigns/plan",
+        dataset_arguments,
+    ),
     ("orders", "waterfall, order cuts and natural frequencies of a run-up", "gearcase orders reducer", _orders),
     (
         "inspect",

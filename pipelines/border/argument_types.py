@@ -80,3 +80,25 @@ def days(text: str) -> float:
     if not 0 <= found < float("inf"):
         raise argparse.ArgumentTypeError(f"{text!r} is not a number of days from 0")
     return found
+
+
+def from_zero(text: str) -> float:
+    """A finite number from 0."""
+    if number(text) < 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is below 0")
+    return number(text)
+
+
+def part(text: str) -> float:
+    """A share from 0 to below 1, as a number or in per cent."""
+    value = number(text.removesuffix("%")) / 100 if text.endswith("%") else number(text)
+    if not 0 <= value < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a share from 0 to below 1")
+    return value
+
+
+def whole(text: str) -> int:
+    """A whole number from 0."""
+    if not text.isdecimal() or len(text) > 18:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0")
+    return int(text)

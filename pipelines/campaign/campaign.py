@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pipelines.border.errors import InputError, SceneError, WorkError
-from pipelines.campaign.card import write_card
 from pipelines.campaign.draws import draw
 from pipelines.campaign.folder import begin, find_begun, held, identity_facts, stored_or_said
 from pipelines.campaign.job import Done, Job, work
@@ -21,6 +20,7 @@ from pipelines.campaign.plan import Plan
 from pipelines.campaign.scenes import Draw, make_draws, scene_of
 from pipelines.campaign.workers import Workers, lost
 from pipelines.campaign.workshop import Workshop
+from pipelines.dataset.card import write_card
 from pipelines.dataset.layout import RunLayout, run_layout
 from pipelines.dataset.rows import FAILED, numbers, read_rows, row_path, sweep_rows, write_row, write_table
 from pipelines.dataset.store import sweep, write_run

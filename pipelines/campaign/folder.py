@@ -24,10 +24,10 @@ from pipelines.border.errors import InputError, WorkError
 from pipelines.border.locks import lock_file
 from pipelines.border.shown import shown
 from pipelines.border.user_files import writable_folder
-from pipelines.campaign.job import FACTS
 from pipelines.campaign.plan import Plan
 from pipelines.campaign.scenes import Draw, group_variables
-from pipelines.dataset.layout import RunLayout, SignalLayout
+from pipelines.dataset.facts import FACTS, stored_layout
+from pipelines.dataset.layout import RunLayout
 from pipelines.dataset.rows import ROWS
 from pipelines.dataset.store import create_store
 from pipelines.engine.code_version import code_version, library_versions
@@ -42,7 +42,7 @@ def identity_facts(plan: Plan, draws: Sequence[Draw]) -> dict[str, Any]:
     draw_digest = hashlib.sha256()
     for draw in draws:
         draw_digest.update(json.dumps([draw.values, draw.group, draw.split]).encode())
-    table = plan.table.model_dump(mode="json", by_alias=True, exclude={"title"})
+    table = plan.table.model_dump(mode="json", by_alias=True, exclude={"title", "licence"})
     return {
         "plan": table,
         "scene": json.loads(json.dumps(plan.tree)),
@@ -91,7 +91,7 @@ def find_begun(folder: Path, facts: dict[str, Any]) -> tuple[str, RunLayout] | N
         return None
     try:
         told = json.loads(path.read_text(encoding="utf-8"))
-        begun, layout = told["facts"], _layout(told["layout"])
+        begun, layout = told["facts"], stored_layout(told["layout"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{shown(path)}: cannot be read ({error}). Choose another --out.") from error
     different = [name for name in facts if begun.get(name) != facts[name]]
@@ -151,34 +151,3 @@ def stored_or_said(folder: Path) -> Iterator[None]:
             f"{shown(folder)}: cannot be written ({error.strerror or error}). What is finished is kept; make room or "
             "give the right to write, and repeat the command."
         ) from error
-
-
-def read_facts(folder: str | Path) -> dict[str, Any]:
-    """What campaign.json holds.
-
-    Raises
-    ------
-    InputError : this is no folder of a campaign
-    """
-    path = Path(folder) / FACTS
-    try:
-        told = json.loads(path.read_text(encoding="utf-8"))
-        told["identity"], told["runs"], _layout(told["layout"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{shown(folder)}: no campaign ({shown(str(error))}). Give its folder.") from error
-    return told
-
-
-def _layout(told: dict[str, Any]) -> RunLayout:
-    signals = tuple(
-        SignalLayout(
-            name=one["name"],
-            dims=tuple(one["dims"]),
-            shape=tuple(one["shape"]),
-            dtype=one["dtype"],
-            attributes=one["attributes"],
-        )
-        for one in told["signals"]
-    )
-    names = {name: tuple(values) for name, values in told["names"].items()}
-    return RunLayout(signals=signals, names=names, samples=told["samples"], rate=told["rate"])

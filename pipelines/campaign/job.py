@@ -21,6 +21,7 @@ from pipelines.border.errors import CacheWarning
 from pipelines.campaign.plan import Plan
 from pipelines.campaign.scenes import Draw, scene_key, scene_of
 from pipelines.campaign.workshop import Workshop
+from pipelines.dataset.facts import FACTS
 from pipelines.dataset.labels import labels
 from pipelines.dataset.layout import RunLayout, run_arrays
 from pipelines.dataset.rows import DONE, FAILED, write_row
@@ -30,8 +31,6 @@ from pipelines.engine.cache import Cache
 from pipelines.plant.checks.validity import checked_plant
 from pipelines.signals.motion_warnings import motion_warnings
 from pipelines.steps.motion import moved
-
-FACTS = "campaign.json"  # in the folder of a campaign: its identity and what it was made with
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -57,6 +57,7 @@ class PlanTable(Table):
     """A campaign: a scene, what is varied, and which scenes are drawn."""
 
     title: Annotated[str, Field(max_length=200, description="one line that names the campaign")] = ""
+    licence: Annotated[str, Field(max_length=200, description="of the data set, for its card")] = ""
     scene: Annotated[str, Field(description="a shipped scene, or a path ending in .toml")]
     preset: Annotated[Literal["draft", "standard", "reference"] | None, Field(description="how finely")] = None
     design: Annotated[

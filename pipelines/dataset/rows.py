@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import Any
 
 from pipelines.border.errors import InputError
+from pipelines.dataset.tables import write_parquet
 
 ROWS = "rows"
 TABLE = "rows.parquet"
 DONE, FAILED = "done", "failed"
 _NAME = re.compile(r"(\d+)\.json")
-_BATCH = 2000  # rows that are in memory at once
 
 
 def write_row(folder: Path, run: int, row: Mapping[str, Any], rows: str = ROWS) -> None:
@@ -92,43 +92,18 @@ def sweep_rows(folder: Path, rows: str = ROWS) -> None:
         path.unlink(missing_ok=True)
 
 
-def write_table(folder: Path, rows: str = ROWS, table: str = TABLE) -> int:
-    """Make the Parquet table of the rows; how many there are.
-
-    A column has the type of its values: text if any is text, whole numbers if all are. Checksums stay in the rows.
+def write_table(folder: Path) -> int:
+    """Make the Parquet table of the rows; how many there are. Checksums stay in the rows.
 
     Raises
     ------
     OSError : it cannot be written
     InputError : a row is damaged
     """
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    fields: dict[str, Any] = {}
-    for row in read_rows(folder, rows):
-        for name, value in _columns(row).items():
-            fields[name] = _wider(fields.get(name, pa.null()), value)
-    schema = pa.schema([pa.field(name, kind) for name, kind in fields.items()])
-    path = folder / table
-    aside = path.with_name(f".{table}-{uuid.uuid4().hex[:12]}.partial")
-    count = 0
-    try:
-        with pq.ParquetWriter(aside, schema) as writer:
-            for batch in _batches(read_rows(folder, rows)):
-                columns = [
-                    pa.array([_cell(_columns(row).get(field.name), field.type) for row in batch], field.type)
-                    for field in schema
-                ]
-                writer.write_table(pa.Table.from_arrays(columns, schema=schema))
-                count += len(batch)
-        os.replace(aside, path)
-    finally:
-        aside.unlink(missing_ok=True)
-    return count
+    return write_parquet(folder / TABLE, lambda: map(flat, read_rows(folder)))
 
 
-def _columns(row: Mapping[str, Any]) -> dict[str, Any]:
+def flat(row: Mapping[str, Any]) -> dict[str, Any]:
     """A row as columns of one level: values and labels under their own names."""
     out: dict[str, Any] = {}
     for name, value in row.items():
@@ -139,38 +114,3 @@ def _columns(row: Mapping[str, Any]) -> dict[str, Any]:
         else:
             out[name] = json.dumps(value) if isinstance(value, list) else value
     return out
-
-
-def _batches(rows: Iterator[dict[str, Any]]) -> Iterator[list[dict[str, Any]]]:
-    batch: list[dict[str, Any]] = []
-    for row in rows:
-        batch.append(row)
-        if len(batch) == _BATCH:
-            yield batch
-            batch = []
-    if batch:
-        yield batch
-
-
-def _wider(kind: Any, value: Any) -> Any:
-    """The type that holds a column so far and one more value."""
-    import pyarrow as pa
-
-    if value is None or kind == pa.string():
-        return kind
-    if isinstance(value, str):
-        return pa.string()
-    own = pa.bool_() if isinstance(value, bool) else pa.int64() if isinstance(value, int) else pa.float64()
-    if kind in (pa.null(), own):
-        return own
-    return pa.string() if pa.bool_() in (kind, own) else pa.float64()
-
-
-def _cell(value: Any, kind: Any) -> Any:
-    import pyarrow as pa
-
-    if value is None:
-        return None
-    if kind == pa.string():
-        return value if isinstance(value, str) else json.dumps(value)
-    return float(value) if kind == pa.float64() else value

@@ -102,7 +102,7 @@ def write_run(folder: Path, run: int, arrays: Mapping[str, np.ndarray]) -> dict[
         array = group[name]
         assert isinstance(array, zarr.Array)
         array[run] = values
-        with open(_chunk(folder, name, run, values.ndim), "rb") as chunk:
+        with open(chunk_path(folder, name, run, values.ndim), "rb") as chunk:
             os.fsync(chunk.fileno())
         found[name] = checksum(values)
     return found
@@ -134,5 +134,12 @@ def sweep(folder: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def _chunk(folder: Path, name: str, run: int, dims: int) -> Path:
+def chunk_path(folder: Path, name: str, run: int, dims: int) -> Path:
+    """The file of a signal of a run.
+
+    Parameters
+    ----------
+    folder, name, run : the campaign, its signal and its run
+    dims : dimensions of the signal without that of the runs
+    """
     return folder / SIGNALS / name / ".".join(["c", str(run), *["0"] * dims])

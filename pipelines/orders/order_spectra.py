@@ -57,20 +57,31 @@ class Waterfall(Record):
         return np.sqrt(found / 1.5)  # the Hann window spreads the power of a tone over 1.5 lines
 
 
-def order_waterfall(
-    signal: np.ndarray, time: np.ndarray, angle: np.ndarray, *, shaft: str, revolutions: int = 16
-) -> Waterfall:
-    """Spectra over the orders of a shaft.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Turned:
+    """A signal over a shaft's angle: `values` (n, ...) at even steps, at `time` (n,) s, `per_turn` in a revolution.
+
+    `samples` is the median number of recorded samples in a revolution.
+    """
+
+    values: np.ndarray
+    time: np.ndarray
+    per_turn: int
+    samples: float
+
+
+def over_angle(signal: np.ndarray, time: np.ndarray, angle: np.ndarray, *, shaft: str, revolutions: float) -> Turned:
+    """A signal over the angle of a shaft, from the longest stretch in which it turns.
 
     Parameters
     ----------
-    signal, time, angle : (n,) signal, time (s) and angle of the shaft (rad)
+    signal, time, angle : (n, ...) signal, (n,) time (s) and angle of the shaft (rad)
     shaft : its name
-    revolutions : of a window; the resolution is its inverse
+    revolutions : the fewest that are needed
 
     Raises
     ------
-    OrderError : fewer revolutions in the run than in a window
+    OrderError : the shaft does not turn as often
     """
     turned = np.abs(np.gradient(angle, time))
     moving = _longest_moving(turned)
@@ -91,10 +102,29 @@ def order_waterfall(
     from scipy.interpolate import CubicSpline
 
     at = np.interp(steps, a, t)
-    even = CubicSpline(t, x)(at)
+    return Turned(values=CubicSpline(t, x)(at), time=at, per_turn=per_turn, samples=float(np.median(samples)))
+
+
+def order_waterfall(
+    signal: np.ndarray, time: np.ndarray, angle: np.ndarray, *, shaft: str, revolutions: int = 16
+) -> Waterfall:
+    """Spectra over the orders of a shaft.
+
+    Parameters
+    ----------
+    signal, time, angle : (n,) signal, time (s) and angle of the shaft (rad)
+    shaft : its name
+    revolutions : of a window; the resolution is its inverse
+
+    Raises
+    ------
+    OrderError : fewer revolutions in the run than in a window
+    """
+    turned = over_angle(signal, time, angle, shaft=shaft, revolutions=revolutions)
+    even, at, per_turn = turned.values, turned.time, turned.per_turn
     size = revolutions * per_turn
     starts = np.arange(0, len(even) - size + 1, size // 2)
-    orders = np.arange(int(revolutions * np.median(samples) / 2)) / revolutions
+    orders = np.arange(int(revolutions * turned.samples / 2)) / revolutions
     spectra = np.array([_amplitudes(even[s : s + size])[: len(orders)] for s in starts])
     spans = at[starts + size - 1] - at[starts]
     return Waterfall(

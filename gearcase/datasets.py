@@ -1,0 +1,81 @@
+"""Data sets that campaigns made, and views on their signals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipelines.dataset import pieces as _views
+from pipelines.dataset import reading as _reading
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["open_dataset", "pieces"]
+
+
+def open_dataset(folder: str | Path) -> xarray.Dataset:
+    """The signals of a data set that `gearcase campaign` made or is making, read from the disk when they are asked for.
+
+    Parameters
+    ----------
+    folder : of the data set
+
+    Returns
+    -------
+    signals over `run` and time, float32 or float64, with every variable of the plan and every label as a coordinate
+    along `run`. A run that is not there yet has the status "" and reads as NaN
+
+    Raises
+    ------
+    InputError : the folder holds no data set, or a damaged one
+
+    >>> import gearcase
+    >>> gearcase.open_dataset("nowhere")
+    Traceback (most recent call last):
+    ...
+    pipelines.border.errors.InputError: nowhere: no campaign ...
+    """
+    return _reading.open_dataset(folder)
+
+
+def pieces(
+    dataset: xarray.Dataset,
+    seconds: float | None = None,
+    overlap: float = 0.0,
+    noise_m_s2: float = 0.0,
+    seed: int = 0,
+    sensors: Sequence[str] | None = None,
+) -> Iterator[xarray.DataArray]:
+    """Windows of the accelerations with sensor noise, one run at a time, so that no data set is too large.
+
+    Parameters
+    ----------
+    dataset : what `open_dataset` returned, or a part of it, such as ``dataset.isel(run=dataset.split == "train")``
+    seconds : length of a piece; the whole run if None
+    overlap : share of a piece that the next one repeats, from 0 to below 1
+    noise_m_s2 : rms of white noise that is added; a piece has the same noise whatever else is chosen
+    seed : of the noise
+    sensors : names; all if None
+
+    Returns
+    -------
+    per run that is done, float32 (piece, sensor, axis, time) in m/s2 with `start` (s), `run`, `label`, `split` and all
+    other columns along `piece`; runs are never mixed
+
+    Raises
+    ------
+    InputError : a sensor that is not there, a length, overlap or noise that cannot be
+
+    >>> import gearcase, numpy, xarray
+    >>> signal = numpy.zeros((2, 1, 3, 1000), dtype="float32")
+    >>> names = {"run": [0, 1], "sensor": ["s"], "axis": ["x", "y", "z"], "time": numpy.arange(1000) / 1000}
+    >>> rows = {"status": ("run", ["done", "done"]), "split": ("run", ["train", "test"])}
+    >>> dataset = xarray.Dataset({"acceleration": (tuple(names), signal)}, coords=names | rows)
+    >>> for found in gearcase.pieces(dataset, 0.25, noise_m_s2=0.01):
+    ...     print(found.shape, str(found.split.values[0]), f"{float(found.std()):.2f} m/s2")
+    (4, 1, 3, 250) train 0.01 m/s2
+    (4, 1, 3, 250) test 0.01 m/s2
+    """
+    return _views.pieces(dataset, seconds, overlap, noise_m_s2, seed, sensors)
