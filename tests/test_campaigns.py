@@ -130,6 +130,23 @@ def test_labels_are_those_of_the_scene(whole, tmp_path):
         assert [fault["tooth"] for fault in faults] == ([] if one.values["tooth"] is None else [one.values["tooth"]])
 
 
+SHAFT_FAULTS = {
+    "unbalance": "shaft = 1, position_mm = 0.0, unbalance_g_mm = '$size'",
+    "bent-shaft": "shaft = 2, position_mm = 0.0, bow_um = '$size', straight_at_mm = [-30.0, 30.0]",
+}
+
+
+@pytest.mark.parametrize("kind", SHAFT_FAULTS)
+def test_faults_of_shafts_are_labelled_with_their_size(tmp_path, kind):
+    force = f"forces = [{{ model = '{kind}', {SHAFT_FAULTS[kind]} }}]"
+    varied = "[variables]\nsize = { from = 5.0, to = 50.0 }"
+    plan = load(tmp_path, f'scene = "minimal"\nscenes = 3\n{varied}\n[settings]\n{force}\n')
+    for one in planned(plan):
+        found = labels(make_plant(scene_of(plan, one.values).scene))
+        assert (found["label"], found["severity"]) == (kind, one.values["size"])
+        assert "shaft" in found["places"]
+
+
 def test_a_machine_without_the_folder_sends_the_same_bits(whole, tmp_path):
     run(tmp_path, executor=Elsewhere)
     assert content(tmp_path / "out") == content(whole)

@@ -26,7 +26,7 @@ COLUMNS = {  # all columns of a data set that are no variables of its plan, and 
     "seconds": "time that the run took, s",
     "loop_seconds": "part of it that is the time loop, s",
 }
-_SIZES = ("depth_mm", "depth_um")  # of a fault, the one that grows as it does
+_SIZES = ("depth_mm", "depth_um", "unbalance_g_mm", "eccentricity_um", "bow_um")  # each grows as its fault does
 
 
 def labels(plant: Plant) -> dict[str, Any]:
