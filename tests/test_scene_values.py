@@ -261,5 +261,6 @@ def tables(base=Table):
 
 
 def test_every_field_of_every_table_was_changed(reached):
-    every = {field for table in tables() for field in declared(table).values()}
+    of_scenes = (table for table in tables() if table.__module__.startswith("pipelines.scene"))  # not those of plans
+    every = {field for table in of_scenes for field in declared(table).values()}
     assert {field for field in every if reached.get(field) is None} == ALONE_IT_CANNOT
