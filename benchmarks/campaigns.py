@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 from pipelines.engine.child import command, environment
 
+ROOT = Path(__file__).resolve().parent.parent
 SCENES = {"bench": (48, 2.0, ""), "rig-missing-tooth": (14, 5.0, 'preset = "standard"\n')}
 PLAN = """scene = "{scene}"
 scenes = {count}
@@ -41,8 +43,8 @@ def _measured(folder: Path, name: str, count: int, end: float, preset: str) -> d
     path.write_text(PLAN.format(scene=name, count=count, end=end, preset=preset), encoding="utf-8")
     cores = os.cpu_count() or 1
     before = bare(path, max(2, count // cores // 2))
-    gearcase = command("pipelines.cli", "campaign", str(path), "--out", str(out), "--processes", str(cores), "-q")
-    done = subprocess.run(gearcase, env=environment(), capture_output=True, text=True, check=False)
+    gearcase = [sys.executable, "-m", "pipelines.cli", "campaign", str(path), "--out", str(out), "-q"]
+    done = subprocess.run(gearcase, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"gearcase campaign ended with {done.returncode}: {done.stderr}")
     after = bare(path, max(2, count // cores // 2))
@@ -66,9 +68,8 @@ def _measured(folder: Path, name: str, count: int, end: float, preset: str) -> d
 def bare(path: Path, repeats: int) -> float:
     """Motions per hour of the first scene of a plan, `repeats` in each process, the slowest process counting."""
     run = command("benchmarks.bare_loop", str(path), str(repeats))
-    root = Path(__file__).resolve().parent.parent
     processes = [
-        subprocess.Popen(run, cwd=root, env=environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        subprocess.Popen(run, cwd=ROOT, env=environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         for _ in range(os.cpu_count() or 1)
     ]
     for process in processes:

@@ -33,7 +33,7 @@ def lockstep(folder: Path) -> list[dict[str, Any]]:
     rows = []
     for name, (_, _, preset) in SCENES.items():
         path = folder / f"{name}-lockstep.toml"
-        path.write_text(PLAN.format(scene=name, count=1, end=0.5, preset=preset), encoding="utf-8")
+        path.write_text(PLAN.format(scene=name, count=1, end=1.0, preset=preset), encoding="utf-8")
         plan = load_plan(path)
         plant = checked_plant(scene_of(plan, planned(plan)[0].values).scene, "scene")
         with one_thread():
