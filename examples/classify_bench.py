@@ -2,7 +2,7 @@
 
     python examples/classify_bench.py
 
-simulates the 240 runs of classify_bench.toml (six minutes on two idle cores; what is done is not done again), computes
+simulates the 240 runs of classify_bench.toml (four minutes on two idle cores; what is done is not done again), computes
 their features with a sensor noise of 0.05 m/s2, trains a random forest on the part `train` of the split, and prints
 and draws the confusion matrix of the part `test`. Then it leaks on purpose, to show what that is worth.
 """
