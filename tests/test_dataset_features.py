@@ -187,5 +187,7 @@ def test_a_start_beyond_the_end_is_refused(folder):
 
 def test_no_feature_row_holds_what_is_no_number(folder):
     make_features(folder, InOrder())
-    for path in (folder / FEATURE_ROWS).iterdir():
+    rows = list((folder / FEATURE_ROWS).iterdir())
+    assert rows
+    for path in rows:
         json.loads(path.read_text(encoding="utf-8"), parse_constant=pytest.fail)

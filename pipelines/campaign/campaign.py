@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import logging
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
@@ -14,8 +13,9 @@ from pathlib import Path
 
 from pipelines.border.errors import InputError, SceneError, WorkError
 from pipelines.campaign.draws import draw
+from pipelines.campaign.expressions import ExpressionError
 from pipelines.campaign.folder import begin, find_begun, held, identity_facts, stored_or_said
-from pipelines.campaign.job import Done, Job, work
+from pipelines.campaign.job import Done, Job, row_head, work
 from pipelines.campaign.plan import Plan
 from pipelines.campaign.scenes import Draw, make_draws, scene_of
 from pipelines.campaign.workers import Workers, lost
@@ -33,7 +33,6 @@ from pipelines.scene.file import LoadedScene
 from pipelines.steps.graph import plant_steps
 from pipelines.steps.motion import moved
 
-_LOG = logging.getLogger(__name__)
 _LAYOUT_TRIES = 20  # scenes that are looked at for one that can be run
 _LAYOUT_SAMPLES = 4
 _IN_FLIGHT = 2  # scenes per worker that are handed out
@@ -87,7 +86,7 @@ def run_campaign(
     plan: Plan,
     out: str | Path,
     workers: AbstractContextManager[Workers],
-    work_: Work,
+    building: Work,
     *,
     retry: bool = False,
     begun: Callable[[int, int, Workers], None] = lambda total, left, workers: None,
@@ -99,7 +98,7 @@ def run_campaign(
     ----------
     plan, out : the campaign and its folder
     workers : that simulate; entered when there is something to do
-    work_ : how laws and casing of the first scene are built
+    building : how laws and casing of the first scene are built
     retry : simulate again what failed
     begun : is told of the number of scenes, those left, and the workers
     told : is told of every scene that is done
@@ -114,7 +113,7 @@ def run_campaign(
     with held(out) as folder:
         known = find_begun(folder, facts)
         if known is None:
-            first, layout = first_layout(plan, draws, work_)
+            first, layout = first_layout(plan, draws, building)
             known = begin(folder, plan, first.resolved(), draws, layout, facts), layout
         identity, layout = known
         if retry:
@@ -130,7 +129,7 @@ def run_campaign(
                 begun(len(draws), len(left), hands)
                 count = hands.count()
                 start = time.perf_counter()
-                for finished in _simulated(jobs, hands):
+                for finished in _outcomes(jobs, hands):
                     with stored_or_said(folder):
                         _keep(folder, finished)
                     loop += finished.row.get("loop_seconds", 0.0)
@@ -153,27 +152,27 @@ def run_campaign(
     )
 
 
-def first_layout(plan: Plan, draws: Sequence[Draw], work_: Work) -> tuple[LoadedScene, RunLayout]:
+def first_layout(plan: Plan, draws: Sequence[Draw], building: Work) -> tuple[LoadedScene, RunLayout]:
     """The first scene that can be run, and the layout of its signals, from a motion of a few samples.
 
     Raises
     ------
-    SceneError : none of the first scenes can be run: what is wrong with the first one
+    SceneError, ExpressionError : none of the first scenes can be run: what is wrong with the first one
     """
-    failure: SceneError | None = None
+    failure: SceneError | ExpressionError | None = None
     for one in draws[:_LAYOUT_TRIES]:
         try:
             loaded = scene_of(plan, one.values)
             plant = checked_plant(loaded.scene, loaded.source.shown)
-        except SceneError as error:
+        except (SceneError, ExpressionError) as error:
             failure = failure or error
             continue
         check_memory(loaded)
         graph = Graph(plant_steps(plant))
-        work_.build(graph, graph.steps["simulate"].takes)
+        building.build(graph, graph.steps["simulate"].takes)
         given = plant.motion
         few = replace(given, end=_LAYOUT_SAMPLES / given.output_rate)
-        motion = moved(Workshop(work_.cache).system(plant), few)
+        motion = moved(Workshop(building.cache).system(plant), few)
         return loaded, run_layout(motion, round(given.end * given.output_rate), plan.table.signals)
     assert failure is not None
     raise failure
@@ -189,7 +188,7 @@ def check_memory(loaded: LoadedScene) -> None:
         )
 
 
-def _simulated(jobs: Iterator[Job], workers: Workers) -> Iterator[Done]:
+def _outcomes(jobs: Iterator[Job], workers: Workers) -> Iterator[Done]:
     """The scenes as they are done, a few of them handed out at a time.
 
     When a process dies, all scenes that were handed out are suspects. Suspects are simulated alone, one by one, until
@@ -246,9 +245,7 @@ def _killed(job: Job) -> Done:
     reason = (
         f"the process ended without an answer {MOST_DEATHS} times, perhaps for lack of memory. Take fewer --processes."
     )
-    row = {"run": job.draw.run, "key": "", "status": FAILED, "reason": reason, "values": dict(job.draw.values)}
-    row |= {"group": job.draw.group, "split": job.draw.split}
-    return Done(run=job.draw.run, row=row, written=False)
+    return Done(run=job.draw.run, row=row_head(job, FAILED, reason), written=False)
 
 
 def _keep(folder: Path, done: Done) -> None:

@@ -54,6 +54,13 @@ class Done:
     written: bool
 
 
+def row_head(job: Job, status: str, reason: str = "") -> dict[str, Any]:
+    """What a row says of its scene however the simulation went."""
+    one = job.draw
+    told = {"run": one.run, "key": "", "status": status, "reason": reason, "values": dict(one.values)}
+    return told | {"group": one.group, "split": one.split}
+
+
 def work(job: Job) -> Done:
     """Simulate a scene and write its signals, then its row. What is wrong with the scene stands in the row.
 
@@ -63,8 +70,7 @@ def work(job: Job) -> Done:
     """
     begun = time.perf_counter()
     arrays: dict[str, np.ndarray] = {}
-    row: dict[str, Any] = {"run": job.draw.run, "key": "", "status": DONE, "reason": "", "values": job.draw.values}
-    row |= {"group": job.draw.group, "split": job.draw.split}
+    row = row_head(job, DONE)
     try:
         with one_thread(), warnings.catch_warnings():
             warnings.simplefilter("once", CacheWarning)
@@ -73,7 +79,7 @@ def work(job: Job) -> Done:
     except OSError:
         raise
     except Exception as error:
-        row |= {"status": FAILED, "reason": _reason(error)}
+        row = row_head(job, FAILED, _reason(error))
     here = _reaches(job.folder, job.identity)
     if here and arrays:
         row["checksums"] = write_run(job.folder, job.draw.run, arrays)
