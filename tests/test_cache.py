@@ -310,3 +310,26 @@ def test_what_cannot_be_stored_is_refused():
 def test_flat_names_leaves_as_a_user_would():
     tree = {"stages": [{"teeth": 20}, {"teeth": 21}], "times": (0.0, 1.0)}
     assert flat(tree) == {"stages.1.teeth": 20, "stages.2.teeth": 21, "times": [0.0, 1.0]}
+
+
+def test_one_at_a_time_may_build_a_result(tmp_path):
+    cache, key = Cache(tmp_path / "cache"), "ab" * 32
+    with cache.alone(key) as first, cache.alone(key) as second, cache.alone("cd" * 32) as other:
+        assert (first, second, other) == (True, False, True)
+    with cache.alone(key) as again:
+        assert again
+    assert not list((tmp_path / "cache" / "partial").iterdir())
+
+
+def test_the_right_to_build_of_a_killed_process_is_free_and_swept(tmp_path):
+    cache, key = Cache(tmp_path / "cache"), "ab" * 32
+    with cache.alone(key):
+        pass
+    left = tmp_path / "cache" / "partial" / f"0-{key[:12]}"
+    left.touch()
+    cache.clear()
+    assert not left.exists()
+    left.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    left.touch()
+    with cache.alone(key) as mine:
+        assert mine

@@ -265,6 +265,9 @@ class Cache:
             try:
                 last = max(one.stat().st_mtime for one in (path, *path.rglob("*")))
                 if time.time() - last >= seconds:
-                    shutil.rmtree(path, ignore_errors=True)
+                    if path.is_dir():
+                        shutil.rmtree(path, ignore_errors=True)
+                    else:
+                        path.unlink(missing_ok=True)  # a right to build whose holder died, see `alone`
             except FileNotFoundError:
                 _LOG.debug("%s was swept by another process", path.name)
