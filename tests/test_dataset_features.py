@@ -12,9 +12,9 @@ from datasets import RATE, SAMPLES, TEETH, make_dataset
 import gearcase
 from pipelines.border.errors import InputError
 from pipelines.dataset.passes.feature_pass import FEATURE_ROWS, make_features
-from pipelines.dataset.passes.statistics import statistics
-from pipelines.dataset.passes.synchronous import synchronous
 from pipelines.dataset.rows import read_row, row_path, write_row
+from pipelines.features.statistics import statistics
+from pipelines.features.synchronous import synchronous
 
 TIME = np.arange(8000) / 8000
 

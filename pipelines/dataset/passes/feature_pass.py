@@ -19,15 +19,15 @@ import numpy as np
 from pipelines.border.errors import InputError
 from pipelines.border.shown import shown
 from pipelines.dataset.facts import read_facts
-from pipelines.dataset.passes.statistics import statistics
 from pipelines.dataset.passes.stored_plan import shaft_meshes, stored_plan
-from pipelines.dataset.passes.synchronous import synchronous
 from pipelines.dataset.pieces import noisy_run
 from pipelines.dataset.reading import VIBRATION
 from pipelines.dataset.rows import DONE, numbers, read_row, read_rows, row_path, sweep_rows, write_row
 from pipelines.dataset.store import read_run
 from pipelines.dataset.tables import write_parquet
 from pipelines.engine.code_version import code_version
+from pipelines.features.statistics import statistics
+from pipelines.features.synchronous import synchronous
 
 FEATURE_ROWS = "feature_rows"
 FEATURES = "features.parquet"
@@ -106,7 +106,7 @@ def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) ->
         raise InputError(f"--start {start:g}: the runs last {length:g} s. Give a time from 0 to below that.")
     plan = stored_plan(facts)
     angle = ANGLE in stored
-    code = code_version("pipelines.dataset.passes.statistics", "pipelines.dataset.passes.synchronous")
+    code = code_version("pipelines.features.statistics", "pipelines.features.synchronous")
     for row in read_rows(folder):
         if row["status"] == DONE:
             yield FeatureJob(

@@ -17,7 +17,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pipelines.dataset.passes.statistics import kurtosis, root_mean_square
+from pipelines.features.statistics import kurtosis, root_mean_square
 from pipelines.orders.order_spectra import OrderError, over_angle
 from pipelines.signals.spectrum import amplitudes
 
