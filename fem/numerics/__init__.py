@@ -1,1 +1,1 @@
-"""Dense blocks, sparse factorisation and compiled functions: nothing here knows of gears or casings."""
+"""Dense blocks, sparse factorisation, interpolation and compiled functions: nothing here knows of gears or casings."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.numerics.interpolation import HALF_WIDTH, interpolated
 from fem.storage.records import Record, array, integer, scalar, text
 
 WINDOWS = ("hann", "boxcar")
@@ -23,8 +24,6 @@ LINE_HALF_WIDTH = (
 )
 FEWEST_REVOLUTIONS = 2 * LINE_HALF_WIDTH + 2  # fewer leave no bins between the orders for a local floor
 SAMPLE_TOLERANCE = 1e-3  # samples; a segment this close to a whole number of samples is not resampled
-SINC_HALF_WIDTH = 48  # samples on either side that enter an interpolated value
-INTERPOLATED_AT_ONCE = 4096  # values; each of them takes 2 SINC_HALF_WIDTH weights
 
 
 class SpectrumError(ValueError):
@@ -142,7 +141,7 @@ def whole_revolutions(times: tuple[float, float], rate: float, revolution_freque
             first = round(end * rate) - samples
             return Segment(start=first / rate, revolutions=count, samples=samples, rate=rate, resampled=False)
     duration = largest / revolution_frequency
-    margin = min(end - start - duration, SINC_HALF_WIDTH / rate)  # interpolation looks beyond the last sample
+    margin = min(end - start - duration, HALF_WIDTH / rate)  # interpolation looks beyond the last sample
     samples = round(duration * rate)
     return Segment(
         start=end - margin - duration,
@@ -175,23 +174,7 @@ def cut(signal: np.ndarray, rate: float, segment: Segment) -> np.ndarray:
             f"segment from {segment.start:g} s, {segment.duration:g} s long: beyond the record of "
             f"{signal.shape[0] / rate:g} s. Choose a window inside the record."
         )
-    return _interpolated(signal, position)
-
-
-def _interpolated(signal: np.ndarray, position: np.ndarray) -> np.ndarray:
-    """Values at fractional sample positions: Kaiser-windowed sinc, error below 1e-5 up to 0.9 of half the rate."""
-    out = np.empty((len(position), *signal.shape[1:]))
-    for first in range(0, len(position), INTERPOLATED_AT_ONCE):
-        part = position[first : first + INTERPOLATED_AT_ONCE]
-        base = np.floor(part).astype(int)
-        offset = np.arange(-SINC_HALF_WIDTH + 1, SINC_HALF_WIDTH + 1)
-        distance = part[:, None] - (base[:, None] + offset)
-        taper = np.i0(12.0 * np.sqrt(np.clip(1 - (distance / SINC_HALF_WIDTH) ** 2, 0, None))) / np.i0(12.0)
-        weight = np.sinc(distance) * taper
-        weight /= weight.sum(axis=1, keepdims=True)
-        index = np.clip(base[:, None] + offset, 0, signal.shape[0] - 1)
-        out[first : first + len(part)] = np.einsum("ij,ij...->i...", weight, signal[index])
-    return out
+    return np.moveaxis(interpolated(np.moveaxis(signal, 0, -1), position), -1, 0)
 
 
 def amplitude_spectrum(signal: np.ndarray, segment: Segment, window: str = "hann") -> Spectrum:
