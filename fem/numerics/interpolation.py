@@ -13,13 +13,14 @@ windowed sinc, cut-off below the rate); Kaiser (1974), Proc. IEEE Int. Symp. Cir
 from __future__ import annotations
 
 import functools
+import math
 
 import numpy as np
 
 HALF_WIDTH = 48  # zeros of the sinc on either side that enter a value
 _SHAPE = 12.0  # of the Kaiser window: side lobes 118 dB down
-_PER_ZERO = 1000  # points of the table between two zeros, read linearly: error below 5e-7
-_AT_ONCE = 8192  # values; each of them takes 2 HALF_WIDTH / cutoff weights
+_PER_ZERO = 1000.0  # points of the table between two zeros, read linearly: error below 5e-7
+_AT_ONCE = 8192  # positions; so many lie close together in time
 
 
 def interpolated(values: np.ndarray, position: np.ndarray, cutoff: np.ndarray | float = 1.0) -> np.ndarray:
@@ -33,37 +34,25 @@ def interpolated(values: np.ndarray, position: np.ndarray, cutoff: np.ndarray | 
     position : float (m,), in samples from the first one
     cutoff : a share of half the sampling rate, above 0 and at most 1, of all positions or of each (m,)
     """
-    from scipy.sparse import csr_array
+    from fem.numerics.weighted_samples import weighted_samples
 
-    cutoff = np.broadcast_to(cutoff, position.shape)
+    cutoff = np.ascontiguousarray(np.broadcast_to(cutoff, position.shape), dtype=float)
     signals = values.reshape(-1, values.shape[-1])
     out = np.empty((len(signals), len(position)))
     for first in range(0, len(position), _AT_ONCE):
         block = slice(first, first + _AT_ONCE)
-        weight, index = _weights(position[block], cutoff[block])
-        index = np.clip(index, 0, signals.shape[1] - 1)
-        low, high = int(index.min()), int(index.max()) + 1
-        rows = np.arange(0, weight.size + 1, weight.shape[1])
-        product = csr_array((weight.ravel(), (index - low).ravel(), rows), shape=(len(weight), high - low))
-        out[:, block] = (product @ np.asarray(signals[:, low:high].T, dtype=float)).T
+        at, reach = position[block], math.ceil(HALF_WIDTH / cutoff[block].min())
+        last = signals.shape[1] - 1
+        low = int(np.clip(np.floor(at.min()) - reach, 0, last))
+        high = int(np.clip(np.ceil(at.max()) + reach, 0, last))
+        near = np.ascontiguousarray(signals[:, low : high + 1], dtype=float)
+        out[:, block] = weighted_samples(near, at - low, cutoff[block], _table(), _PER_ZERO, HALF_WIDTH)
     return out.reshape(*values.shape[:-1], len(position))
-
-
-def _weights(position: np.ndarray, cutoff: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Weights (m, w) of the samples (m, w) that enter each value; they sum to 1, so that a constant stays one."""
-    reach = int(np.ceil(HALF_WIDTH / cutoff.min()))
-    index = np.floor(position).astype(int)[:, None] + np.arange(-reach + 1, reach + 1)
-    place = np.abs(position[:, None] - index) * (_PER_ZERO * cutoff[:, None])
-    table = _table()
-    below = np.minimum(place.astype(int), len(table) - 2)
-    weight = table[below] + (place - below) * (table[below + 1] - table[below])
-    weight[place >= len(table) - 2] = 0.0
-    return weight / weight.sum(axis=1, keepdims=True), index
 
 
 @functools.cache
 def _table() -> np.ndarray:
     """The windowed sinc from its middle on, then a zero."""
-    place = np.arange(HALF_WIDTH * _PER_ZERO + 2) / _PER_ZERO
+    place = np.arange(HALF_WIDTH * int(_PER_ZERO) + 2) / _PER_ZERO
     taper = np.i0(_SHAPE * np.sqrt(np.clip(1.0 - (place / HALF_WIDTH) ** 2, 0.0, None))) / np.i0(_SHAPE)
     return np.sinc(place) * taper

@@ -1,0 +1,42 @@
+"""Sums of samples under a symmetric kernel that is given as a table. Importing this module imports numba."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem.numerics.compiled import stored
+
+
+@stored(__file__, fastmath={"contract", "reassoc"})
+def weighted_samples(
+    values: np.ndarray, position: np.ndarray, cutoff: np.ndarray, table: np.ndarray, per_zero: float, half_width: float
+) -> np.ndarray:
+    """Sums (channel, m) over the samples of `values` (channel, n) about every position, by weights that sum to 1.
+
+    The weight at a distance d is read linearly from the table at d * cutoff * per_zero and is 0 from half_width on;
+    a sample before the first or after the last one has their value.
+    """
+    channels, samples = values.shape
+    out = np.zeros((channels, position.size))
+    weight = np.empty(2 * int(np.ceil(half_width / cutoff.min())) + 2)
+    for i in range(position.size):
+        first = int(np.floor(position[i] - half_width / cutoff[i])) + 1
+        last = int(np.ceil(position[i] + half_width / cutoff[i]))
+        total = 0.0
+        for k in range(last - first):
+            place = abs(position[i] - first - k) * cutoff[i] * per_zero
+            below = int(place)
+            weight[k] = table[below] + (place - below) * (table[below + 1] - table[below])
+            total += weight[k]
+        inside = first >= 0 and last <= samples
+        for channel in range(channels):
+            found = 0.0
+            if inside:
+                near = values[channel, first:last]
+                for k in range(near.size):
+                    found += weight[k] * near[k]
+            else:
+                for k in range(last - first):
+                    found += weight[k] * values[channel, min(max(first + k, 0), samples - 1)]
+            out[channel, i] = found / total
+    return out
