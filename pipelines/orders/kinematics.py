@@ -19,12 +19,17 @@ class Shaft:
 
 @dataclass(frozen=True, kw_only=True)
 class Gear:
-    """A gear of a pair; pairs are numbered from 1 in `stage`."""
+    """A gear of a pair; pairs are numbered from 1 in `stage`.
+
+    `cycle` is the mesh cycle of the pair where the angle of the shaft is zero, 0 if nobody knows: then the teeth are
+    counted from the one that is in mesh there.
+    """
 
     name: str
     shaft: str
     stage: int
     teeth: int
+    cycle: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)

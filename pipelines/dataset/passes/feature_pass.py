@@ -26,8 +26,12 @@ from pipelines.dataset.rows import DONE, numbers, read_row, read_rows, row_path,
 from pipelines.dataset.store import read_run
 from pipelines.dataset.tables import write_parquet
 from pipelines.engine.code_version import code_version
+from pipelines.features.average import FEWEST_TURNS, Meshes, average
 from pipelines.features.statistics import statistics
 from pipelines.features.synchronous import synchronous
+from pipelines.features.turns import cut_turns
+from pipelines.orders.revolutions import moving_stretches
+from pipelines.orders.rotation import Rotation
 
 FEATURE_ROWS = "feature_rows"
 FEATURES = "features.parquet"
@@ -106,7 +110,7 @@ def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) ->
         raise InputError(f"--start {start:g}: the runs last {length:g} s. Give a time from 0 to below that.")
     plan = stored_plan(facts)
     angle = ANGLE in stored
-    code = code_version("pipelines.features.statistics", "pipelines.features.synchronous")
+    code = code_version("pipelines.features.statistics", "pipelines.features.synchronous", "pipelines.features.turns")
     for row in read_rows(folder):
         if row["status"] == DONE:
             yield FeatureJob(
@@ -147,13 +151,28 @@ def _channels(job: FeatureJob) -> Iterator[dict[str, Any]]:
     if job.shafts:
         angles = read_run(job.folder, job.run, ANGLE)[:, first:]
         for shaft, angle, meshes in zip(job.shafts, angles, job.meshes, strict=True):
-            of_shaft = synchronous(signal, time, angle, shaft, meshes)
+            of_shaft = _of_shaft(signal, time, angle, meshes)
             found |= {f"{shaft}_{name}": values for name, values in of_shaft.items()}
     for i, sensor in enumerate(job.sensors):
         for j, axis in enumerate(job.axes):
             values = {name: float(value[i, j]) for name, value in found.items()}
             finite = {name: value if math.isfinite(value) else None for name, value in values.items()}
             yield {"sensor": sensor, "axis": axis, **finite}
+
+
+def _of_shaft(signal: np.ndarray, time: np.ndarray, angle: np.ndarray, meshes: Meshes) -> dict[str, np.ndarray]:
+    """Features of the average over the longest stretch in which a shaft turns; none where it turns too seldom."""
+    stretches = moving_stretches(angle)
+    if not stretches:
+        return {}
+    longest = max(stretches, key=lambda one: one.stop - one.start)
+    rotation = Rotation(angle=angle, source="stored angle", error=0.0, absolute=True)
+    window = float(time[longest.start]), float(time[longest.stop - 1])
+    cut = cut_turns(signal.reshape(-1, signal.shape[-1]), time, rotation, 1.0, window)
+    if cut is None or cut.count < FEWEST_TURNS:
+        return {}
+    found = synchronous(average(cut.values, cut.orders, meshes))
+    return {name: values.reshape(signal.shape[:-1]) for name, values in found.items()}
 
 
 def _lines(folder: Path) -> Iterator[dict[str, Any]]:

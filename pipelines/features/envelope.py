@@ -1,0 +1,52 @@
+"""Features of the squared envelope over the turns of a shaft: its orders, and the energy of every tooth.
+
+References
+----------
+McFadden (1986), J. Vib. Acoust. 108(2), 165-170 (a damaged tooth modulates the mesh once a turn); Ho & Randall (2000),
+Mech. Syst. Signal Process. 14(5), 763-788 (spectrum of the squared envelope).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+ENVELOPE_HARMONICS = 5
+
+
+def envelope_orders(envelope: np.ndarray) -> np.ndarray:
+    """Level (channel,) of the orders 1 to 5 in the squared envelope averaged over the turns, over its mean.
+
+    Parameters
+    ----------
+    envelope : squared envelope (channel, turn, place)
+    """
+    averaged = envelope.mean(axis=1)
+    lines = 2.0 * np.abs(np.fft.rfft(averaged, axis=-1))[:, 1 : ENVELOPE_HARMONICS + 1] / averaged.shape[-1]
+    return np.sqrt(np.sum(lines**2, axis=-1)) / averaged.mean(axis=-1)
+
+
+def tooth_energies(envelope: np.ndarray, teeth: int) -> np.ndarray:
+    """Mean of the squared envelope (channel, tooth) while each tooth of a gear passes, over all turns.
+
+    Tooth i passes from angle 2 pi i / teeth to 2 pi (i + 1) / teeth.
+    """
+    averaged = envelope.mean(axis=1)
+    places = averaged.shape[-1]
+    total = np.concatenate([np.zeros((len(averaged), 1)), np.cumsum(averaged, axis=-1)], axis=-1)
+    edges = np.arange(teeth + 1) * places / teeth
+    below = np.minimum(edges.astype(int), places - 1)
+    at = total[:, below] + (edges - below) * averaged[:, below]
+    return np.diff(at, axis=-1) * teeth / places
+
+
+def tooth_contrast(energies: np.ndarray) -> np.ndarray:
+    """Root of the greatest over the median energy (channel,) of the teeth: one tooth that stands out.
+
+    A healthy gear with pitch deviations differs little from tooth to tooth; a local fault concentrates the energy.
+    """
+    return np.sqrt(energies.max(axis=-1) / np.median(energies, axis=-1))
+
+
+def marked_tooth(energies: np.ndarray) -> int:
+    """The tooth that stands out in the geometric mean over the channels."""
+    return int(np.argmax(np.mean(np.log(energies / energies.mean(axis=-1, keepdims=True)), axis=0)))

@@ -1,0 +1,70 @@
+"""The features of a recording: one table over channel (sensor, axis), component of the machine and feature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.storage.records import Record, array, names
+
+if TYPE_CHECKING:
+    import xarray
+
+WHOLE = "whole machine"  # features of the signal over time, which belong to no component
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FeatureTable(Record):
+    """Values, in the unit of the signal or without one, of a recording.
+
+    A line is a feature of a component. `gear` and `tooth` name the tooth of each gear that stands out most, which means
+    something only if the gear is damaged; `window`, `band_low` and `band_high` are the bands of the envelopes;
+    `left_out` says in words which components do not turn often enough, and what it would take.
+    """
+
+    sensor: tuple[str, ...] = names("channel")
+    axis: tuple[str, ...] = names("channel")
+    component: tuple[str, ...] = names("line")
+    feature: tuple[str, ...] = names("line")
+    value: np.ndarray = array("channel", "line", units="per feature")
+    gear: tuple[str, ...] = names("gear")
+    tooth: np.ndarray = array("gear", units="1", dtype=int)
+    window: tuple[str, ...] = names("window")
+    band_low: np.ndarray = array("window", units="Hz")
+    band_high: np.ndarray = array("window", units="Hz")
+    left_out: tuple[str, ...] = names("left_out")
+
+    @property
+    def levels(self) -> np.ndarray:
+        """20 log10 of the values in the mean over the channels (line,), dB."""
+        return np.mean(20.0 * np.log10(np.maximum(self.value, np.finfo(float).tiny)), axis=0)
+
+    @property
+    def lines(self) -> tuple[tuple[str, str], ...]:
+        """Component and feature of every line."""
+        return tuple(zip(self.component, self.feature, strict=True))
+
+    def tooth_of(self, gear: str) -> int | None:
+        """The tooth of a gear that stands out most; None if its place is not known."""
+        return int(self.tooth[self.gear.index(gear)]) if gear in self.gear else None
+
+    def labelled(self) -> xarray.DataArray:
+        """The values over sensor, axis, component and feature; NaN where there is none."""
+        import xarray
+
+        parts = (self.sensor, self.axis, self.component, self.feature)
+        known = [list(dict.fromkeys(part)) for part in parts]
+        out = np.full([len(part) for part in known], np.nan)
+        for i, (sensor, axis) in enumerate(zip(self.sensor, self.axis, strict=True)):
+            for j, (component, feature) in enumerate(self.lines):
+                place = (
+                    known[0].index(sensor),
+                    known[1].index(axis),
+                    known[2].index(component),
+                    known[3].index(feature),
+                )
+                out[place] = self.value[i, j]
+        dims = ("sensor", "axis", "component", "feature")
+        return xarray.DataArray(out, dims=dims, coords=dict(zip(dims, known, strict=True)), name="features")
