@@ -17,7 +17,7 @@ _UNITS = ("unit_string", "NI_UnitDescription")
 
 def memory(path: Path) -> int:
     """Bytes that its values take, scaled."""
-    with _library().open(path) as file:
+    with path.open("rb") as raw, _library().open(raw) as file:
         return sum(
             max(8, channel.dtype.itemsize) * len(channel) for group in file.groups() for channel in group.channels()
         )
@@ -25,7 +25,8 @@ def memory(path: Path) -> int:
 
 def open_tdms(path: Path) -> Contents:
     """The channels of all groups, named "group/channel" where there are several groups."""
-    file = _library().read(path)
+    with path.open("rb") as raw:  # which nptdms leaves open when it stumbles
+        file = _library().read(raw)
     if file.file_status.incomplete_final_segment:
         raise InputError(
             f"{shown(path)}: ends within its last segment. Copy the file again, or close the recorder first."

@@ -7,7 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from pipelines.border.errors import InputError
+from pipelines.border.shown import shown
 from pipelines.recordings.channels import Channel, Contents
+
+_UNSAID = 0xFFFFFFFF  # size of a file that was written as a stream
 
 
 def memory(path: Path) -> int:
@@ -16,12 +20,20 @@ def memory(path: Path) -> int:
 
 
 def open_wav(path: Path) -> Contents:
-    """The channels of a WAV file, named by their numbers."""
+    """The channels of a WAV file, named by their numbers.
+
+    Raises
+    ------
+    InputError : the file is shorter than its head says
+    """
     from scipy.io import wavfile
 
+    with path.open("rb") as file:
+        kind, size = file.read(4), int.from_bytes(file.read(4), "little")
+    if kind == b"RIFF" and size != _UNSAID and size + 8 > path.stat().st_size:
+        raise InputError(f"{shown(path)}: is cut off, it has {path.stat().st_size} of {size + 8} bytes. Copy it again.")
     with warnings.catch_warnings():
-        warnings.filterwarnings("error", message="Reached EOF", category=wavfile.WavFileWarning)
-        warnings.filterwarnings("ignore", category=wavfile.WavFileWarning)  # chunks of text that are passed over
+        warnings.simplefilter("ignore", wavfile.WavFileWarning)  # on chunks of text that are passed over
         rate, samples = wavfile.read(path)
     samples = samples.reshape(len(samples), -1)
     scale, middle = _scale(samples.dtype)
