@@ -228,12 +228,12 @@ def _inspect(sub: argparse.ArgumentParser) -> None:
 
 def _export(sub: argparse.ArgumentParser) -> None:
     _run_folder(sub)
-    sub.add_argument("--to", dest="form", choices=("csv", "mat"), required=True, help="file format")
+    sub.add_argument("--to", dest="form", choices=("csv", "mat", "uff"), required=True, help="file format")
     sub.add_argument(
         "--out",
         metavar="FILE",
         type=path,
-        help="file to write (default: response.csv or .mat in the run folder)",
+        help="file to write (default: response.csv, .mat or .uff in the run folder)",
     )
 
 

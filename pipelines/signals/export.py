@@ -1,4 +1,4 @@
-"""Results in files that other tools read: signals as CSV or MATLAB, diagnoses as netCDF, CSV and JSON."""
+"""Results in files that other tools read: signals as CSV, MATLAB or UFF, diagnoses as netCDF, CSV and JSON."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pipelines.border.universal_file import QUANTITIES, Function, write_function
 from pipelines.signals.lines import joined
 
 if TYPE_CHECKING:
@@ -19,8 +20,9 @@ if TYPE_CHECKING:
 
     from pipelines.signals.diagnosis import Diagnosis
 
-FORMATS = ("csv", "mat")
+FORMATS = ("csv", "mat", "uff")
 ROWS_AT_ONCE = 8192
+_DIRECTIONS = {"x": 1, "y": 2, "z": 3}  # of a universal file
 
 
 class ExportError(ValueError):
@@ -28,13 +30,13 @@ class ExportError(ValueError):
 
 
 def export(run: xarray.Dataset, path: Path | str, form: str) -> Path:
-    """Write a response as `form` "csv" or "mat"; returns the path.
+    """Write a response as `form`, one of FORMATS; returns the path.
 
     Raises
     ------
     ExportError : the format is not known
     """
-    writers = {"csv": write_csv, "mat": write_mat}
+    writers = {"csv": write_csv, "mat": write_mat, "uff": write_uff}
     if form not in writers:
         raise ExportError(f"format {form!r}: known are {', '.join(FORMATS)}")
     return writers[form](run, path)
@@ -78,6 +80,49 @@ def write_mat(run: xarray.Dataset, path: Path | str) -> Path:
     return path
 
 
+def write_uff(run: xarray.Dataset, path: Path | str) -> Path:
+    """Universal file: a function (dataset 58, ASCII, double precision) for each signal, read and written one by one.
+
+    The first line of each is the name of the signal, as in the header of the CSV file, the second the title of the run.
+    Its point is named after the place (cut to ten characters), its direction is the axis, 0 where there is none.
+    """
+    path = Path(path)
+    time = run.time.values
+    kinds = {units: kind for kind, units in QUANTITIES.items()}
+    with path.open("w", encoding="ascii", errors="replace", newline="\n") as file:
+        for name, variable in run.data_vars.items():
+            if "time" not in variable.dims:
+                continue
+            units = str(variable.attrs.get("units", ""))
+            for words, place in signal_places(run, variable):
+                signal = variable.isel(place).transpose("time")
+                axis = words[-1] if "axis" in place else ""
+                head = Function(
+                    lines=(" ".join([str(name), *words]), str(run.attrs.get("title", ""))),
+                    entity=words[0] if words else "",
+                    node=1 + next(iter(place.values()), -1),
+                    direction=_DIRECTIONS.get(axis, 0),
+                    size=len(time),
+                    start=float(time[0]),
+                    step=float(time[-1] - time[0]) / (len(time) - 1),
+                    quantity=kinds.get(units, 0),
+                    units=units,
+                )
+                parts = (
+                    slice(first, min(first + ROWS_AT_ONCE, len(time))) for first in range(0, len(time), ROWS_AT_ONCE)
+                )
+                write_function(file, head, (signal.isel(time=part).values for part in parts))
+    return path
+
+
+def signal_places(run: xarray.Dataset, variable: xarray.DataArray) -> Iterator[tuple[list[str], dict[str, int]]]:
+    """The names of every place of a signal, and its numbers along all dimensions but time."""
+    others = [str(dim) for dim in variable.dims if dim != "time"]
+    for numbers in np.ndindex(*(run.sizes[dim] for dim in others)):
+        place = dict(zip(others, numbers, strict=True))
+        yield [str(run[dim].values[i]) if dim in run.coords else str(i + 1) for dim, i in place.items()], place
+
+
 def signal_columns(run: xarray.Dataset) -> Iterator[tuple[str, np.ndarray]]:
     """Name with unit and samples (time,) of every signal; several dimensions become several columns."""
     for name, variable in run.data_vars.items():
@@ -88,10 +133,7 @@ def signal_columns(run: xarray.Dataset) -> Iterator[tuple[str, np.ndarray]]:
         flat = variable.transpose("time", *others)
         shape = tuple(run.sizes[dim] for dim in others)
         values = flat.values.reshape(run.time.size, math.prod(shape))
-        for column in range(values.shape[1]):
-            place = np.unravel_index(column, shape) if shape else ()
-            places = zip(others, place, strict=True)
-            words = [str(run[dim].values[i]) if dim in run.coords else str(i + 1) for dim, i in places]
+        for column, (words, _) in enumerate(signal_places(run, flat)):
             yield " ".join([str(name), *words]) + unit, values[:, column]
 
 

@@ -7,7 +7,7 @@ import sys
 
 
 def main(options: argparse.Namespace) -> int:
-    """Write response.csv or response.mat."""
+    """Write response.csv, response.mat or response.uff."""
     from pipelines.border.errors import InputError
     from pipelines.border.user_files import whole_file, writable_file
     from pipelines.runs import run_folder

@@ -1,0 +1,67 @@
+"""Checks of measured samples: gaps, silence, clipping. Every channel is read block by block."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipelines.border.errors import InputError
+from pipelines.border.shown import shown
+from pipelines.recordings.channels import Channel
+
+LEAST_SAMPLES = 256
+_NEAR = 0.02  # of the range: how wide the neighbourhood of an extreme value is
+_LEAST_CLIPPED = 5  # samples at an extreme value
+_PILED = 1.5  # times as many samples at the extreme value as in its neighbourhood
+_LEAST_LEVELS = 100  # in the first block: below, the resolution is too coarse to judge by
+
+
+def checked_extremes(channel: Channel, source: str) -> tuple[float, float]:
+    """Lowest and highest value of a channel that holds enough real numbers, all finite, and changes.
+
+    Raises
+    ------
+    InputError : with the reason, and for gaps their number and first place
+    """
+    where = f"{source}: channel {shown(channel.name, 60)}"
+    if not channel.is_numeric:
+        complex_ = channel.dtype.kind == "c" or channel.dtype.names == ("real", "imag")
+        what = "complex numbers" if complex_ else "no numbers"
+        raise InputError(f"{where} holds {what} ({shown(str(channel.dtype), 40)}). Give a signal over time.")
+    if channel.size < LEAST_SAMPLES:
+        raise InputError(f"{where} has {channel.size} samples, at least {LEAST_SAMPLES} are needed. Record longer.")
+    gaps, first, low, high = 0, 0, np.inf, -np.inf
+    for start, values in channel.blocks():
+        bad = np.flatnonzero(~np.isfinite(values))
+        if len(bad) and not gaps:
+            first = start + int(bad[0]) + 1
+        gaps += len(bad)
+        low, high = min(low, float(np.min(values))), max(high, float(np.max(values)))
+    if gaps:
+        raise InputError(
+            f"{where}: {gaps} of {channel.size} samples are no finite numbers, the first is sample {first}. "
+            "Fill the gaps, or cut the recording before them."
+        )
+    if low == high:
+        raise InputError(f"{where} is {low:g} throughout. Check the sensor, or leave it out of sensors.")
+    return low, high
+
+
+def clipped_share(channel: Channel, low: float, high: float) -> float:
+    """Share of the samples that lie at the extreme values because the signal was cut there; 0.0 where it was not.
+
+    A signal that is not clipped spends less time at its highest value than just below it: samples that pile up at the
+    very highest, or lowest, value were cut off by an amplifier or converter.
+    """
+    _, start = next(channel.blocks())
+    if len(np.unique(start)) < _LEAST_LEVELS:
+        return 0.0
+    width = _NEAR * (high - low)
+    at_low = at_high = near_low = near_high = 0
+    for _, values in channel.blocks():
+        at_low += int(np.count_nonzero(values == low))
+        at_high += int(np.count_nonzero(values == high))
+        near_low += int(np.count_nonzero((values > low) & (values <= low + width)))
+        near_high += int(np.count_nonzero((values < high) & (values >= high - width)))
+    piles = ((at_low, near_low), (at_high, near_high))
+    clipped = sum(at for at, near in piles if at >= _LEAST_CLIPPED and at > _PILED * near)
+    return clipped / channel.size

@@ -1,0 +1,109 @@
+"""Formats of recordings: one reader each, chosen by the ending of the file's name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipelines.border.errors import InputError
+from pipelines.border.shown import nearest_name, shown
+from pipelines.border.user_files import names_beside, regular_file
+from pipelines.recordings import delimited, hdf5, matlab, numpy_files, tdms, universal, wav
+from pipelines.recordings.channels import Contents
+
+SHARE = 0.5  # of the memory that is free, which one file may take
+
+
+@dataclass(frozen=True, kw_only=True)
+class Format:
+    """`open` gives the channels of a file; `memory` the bytes that takes, None where it is read part by part."""
+
+    name: str
+    endings: tuple[str, ...]
+    open: Callable[[Path], Contents]
+    memory: Callable[[Path], int] | None = None
+
+
+FORMATS = (
+    Format(name="text", endings=(".csv", ".txt", ".tsv", ".dat", ".asc"), open=delimited.open_delimited),
+    Format(name="MATLAB", endings=(".mat",), open=matlab.open_mat, memory=matlab.memory),
+    Format(name="HDF5", endings=(".h5", ".hdf5", ".hdf", ".nc"), open=hdf5.open_hdf5),
+    Format(name="UFF 58", endings=(".uff", ".unv"), open=universal.open_universal, memory=universal.memory),
+    Format(name="NPY", endings=(".npy",), open=numpy_files.open_npy),
+    Format(name="NPZ", endings=(".npz",), open=numpy_files.open_npz, memory=numpy_files.npz_memory),
+    Format(name="WAV", endings=(".wav",), open=wav.open_wav, memory=wav.memory),
+    Format(name="TDMS", endings=(".tdms",), open=tdms.open_tdms, memory=tdms.memory),
+)
+BY_ENDING: Mapping[str, Format] = {ending: one for one in FORMATS for ending in one.endings}
+
+
+def format_of(path: Path) -> Format:
+    """The format of a file.
+
+    Raises
+    ------
+    InputError : there is no such file, or no format has the ending of its name
+    """
+    found = BY_ENDING.get(path.suffix.lower())
+    if found is None:
+        ending = f'the ending "{shown(path.suffix)}" is not known' if path.suffix else "its name has no ending"
+        raise InputError(f"{shown(path)}: {ending}. Known are {', '.join(BY_ENDING)}.")
+    try:
+        if not regular_file(path).stat().st_size:
+            raise InputError(f"{shown(path)}: is empty (0 bytes). Give a recording.")
+    except FileNotFoundError:
+        near = nearest_name(path.name, names_beside(path))
+        hint = f"Did you mean {shown(near)}?" if near else "Check the path."
+        raise InputError(f"{shown(path)}: no such file. {hint}") from None
+    return found
+
+
+def memory_needed(path: Path) -> int:
+    """Bytes of memory that reading a file takes, 0 where it is read part by part.
+
+    Raises
+    ------
+    InputError : not a file that can be read, or damaged
+    """
+    form = format_of(path)
+    if form.memory is None:
+        return 0
+    try:
+        return form.memory(path)
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:
+        raise _damaged(path, form, error) from error
+
+
+def open_channels(path: Path) -> Contents:
+    """The channels of a file, to be closed.
+
+    Raises
+    ------
+    InputError : not a file that can be read, damaged, or larger than the memory that is free
+    """
+    import psutil
+
+    form, needed = format_of(path), memory_needed(path)
+    free = psutil.virtual_memory().available
+    if needed > SHARE * free:
+        raise InputError(
+            f"{shown(path)}: takes {needed / 1e6:.0f} MB of memory, {SHARE * free / 1e6:.0f} MB may be used (half of "
+            "what is free). Cut it, or save it as HDF5, NPY or CSV, which are read part by part."
+        )
+    try:
+        return form.open(path)
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:  # a library that meets a damaged file raises whatever it stumbles over
+        raise _damaged(path, form, error) from error
+
+
+def _damaged(path: Path, form: Format, error: Exception) -> InputError:
+    reason = " ".join(str(error).split()).rstrip(".") or type(error).__name__
+    return InputError(
+        f"{shown(path)}: cannot be read as {form.name} ({shown(reason)}). It is damaged, cut off or of another format; "
+        "save or copy it again."
+    )

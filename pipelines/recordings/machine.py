@@ -1,0 +1,192 @@
+"""Machine: what a recording was made on, and how its file is to be read.
+
+It is described by a short file of its own (`pipelines.recordings.machine_table.MachineTable`) or by a scene.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from pipelines.border.errors import Problem, SceneError
+from pipelines.orders.kinematics import Bearing, Gear, Kinematics, Shaft
+from pipelines.recordings.machine_table import BearingTable, ChannelName, MachineTable
+from pipelines.recordings.units import plain_units
+
+_OF_A_SCENE = ("stages", "extends")  # a file with one of these keys is a scene
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tachometer:
+    """A channel of pulses of a shaft; `level` of a pulse in the units of the channel, None for half way."""
+
+    channel: ChannelName
+    pulses_per_turn: float
+    shaft: str
+    level: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Machine:
+    """The kinematics, and how the channels of a file become signals in m/s2.
+
+    `sensors` are channels by sensor and axis, empty where every channel of the file is a sensor. `rate` is in Hz;
+    `sensitivity` in V per g, None where the file is not in volts; `full_scale` is the value of a WAV file's full scale.
+    """
+
+    name: str
+    kinematics: Kinematics
+    sensors: Mapping[str, Mapping[str, ChannelName]] = field(default_factory=dict)
+    rate: float | None = None
+    time: ChannelName | None = None
+    units: str | None = None
+    sensitivity: float | None = None
+    full_scale: float = 1.0
+    tachometer: Tachometer | None = None
+
+
+def read_machine(source: str | Path) -> Machine:
+    """The machine of a description, of a scene file (both end in .toml), or of a shipped scene by its name.
+
+    Raises
+    ------
+    SceneError : with all problems of the file
+    InputError : there is no such file or scene, or it is no TOML
+    """
+    from pipelines.scene.file import find_source, parse, validate
+    from pipelines.scene.merge import Merged
+
+    found = find_source(source)
+    tree = parse(found)
+    if found.folder is None or any(key in tree for key in _OF_A_SCENE):
+        return _of_scene(source)
+    table, _ = validate(Merged(tree), MachineTable, found.shown)
+    shafts, problems = _shafts(table)
+    bearings, misfits = _bearings(table)
+    if problems + misfits:
+        raise SceneError(found.shown, problems + misfits)
+    return _of_table(table, shafts, bearings, found.name)
+
+
+def _of_scene(source: str | Path) -> Machine:
+    from pipelines.plant.bearings import rolling_bearings
+    from pipelines.plant.kinematics import kinematics_of
+    from pipelines.plant.layout import lay_out
+    from pipelines.scene.file import load_scene
+
+    loaded = load_scene(source)
+    layout = lay_out(loaded.scene, loaded.source.shown)
+    return Machine(
+        name=loaded.name, kinematics=kinematics_of(layout, rolling_bearings(loaded.scene.shafts, loaded.scene.bearings))
+    )
+
+
+def _of_table(table: MachineTable, shafts: Sequence[Shaft], bearings: Sequence[Bearing], name: str) -> Machine:
+    pulses = table.tachometer
+    return Machine(
+        name=name,
+        kinematics=Kinematics(
+            shafts=tuple(shafts),
+            gears=tuple(
+                Gear(name=f"stage {stage} {gear}", shaft=_name(number), stage=stage, teeth=teeth)
+                for stage, (pair, numbers) in enumerate(zip(table.teeth, _pairs(table), strict=True), 1)
+                for gear, teeth, number in zip(("pinion", "wheel"), pair, numbers, strict=True)
+            ),
+            bearings=tuple(bearings),
+            frequency=None if table.speed_rpm is None else table.speed_rpm / 60,
+        ),
+        sensors=table.sensors,
+        rate=table.rate_Hz,
+        time=table.time,
+        units=None if table.units is None else plain_units(table.units),
+        sensitivity=None if table.sensitivity_mV_g is None else table.sensitivity_mV_g / 1000,
+        full_scale=table.full_scale,
+        tachometer=None
+        if pulses is None
+        else Tachometer(
+            channel=pulses.channel,
+            pulses_per_turn=pulses.pulses_per_turn,
+            shaft=_name(pulses.shaft),
+            level=pulses.level,
+        ),
+    )
+
+
+def _name(number: int) -> str:
+    return f"shaft_{number}"
+
+
+def _pairs(table: MachineTable) -> Sequence[tuple[int, int]]:
+    """Numbers of the shafts of each pair; in series unless they are given."""
+    return table.shafts or [(number, number + 1) for number in range(1, len(table.teeth) + 1)]
+
+
+def _shafts(table: MachineTable) -> tuple[list[Shaft], list[Problem]]:
+    """The shafts with their speeds over that of shaft 1, and what does not fit together."""
+    speeds = dict(enumerate(table.ratios, 1)) or {1: 1.0}
+    problems = []
+    waiting = {
+        stage: (pair, *teeth) for stage, (pair, teeth) in enumerate(zip(_pairs(table), table.teeth, strict=True), 1)
+    }
+    while ready := next((s for s, (pair, *_) in waiting.items() if pair[0] in speeds or pair[1] in speeds), None):
+        (one, other), driving, driven = waiting.pop(ready)
+        if one not in speeds:
+            one, other, driving, driven = other, one, driven, driving
+        speed = speeds[one] * driving / driven
+        if not math.isclose(speeds.setdefault(other, speed), speed, rel_tol=1e-9):
+            problems.append(
+                Problem(
+                    f"teeth.{ready}",
+                    f"turns shaft {other} at {speed:.6g} times the first shaft's speed, the other pairs at "
+                    f"{speeds[other]:.6g}",
+                    "Correct teeth or shafts",
+                )
+            )
+    for stage, ((one, other), *_) in waiting.items():
+        problems.append(
+            Problem(
+                f"shafts.{stage}", f"no pair connects shafts {one} and {other} to shaft 1", "Connect or remove them"
+            )
+        )
+    missing = sorted(set(range(1, max(speeds) + 1)) - speeds.keys()) if not waiting else []
+    if missing:
+        problems.append(Problem("shafts", f"shaft {missing[0]} is in no pair", "Number the shafts 1, 2, 3, ..."))
+    named = [(f"bearings.{number}.shaft", bearing.shaft) for number, bearing in enumerate(table.bearings, 1)]
+    named += [] if table.tachometer is None else [("tachometer.shaft", table.tachometer.shaft)]
+    for path, shaft in named:
+        if shaft not in speeds:
+            problems.append(
+                Problem(path, f"there is no shaft {shaft}, the machine has {len(speeds)}", "Give one of them")
+            )
+    return [Shaft(name=_name(number), ratio=speeds[number]) for number in sorted(speeds)], problems
+
+
+def _bearings(table: MachineTable) -> tuple[list[Bearing], list[Problem]]:
+    """The bearings with their pass orders, and those whose rolling elements do not fit."""
+    from mbd.parts.checks import MachineError
+
+    found, problems = [], []
+    for number, bearing in enumerate(table.bearings, 1):
+        try:
+            orders = bearing.orders() or _geometric_orders(bearing)
+            found.append(Bearing(name=bearing.name, shaft=_name(bearing.shaft), orders=orders))
+        except MachineError as error:
+            problems.append(Problem(f"bearings.{number}", str(error), "Correct its numbers"))
+    return found, problems
+
+
+def _geometric_orders(table: BearingTable) -> dict[str, float]:
+    from mbd.parts.rolling_elements import RollingElements
+    from pipelines.plant.kinematics import pass_orders
+
+    return pass_orders(
+        RollingElements(
+            kind="ball",  # rollers pass as balls do
+            count=table.elements or 0,
+            diameter=(table.element_diameter_mm or 0.0) / 1000,
+            pitch_diameter=(table.pitch_diameter_mm or 0.0) / 1000,
+            contact_angle=math.radians(table.contact_angle_deg),
+        )
+    )

@@ -1,0 +1,149 @@
+"""The short description of a machine that was measured: its keys, as they are written in a TOML file.
+
+teeth = [[21, 62], [23, 75]]        # pairs in series, the driving gear first
+speed_rpm = 1480                    # of the first shaft
+rate_Hz = 25600
+units = "g"
+sensors = { gearbox = "channel 1" }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+from pydantic import Field, PlainValidator, model_validator
+
+from pipelines.recordings.units import ACCELERATIONS, VOLTAGES, plain_units
+from pipelines.scene.tables.base import Number, Positive, Table
+from pipelines.scene.tables.base import Whole as Integer
+
+AXES = ("x", "y", "z")
+DEFAULT_AXIS = "z"
+PASS_ORDERS = ("BPFO", "BPFI", "BSF", "FTF")
+_GEOMETRY = ("elements", "pitch_diameter_mm", "element_diameter_mm")
+ChannelName = str | int  # name of a channel, or its number in the file, from 1
+
+
+def _channel(value: Any) -> ChannelName:
+    named, numbered = isinstance(value, str) and value, type(value) is int and value >= 1  # true is no number
+    if not (named or numbered):
+        raise ValueError("must be the name of a channel in quotes, or its number in the file, from 1")
+    return value
+
+
+def _sensors(value: Any) -> dict[str, dict[str, ChannelName]]:
+    """Sensors as names with a channel by axis; a single channel is that of the default axis."""
+    if not isinstance(value, dict) or not value:
+        raise ValueError('must be a table of names and channels, as in { gearbox = "channel 1" }')
+    found = {}
+    for name, given in value.items():
+        channels = given if isinstance(given, dict) else {DEFAULT_AXIS: given}
+        if unknown := [axis for axis in channels if axis not in AXES]:
+            raise ValueError(f"{name} has the axis {unknown[0]}; known are {', '.join(AXES)}")
+        if not channels:
+            raise ValueError(f'{name} has no channel; write {name} = {{ x = "channel 1" }}')
+        try:
+            found[name] = {axis: _channel(channel) for axis, channel in channels.items()}
+        except ValueError as error:
+            raise ValueError(f"{name} {error}") from None
+    return found
+
+
+Channel = Annotated[ChannelName, PlainValidator(_channel)]
+Teeth = Annotated[Integer, Field(ge=3, le=10_000)]
+ShaftNumber = Annotated[Integer, Field(ge=1, le=100)]
+
+
+class TachometerTable(Table):
+    """A channel with pulses of a shaft: a tachometer, or an encoder."""
+
+    channel: Annotated[Channel, Field(description="name, or number in the file")]
+    pulses_per_turn: Annotated[Positive, Field(description="of its shaft")] = 1.0
+    shaft: Annotated[ShaftNumber, Field(description="number of the shaft that carries the mark")] = 1
+    level: Annotated[Number | None, Field(description="of a pulse, in the units of the channel; else half way")] = None
+
+
+class BearingTable(Table):
+    """A rolling bearing, by its geometry or by its pass orders."""
+
+    name: Annotated[str, Field(min_length=1, max_length=60, description="as results show it")]
+    shaft: Annotated[ShaftNumber, Field(description="number of its shaft")] = 1
+    elements: Annotated[Integer | None, Field(ge=3, le=1000, description="number of balls or rollers")] = None
+    pitch_diameter_mm: Annotated[Positive | None, Field(description="of the circle through the elements")] = None
+    element_diameter_mm: Annotated[Positive | None, Field(description="of a ball or roller")] = None
+    contact_angle_deg: Annotated[Number, Field(ge=0, lt=75, description="of the contact")] = 0.0
+    BPFO: Annotated[Positive | None, Field(description="pass order of the outer ring per turn of the shaft")] = None
+    BPFI: Annotated[Positive | None, Field(description="pass order of the inner ring")] = None
+    BSF: Annotated[Positive | None, Field(description="turns of an element per turn of the shaft")] = None
+    FTF: Annotated[Positive | None, Field(description="turns of the cage per turn of the shaft")] = None
+
+    @model_validator(mode="after")
+    def _one_way(self) -> BearingTable:
+        geometry = [key for key in _GEOMETRY if getattr(self, key) is not None]
+        if bool(geometry) == bool(self.orders()):
+            raise ValueError(f"give either {', '.join(_GEOMETRY)}, or pass orders ({', '.join(PASS_ORDERS)})")
+        if geometry and len(geometry) < len(_GEOMETRY):
+            raise ValueError(f"{', '.join(key for key in _GEOMETRY if key not in geometry)} is missing beside the rest")
+        return self
+
+    def orders(self) -> dict[str, float]:
+        """The pass orders that are written."""
+        return {name: getattr(self, name) for name in PASS_ORDERS if getattr(self, name) is not None}
+
+
+class MachineTable(Table):
+    """A machine and how its recordings are to be read."""
+
+    teeth: Annotated[
+        tuple[tuple[Teeth, Teeth], ...], Field(max_length=50, description="of driving and driven gear, pair by pair")
+    ] = ()
+    shafts: Annotated[
+        tuple[tuple[ShaftNumber, ShaftNumber], ...] | None,
+        Field(description="numbers of the shafts of each pair; left out: pairs in series"),
+    ] = None
+    ratios: Annotated[
+        tuple[Positive, ...], Field(max_length=100, description="speeds of the shafts over the first, without teeth")
+    ] = ()
+    bearings: Annotated[tuple[BearingTable, ...], Field(max_length=200, description="rolling bearings")] = ()
+    speed_rpm: Annotated[Positive | None, Field(description="of the first shaft; not needed with a tachometer")] = None
+    rate_Hz: Annotated[Positive | None, Field(description="samples per second, if the file does not say it")] = None
+    time: Annotated[Channel | None, Field(description="channel that holds the time, if its name does not say it")] = (
+        None
+    )
+    units: Annotated[str | None, Field(description="of the signals; left out: those of the file, else m/s2")] = None
+    sensitivity_mV_g: Annotated[Positive | None, Field(description="of the sensors, where a file is in volts")] = None
+    full_scale: Annotated[Positive, Field(description="value of a WAV file's full scale, in the units")] = 1.0
+    sensors: Annotated[
+        dict[str, dict[str, ChannelName]],
+        PlainValidator(_sensors),
+        Field(
+            default={}, description="channels by sensor, or by sensor and axis; left out: every channel is one, axis z"
+        ),
+    ]
+    tachometer: Annotated[TachometerTable | None, Field(description="pulses of a shaft")] = None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> MachineTable:
+        if problems := [*self._train(), *self._signals()]:
+            raise ValueError("\n".join(problems))
+        return self
+
+    def _train(self) -> Iterator[str]:
+        if self.teeth and self.ratios:
+            yield "teeth and ratios say the same; give one of them"
+        if self.ratios and self.ratios[0] != 1.0:
+            yield f"ratios: the first is {self.ratios[0]:g}, must be 1; give all speeds over that of the first shaft"
+        if self.shafts is not None and len(self.shafts) != len(self.teeth):
+            yield f"shafts has {len(self.shafts)} pairs of numbers, teeth has {len(self.teeth)} pairs; give as many"
+        if self.speed_rpm is None and self.tachometer is None:
+            yield "speed_rpm is missing; give the speed of the first shaft, or a tachometer"
+
+    def _signals(self) -> Iterator[str]:
+        known = (*ACCELERATIONS, *VOLTAGES)
+        if self.units is None:
+            return
+        if plain_units(self.units) not in known:
+            yield f'units = "{self.units}": is not one of {", ".join(known)}'
+        elif plain_units(self.units) in VOLTAGES and self.sensitivity_mV_g is None:
+            yield "sensitivity_mV_g is missing; signals in volts need that of the sensors, as in 100"

@@ -1,0 +1,250 @@
+"""Recording: the signals of a measured file in the form that the response of a run has.
+
+A dataset with `acceleration` (time, sensor, axis) in m/s2 over even steps of `time` in s, and `tachometer` (time) where
+there is one. Axes that a sensor does not have are NaN. Samples are read from the file when they are looked at.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray
+from xarray.backends import BackendArray
+from xarray.core import indexing
+
+from pipelines.border.errors import InputError
+from pipelines.border.shown import nearest_name, shown
+from pipelines.recordings.channels import Channel, Contents
+from pipelines.recordings.checks import checked_extremes, clipped_share
+from pipelines.recordings.formats import format_of, memory_needed, open_channels
+from pipelines.recordings.hdf5 import holds_recording, open_hdf5
+from pipelines.recordings.machine import Machine
+from pipelines.recordings.machine_table import AXES, DEFAULT_AXIS, ChannelName
+from pipelines.recordings.time_axis import is_time, sampling
+from pipelines.recordings.units import ACCELERATIONS, GRAVITY, VOLTAGES, may_be_acceleration, plain_units
+from pipelines.signals.motion_warnings import ATTRIBUTE
+
+_LOG = logging.getLogger(__name__)
+_COUNTERS = ("sample", "index")
+_WORTH_A_LINE = 1e6  # bytes
+
+
+def read_recording(source: str | Path, machine: Machine) -> xarray.Dataset:
+    """The recording in a file; close it, or use it in a `with` block, to let go of the file.
+
+    A response of a run is given as it is. Attributes of others: `source` (name of the file), `format`, and `warnings`,
+    sentences by kind as JSON (clipped sensors, units that contradict the machine).
+
+    Raises
+    ------
+    InputError : the file cannot be read, or not as the machine says: what, where, value, limit and remedy
+    """
+    path = Path(source)
+    form = format_of(path)
+    if form.open is open_hdf5 and holds_recording(path):
+        return _response(path)
+    if (needed := memory_needed(path)) > _WORTH_A_LINE:
+        _LOG.info("%s: %s takes about %.0f MB of memory", shown(path), form.name, needed / 1e6)
+    contents = open_channels(path)
+    try:
+        return _recording(contents, machine, path, form.name)
+    except BaseException:
+        contents.close()
+        raise
+
+
+def _response(path: Path) -> xarray.Dataset:
+    """A file that holds a recording already."""
+    try:
+        found = xarray.open_dataset(path, engine="h5netcdf")
+    except (OSError, ValueError) as error:
+        raise InputError(f"{shown(path)}: cannot be read as signals ({error}). Write it again.") from error
+    found.attrs["source"] = path.name
+    return found
+
+
+def _recording(contents: Contents, machine: Machine, path: Path, form: str) -> xarray.Dataset:
+    source, tachometer = shown(path), machine.tachometer
+    clock = _clock(contents, machine, source)
+    pulses = None if tachometer is None else channel_of(contents, tachometer.channel, source)
+    places = _places(contents, machine, [one for one in (clock, pulses) if one is not None], source)
+    signals = [channel for axes in places.values() for channel in axes.values()]
+    used = [*signals, *([] if pulses is None else [pulses])]
+    _check_lengths([*used, *([] if clock is None else [clock])], source)
+    extremes = {channel.name: checked_extremes(channel, source) for channel in used}
+    rate, start = sampling(used, clock, machine.rate, source)
+    units = {channel.name: machine.units or plain_units(channel.units) or "m/s2" for channel in signals}
+    full = machine.full_scale if form == "WAV" else 1.0
+    scales = {channel.name: full * _to_si(channel, units[channel.name], machine, source) for channel in signals}
+    axes = [axis for axis in AXES if any(axis in given for given in places.values())]
+    table = [[given.get(axis) for axis in axes] for given in places.values()]
+    variables = {"acceleration": _variable(("sensor", "axis"), table, scales, {"units": "m/s2"})}
+    if pulses is not None and tachometer is not None:
+        marks = {"pulses_per_turn": tachometer.pulses_per_turn, "shaft": tachometer.shaft}
+        marks |= {} if tachometer.level is None else {"level": tachometer.level}
+        variables["tachometer"] = _variable((), pulses, {pulses.name: 1.0}, marks | {"units": pulses.units})
+    found = xarray.Dataset(
+        variables,
+        coords={
+            "time": ("time", start + np.arange(used[0].size) / rate, {"units": "s"}),
+            "sensor": list(places),
+            "axis": axes,
+        },
+        attrs={
+            "source": path.name,
+            "format": form,
+            ATTRIBUTE: json.dumps(dict(_warnings(places, extremes, units, scales))),
+        },
+    )
+    found.set_close(contents.close)
+    return found
+
+
+def _variable(
+    dims: tuple[str, ...], table: object, scales: Mapping[str, float], attributes: Mapping[str, object]
+) -> xarray.Variable:
+    """A variable over time and `dims` of channels in a nested list, times their scales."""
+    channels = np.empty(np.shape(np.array(table, dtype=object)), dtype=object)
+    channels[...] = table
+    return xarray.Variable(("time", *dims), indexing.LazilyIndexedArray(_View(channels, scales)), dict(attributes))
+
+
+class _View(BackendArray):
+    """Channels as an array (time, ...) that is read when it is looked at; NaN where there is no channel."""
+
+    def __init__(self, channels: np.ndarray, scales: Mapping[str, float]) -> None:
+        self._channels, self._scales = channels, scales
+        given = [channel for channel in channels.flat if channel is not None]
+        single = all(channel.dtype == np.float32 and scales[channel.name] == 1.0 for channel in given)
+        self.shape, self.dtype = (given[0].size, *channels.shape), np.dtype(np.float32 if single else np.float64)
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> np.ndarray:
+        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self._read)
+
+    def _read(self, key: tuple[int | slice, ...]) -> np.ndarray:
+        instants, places = key[0], key[1:]
+        part = slice(instants, instants + 1) if isinstance(instants, int | np.integer) else instants
+        chosen = np.asarray(self._channels[places], dtype=object)
+        count = len(range(*part.indices(self.shape[0])))
+        values = np.full((count, *chosen.shape), np.nan, self.dtype)
+        for place, channel in np.ndenumerate(chosen):
+            if channel is not None:
+                values[(slice(None), *place)] = channel.read(part) * self.dtype.type(self._scales[channel.name])
+        return values[0] if part is not instants else values
+
+
+def channel_of(contents: Contents, wanted: ChannelName, source: str) -> Channel:
+    """The channel of a name or number.
+
+    Raises
+    ------
+    InputError : there is none; lists those there are
+    """
+    if isinstance(wanted, int):
+        if wanted <= len(contents.channels):
+            return contents.channels[wanted - 1]
+        raise InputError(
+            f"{source}: there is no channel {wanted}, the file has {len(contents.channels)}: {contents.names()}. "
+            "Correct the machine's file."
+        )
+    named = {channel.name: channel for channel in contents.channels}
+    if wanted in named:
+        return named[wanted]
+    near = nearest_name(wanted, named)
+    hint = f'Did you mean "{shown(near)}"?' if near else "Correct the machine's file."
+    raise InputError(f'{source}: there is no channel "{shown(wanted)}", the file has {contents.names()}. {hint}')
+
+
+def _clock(contents: Contents, machine: Machine, source: str) -> Channel | None:
+    """The channel that holds the time: the one that the machine names, or the first that is called so."""
+    if machine.time is not None:
+        return channel_of(contents, machine.time, source)
+    return next((channel for channel in contents.channels if is_time(channel)), None)
+
+
+def _places(
+    contents: Contents, machine: Machine, others: Sequence[Channel], source: str
+) -> dict[str, dict[str, Channel]]:
+    """Channels by sensor and axis: those that the machine names, else all that may be accelerations."""
+    if machine.sensors:
+        return {
+            name: {axis: channel_of(contents, channel, source) for axis, channel in axes.items()}
+            for name, axes in machine.sensors.items()
+        }
+    found = [
+        channel
+        for channel in contents.channels
+        if channel not in others
+        and channel.dtype.kind not in "OSUbMm"
+        and channel.name not in _COUNTERS
+        and not is_time(channel)
+        and may_be_acceleration(channel.units)
+    ]
+    if not found:
+        raise InputError(
+            f"{source}: no channel can be an acceleration, the file has {contents.names()}. Name the sensors and their "
+            "units in the machine's file."
+        )
+    places: dict[str, dict[str, Channel]] = {}
+    for channel in [channel for channel in found if channel.place] or found:
+        sensor, axis = channel.place or (channel.name, DEFAULT_AXIS)
+        if axis in places.setdefault(sensor, {}):
+            raise InputError(
+                f"{source}: {shown(sensor)} {axis} is there twice, as {shown(places[sensor][axis].name)} and "
+                f"{shown(channel.name)}. Name the sensors in the machine's file."
+            )
+        places[sensor][axis] = channel
+    return places
+
+
+def _check_lengths(channels: Sequence[Channel], source: str) -> None:
+    if len({channel.size for channel in channels}) > 1:
+        lengths = ", ".join(f"{shown(channel.name, 60)} {channel.size}" for channel in channels[:10])
+        raise InputError(
+            f"{source}: the channels have different numbers of samples ({lengths}). Name channels of one length in "
+            "sensors."
+        )
+
+
+def _to_si(channel: Channel, units: str, machine: Machine, source: str) -> float:
+    """Factor from the units of a channel to m/s2."""
+    if units in ACCELERATIONS:
+        return ACCELERATIONS[units]
+    where = f"{source}: channel {shown(channel.name, 60)} is in {shown(units, 40)}"
+    if units not in VOLTAGES:
+        raise InputError(
+            f"{where}, known are {', '.join((*ACCELERATIONS, *VOLTAGES))}. Give units, or another channel."
+        )
+    if machine.sensitivity is None:
+        raise InputError(f"{where}. Give sensitivity_mV_g of the sensors in the machine's file.")
+    return VOLTAGES[units] / machine.sensitivity * GRAVITY
+
+
+def _warnings(
+    places: Mapping[str, Mapping[str, Channel]],
+    extremes: Mapping[str, tuple[float, float]],
+    units: Mapping[str, str],
+    scales: Mapping[str, float],
+) -> Iterator[tuple[str, str]]:
+    """Sentences on what is suspicious, by kind."""
+    for sensor, axes in places.items():
+        for axis, channel in axes.items():
+            low, high = extremes[channel.name]
+            if share := clipped_share(channel, low, high):
+                yield (
+                    f"clipped {sensor} {axis}",
+                    f"{shown(sensor)} {axis} is clipped: {share:.2%} of its samples lie at its extreme values, "
+                    f"{low * scales[channel.name]:.4g} and {high * scales[channel.name]:.4g} m/s2. Record it with less "
+                    "gain.",
+                )
+            said = plain_units(channel.units)
+            if said and said != units[channel.name]:
+                yield (
+                    f"units {sensor} {axis}",
+                    f"{shown(sensor)} {axis} is taken as {units[channel.name]}, as the machine says; the file says "
+                    f"{shown(said, 40)}.",
+                )

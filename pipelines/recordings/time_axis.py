@@ -1,0 +1,89 @@
+"""The even time steps of a recording: the sampling rate from a time channel, from the file or from the machine."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipelines.border.errors import InputError
+from pipelines.border.shown import shown
+from pipelines.recordings.channels import Channel
+from pipelines.recordings.units import TIMES, plain_units
+
+NAMES = ("time", "t", "zeit", "times", "timestamp", "time_s", "seconds", "x_value")
+AGREEMENT = 1e-4  # between the rates that the file and the machine say
+JITTER = 0.05  # of a step: how far an instant may lie off the even steps
+LOST = 0.4  # of a step: half a step is what one lost sample shifts at least
+_DIGITS = 12
+
+
+def is_time(channel: Channel) -> bool:
+    """Whether a channel is the time by its name; the last part of a path counts."""
+    return channel.name.lower().replace(" ", "_").rpartition(".")[2] in NAMES and channel.is_numeric
+
+
+def sampling(signals: Sequence[Channel], clock: Channel | None, rate: float | None, source: str) -> tuple[float, float]:
+    """Sampling rate (Hz) and time of the first sample (s); the rate of the machine if the file agrees with it.
+
+    Parameters
+    ----------
+    signals : that are used, of equal length
+    clock : the channel that holds the time, if there is one
+    rate : that of the machine, Hz
+    source : of the recording, for messages
+
+    Raises
+    ------
+    InputError : uneven time, rates that contradict each other, or no rate at all
+    """
+    said = {f"channel {shown(one.name, 60)}": one.rate for one in signals if one.rate is not None}
+    start = 0.0
+    if clock is not None:
+        measured, start = _even_steps(clock, source)
+        said = {f"the time in {shown(clock.name, 60)}": measured, **said}
+    if rate is not None:
+        said = {"rate_Hz": rate, **said}
+    if not said:
+        raise InputError(f"{source}: says neither time nor sampling rate. Give rate_Hz in the machine's file.")
+    (first, found), *others = said.items()
+    for other, value in others:
+        if abs(value / found - 1.0) > AGREEMENT:
+            raise InputError(
+                f"{source}: {first} says {found:.8g} Hz, {other} {value:.8g} Hz; they may differ by "
+                f"{AGREEMENT:.2%}. Correct rate_Hz, or name the channels of one rate in sensors."
+            )
+    return found, start
+
+
+def _even_steps(clock: Channel, source: str) -> tuple[float, float]:
+    """Rate and start of a time channel whose instants lie at even steps."""
+    seconds = TIMES.get(plain_units(clock.units) or "s")
+    where = f"{source}: the time in {shown(clock.name, 60)}"
+    if seconds is None:
+        raise InputError(f"{where} has the units {shown(clock.units)}, known are {', '.join(TIMES)}. Correct them.")
+    start, end = (float(clock.read(slice(at, at + 1))[0]) for at in (0, clock.size - 1))
+    step = (end - start) / (clock.size - 1)
+    if not step > 0.0:
+        raise InputError(f"{where} goes from {start:g} to {end:g}; it must rise. Leave it out and give rate_Hz.")
+    grain = _grain(clock.read(slice(0, 1000)).astype(float))
+    allowed = min(JITTER * step + grain, LOST * step)
+    for first, times in clock.blocks():
+        even = start + step * np.arange(first, first + len(times))
+        off = np.abs(times - even)
+        worst = int(np.argmax(off))
+        if not off[worst] <= allowed:
+            raise InputError(
+                f"{where} is uneven: sample {first + worst + 1} lies {off[worst] / step:.2g} steps off even ones, "
+                f"{allowed / step:.2g} are allowed. Resample it; if only its digits are too few, leave it out and give "
+                "rate_Hz."
+            )
+    return 1.0 / (step * seconds), start * seconds
+
+
+def _grain(times: np.ndarray) -> float:
+    """The step of the last digit that is written, or of the floating-point numbers if those are coarser."""
+    for digits in range(_DIGITS):
+        if np.allclose(times, np.round(times, digits), rtol=0.0, atol=1e-13 * max(1.0, float(np.abs(times).max()))):
+            return 10.0**-digits
+    return 0.0

@@ -1,0 +1,55 @@
+"""WAV files. Whole numbers become shares of the full scale, -1 to 1."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+from pipelines.border.errors import InputError
+from pipelines.border.shown import shown
+from pipelines.recordings.channels import Channel, Contents
+
+_UNSAID = 0xFFFFFFFF  # size of a file that was written as a stream
+
+
+def memory(path: Path) -> int:
+    """Bytes that the samples take: 24 bits become 32."""
+    return path.stat().st_size * 4 // 3
+
+
+def open_wav(path: Path) -> Contents:
+    """The channels of a WAV file, named by their numbers.
+
+    Raises
+    ------
+    InputError : the file is shorter than its head says
+    """
+    from scipy.io import wavfile
+
+    with path.open("rb") as file:
+        kind, size = file.read(4), int.from_bytes(file.read(4), "little")
+    if kind == b"RIFF" and size != _UNSAID and size + 8 > path.stat().st_size:
+        raise InputError(f"{shown(path)}: is cut off, it has {path.stat().st_size} of {size + 8} bytes. Copy it again.")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", wavfile.WavFileWarning)  # on chunks of text that are passed over
+        rate, samples = wavfile.read(path)
+    samples = samples.reshape(len(samples), -1)
+    scale, middle = _scale(samples.dtype)
+    found = []
+    for column in range(samples.shape[1]):
+
+        def read(part: slice, column: int = column) -> np.ndarray:
+            return (samples[part, column].astype(float) - middle) / scale
+
+        kind = samples.dtype if scale == 1.0 else np.dtype(float)
+        found.append(Channel(name=f"channel {column + 1}", size=len(samples), dtype=kind, read=read, rate=float(rate)))
+    return Contents(channels=tuple(found))
+
+
+def _scale(kind: np.dtype) -> tuple[float, float]:
+    """Full scale and middle of a type; 24 bits come in the upper ones of 32."""
+    if kind.kind == "f":
+        return 1.0, 0.0
+    return (128.0, 128.0) if kind.kind == "u" else (2.0 ** (8 * kind.itemsize - 1), 0.0)

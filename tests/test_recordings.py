@@ -1,0 +1,250 @@
+"""Recordings: every format comes back to the precision that it stores, in m/s2, over even time, under its names."""
+
+import json
+import sys
+
+import h5py
+import numpy as np
+import pytest
+import pyuff
+import xarray
+from measured import RATE, WRITERS, machine, signals, write_text
+from scipy.io import savemat, wavfile
+from synthetic import response
+
+from pipelines.border.errors import InputError
+from pipelines.border.universal_file import Function, read_functions, write_function
+from pipelines.recordings import formats
+from pipelines.recordings.formats import BY_ENDING, memory_needed
+from pipelines.recordings.machine import Tachometer
+from pipelines.recordings.recording import read_recording
+from pipelines.signals.export import export
+
+PRECISION = {"r.csv": 1e-11, "r.uff": 1e-11}  # of the digits that are written; all others keep every bit
+WITHOUT_RATE = ("r.npy",)
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_recording_comes_back_from_every_format(name, tmp_path):
+    values, path = signals(), tmp_path / name
+    WRITERS[name](path, values)
+    known = machine(rate=RATE) if name in WITHOUT_RATE else machine()
+    with read_recording(path, known) as found:
+        assert found.acceleration.dims == ("time", "sensor", "axis")
+        assert found.acceleration.attrs["units"] == "m/s2"
+        assert list(found.axis.values) == ["z"]
+        np.testing.assert_allclose(found.acceleration.values[:, :, 0], values, rtol=PRECISION.get(name, 0.0), atol=0.0)
+        np.testing.assert_allclose(found.time.values, np.arange(len(values)) / RATE, atol=1e-9)
+        assert found.attrs["source"] == name
+        assert json.loads(found.attrs["warnings"]) == {}
+
+
+def test_every_known_ending_is_written_by_a_test():
+    tried = {ending for one in set(BY_ENDING.values()) for ending in one.endings if f"r{one.endings[0]}" in WRITERS}
+    assert tried == BY_ENDING.keys()
+
+
+def test_any_part_of_a_recording_is_what_the_whole_has_there(tmp_path):
+    values, path = signals(), tmp_path / "r.npy"
+    np.save(path, values)
+    places = {"one": {"x": 1, "z": 2}, "two": {"z": 1}}
+    with read_recording(path, machine(rate=RATE, sensors=places)) as found:
+        whole = found.acceleration.values.copy()
+    with read_recording(path, machine(rate=RATE, sensors=places)) as found:
+        part = found.acceleration.isel(time=slice(100, 900, 7), sensor=[1, 0])
+        np.testing.assert_array_equal(part.values, whole[100:900:7, [1, 0]])
+        np.testing.assert_array_equal(found.acceleration.isel(time=5).values, whole[5])
+        np.testing.assert_array_equal(found.acceleration.sel(sensor="one", axis="z").values, values[:, 1])
+    assert np.isnan(whole[:, 1, 0]).all()  # the axis x, which the second sensor does not have
+
+
+@pytest.mark.parametrize("name", ["r.npy", "r.h5", "r.csv"])
+def test_a_streamed_file_of_single_precision_needs_memory_only_for_what_is_looked_at(name, tmp_path):
+    WRITERS[name](tmp_path / name, signals())
+    assert memory_needed(tmp_path / name) == 0
+
+
+@pytest.mark.parametrize("name", ["r.mat", "r.uff", "r.npz", "r.wav", "r.tdms"])
+def test_a_file_that_fills_memory_says_how_much_before_it_is_read(name, tmp_path, monkeypatch):
+    values = signals()
+    WRITERS[name](tmp_path / name, values)
+    assert memory_needed(tmp_path / name) >= values.astype(np.float32).nbytes
+    monkeypatch.setattr(formats, "SHARE", 1e-9)
+    with pytest.raises(InputError, match=r"takes 0 MB of memory, 0 MB may be used .* save it as HDF5, NPY or CSV"):
+        read_recording(tmp_path / name, machine())
+
+
+@pytest.mark.parametrize(
+    ("separator", "decimal", "header"),
+    [(",", ".", True), (",", ".", False), (" ", ".", False), (" ", ",", False)]
+    + [(separator, decimal, header) for separator in ";\t" for decimal in ".," for header in (True, False)],
+)
+@pytest.mark.parametrize("time", [True, False])
+def test_text_is_read_with_any_separator_and_decimal_mark(separator, decimal, header, time, tmp_path):
+    values, path = signals(), tmp_path / "r.txt"
+    write_text(path, values, separator, decimal, header=header, time=time)
+    with read_recording(path, machine(rate=None if time else RATE)) as found:
+        np.testing.assert_allclose(found.acceleration.values[:, :, 0], values, rtol=1e-11)
+        assert found.time.values[-1] == pytest.approx((len(values) - 1) / RATE)
+        if header:
+            assert list(found.sensor.values) == ["drive end", "free end"]
+
+
+@pytest.mark.parametrize(
+    ("head", "encoding"),
+    [
+        ("recorder 5;\nserial 17;\n\ntime;drive end\ns;g\n", "utf-8"),
+        ("# made on a bench\nZeit [s];drive end [g]\n", "utf-8-sig"),
+        ("Zeit [s];drive end [g]\n", "utf-16"),
+        ("Gerät;\ntime (ms);drive end (g)\n", "cp1252"),
+    ],
+)
+def test_titles_units_and_remarks_above_the_numbers_are_understood(head, encoding, tmp_path):
+    values, path = signals(600)[:, 0], tmp_path / "r.csv"
+    factor = 1000.0 if "(ms)" in head else 1.0
+    rows = [f"{factor * i / RATE:.7g};{value:.9g};\n".replace(".", ",") for i, value in enumerate(values)]
+    path.write_text(head.replace("drive end\n", "drive end;\n") + "".join(rows), encoding=encoding)
+    with read_recording(path, machine()) as found:
+        np.testing.assert_allclose(found.acceleration.values[:, 0, 0], 9.80665 * values, rtol=1e-7)
+        assert found.time.values[1] == pytest.approx(1.0 / RATE)
+
+
+def test_a_single_column_under_one_title_may_have_decimal_commas(tmp_path):
+    values = np.round(signals(600)[:, 0], 3)
+    text = "drive end\n" + "".join(f"{value:.3f}\n".replace(".", ",") for value in values)
+    (tmp_path / "r.csv").write_text(text, encoding="utf-8")
+    with read_recording(tmp_path / "r.csv", machine(rate=RATE)) as found:
+        np.testing.assert_allclose(found.acceleration.values[:, 0, 0], values)
+
+
+def test_more_lines_than_a_block_stay_in_order(tmp_path, monkeypatch):
+    monkeypatch.setattr("pipelines.recordings.delimited._LINES", 700)
+    values = signals()
+    write_text(tmp_path / "r.csv", values)
+    with read_recording(tmp_path / "r.csv", machine()) as found:
+        np.testing.assert_allclose(found.acceleration.values[:, :, 0], values, rtol=1e-11)
+
+
+@pytest.mark.parametrize(("units", "factor"), [("g", 9.80665), ("mm/s2", 1e-3), ("m/s^2", 1.0), (None, 1.0)])
+def test_units_become_metres_per_second_squared(units, factor, tmp_path):
+    values = signals()
+    np.save(tmp_path / "r.npy", values)
+    plain = None if units is None else units.replace("^", "")
+    with read_recording(tmp_path / "r.npy", machine(rate=RATE, units=plain)) as found:
+        np.testing.assert_allclose(found.acceleration.values[:, :, 0], factor * values)
+
+
+def test_volts_become_accelerations_by_the_sensitivity(tmp_path):
+    values = signals()
+    np.save(tmp_path / "r.npy", values)
+    with read_recording(tmp_path / "r.npy", machine(rate=RATE, units="mV", sensitivity=0.1)) as found:
+        np.testing.assert_allclose(found.acceleration.values[:, :, 0], values / 100 * 9.80665)  # 100 mV are one g
+
+
+@pytest.mark.parametrize(("kind", "full"), [(np.int16, 2**15), (np.int32, 2**31), (np.uint8, 2**7)])
+def test_whole_numbers_of_a_wav_file_are_shares_of_its_full_scale(kind, full, tmp_path):
+    shares = np.random.default_rng(3).uniform(-0.9, 0.9, 1000)
+    wavfile.write(tmp_path / "r.wav", 8000, (shares * full + (128 if kind is np.uint8 else 0)).astype(kind))
+    with read_recording(tmp_path / "r.wav", machine(full_scale=50.0)) as found:
+        np.testing.assert_allclose(found.acceleration.values[:, 0, 0], 50.0 * shares, atol=50.0 * 1.5 / full)
+
+
+def test_a_tachometer_is_kept_with_its_marks_and_is_no_sensor(tmp_path):
+    values = signals()
+    pulses = (np.arange(len(values)) % 400 < 40).astype(float)
+    savemat(tmp_path / "r.mat", {"acc": values[:, 0], "tacho": pulses, "fs": RATE})
+    tacho = Tachometer(channel="tacho", pulses_per_turn=2.0, shaft="shaft_1", level=0.5)
+    with read_recording(tmp_path / "r.mat", machine(tachometer=tacho)) as found:
+        assert list(found.sensor.values) == ["acc"]
+        np.testing.assert_array_equal(found.tachometer.values, pulses)
+        marks = {name: found.tachometer.attrs[name] for name in ("pulses_per_turn", "shaft", "level")}
+        assert marks == {"pulses_per_turn": 2.0, "shaft": "shaft_1", "level": 0.5}
+
+
+def test_fields_of_a_structure_are_channels(tmp_path):
+    values = signals()
+    savemat(tmp_path / "r.mat", {"record": {"acc": values, "Fs": RATE, "note": "a text", "t": np.arange(3000) / RATE}})
+    with read_recording(tmp_path / "r.mat", machine()) as found:
+        assert list(found.sensor.values) == ["record.acc 1", "record.acc 2"]
+        np.testing.assert_array_equal(found.acceleration.values[:, :, 0], values)
+
+
+def test_a_response_of_a_run_is_read_as_it_is(tmp_path):
+    run = response(duration=0.1)
+    run.to_netcdf(tmp_path / "response.nc", engine="h5netcdf")
+    with read_recording(tmp_path / "response.nc", machine()) as found:
+        xarray.testing.assert_identical(found.load().drop_attrs(), run.drop_attrs())
+
+
+@pytest.mark.parametrize("form", ["csv", "mat", "uff"])
+def test_what_a_run_exports_is_read_with_its_sensors_and_axes(form, tmp_path):
+    run = response(duration=0.1)
+    export(run, tmp_path / f"r.{form}", form)
+    with read_recording(tmp_path / f"r.{form}", machine(rate=RATE)) as found:
+        wanted = run.acceleration.sel(sensor=found.sensor, axis=found.axis)
+        assert found.sizes["sensor"] == 3
+        assert found.sizes["axis"] == 3
+        np.testing.assert_allclose(found.acceleration.values, wanted.values, rtol=1e-8, atol=1e-12)
+
+
+def test_exported_functions_have_their_names_units_and_directions_for_others(tmp_path):
+    run = response(duration=0.05)
+    run.attrs["title"] = "a run"
+    sets = pyuff.UFF(str(export(run, tmp_path / "r.uff", "uff"))).read_sets()
+    assert len(sets) == sum(int(np.prod(v.shape[1:])) for v in run.data_vars.values())
+    by_name = {one["id1"].strip(): one for one in sets}
+    found = by_name["acceleration sensor_2 y"]
+    assert (found["func_type"], found["ordinate_spec_data_type"], found["abscissa_spec_data_type"]) == (1, 12, 17)
+    assert (found["rsp_ent_name"].strip(), found["rsp_node"], found["rsp_dir"]) == ("sensor_2", 2, 2)
+    assert found["ordinate_axis_units_lab"].strip() == "m/s2"
+    assert found["id2"].strip() == "a run"
+    np.testing.assert_allclose(found["data"], run.acceleration.sel(sensor="sensor_2", axis="y").values, rtol=1e-11)
+    np.testing.assert_allclose(found["x"], run.time.values, atol=1e-9)
+    assert by_name["bearing_force bearing_1 x"]["ordinate_spec_data_type"] == 13
+
+
+@pytest.mark.parametrize("size", [256, 257, 258, 259])
+def test_a_function_of_any_length_is_written_and_read(size, tmp_path):
+    values = np.random.default_rng(size).normal(size=size)
+    head = Function(lines=("a",), size=size, start=0.5, step=1e-4, quantity=12, units="g", node=3, direction=-2)
+    with (tmp_path / "r.uff").open("w", encoding="ascii") as file:
+        write_function(file, head, [values[:128], values[128:]])
+    with (tmp_path / "r.uff").open(encoding="ascii") as file:
+        (found,) = read_functions(file)
+    np.testing.assert_allclose(found.values, values, rtol=1e-12)
+    assert (found.head.node, found.head.direction, found.head.units, found.head.start) == (3, -2, "g", 0.5)
+    with read_recording(tmp_path / "r.uff", machine()) as recording:  # the sensor points the other way
+        measured = recording.acceleration.sel(sensor="node_3", axis="y").values
+        np.testing.assert_allclose(measured, -9.80665 * values, rtol=1e-11)
+
+
+def test_a_universal_file_in_single_precision_and_at_uneven_steps_is_read(tmp_path):
+    values, time = signals(400)[:, 0], np.arange(400) / RATE
+    pairs = [f"{t:13.5E}{x:13.5E}" for t, x in zip(time, values, strict=True)]
+    rows = "\n".join("".join(pairs[i : i + 3]) for i in range(0, len(pairs), 3))
+    head = Function(lines=("drive end",), size=400, start=0.0, step=0.0, quantity=12)
+    with (tmp_path / "even.uff").open("w", encoding="ascii") as file:
+        write_function(file, head, [values])
+    lines = (tmp_path / "even.uff").read_text(encoding="ascii").splitlines()
+    lines[8] = f"{2:10d}{400:10d}{0:10d}" + lines[8][30:]
+    text = "\n".join([*lines[:13], rows, lines[-1], ""])
+    (tmp_path / "r.uff").write_text(text, encoding="ascii")
+    with read_recording(tmp_path / "r.uff", machine()) as found:
+        np.testing.assert_allclose(found.acceleration.values[:, 0, 0], values, rtol=1e-5, atol=1e-7)
+        assert found.time.values[1] == pytest.approx(1.0 / RATE)
+
+
+def test_tdms_without_its_package_says_what_to_install(tmp_path, monkeypatch):
+    WRITERS["r.tdms"](tmp_path / "r.tdms", signals())
+    monkeypatch.setitem(sys.modules, "nptdms", None)
+    with pytest.raises(InputError, match=r"pip install 'gearcase\[tdms\]'"):
+        read_recording(tmp_path / "r.tdms", machine())
+
+
+def test_samples_are_read_from_the_file_when_they_are_looked_at(tmp_path):
+    with h5py.File(tmp_path / "r.h5", "w") as file:
+        file["acc"] = signals()[:, 0]
+    found = read_recording(tmp_path / "r.h5", machine(rate=RATE))
+    found.close()
+    with pytest.raises(OSError, match="read data"):
+        found.acceleration.load()
