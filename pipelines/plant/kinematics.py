@@ -22,8 +22,10 @@ def kinematics_of(layout: Layout, rolling: Sequence[RollingBearing]) -> Kinemati
             for number, ratio in enumerate(layout.shaft_ratios, 1)
         ),
         gears=tuple(
-            Gear(name=f"stage {stage} {name}", shaft=f"shaft_{shaft + 1}", stage=stage, teeth=gear.teeth)
-            for stage, (pair, shafts) in enumerate(zip(layout.pairs, layout.pair_shafts, strict=True), 1)
+            Gear(name=f"stage {stage} {name}", shaft=f"shaft_{shaft + 1}", stage=stage, teeth=gear.teeth, cycle=cycle)
+            for stage, (pair, shafts, cycle) in enumerate(
+                zip(layout.pairs, layout.pair_shafts, layout.cycles_at_start, strict=True), 1
+            )
             for name, gear, shaft in zip(("pinion", "wheel"), (pair.pinion, pair.wheel), shafts, strict=True)
         ),
         bearings=tuple(

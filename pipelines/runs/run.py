@@ -40,6 +40,7 @@ class Options:
     with_report: bool = True  # diagnosis and report; without them only the signals
     both_loads: bool = True
     seeds: int = 0
+    baseline: int = 0  # healthy machines with other deviations, to judge against
     work: Work = field(default_factory=Work)
 
 
@@ -67,10 +68,11 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
         with_control=options.with_control,
         both_loads=options.both_loads and options.with_report,
         seeds=options.seeds,
+        baseline=options.baseline if options.with_report else 0,
     )
     diagnosing = _diagnose_step(study) if options.with_report else None
     first = study.cases[0]
-    wanted = study.motions if diagnosing else [name for name in (first.faulty, first.healthy) if name]
+    wanted = study.motions if diagnosing or study.baseline else [n for n in (first.faulty, first.healthy) if n]
     graph = Graph(study.graph).needed(wanted)
     count = len(graph.steps) + (diagnosing is not None) + options.with_report
     failure: Exception | None = None
@@ -122,7 +124,17 @@ def _tell(
     observer: Observer,
 ) -> tuple[Outcome, _Told]:
     """Diagnosis and report of finished signals, each written as soon as it is there."""
-    outcome, words, left_out = signals, "", []
+    outcome, words, left_out = signals, [], []
+    judging = feature_steps(study)
+    verdict = None
+    if judging:
+        for step in judging:
+            outcome = _with_step(outcome_steps(study, judging), step, outcome, cache, observer)
+        verdict, failure = judged(study, [outcome.value(step.name) for step in judging])
+        if failure:
+            left_out.append(f"The ranking of components is left out: {failure}")
+        if verdict is not None:
+            words.append(_write_verdict(folder, verdict, study.plant))
     if diagnosing is not None:
         outcome = _with_step(study.graph, diagnosing, outcome, cache, observer)
         found = outcome.value(diagnosing.name)

@@ -193,13 +193,18 @@ def noise_of(run: xarray.Dataset) -> float:
 
 def noisy_signal(run: xarray.Dataset, settings: DiagnosisSettings, stream: int) -> np.ndarray:
     """The channel's signals (time, axes) with the stated noise; seed, load, stream, sensor and axis fix it."""
-    signal = channel(run, settings.sensor)
     axes = [str(axis) for axis in run.axis.values]
     if settings.axis != "resultant" and settings.axis not in axes:
         raise DiagnosisError(f"axis {settings.axis!r}: give 'resultant' or one of {', '.join(axes)}")
-    wanted = axes if settings.axis == "resultant" else [settings.axis]
+    return noisy_channel(run, settings.sensor, axes if settings.axis == "resultant" else [settings.axis], stream)
+
+
+def noisy_channel(run: xarray.Dataset, sensor: str, wanted: Sequence[str], stream: int) -> np.ndarray:
+    """Signals (time, axes) at a sensor or journal along the wanted axes, with the stated noise, see `noisy_signal`."""
+    signal = channel(run, sensor)
+    axes = [str(axis) for axis in run.axis.values]
     # names, not indices, enter the seed: the noise must not depend on which other sensors were recorded
-    words = (str(run.attrs.get("seed", "none")), str(run.attrs.get("load", "")), settings.sensor)
+    words = (str(run.attrs.get("seed", "none")), str(run.attrs.get("load", "")), sensor)
     fixed = [stream, *(zlib.crc32(word.encode()) for word in words)]
     columns = [with_noise(signal.sel(axis=axis).values, noise_of(run), [*fixed, axes.index(axis)]) for axis in wanted]
     return np.stack(columns, axis=1)

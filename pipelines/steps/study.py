@@ -6,13 +6,17 @@ seeds of the deviations and error-free gears tell what belongs to the fault and 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import count as count_from
+from itertools import islice
 
+from pipelines.border.errors import InputError
 from pipelines.engine.step import Graph, Step
 from pipelines.engine.storage import digest
 from pipelines.plant.checks.cost import check_room
 from pipelines.plant.checks.validity import checked_plant
-from pipelines.plant.plant import Plant
+from pipelines.plant.plant import Plant, fault_labels
 from pipelines.scene.file import LoadedScene, control_of
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.motion import LoadBase, RopeTable, StaticTorqueTable
@@ -33,12 +37,21 @@ class Case:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Healthy:
+    """A healthy machine with deviations of its own, and the name of the step that holds its motion."""
+
+    plant: Plant
+    motion: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class Study:
-    """All steps, and the cases they serve; the first case is the scene itself."""
+    """All steps, and the cases they serve; the first case is the scene itself. `baseline` are further healthy ones."""
 
     graph: Graph
     cases: tuple[Case, ...]
     control: LoadedScene | None
+    baseline: tuple[Healthy, ...] = ()
 
     @property
     def plant(self) -> Plant:
@@ -49,10 +62,12 @@ class Study:
     def motions(self) -> tuple[str, ...]:
         """Names of all steps that hold motions, the scene's own first."""
         names = [name for case in self.cases for name in (case.faulty, case.healthy) if name]
-        return tuple(dict.fromkeys(names))
+        return tuple(dict.fromkeys([*names, *(healthy.motion for healthy in self.baseline)]))
 
 
-def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bool = True, seeds: int = 0) -> Study:
+def plan_study(
+    loaded: LoadedScene, *, with_control: bool = True, both_loads: bool = True, seeds: int = 0, baseline: int = 0
+) -> Study:
     """The steps and cases of a scene.
 
     Parameters
@@ -61,6 +76,7 @@ def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bo
     with_control : run the control that the scene names
     both_loads : with a rope and a control, run the equivalent constant torque as well
     seeds : number of seeds of the deviations 1, 2, ... to compare, and error-free gears; 0 for the scene's own only
+    baseline : number of healthy machines with other deviations, that a diagnosis compares with
 
     Raises
     ------
@@ -75,12 +91,34 @@ def plan_study(loaded: LoadedScene, *, with_control: bool = True, both_loads: bo
         faulty = list(add_steps(steps, plant_steps(plant), label).values())[-1]
         healthy = healthy_plant = None
         if control is not None:
-            healthy_plant = checked_plant(_like(control.scene, scene), control.source.shown)
+            healthy_plant = checked_plant(_like(control.scene, scene, scene.deviations), control.source.shown)
             healthy = list(add_steps(steps, plant_steps(healthy_plant), f"{label}{HEALTHY}").values())[-1]
         cases.append(Case(label=label.strip(), plant=plant, control=healthy_plant, faulty=faulty, healthy=healthy))
-    study = Study(graph=Graph(steps), cases=tuple(cases), control=control)
+    healthy = [
+        Healthy(plant=plant, motion=list(add_steps(steps, plant_steps(plant), f"healthy seed {seed} ").values())[-1])
+        for seed, plant in _baseline(loaded, control, baseline)
+    ]
+    study = Study(graph=Graph(steps), cases=tuple(cases), control=control, baseline=tuple(healthy))
     check_room(loaded.scene, source, len(study.motions))
     return study
+
+
+def _baseline(loaded: LoadedScene, control: LoadedScene | None, count: int) -> Iterator[tuple[int, Plant]]:
+    """Healthy machines with the seeds 1, 2, ... of their deviations, the scene's own left out."""
+    if not count:
+        return
+    source = control or loaded
+    scene, deviations = source.scene, loaded.scene.deviations
+    if not deviations.enabled:
+        raise InputError(
+            "--baseline: the gears of this scene have no deviations, so healthy machines do not differ. Set "
+            "deviations.enabled=true."
+        )
+    if control is None and fault_labels(scene):
+        raise InputError('--baseline: the scene names no healthy control. Set control = "without-faults".')
+    for seed in islice((seed for seed in count_from(1) if seed != deviations.seed), count):
+        other = scene.model_copy(update={"deviations": deviations.model_copy(update={"seed": seed})})
+        yield seed, checked_plant(_like(other, loaded.scene, other.deviations), source.source.shown)
 
 
 def _variants(scene: Scene, both_loads: bool, seeds: int) -> list[tuple[str, Scene]]:
@@ -107,11 +145,11 @@ def _as_torque(rope: RopeTable) -> StaticTorqueTable:
     return StaticTorqueTable(**shared)
 
 
-def _like(control: Scene, scene: Scene) -> Scene:
-    """The control with the load and deviations of a variant."""
+def _like(control: Scene, scene: Scene, deviations: DeviationsTable) -> Scene:
+    """The control with the load of a variant and with deviations."""
     if isinstance(scene.load, StaticTorqueTable) and isinstance(control.load, RopeTable):
         control = control.model_copy(update={"load": _as_torque(control.load)})
-    return control.model_copy(update={"deviations": scene.deviations})
+    return control.model_copy(update={"deviations": deviations})
 
 
 def add_steps(steps: list[Step], new: list[Step], prefix: str) -> dict[str, str]:

@@ -1,0 +1,46 @@
+"""Features of a simulated run: its accelerations with the stated sensor noise, over its recorded angles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipelines.features.recorded import feature_table
+from pipelines.features.table import FeatureTable
+from pipelines.orders.kinematics import Kinematics
+from pipelines.orders.rotation_of import rotation_of
+from pipelines.signals.analysis import channel_names, noisy_channel
+
+if TYPE_CHECKING:
+    import xarray
+
+
+@dataclass(frozen=True, kw_only=True)
+class FeatureSettings:
+    """What the machine has, and the windows (s) in which it is looked at; the whole run if there are none."""
+
+    kinematics: Kinematics
+    windows: Mapping[str, tuple[float, float]]
+
+
+def run_features(run: xarray.Dataset, settings: FeatureSettings, stream: int) -> FeatureTable:
+    """The features of a run.
+
+    Parameters
+    ----------
+    run : as a simulation gives it, with `sensor_noise_m_s2` among its attributes
+    settings : machine and windows
+    stream : number of the noise; two recordings of one machine have two
+
+    Raises
+    ------
+    FeatureError : see `pipelines.features.recorded`
+    """
+    name = "acceleration" if "acceleration" in run else "journal_acceleration"
+    axes = [str(axis) for axis in run.axis.values]
+    signal = np.stack([noisy_channel(run, sensor, axes, stream) for sensor in channel_names(run)], axis=1)
+    noisy = run.drop_vars(name).assign({name: (("time", *run[name].transpose("time", ...).dims[1:]), signal)})
+    return feature_table(noisy, settings.kinematics, rotation_of(run, settings.kinematics), settings.windows)

@@ -1,0 +1,142 @@
+"""The verdict in words: sentences and tables made from its numbers, and from nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pipelines.border.grid import Grid
+from pipelines.diagnosis.prediction import FEWEST_FOR_P
+from pipelines.diagnosis.verdict import ALARM, Finding, Verdict
+
+NAMES = {
+    "difference_rms": "difference signal",
+    "fm4": "FM4",
+    "fm0": "FM0",
+    "sideband_ratio": "sideband ratio",
+    "envelope_orders": "envelope",
+    "tooth_contrast": "energy of one tooth",
+    "order_1": "1x",
+    "order_2": "2x",
+    "tsa_rms": "average",
+    "tsa_kurtosis": "kurtosis of the average",
+    "rms": "rms",
+    "crest_factor": "crest factor",
+    "kurtosis": "kurtosis",
+}
+
+
+def headline(verdict: Verdict) -> str:
+    """The answer in one sentence."""
+    first = verdict.first
+    if verdict.alarm is None:
+        return f"{_capital(first.component)} rises most: {_standing(first)}."
+    if not verdict.alarm:
+        return "No alarm: no feature stands out of the healthy recordings."
+    if first.p is not None and first.p > ALARM:
+        return f"Alarm, but no component stands out: the signal as a whole is changed ({_strongest(verdict.whole)})."
+    return f"Alarm: {first.component} stands out of the healthy recordings, {_standing(first)}."
+
+
+def sentences(verdict: Verdict) -> tuple[str, ...]:
+    """The answer, what it was compared with, how often it would be wrong, and what could not be looked at."""
+    found = [headline(verdict)]
+    if verdict.first.alike and verdict.alarm is not False:
+        found.append(f"By its orders it cannot be told from {', '.join(verdict.first.alike)}.")
+    found.append(compared(verdict))
+    if verdict.left_out:
+        found.append(f"Not looked at, they turn too seldom: {'; '.join(verdict.left_out)}.")
+    return tuple(found)
+
+
+def compared(verdict: Verdict) -> str:
+    """What the recording was compared with, and the rate of false alarms."""
+    many = f"{verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}"
+    if verdict.alarm is None:
+        return f"Compared with {many}: p-values and alarms take {FEWEST_FOR_P} or more."
+    text = f"Compared with {many}; by the model of normal levels {100 * ALARM:g} % of healthy ones are alarms"
+    if not verdict.tested:
+        return f"{text}."
+    low, high = verdict.false_alarm_interval
+    return (
+        f"{text}, of these themselves {verdict.false_alarms} of {verdict.tested} against the others "
+        f"({100 * low:.2g} to {100 * high:.2g} % with 95 % confidence)."
+    )
+
+
+def ranking_grid(verdict: Verdict) -> Grid:
+    """All components, the highest rise first."""
+    rows = tuple(
+        (
+            finding.component,
+            f"{finding.rise:+.1f}",
+            probability(finding),
+            _strongest(finding),
+            "" if finding.tooth is None else str(finding.tooth),
+            ", ".join(finding.alike),
+        )
+        for finding in (*verdict.findings, verdict.whole)
+    )
+    headers = ("component", "rise dB", "p", "strongest", "tooth", "cannot be told from")
+    return Grid(title="Components by their rise over the healthy recordings", headers=headers, rows=rows)
+
+
+def evidence_grid(verdict: Verdict) -> Grid:
+    """Every feature of every component."""
+    rows = tuple(
+        (finding.component, NAMES.get(one.feature, one.feature), f"{one.rise:+.1f}", _p(one.p))
+        for finding in (*verdict.findings, verdict.whole)
+        for one in finding.evidence
+    )
+    return Grid(title="Features, mean over all channels", headers=("component", "feature", "rise dB", "p"), rows=rows)
+
+
+def confirmed(verdict: Verdict, faulty: Sequence[tuple[str, int | None]]) -> str:
+    """How the blind ranking fits what is known to be damaged, (component, tooth or None) each; "" if nothing is."""
+    parts = []
+    order = [finding.component for finding in verdict.findings]
+    for component, tooth in faulty:
+        if component not in order:
+            parts.append(f"{component} is damaged and could not be looked at")
+            continue
+        place = order.index(component)
+        finding = verdict.findings[place]
+        words = f"{component} is damaged and ranks {_ordinal(place + 1)} of {len(order)}"
+        if place and order[0] in finding.alike:
+            words += f", behind {order[0]}, from which orders cannot tell it"
+        if tooth is not None and finding.tooth is not None:
+            words += f"; tooth {tooth} is damaged, tooth {finding.tooth} stands out"
+        parts.append(words)
+    return f"Known beforehand, and not used: {'. '.join(parts)}." if parts else ""
+
+
+def text(verdict: Verdict) -> str:
+    """All of it for the terminal."""
+    return "\n\n".join([" ".join(sentences(verdict)), ranking_grid(verdict).to_text()]) + "\n"
+
+
+def probability(finding: Finding) -> str:
+    """The least corrected p-value of a component, "-" with a small baseline."""
+    return _p(finding.p)
+
+
+def _p(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1g}"
+
+
+def _standing(finding: Finding) -> str:
+    where = "" if finding.tooth is None else f", most at tooth {finding.tooth} (within one)"
+    chance = "" if finding.p is None else f" (p = {finding.p:.1g})"
+    return f"{finding.rise:+.1f} dB in the mean of its features{chance}{where}"
+
+
+def _strongest(finding: Finding) -> str:
+    one = max(finding.evidence, key=lambda evidence: evidence.rise)
+    return f"{NAMES.get(one.feature, one.feature)} {one.rise:+.1f} dB"
+
+
+def _ordinal(number: int) -> str:
+    return {1: "first", 2: "second", 3: "third"}.get(number, f"{number}th")
+
+
+def _capital(words: str) -> str:
+    return words[:1].upper() + words[1:]

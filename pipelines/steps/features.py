@@ -1,0 +1,34 @@
+"""Step `features`: what every component of the machine shows in a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mbd.output.trajectory import Trajectory
+    from pipelines.diagnosis.simulated import FeatureSettings
+
+
+@dataclass(frozen=True, kw_only=True)
+class FeaturesSpec:
+    """Machine and windows, the labels of the motion, and the number of its sensor noise."""
+
+    settings: FeatureSettings
+    labels: Mapping[str, Any]
+    stream: int
+
+
+def build(spec: FeaturesSpec, motion: Trajectory) -> dict[str, Any]:
+    """The table of features under "table"; where there are none, None and the reason under "failure"."""
+    from pipelines.diagnosis.simulated import run_features
+    from pipelines.features.recorded import FeatureError
+    from pipelines.orders.rotation import RotationError
+    from pipelines.signals.response import make_response
+
+    try:
+        table = run_features(make_response(motion, spec.labels), spec.settings, spec.stream)
+    except (FeatureError, RotationError) as error:
+        return {"table": None, "failure": str(error)}
+    return {"table": table, "failure": ""}
