@@ -6,13 +6,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipelines.border.errors import InputError
+
+
+class RotationError(InputError):
+    """The angle cannot be had from a recording."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Rotation:
-    """`angle` (time,) of the first shaft in rad, never falling, one value per sample of the recording.
+    """`angle` (time,) of the first shaft in rad, one value per sample of the recording.
 
-    `source` says in words where it comes from; `error` is the standard uncertainty of the mean speed, as a share of it;
-    `absolute` is True where angle 0 is a mark on the shaft, so that the place of a tooth means something.
+    A recorded angle falls where the machine runs backwards; one from pulses or from the signal alone never falls, as
+    neither knows the sense. `source` says in words where it comes from; `error` is the standard uncertainty of the
+    mean speed, as a share of it; `absolute` is True where angle 0 is a mark on the shaft, so that the place of a tooth
+    means something. With one pulse per turn the mark is that of the shaft with the tachometer: other shafts pass theirs
+    at angles nobody knows.
     """
 
     angle: np.ndarray
@@ -22,5 +31,5 @@ class Rotation:
 
     @property
     def turns(self) -> float:
-        """How often the first shaft turns in the recording."""
+        """How far the first shaft is in the end from where it began, in turns."""
         return float(self.angle[-1] - self.angle[0]) / (2.0 * np.pi)

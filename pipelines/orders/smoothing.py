@@ -1,0 +1,73 @@
+"""A smooth curve through even, noisy values, and the standard uncertainty of how far it climbs.
+
+The curve x minimises sum (y - x)^2 + strength * sum (third difference of x)^2: a parabola where the strength is
+large. It is the mean of a random walk of the curvature that is seen in white noise; the strength is the one under which
+the values are likeliest. Between the values the curve goes on by the same rule, beyond them as a parabola.
+
+References
+----------
+Whittaker (1923), Proc. Edinburgh Math. Soc. 41, 63-75 (the sum); Wahba (1985), Ann. Stat. 13(4), 1378-1402 (strength of
+the greatest likelihood); Wahba (1983), J. R. Stat. Soc. B 45(1), 133-150 (uncertainty from the posterior of the curve).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+STRENGTHS = np.logspace(-2, 14, 65)
+
+
+class Smooth(NamedTuple):
+    """`values` (n,) of the curve; `noise`: standard deviation of a value about it; `climb`: of last less first."""
+
+    values: np.ndarray
+    noise: float
+    climb: float
+
+
+def smooth(values: np.ndarray, before: int, after: int) -> Smooth:
+    """The curve at the values and at so many even places before and after them.
+
+    Parameters
+    ----------
+    values : float (n,), at least four
+    before, after : places
+    """
+    from scipy.linalg import solveh_banded
+
+    n = len(values) + before + after
+    seen = np.zeros(n)
+    seen[before : before + len(values)] = 1.0
+    given = np.zeros(n)
+    parabola = np.polynomial.Polynomial.fit(np.arange(len(values)), values, 2)  # taken off: the rest is small
+    trend = parabola(np.arange(n) - before)
+    given[before : before + len(values)] = values - trend[before : before + len(values)]
+    bending = _third_differences(n)
+    free = (2.0 - 2.0 * np.cos(np.pi * np.arange(len(values)) / len(values))) ** 3  # eigenvalues of the bending
+    kept = len(values) - 3  # the parabola is free
+    best, chosen = np.inf, None
+    for strength in STRENGTHS:
+        band = strength * bending
+        band[-1] += seen
+        curve = solveh_banded(band, given)
+        variance = (np.sum(seen * (given - curve) ** 2) + strength * np.sum(np.diff(curve, 3) ** 2)) / kept
+        unlikely = kept * np.log(max(variance, np.finfo(float).tiny) / strength) + np.log1p(strength * free).sum()
+        if chosen is None or unlikely < best:
+            best, chosen = unlikely, (band, curve, variance)
+    band, curve, variance = chosen
+    ends = np.zeros(n)
+    ends[0], ends[-1] = -1.0, 1.0
+    climb = np.sqrt(variance * (ends @ solveh_banded(band, ends)))
+    return Smooth(values=curve + trend, noise=float(np.sqrt(variance)), climb=float(climb))
+
+
+def _third_differences(n: int) -> np.ndarray:
+    """D^T D of the third differences D (n - 3, n), upper bands (4, n)."""
+    weights = (-1.0, 3.0, -3.0, 1.0)
+    band = np.zeros((4, n))
+    for second in range(4):
+        for first in range(second + 1):
+            band[3 - (second - first), second : n - 3 + second] += weights[first] * weights[second]
+    return band

@@ -1,0 +1,75 @@
+"""The speed of a machine in a recording, roughly: where all lines of its gears together stand highest over the floor.
+
+Every window of the recording has its spectra, in dB over their local median; the sum over channels and over the mesh
+orders with their sidebands is a score of every speed near the nominal one. The path through all windows with the
+highest sum of scores, among those that change slowly enough, is found by dynamic programming. Sidebands are taken on
+both sides alike, so that the middle of a group wins, not its strongest line.
+
+References
+----------
+Leclere, Andre & Antoni (2016), Mech. Syst. Signal Process. 81, 375-386 (many orders as one probability); Urbanek,
+Barszcz & Antoni (2013), Mech. Syst. Signal Process. 38(1), 96-102 (rough path first, phase then).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+RANGE = 0.04  # about the nominal speed, as a share of it
+_PER_LINE = 3  # speeds to try in the width of the highest line
+
+
+def speed_path(
+    signals: Sequence[np.ndarray], rate: float, orders: np.ndarray, nominal: float, seconds: float, change: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Middle (s, from the first sample) of each window and speed of the first shaft in it, Hz.
+
+    Parameters
+    ----------
+    signals : float (time,) of every channel, any unit, all finite
+    rate : Hz
+    orders : (order,) of the lines, in turns of the first shaft
+    nominal : speed of the first shaft, Hz
+    seconds : length of a window; windows overlap by half
+    change : the fastest change of the speed, Hz/s
+    """
+    size = round(seconds * rate)
+    level = np.mean([_over_floor(signal, size, orders, nominal * size / rate) for signal in signals], axis=0)
+    step = rate / size / orders.max() / _PER_LINE
+    speeds = nominal + step * np.arange(-int(RANGE * nominal / step), int(RANGE * nominal / step) + 1)
+    lines = np.arange(level.shape[1]) * rate / size
+    score = np.array([np.interp(np.outer(speeds, orders), lines, window).sum(axis=1) for window in level])
+    middles = (np.arange(len(score)) * (size // 2) + size / 2) / rate
+    reach = max(1, int(np.ceil(change * (size // 2) / rate / step)))
+    return middles, speeds[_best_path(score, reach)]
+
+
+def _over_floor(signal: np.ndarray, size: int, orders: np.ndarray, lines_per_order: float) -> np.ndarray:
+    """Levels (window, line) of a channel in dB over the median of the lines within two orders, not below 0."""
+    from scipy.ndimage import median_filter
+
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(size) / size)
+    top = min(size // 2 + 1, int((1.0 + RANGE) * orders.max() * lines_per_order) + 2)
+    starts = range(0, len(signal) - size + 1, size // 2)
+    power = np.array([np.abs(np.fft.rfft(window * signal[s : s + size])[:top]) ** 2 for s in starts])
+    level = 10.0 * np.log10(power + np.finfo(float).tiny)
+    floor = median_filter(level, size=(1, 2 * int(2 * lines_per_order) + 1))
+    return np.maximum(level - floor, 0.0)
+
+
+def _best_path(score: np.ndarray, reach: int) -> np.ndarray:
+    """Column (window,) of the path with the highest sum that moves by `reach` columns at most from row to row."""
+    padded = np.full(score.shape[1] + 2 * reach, -np.inf)
+    total, came = score[0], []
+    for row in score[1:]:
+        padded[reach : len(padded) - reach] = total
+        around = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1)
+        best = around.argmax(axis=1)
+        came.append(np.arange(len(best)) + best - reach)
+        total = row + around.max(axis=1)
+    path = [int(total.argmax())]
+    for back in reversed(came):
+        path.append(int(back[path[-1]]))
+    return np.array(path[::-1])
