@@ -7,7 +7,7 @@ import pytest
 from measured import signals
 
 from pipelines.border.errors import InputError, SceneError
-from pipelines.plant.kinematics import kinematics_of
+from pipelines.orders.plant_kinematics import kinematics_of
 from pipelines.plant.layout import lay_out
 from pipelines.plant.looked_for import pass_rates
 from pipelines.plant.plant import make_plant

@@ -71,8 +71,8 @@ def read_machine(source: str | Path) -> Machine:
 
 
 def _of_scene(source: str | Path) -> Machine:
+    from pipelines.orders.plant_kinematics import kinematics_of
     from pipelines.plant.bearings import rolling_bearings
-    from pipelines.plant.kinematics import kinematics_of
     from pipelines.plant.layout import lay_out
     from pipelines.scene.file import load_scene
 
@@ -179,7 +179,7 @@ def _bearings(table: MachineTable) -> tuple[list[Bearing], list[Problem]]:
 
 def _geometric_orders(table: BearingTable) -> dict[str, float]:
     from mbd.parts.rolling_elements import RollingElements
-    from pipelines.plant.kinematics import pass_orders
+    from pipelines.orders.plant_kinematics import pass_orders
 
     return pass_orders(
         RollingElements(
