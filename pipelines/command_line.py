@@ -143,6 +143,13 @@ def _run(sub: argparse.ArgumentParser) -> None:
         default=0,
         help="compare seeds 1 to N of the deviations and error-free gears",
     )
+    sub.add_argument(
+        "--baseline",
+        metavar="N",
+        type=count,
+        default=0,
+        help="judge against N healthy machines with other deviations; p-values take 5 or more",
+    )
 
 
 def _modes(sub: argparse.ArgumentParser) -> None:

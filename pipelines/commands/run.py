@@ -19,6 +19,7 @@ def main(options: argparse.Namespace) -> int:
             with_control=not options.no_control,
             both_loads=not options.one_load,
             seeds=options.seeds,
+            baseline=options.baseline,
             work=Work(processes=options.processes, quiet=options.quiet),
         ),
     )

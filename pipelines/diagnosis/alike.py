@@ -11,23 +11,17 @@ SAME = 1e-3  # of a ratio; over a window of some hundred turns lines this close 
 
 
 def alike(name: str, kinematics: Kinematics) -> tuple[str, ...]:
-    """Names of the other components whose orders coincide with those of a shaft or gear, or nest in them.
+    """Names of the other shafts, gears or bearings whose orders coincide with those of one, or nest in them.
 
     Pass orders of bearings are no whole numbers, so that bearings are alike only if one shaft carries equal ones.
     """
-    bearings = {bearing.name: bearing for bearing in kinematics.bearings}
-    if name in bearings:
-        own = bearings[name]
-        return tuple(
-            other.name
-            for other in kinematics.bearings
-            if other.name != name and other.shaft == own.shaft and dict(other.orders) == dict(own.orders)
-        )
-    places = {shaft.name: shaft.ratio for shaft in kinematics.shafts}
-    places |= {gear.name: kinematics.shaft(gear.shaft).ratio for gear in kinematics.gears}
-    if name not in places:
-        return ()
-    return tuple(other for other, ratio in places.items() if other != name and _nested(places[name], ratio))
+    shafts = {shaft.name: shaft.ratio for shaft in kinematics.shafts}
+    gears = {gear.name: shafts[gear.shaft] for gear in kinematics.gears}
+    for places in (shafts, gears):
+        if name in places:
+            return tuple(other for other, ratio in places.items() if other != name and _nested(places[name], ratio))
+    bearings = {bearing.name: (bearing.shaft, dict(bearing.orders)) for bearing in kinematics.bearings}
+    return tuple(other for other, seen in bearings.items() if other != name and seen == bearings.get(name))
 
 
 def _nested(one: float, other: float) -> bool:

@@ -19,6 +19,7 @@ from pipelines.engine.step import Graph, Step, StepRecord
 from pipelines.engine.working import Work
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
+from pipelines.runs.judging import feature_steps, judged, verdict_words, write_verdict
 from pipelines.scene.file import LoadedScene, control_differences
 from pipelines.signals.motion_warnings import log_warnings
 from pipelines.steps.study import Study, plan_study
@@ -75,6 +76,7 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
     wanted = study.motions if diagnosing or study.baseline else [n for n in (first.faulty, first.healthy) if n]
     graph = Graph(study.graph).needed(wanted)
     count = len(graph.steps) + (diagnosing is not None) + options.with_report
+    count += len(feature_steps(study)) if options.with_report else 0
     failure: Exception | None = None
     told = _Told()
     with (
@@ -124,39 +126,40 @@ def _tell(
     observer: Observer,
 ) -> tuple[Outcome, _Told]:
     """Diagnosis and report of finished signals, each written as soon as it is there."""
-    outcome, words, left_out = signals, [], []
+    outcome, words, left_out = signals, "", []
     judging = feature_steps(study)
     verdict = None
     if judging:
-        for step in judging:
-            outcome = _with_step(outcome_steps(study, judging), step, outcome, cache, observer)
-        verdict, failure = judged(study, [outcome.value(step.name) for step in judging])
-        if failure:
-            left_out.append(f"The ranking of components is left out: {failure}")
-        if verdict is not None:
-            words.append(_write_verdict(folder, verdict, study.plant))
+        outcome = _with_steps([*study.graph, *judging], judging, outcome, cache, observer)
+        verdict, failure = judged(study, judging, outcome)
+        left_out += [f"The ranking of components is left out: {failure}"] if failure else []
+    if verdict is not None:
+        words = verdict_words(verdict, study.plant, twin=not study.baseline)
+        write_verdict(folder, verdict, words)
     if diagnosing is not None:
-        outcome = _with_step(study.graph, diagnosing, outcome, cache, observer)
+        outcome = _with_steps([*study.graph, *judging, diagnosing], [diagnosing], outcome, cache, observer)
         found = outcome.value(diagnosing.name)
         for name, content in found["files"].items():
             (folder / name).write_bytes(content)
-        words = found["words"]
-        if words:
-            (folder / "diagnosis.txt").write_text(words, encoding="utf-8")
+        if found["words"]:
+            (folder / "diagnosis.txt").write_text(found["words"], encoding="utf-8")
+            words = f"{words}\n{found['words']}" if study.baseline else f"{found['words']}\n{words}"
         if found["failure"]:
             left_out.append(f"The diagnosis is left out: {found['failure']}")
     step = _report_step(loaded, study, diagnosing, outcome)
-    known = [*study.graph, *([diagnosing] if diagnosing else [])]
-    outcome = _with_step(known, step, outcome, cache, observer)
+    known = [*study.graph, *judging, *([diagnosing] if diagnosing else []), step]
+    outcome = _with_steps(known, [step], outcome, cache, observer)
     report = outcome.value(step.name)
     (folder / "report.html").write_text(report["page"], encoding="utf-8")
     return outcome, _Told(words=words, left_out=(*left_out, *report["left_out"]))
 
 
-def _with_step(known: Iterable[Step], step: Step, outcome: Outcome, cache: Cache, observer: Observer) -> Outcome:
-    """The outcome with one more step, built here on what is at hand."""
-    graph = Graph([*known, step])
-    more = run_graph(graph, cache, [step.name], observer=observer, known=outcome.results, processes=1)
+def _with_steps(
+    known: Iterable[Step], steps: Iterable[Step], outcome: Outcome, cache: Cache, observer: Observer
+) -> Outcome:
+    """The outcome with more of the known steps, built here on what is at hand."""
+    wanted = [step.name for step in steps]
+    more = run_graph(Graph(known), cache, wanted, observer=observer, known=outcome.results, processes=1)
     return Outcome({**outcome.results, **more.results})
 
 

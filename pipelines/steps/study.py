@@ -19,6 +19,7 @@ from pipelines.plant.checks.validity import checked_plant
 from pipelines.plant.plant import Plant, fault_labels
 from pipelines.scene.file import LoadedScene, control_of
 from pipelines.scene.scene import Scene
+from pipelines.scene.tables.gears import DeviationTable
 from pipelines.scene.tables.motion import LoadBase, RopeTable, StaticTorqueTable
 from pipelines.steps.graph import plant_steps
 
@@ -94,11 +95,11 @@ def plan_study(
             healthy_plant = checked_plant(_like(control.scene, scene, scene.deviations), control.source.shown)
             healthy = list(add_steps(steps, plant_steps(healthy_plant), f"{label}{HEALTHY}").values())[-1]
         cases.append(Case(label=label.strip(), plant=plant, control=healthy_plant, faulty=faulty, healthy=healthy))
-    healthy = [
+    others = [
         Healthy(plant=plant, motion=list(add_steps(steps, plant_steps(plant), f"healthy seed {seed} ").values())[-1])
         for seed, plant in _baseline(loaded, control, baseline)
     ]
-    study = Study(graph=Graph(steps), cases=tuple(cases), control=control, baseline=tuple(healthy))
+    study = Study(graph=Graph(steps), cases=tuple(cases), control=control, baseline=tuple(others))
     check_room(loaded.scene, source, len(study.motions))
     return study
 
@@ -145,7 +146,7 @@ def _as_torque(rope: RopeTable) -> StaticTorqueTable:
     return StaticTorqueTable(**shared)
 
 
-def _like(control: Scene, scene: Scene, deviations: DeviationsTable) -> Scene:
+def _like(control: Scene, scene: Scene, deviations: DeviationTable) -> Scene:
     """The control with the load of a variant and with deviations."""
     if isinstance(scene.load, StaticTorqueTable) and isinstance(control.load, RopeTable):
         control = control.model_copy(update={"load": _as_torque(control.load)})
