@@ -191,7 +191,24 @@ def _simulate(sub: argparse.ArgumentParser) -> None:
 
 
 def _diagnose(sub: argparse.ArgumentParser) -> None:
-    _run_folder(sub)
+    sub.add_argument(
+        "run",
+        metavar="RECORD",
+        type=path,
+        help="recorded file, result folder, or the name of a scene for its newest result",
+    )
+    sub.add_argument("--machine", metavar="FILE", type=path, help="what a file was recorded on: teeth, speed, sensors")
+    sub.add_argument(
+        "--baseline",
+        metavar="RECORD",
+        type=path,
+        nargs="+",
+        default=[],
+        help="recordings of healthy machines; p-values take 5 or more",
+    )
+    sub.add_argument(
+        "--window", metavar=("START", "END"), type=number, nargs=2, help="seconds that are looked at (default: all)"
+    )
     sub.add_argument(
         "--set",
         metavar="KEY=VALUE",

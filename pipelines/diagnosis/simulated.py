@@ -1,4 +1,4 @@
-"""Features of a simulated run: its accelerations with the stated sensor noise, over its recorded angles."""
+"""Features of a run: its accelerations with the stated sensor noise, over the turns of its shafts."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from pipelines.features.recorded import feature_table
 from pipelines.features.table import FeatureTable
 from pipelines.orders.kinematics import Kinematics
+from pipelines.orders.rotation import Rotation
 from pipelines.orders.rotation_of import rotation_of
 from pipelines.signals.analysis import channel_names, noisy_channel
 
@@ -26,21 +27,27 @@ class FeatureSettings:
     windows: Mapping[str, tuple[float, float]]
 
 
-def run_features(run: xarray.Dataset, settings: FeatureSettings, stream: int) -> FeatureTable:
-    """The features of a run.
+def run_features(
+    run: xarray.Dataset, settings: FeatureSettings, stream: int, rotation: Rotation | None = None
+) -> FeatureTable:
+    """The features of a run or of any other recording.
 
     Parameters
     ----------
-    run : as a simulation gives it, with `sensor_noise_m_s2` among its attributes
+    run : as a simulation gives it; `sensor_noise_m_s2` among its attributes is added
     settings : machine and windows
     stream : number of the noise; two recordings of one machine have two
+    rotation : of its first shaft; the best that the recording has if None
 
     Raises
     ------
     FeatureError : see `pipelines.features.recorded`
+    RotationError : see `pipelines.orders.rotation_of`
     """
+    if rotation is None:
+        rotation = rotation_of(run, settings.kinematics)
     name = "acceleration" if "acceleration" in run else "journal_acceleration"
     axes = [str(axis) for axis in run.axis.values]
     signal = np.stack([noisy_channel(run, sensor, axes, stream) for sensor in channel_names(run)], axis=1)
     noisy = run.drop_vars(name).assign({name: (("time", *run[name].transpose("time", ...).dims[1:]), signal)})
-    return feature_table(noisy, settings.kinematics, rotation_of(run, settings.kinematics), settings.windows)
+    return feature_table(noisy, settings.kinematics, rotation, settings.windows)

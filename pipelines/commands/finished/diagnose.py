@@ -1,4 +1,4 @@
-"""`gearcase diagnose`: the lines of a fault in a finished run, looked for anew."""
+"""`gearcase diagnose`: what is damaged in a recording, or the lines of a fault in a finished run, looked for anew."""
 
 from __future__ import annotations
 
@@ -7,11 +7,22 @@ import sys
 
 
 def main(options: argparse.Namespace) -> int:
-    """Print verdict and envelope tables; --set diagnosis.... looks elsewhere without running anything."""
+    """Print verdict and tables: of a file, or of a run against its control; nothing is simulated."""
+    from pipelines.border.errors import InputError
+    from pipelines.runs.recorded import file_words, judge_file, recording_path
+    from pipelines.runs.run_folder import RESPONSE
+
+    path = recording_path(options.run)
+    measured = path.name != RESPONSE or options.baseline or options.machine or options.window
+    if measured:
+        if options.settings:
+            raise InputError("--set changes the scene of a run; a recording is looked at as it is. Leave it out.")
+        window = tuple(options.window) if options.window else None
+        sys.stdout.write(file_words(judge_file(path, options.baseline, options.machine, window)))
+        return 0
     from pipelines.runs.diagnosed import diagnose_folder
-    from pipelines.runs.run_folder import find_run
     from pipelines.steps.diagnosing import words
 
-    found = diagnose_folder(find_run(options.run), options.settings)
+    found = diagnose_folder(path.parent, options.settings)
     sys.stdout.write(words([found], [found]))
     return 0

@@ -1,0 +1,181 @@
+"""The blind verdict on a recorded file, against files of healthy machines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipelines.border.errors import InputError
+from pipelines.border.grid import Grid
+from pipelines.border.shown import shown
+from pipelines.border.user_files import is_regular_file
+from pipelines.runs import run_folder
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from pipelines.diagnosis.verdict import Verdict
+    from pipelines.features.table import FeatureTable
+    from pipelines.orders.kinematics import Kinematics
+    from pipelines.orders.rotation import Rotation
+    from pipelines.recordings.machine import Machine
+
+Windows = Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Recorded:
+    """A recorded file: its features, and its rotation in words."""
+
+    name: str
+    table: FeatureTable
+    turning: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JudgedFile:
+    """A file with its features, and the verdict where healthy files were given."""
+
+    recorded: Recorded
+    kinematics: Kinematics
+    verdict: Verdict | None
+
+
+def judge_file(
+    source: str | Path,
+    healthy: Sequence[str | Path] = (),
+    machine: str | Path | None = None,
+    window: tuple[float, float] | None = None,
+) -> JudgedFile:
+    """The verdict on a recorded file or the response of a run.
+
+    Parameters
+    ----------
+    source : file, or folder of a run
+    healthy : the same of healthy machines
+    machine : its description or scene; that of the run if None
+    window : start and end (s) of what is looked at; those of the scene, else the whole recording, if None
+
+    Raises
+    ------
+    InputError : a file or the machine cannot be used, or the recordings cannot be compared
+    """
+    from pipelines.diagnosis.verdict import BaselineError, judge
+
+    path = recording_path(source)
+    known, windows = machine_of(path, machine)
+    chosen = {"the window": window} if window else windows
+    own = read_features(path, known, chosen, stream=1)
+    others = [
+        read_features(recording_path(one), known, chosen, stream=2 + number) for number, one in enumerate(healthy)
+    ]
+    try:
+        verdict = judge(own.table, [one.table for one in others], known.kinematics) if others else None
+    except BaselineError as error:
+        raise InputError(f"{shown(path)}: {error}") from error
+    return JudgedFile(recorded=own, kinematics=known.kinematics, verdict=verdict)
+
+
+def recording_path(source: str | Path) -> Path:
+    """The file itself, or the response in the folder of a run."""
+    path = Path(source)
+    return path if is_regular_file(path) or path.suffix else run_folder.find_run(source) / run_folder.RESPONSE
+
+
+def machine_of(path: Path, machine: str | Path | None) -> tuple[Machine, Windows | None]:
+    """The machine of a recording, and the windows of its scene, None where it has none.
+
+    Raises
+    ------
+    InputError : no machine is given, and none stands beside the file
+    """
+    from pipelines.recordings.machine import read_machine
+
+    beside = path.parent / run_folder.RESOLVED
+    if machine is None and not is_regular_file(beside):
+        raise InputError(
+            f"{shown(path)}: what machine this is stands nowhere. Give --machine: a file with the teeth of its gears, "
+            "its speed and its sensors, or a scene."
+        )
+    given = beside if machine is None else machine
+    return read_machine(given), (_windows(beside) if is_regular_file(beside) else None)
+
+
+def _windows(scene: Path) -> Windows | None:
+    from pipelines.scene.file import load_scene
+
+    return dict(load_scene(scene).scene.diagnosis.windows_s) or None
+
+
+def read_features(path: Path, machine: Machine, windows: Windows | None, stream: int) -> Recorded:
+    """The features of a file; `stream` is the number of the sensor noise that is added to a simulated response.
+
+    Raises
+    ------
+    InputError : the file cannot be read, its rotation not found, or nothing turns often enough
+    """
+    from pipelines.diagnosis.simulated import FeatureSettings, run_features
+    from pipelines.features.recorded import FeatureError
+    from pipelines.orders.rotation import RotationError
+    from pipelines.orders.rotation_of import rotation_of
+    from pipelines.recordings.recording import read_recording
+
+    settings = FeatureSettings(kinematics=machine.kinematics, windows=windows or {})
+    with read_recording(path, machine) as recording:
+        try:
+            rotation = rotation_of(recording, machine.kinematics)
+            table = run_features(recording, settings, stream, rotation)
+        except (FeatureError, RotationError) as error:
+            raise InputError(f"{shown(path)}: {error}") from error
+        time = recording.time.values
+    return Recorded(name=path.name, table=table, turning=_turning(rotation, time, machine.kinematics, windows))
+
+
+def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windows: Windows | None) -> str:
+    """Speed and mesh frequencies in the first window, and where the speed comes from."""
+    import numpy as np
+
+    start, end = next(iter((windows or {"": (time[0], time[-1])}).values()))
+    first, last = np.searchsorted(time, start), min(int(np.searchsorted(time, end)), len(time) - 1)
+    turned = abs(float(rotation.angle[last] - rotation.angle[first])) / (2.0 * math.pi)
+    frequency = turned / float(time[last] - time[first])
+    known = f" (known to {100 * rotation.error:.1g} %)" if rotation.error else ""
+    meshes = "".join(
+        f", f_m {order * frequency:.5g} Hz (stage {stage})" for stage, order in kinematics.mesh_orders().items()
+    )
+    return (
+        f"{kinematics.shafts[0].name} turns {turned:.1f} times in {start:.4g} to {end:.4g} s: {60 * frequency:.5g} "
+        f"rpm{known}, f_r {frequency:.5g} Hz{meshes}. Source: {rotation.source}."
+    )
+
+
+def file_words(found: JudgedFile) -> str:
+    """Speed and verdict; without healthy files the features."""
+    from pipelines.diagnosis.words import text
+
+    parts = [found.recorded.turning]
+    if found.verdict is not None:
+        answer, _, tables = text(found.verdict).partition("\n\n")
+        return "\n\n".join([answer, *parts, tables])
+    parts.append("No healthy recording to compare with, so there is no verdict. Give some: --baseline FILE FILE ...")
+    parts.append(features_grid(found.recorded.table).to_text())
+    if found.recorded.table.left_out:
+        parts.append(f"Not looked at, they turn too seldom: {'; '.join(found.recorded.table.left_out)}.")
+    return "\n\n".join(parts) + "\n"
+
+
+def features_grid(table: FeatureTable) -> Grid:
+    """A row per component and feature, in the mean over the channels."""
+    import numpy as np
+
+    from pipelines.diagnosis.words import NAMES
+
+    means = np.exp(np.mean(np.log(np.maximum(table.value, np.finfo(float).tiny)), axis=0))
+    rows = tuple(
+        (component, NAMES.get(feature, feature), f"{mean:.3g}", f"{20 * math.log10(mean):.1f}")
+        for (component, feature), mean in zip(table.lines, means, strict=True)
+    )
+    return Grid(title="Features, mean over all channels", headers=("component", "feature", "value", "dB"), rows=rows)
