@@ -5,6 +5,7 @@ A fault on the faster of two such shafts repeats with the slower one, too; gears
 
 from __future__ import annotations
 
+from pipelines.features.passing import strikes
 from pipelines.orders.kinematics import Kinematics
 
 SAME = 1e-3  # of a ratio; over a window of some hundred turns lines this close fall together
@@ -20,8 +21,12 @@ def alike(name: str, kinematics: Kinematics) -> tuple[str, ...]:
     for places in (shafts, gears):
         if name in places:
             return tuple(other for other, ratio in places.items() if other != name and _nested(places[name], ratio))
-    bearings = {bearing.name: (bearing.shaft, dict(bearing.orders)) for bearing in kinematics.bearings}
-    return tuple(other for other, seen in bearings.items() if other != name and seen == bearings.get(name))
+    passing = {
+        f"{bearing.name} {label}": (bearing.shaft, order)
+        for bearing in kinematics.bearings
+        for label, order in strikes(bearing.orders).items()
+    }
+    return tuple(other for other, place in passing.items() if other != name and place == passing.get(name))
 
 
 def _nested(one: float, other: float) -> bool:

@@ -5,7 +5,8 @@ lies about the mean m of n others with
 
     t = (x - m) / (s sqrt(1 + 1/n)),   Student's t with n - 1 degrees of freedom,
 
-s their standard deviation. Ranks, which take no model, cannot give p-values below 1 / (n + 1).
+s their standard deviation, or LEAST_SPREAD if that is more. Ranks, which take no model, cannot give p-values below
+1 / (n + 1).
 
 References
 ----------
@@ -20,6 +21,7 @@ import math
 import numpy as np
 
 FEWEST_FOR_P = 5  # recordings; with fewer the standard deviation is hardly known
+LEAST_SPREAD = 0.25  # dB, 3 %: levels of a model may repeat better, those of a sensor that is mounted anew hardly do
 
 
 def p_values(levels: np.ndarray, healthy: np.ndarray) -> np.ndarray:
@@ -39,7 +41,7 @@ def p_values(levels: np.ndarray, healthy: np.ndarray) -> np.ndarray:
     count = len(healthy)
     if count < FEWEST_FOR_P:
         raise ValueError(f"{count} healthy recordings: p-values take {FEWEST_FOR_P} or more")
-    spread = np.maximum(healthy.std(axis=0, ddof=1), np.finfo(float).eps)
+    spread = np.maximum(healthy.std(axis=0, ddof=1), LEAST_SPREAD)
     standing = (levels - healthy.mean(axis=0)) / (spread * math.sqrt(1.0 + 1.0 / count))
     return np.asarray(t.sf(standing, count - 1))
 

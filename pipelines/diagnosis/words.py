@@ -15,6 +15,7 @@ NAMES = {
     "sideband_ratio": "sideband ratio",
     "envelope_orders": "envelope",
     "tooth_contrast": "energy of one tooth",
+    "pass_order": "pass order in the envelope",
     "order_1": "1x",
     "order_2": "2x",
     "tsa_rms": "average",

@@ -53,6 +53,15 @@ class Average:
         return self._without({0, 1} | self._of_meshes())
 
     @property
+    def regular(self) -> np.ndarray:
+        """What the residual lacks of the average (channel, place): its mean, the first order, the mesh orders."""
+        lines = np.fft.rfft(self.values, axis=-1)
+        kept = np.zeros_like(lines)
+        orders = [order for order in {0, 1} | self._of_meshes() if order < lines.shape[1]]
+        kept[:, orders] = lines[:, orders]
+        return np.fft.irfft(kept, self.values.shape[-1], axis=-1)
+
+    @property
     def difference(self) -> np.ndarray:
         """The residual without the first sidebands of the mesh orders and the second order of the shaft."""
         of_meshes = self._of_meshes()

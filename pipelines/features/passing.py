@@ -17,6 +17,11 @@ FLOOR = 0.1  # of a pass order, to either side: where the floor is read
 FEWEST_LINES = 8  # of the spectrum, in the floor
 
 
+def strikes(orders: Mapping[str, float]) -> dict[str, float]:
+    """Pass orders as damage repeats: that of a rolling element strikes both rings, twice per turn of it."""
+    return {("2 BSF" if name == "BSF" else name): (2.0 if name == "BSF" else 1.0) * one for name, one in orders.items()}
+
+
 def pass_levels(envelope: np.ndarray, orders: Mapping[str, float]) -> dict[str, np.ndarray]:
     """Level (channel,) of each pass order: its lines over their floors, root mean square over three harmonics.
 

@@ -19,7 +19,7 @@ import numpy as np
 from pipelines.features.average import FEWEST_TURNS, average
 from pipelines.features.band import HIGHEST, squared_envelope
 from pipelines.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
-from pipelines.features.passing import pass_levels
+from pipelines.features.passing import pass_levels, strikes
 from pipelines.features.statistics import statistics
 from pipelines.features.synchronous import synchronous
 from pipelines.features.table import WHOLE, FeatureTable
@@ -33,10 +33,12 @@ if TYPE_CHECKING:
 Lines = dict[tuple[str, str], np.ndarray]  # (component, feature) -> (channel,)
 
 OF_SIGNAL = ("rms", "crest_factor", "kurtosis")
-OF_SHAFT = ("order_1", "order_2")
-OF_PLAIN_SHAFT = (*OF_SHAFT, "tsa_rms", "tsa_kurtosis")  # no gear on it is known
+OF_SHAFT = {"order_1": 1, "order_2": 2}
+OF_PLAIN_SHAFT = ("tsa_rms", "tsa_kurtosis")  # no gear on it is known
+PASSING = "pass_order"
 OF_GEAR = ("difference_rms", "fm4")  # of its shaft
 OF_STAGE = ("fm0", "sideband_ratio")  # of its mesh
+LEAST_ORDER = 0.01  # of the rms of the signal: a weaker order of a shaft is no evidence, whatever it was before
 GUARD_ORDER = 10.0  # of the fastest shaft: the guard where no tooth counts are known
 
 
@@ -147,11 +149,15 @@ def _shaft_lines(
 ) -> tuple[Lines, dict[str, int]]:
     """Features of a shaft and what sits on it, and the marked tooth of its gears."""
     gears = kinematics.gears_on(shaft.name)
-    found = synchronous(average(cut.values, cut.orders, {gear.stage: gear.teeth for gear in gears}))
-    laid = cut.values.reshape(len(cut.values), -1)
+    averaged = average(cut.values, cut.orders, {gear.stage: gear.teeth for gear in gears})
+    found = synchronous(averaged)
+    irregular = cut.values - averaged.regular[:, None, :]
+    laid = irregular.reshape(len(irregular), -1)
     envelope = squared_envelope(laid, (cut.share(band[0]), cut.share(band[1]))).reshape(cut.values.shape)
-    lines: Lines = {(shaft.name, name): found[name] for name in (OF_SHAFT if gears else OF_PLAIN_SHAFT)}
+    least = LEAST_ORDER * cut.values.std(axis=(1, 2))
+    lines: Lines = {(shaft.name, name): np.maximum(cut.order(order), least) for name, order in OF_SHAFT.items()}
     if not gears:
+        lines |= {(shaft.name, name): found[name] for name in OF_PLAIN_SHAFT}
         lines[shaft.name, "envelope_orders"] = envelope_orders(envelope)
     marks = {}
     for gear in gears:
@@ -164,13 +170,8 @@ def _shaft_lines(
     for bearing in kinematics.bearings:
         if bearing.shaft == shaft.name:
             levels = pass_levels(envelope, strikes(bearing.orders))
-            lines |= {(bearing.name, label): level for label, level in levels.items()}
+            lines |= {(f"{bearing.name} {label}", PASSING): level for label, level in levels.items()}
     return lines, marks
-
-
-def strikes(orders: Mapping[str, float]) -> dict[str, float]:
-    """Pass orders as damage repeats: that of a rolling element strikes both rings, twice per turn of it."""
-    return {("2 BSF" if name == "BSF" else name): (2.0 if name == "BSF" else 1.0) * one for name, one in orders.items()}
 
 
 def _numbered(passing: int, gear: Gear) -> int:

@@ -27,6 +27,16 @@ class Turns:
         """Whole turns."""
         return self.values.shape[1]
 
+    def order(self, number: int) -> np.ndarray:
+        """Peak amplitude (channel,) of an order of the shaft.
+
+        The turns are averaged under a Hann window, which keeps out strong orders of other shafts: the plain average
+        lets 1/turns of them through.
+        """
+        weights = np.hanning(self.count + 2)[1:-1]
+        averaged = np.einsum("ctp,t->cp", self.values, weights / weights.sum())
+        return 2.0 * np.abs(np.fft.rfft(averaged, axis=-1)[:, number]) / averaged.shape[-1]
+
     def share(self, frequency: float) -> float:
         """A frequency (Hz) as a share of the places per turn, the sampling rate of the values."""
         return frequency / self.frequency / self.values.shape[2]

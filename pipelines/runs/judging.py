@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pipelines.plant.plant import Drivetrain
 
 VERDICT = "verdict"  # name of the files
+STRIKES = {"outer-ring": "BPFO", "inner-ring": "BPFI", "element": "2 BSF"}
 
 
 def feature_steps(study: Study) -> list[Step]:
@@ -73,7 +74,7 @@ def judged(study: Study, steps: list[Step], outcome: Outcome) -> tuple[Verdict |
 def known_faults(plant: Drivetrain) -> list[tuple[str, int | None]]:
     """What the scene damages: component and tooth, None where it has none."""
     teeth = [(f"stage {fault.stage} {fault.gear}", fault.tooth) for fault in plant.faults]
-    spalls = [(fault.bearing, None) for fault in plant.spalls]
+    spalls = [(f"{fault.bearing} {STRIKES[fault.spall.on]}", None) for fault in plant.spalls]
     return [*teeth, *spalls, *((f"shaft_{fault.shaft + 1}", None) for fault in plant.shaft_faults)]
 
 

@@ -1,0 +1,110 @@
+"""The blind verdict: whatever is damaged of a machine ranks first, and healthy machines raise no alarm."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from turning import MACHINE, recording
+
+from pipelines.diagnosis.alike import alike
+from pipelines.diagnosis.simulated import FeatureSettings, run_features
+from pipelines.diagnosis.verdict import BaselineError, judge
+from pipelines.diagnosis.words import confirmed, headline, ranking_grid, sentences
+from pipelines.features.recorded import FeatureError
+from pipelines.orders.kinematics import Gear, Shaft
+
+SETTINGS = FeatureSettings(kinematics=MACHINE, windows={})
+
+
+def table(seed, settings=SETTINGS, **fault):
+    return run_features(recording(seed, **fault), settings, stream=0)
+
+
+@pytest.fixture(scope="module")
+def healthy():
+    return [table(seed) for seed in range(8)]
+
+
+@pytest.mark.parametrize("component", ["stage 1 pinion", "stage 1 wheel", "stage 2 pinion", "stage 2 wheel"])
+def test_a_damaged_tooth_is_found_on_its_shaft_and_in_its_place(healthy, component):
+    verdict = judge(table(100, fault=component, tooth=5), healthy, MACHINE)
+    assert verdict.alarm
+    assert component in (verdict.first.component, *verdict.first.alike)
+    found = next(one for one in verdict.findings if one.component == component)
+    assert abs(found.tooth - 5) <= 1
+    assert component in confirmed(verdict, [(component, 5)])
+
+
+@pytest.mark.parametrize(("fault", "component"), [("bearing_1", "bearing_1 BPFO"), ("shaft_2", "shaft_2")])
+def test_a_spall_and_an_unbalanced_shaft_rank_first(healthy, fault, component):
+    verdict = judge(table(101, fault=fault), healthy, MACHINE)
+    assert verdict.alarm
+    assert verdict.first.component == component
+
+
+def test_other_healthy_machines_raise_no_alarm(healthy):
+    assert [judge(table(seed), healthy, MACHINE).alarm for seed in range(200, 206)] == [False] * 6
+    verdict = judge(table(200), healthy, MACHINE)
+    assert headline(verdict).startswith("No alarm")
+    assert (verdict.tested, verdict.false_alarms) == (8, 0)
+    assert verdict.false_alarm_interval == pytest.approx((0.0, 0.369), abs=1e-3)
+
+
+def test_a_small_baseline_gives_an_order_and_no_p_value(healthy):
+    verdict = judge(table(102, fault="stage 1 wheel"), healthy[:4], MACHINE)
+    assert verdict.alarm is None
+    assert all(finding.p is None for finding in verdict.findings)
+    assert verdict.first.component == "stage 1 wheel"
+    assert "take 5 or more" in " ".join(sentences(verdict))
+
+
+def test_recordings_of_other_channels_cannot_be_compared(healthy):
+    one = recording(103).sel(axis=["x"])
+    with pytest.raises(BaselineError, match="near x, near z, the one that is judged near x"):
+        judge(run_features(one, SETTINGS, 0), healthy, MACHINE)
+
+
+def test_without_tooth_counts_shafts_are_ranked_by_their_envelope():
+    plain = dataclasses.replace(MACHINE, gears=(), bearings=())
+    settings = FeatureSettings(kinematics=plain, windows={})
+    healthy = [table(seed, settings) for seed in range(8)]
+    for gear, shaft in (("stage 1 pinion", "shaft_1"), ("stage 2 wheel", "shaft_3")):
+        verdict = judge(table(104, settings, fault=gear), healthy, plain)
+        assert verdict.alarm
+        assert verdict.first.component == shaft
+
+
+def test_what_turns_too_seldom_is_named_with_the_time_it_takes(healthy):
+    short = FeatureSettings(kinematics=MACHINE, windows={"short": (1.0, 1.8)})
+    found = run_features(recording(105), short, 0)
+    assert "shaft_3" not in found.component
+    (words,) = found.left_out
+    assert words.startswith("shaft_3 (stage 2 wheel): 2.9 turns")
+    with pytest.raises(FeatureError, match="no shaft turns 3 times"):
+        run_features(recording(105), FeatureSettings(kinematics=MACHINE, windows={"none": (1.0, 1.1)}), 0)
+
+
+def test_shafts_that_turn_alike_or_nest_cannot_be_told_apart():
+    twice = dataclasses.replace(
+        MACHINE,
+        shafts=(*MACHINE.shafts, Shaft(name="shaft_4", ratio=2 * 17 / 40)),
+        gears=(*MACHINE.gears, Gear(name="stage 3 pinion", shaft="shaft_4", stage=3, teeth=23)),
+    )
+    assert alike("shaft_2", twice) == ("shaft_4",)
+    assert alike("stage 1 wheel", twice) == ("stage 2 pinion", "stage 3 pinion")
+    assert alike("stage 1 pinion", twice) == ()
+    assert alike("bearing_1 BPFO", twice) == ()
+
+
+def test_the_table_of_the_verdict_lists_every_component(healthy):
+    grid = ranking_grid(judge(table(106, fault="stage 1 wheel"), healthy, MACHINE))
+    assert {row[0] for row in grid.rows} >= {*(one.name for one in (*MACHINE.shafts, *MACHINE.gears)), "whole machine"}
+
+
+def test_features_as_one_labelled_table(healthy):
+    labelled = healthy[0].labelled()
+    assert labelled.dims == ("sensor", "axis", "component", "feature")
+    value = labelled.sel(sensor="near", axis="z", component="stage 1 wheel", feature="fm4")
+    column = healthy[0].lines.index(("stage 1 wheel", "fm4"))
+    assert float(value) == healthy[0].value[1, column]
+    assert np.isnan(labelled.sel(component="shaft_1", feature="fm4")).all()

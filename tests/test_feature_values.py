@@ -1,0 +1,99 @@
+"""Features equal the values that follow by hand from signals of known orders."""
+
+import numpy as np
+import pytest
+
+from pipelines.features.average import average
+from pipelines.features.band import guarded_band, squared_envelope
+from pipelines.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
+from pipelines.features.passing import pass_levels
+from pipelines.features.synchronous import synchronous
+
+PLACES, TURNS = 1024, 30
+THETA = 2 * np.pi * np.arange(PLACES) / PLACES
+
+
+def repeated(turn):
+    return np.tile(turn, (TURNS, 1))[None]
+
+
+def features(turn, teeth=20):
+    return {name: float(value[0]) for name, value in synchronous(average(repeated(turn), 400, {1: teeth})).items()}
+
+
+def test_mesh_orders_and_sidebands_are_read_and_taken_out():
+    found = features(
+        2.0 * np.cos(20 * THETA)
+        + 0.3 * np.cos(19 * THETA + 1.0)
+        + 0.5 * np.sin(21 * THETA)
+        + 0.2 * np.cos(23 * THETA)
+        + 0.1 * np.cos(40 * THETA)
+        + 0.7 * np.cos(THETA)
+        + 0.05 * np.cos(2 * THETA)
+    )
+    assert found["stage_1_mesh_1"] == pytest.approx(2.0)
+    assert found["stage_1_mesh_1_lower"] == pytest.approx(0.3)
+    assert found["stage_1_sideband_ratio"] == pytest.approx((0.3 + 0.5 + 0.2) / 2.0)
+    assert found["order_1"] == pytest.approx(0.7)
+    assert found["order_2"] == pytest.approx(0.05)
+    assert found["residual_rms"] == pytest.approx(np.sqrt((0.3**2 + 0.5**2 + 0.2**2 + 0.05**2) / 2))
+    assert found["difference_rms"] == pytest.approx(0.2 / np.sqrt(2))
+    assert found["fm4"] == pytest.approx(1.5)  # kurtosis of a sine
+
+
+def test_fm0_is_the_range_over_the_mesh_amplitudes():
+    found = features(2.0 * np.cos(20 * THETA) + 0.5 * np.cos(40 * THETA))
+    lowest = 2.0 * -0.9375 + 0.5 * (2 * 0.9375**2 - 1)  # where sin(x) (2 + 2 cos x) changes sign next to the maximum
+    values = 2.0 * np.cos(20 * THETA) + 0.5 * np.cos(40 * THETA)
+    assert values.min() <= lowest
+    assert found["stage_1_fm0"] == pytest.approx(np.ptp(values) / 2.5)
+
+
+def test_the_envelope_of_a_modulated_mesh_has_the_orders_of_its_square():
+    depth = 0.4
+    turn = (1 + depth * np.cos(THETA)) * np.cos(100 * THETA)
+    envelope = squared_envelope(repeated(turn).reshape(1, -1), (50 / PLACES, 150 / PLACES)).reshape(1, TURNS, PLACES)
+    expected = np.hypot(2 * depth, depth**2 / 2) / (1 + depth**2 / 2)
+    assert envelope_orders(envelope)[0] == pytest.approx(expected, rel=1e-6)
+
+
+def test_the_tooth_that_rings_is_marked():
+    envelope = np.ones((2, TURNS, PLACES))
+    teeth = 37  # no divisor of the places
+    start, stop = (round(PLACES * edge / teeth) for edge in (11, 12))
+    envelope[:, :, start:stop] = 9.0
+    energies = tooth_energies(envelope, teeth)
+    assert marked_tooth(energies) == 11
+    assert tooth_contrast(energies) == pytest.approx(3.0, rel=0.02)
+    assert energies.mean(axis=-1) == pytest.approx(envelope.mean(axis=(1, 2)))
+
+
+def test_impulses_that_pass_stand_above_the_floor_and_others_do_not():
+    random = np.random.default_rng(4)
+    length = TURNS * PLACES
+    places = np.round(np.arange(0, TURNS * 3.58) / 3.58 * PLACES).astype(int)
+    signal = 0.1 * random.standard_normal(length)
+    signal[places[places < length]] += 3.0
+    envelope = squared_envelope(signal[None], (0.1, 0.45)).reshape(1, TURNS, PLACES)
+    found = pass_levels(envelope, {"BPFO": 3.58, "BPFI": 4.6})
+    assert found["BPFO"][0] > 20.0
+    assert found["BPFI"][0] < 5.0
+
+
+def test_pass_orders_need_turns_enough():
+    envelope = np.random.default_rng(5).random((1, 5, PLACES))
+    assert pass_levels(envelope, {"FTF": 0.4}) == {}
+
+
+def test_the_band_of_greatest_kurtosis_holds_the_resonance_and_not_what_lies_below_the_guard():
+    rate, random = 8000.0, np.random.default_rng(6)
+    time = np.arange(32000) / rate
+    ring = np.exp(-time[:160] / 0.003) * np.sin(2 * np.pi * 2300 * time[:160])
+    pulses = np.zeros_like(time)
+    pulses[::800] = 1.0
+    slow = 3.0 * np.cos(2 * np.pi * 7 * time) ** 9  # few strong lines: the most impulsive of all, below the guard
+    signal = slow + np.convolve(pulses, ring)[: len(time)] + 0.05 * random.standard_normal(len(time))
+    low, high = guarded_band(signal[None], rate, 150.0)
+    assert 150.0 <= low < 2300.0 < high
+    with pytest.raises(ValueError, match="no band above"):
+        guarded_band(signal[None], rate, 3700.0)
