@@ -152,7 +152,16 @@ def test_jitter_is_refused_and_rounded_instants_are_not(tmp_path):
     assert "is uneven" in refusal(timed(tmp_path, steps + jitter))
     with read_recording(timed(tmp_path, np.round(steps, 5)), machine()) as found:  # a tenth of a step
         assert 1.0 / found.time.values[1] == pytest.approx(9_999.7, rel=1e-4)
-    assert "too few" in refusal(timed(tmp_path, np.round(steps * 1.3, 4)))
+    path = timed(tmp_path, np.round(steps * 1.3, 4))
+    assert "if only its digits are too few, write time = false" in refusal(path, rate=RATE / 1.3)
+    with read_recording(path, machine(rate=RATE / 1.3, time=False)) as found:
+        assert found.time.values[1] == pytest.approx(1.3 / RATE)
+
+
+def test_time_in_single_precision_is_as_even_as_its_digits_allow(tmp_path):
+    time = 100.0 + np.arange(3000) / 51_200
+    with read_recording(timed(tmp_path, time.astype(np.float32)), machine(rate=51_200.0)) as found:
+        assert found.time.values[-1] == pytest.approx(time[-1], abs=1e-5)
 
 
 def test_time_that_falls_or_has_unknown_units_is_refused(tmp_path):

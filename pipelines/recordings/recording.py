@@ -161,6 +161,8 @@ def channel_of(contents: Contents, wanted: ChannelName, source: str) -> Channel:
 
 def _clock(contents: Contents, machine: Machine, source: str) -> Channel | None:
     """The channel that holds the time: the one that the machine names, or the first that is called so."""
+    if machine.time is False:
+        return None
     if machine.time is not None:
         return channel_of(contents, machine.time, source)
     return next((channel for channel in contents.channels if is_time(channel)), None)
