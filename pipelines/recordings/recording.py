@@ -216,7 +216,7 @@ def _to_si(channel: Channel, units: str, machine: Machine, source: str) -> float
     """Factor from the units of a channel to m/s2."""
     if units in ACCELERATIONS:
         return ACCELERATIONS[units]
-    where = f"{source}: channel {shown(channel.name, 60)} is in {shown(units, 40)}"
+    where = f'{source}: "{shown(channel.name, 60)}" is in {shown(units, 40)}'
     if units not in VOLTAGES:
         raise InputError(
             f"{where}, known are {', '.join((*ACCELERATIONS, *VOLTAGES))}. Give units, or another channel."

@@ -37,11 +37,11 @@ def sampling(signals: Sequence[Channel], clock: Channel | None, rate: float | No
     ------
     InputError : uneven time, rates that contradict each other, or no rate at all
     """
-    said = {f"channel {shown(one.name, 60)}": one.rate for one in signals if one.rate is not None}
+    said = {f'"{shown(one.name, 60)}"': one.rate for one in signals if one.rate is not None}
     start = 0.0
     if clock is not None:
         measured, start = _even_steps(clock, source)
-        said = {f"the time in {shown(clock.name, 60)}": measured, **said}
+        said = {f'the time in "{shown(clock.name, 60)}"': measured, **said}
     if rate is not None:
         said = {"rate_Hz": rate, **said}
     if not said:
@@ -59,7 +59,7 @@ def sampling(signals: Sequence[Channel], clock: Channel | None, rate: float | No
 def _even_steps(clock: Channel, source: str) -> tuple[float, float]:
     """Rate and start of a time channel whose instants lie at even steps."""
     seconds = TIMES.get(plain_units(clock.units) or "s")
-    where = f"{source}: the time in {shown(clock.name, 60)}"
+    where = f'{source}: the time in "{shown(clock.name, 60)}"'
     if seconds is None:
         raise InputError(f"{where} has the units {shown(clock.units)}, known are {', '.join(TIMES)}. Correct them.")
     start, end = (float(clock.read(slice(at, at + 1))[0]) for at in (0, clock.size - 1))
