@@ -228,6 +228,8 @@ def test_simulate_then_export(capsys, here):
     assert "meshes" not in facts["ledger"]
     assert gearcase(capsys, "export", "mine", "--to", "csv")[0] == 0
     assert (here / "mine" / "response.csv").stat().st_size > 1000
+    assert gearcase(capsys, "export", "mine", "--to", "uff")[0] == 0
+    assert (here / "mine" / "response.uff").read_text(encoding="ascii").count("\n    58\n") > 10
     assert gearcase(capsys, "simulate", "minimal", "--out", "mine")[0] == 2
 
 

@@ -105,6 +105,7 @@ def test_a_tachometer_takes_the_place_of_the_speed(tmp_path):
         ("speed_rpm = 9\nsensors = { a = 0 }\n", "a must be the name of a channel in quotes, or its number"),
         ("speed_rpm = 9\nsensors = { a = true }\n", "a must be the name of a channel in quotes, or its number"),
         ("speed_rpm = 9\nsensors = { a = { u = 1 } }\n", "a has the axis u; known are x, y, z"),
+        ("speed_rpm = 9\ntime = true\n", "time: must be the name of a channel in quotes, or its number"),
         ('speed_rpm = 9\nsensors = "a"\n', "must be a table of names and channels"),
         ("tachometer = { channel = 1, shaft = 2 }\n", "tachometer.shaft: there is no shaft 2, the machine has 1"),
         ("tachometer = { chanel = 1 }\n", "is not a key of [tachometer]. Did you mean channel?"),

@@ -73,7 +73,7 @@ def test_gaps_are_counted_and_the_first_is_named(bad, tmp_path):
     values = signals()
     values[[700, 701, 2000], 1] = bad
     said = refusal(saved(tmp_path, values), rate=RATE)
-    assert "channel channel 2: 3 of 3000 samples are no finite numbers, the first is sample 701." in said
+    assert '"channel 2" has gaps: 3 of 3000 samples are no finite numbers, the first is sample 701.' in said
 
 
 def test_gaps_beyond_the_first_block_are_found(tmp_path):
@@ -88,7 +88,7 @@ def test_gaps_beyond_the_first_block_are_found(tmp_path):
 def test_a_silent_channel_is_refused(value, tmp_path):
     values = signals()
     values[:, 0] = value
-    assert f"channel channel 1 is {value:g} throughout" in refusal(saved(tmp_path, values), rate=RATE)
+    assert f'"channel 1" is {value:g} throughout' in refusal(saved(tmp_path, values), rate=RATE)
 
 
 def test_a_recording_of_a_few_samples_is_refused(tmp_path):
@@ -101,7 +101,7 @@ def test_complex_numbers_and_texts_are_refused(tmp_path):
         file["words"] = np.array([b"one", b"two"] * 300)
     assert "no channel can be an acceleration, the file has words" in refusal(tmp_path / "r.h5", rate=RATE)
     words = {"bearing": {"z": "words"}}
-    assert "channel words holds no numbers" in refusal(tmp_path / "r.h5", rate=RATE, sensors=words)
+    assert '"words" holds no numbers' in refusal(tmp_path / "r.h5", rate=RATE, sensors=words)
     np.save(tmp_path / "o.npy", np.array([{}, 1], dtype=object), allow_pickle=True)
     assert "cannot be read as NPY" in refusal(tmp_path / "o.npy", rate=RATE)
 
@@ -124,7 +124,7 @@ def test_channels_of_different_lengths_are_refused_unless_sensors_of_one_length_
 
 def test_a_rate_that_contradicts_the_file_is_refused(tmp_path):
     WRITERS["r.mat"](tmp_path / "r.mat", signals())
-    assert "rate_Hz says 25600 Hz, channel drive_end 10000 Hz" in refusal(tmp_path / "r.mat", rate=25_600.0)
+    assert 'rate_Hz says 25600 Hz, "drive_end" 10000 Hz' in refusal(tmp_path / "r.mat", rate=25_600.0)
     with read_recording(tmp_path / "r.mat", machine(rate=RATE * (1 + 5e-5))) as found:
         assert 1.0 / found.time.values[1] == pytest.approx(RATE * (1 + 5e-5))  # within 1e-4: the machine's
 
@@ -142,7 +142,7 @@ def test_a_lost_sample_makes_the_time_uneven(tmp_path):
     steps = np.arange(3000) / RATE
     lost = np.concatenate([steps[:1500], steps[1500:] + 1.0 / RATE])
     said = refusal(timed(tmp_path, lost))
-    assert "the time in time is uneven: sample 150" in said
+    assert 'the time in "time" is uneven: sample 150' in said
     assert "0.5 steps off even ones, 0.4 are allowed" in said
 
 
@@ -152,7 +152,16 @@ def test_jitter_is_refused_and_rounded_instants_are_not(tmp_path):
     assert "is uneven" in refusal(timed(tmp_path, steps + jitter))
     with read_recording(timed(tmp_path, np.round(steps, 5)), machine()) as found:  # a tenth of a step
         assert 1.0 / found.time.values[1] == pytest.approx(9_999.7, rel=1e-4)
-    assert "too few" in refusal(timed(tmp_path, np.round(steps * 1.3, 4)))
+    path = timed(tmp_path, np.round(steps * 1.3, 4))
+    assert "if only its digits are too few, write time = false" in refusal(path, rate=RATE / 1.3)
+    with read_recording(path, machine(rate=RATE / 1.3, time=False)) as found:
+        assert found.time.values[1] == pytest.approx(1.3 / RATE)
+
+
+def test_time_in_single_precision_is_as_even_as_its_digits_allow(tmp_path):
+    time = 100.0 + np.arange(3000) / 51_200
+    with read_recording(timed(tmp_path, time.astype(np.float32)), machine(rate=51_200.0)) as found:
+        assert found.time.values[-1] == pytest.approx(time[-1], abs=1e-5)
 
 
 def test_time_that_falls_or_has_unknown_units_is_refused(tmp_path):
@@ -194,10 +203,10 @@ def test_units_that_are_no_acceleration_are_refused_where_a_sensor_names_them(tm
             file[name] = signals()[:, 0]
             file[name].attrs["units"] = units
     named = {"one": {"z": "speed"}}
-    assert "channel speed is in rpm, known are m/s2, mm/s2, g, mg, V, mV" in refusal(
+    assert '"speed" is in rpm, known are m/s2, mm/s2, g, mg, V, mV' in refusal(
         tmp_path / "r.h5", rate=RATE, sensors=named
     )
-    assert "channel bearing is in V. Give sensitivity_mV_g" in refusal(tmp_path / "r.h5", rate=RATE)
+    assert '"bearing" is in V. Give sensitivity_mV_g' in refusal(tmp_path / "r.h5", rate=RATE)
     with read_recording(tmp_path / "r.h5", machine(rate=RATE, sensitivity=0.1)) as found:
         assert list(found.sensor.values) == ["bearing"]  # the speed is no sensor
 
@@ -251,6 +260,14 @@ def test_two_channels_of_one_sensor_and_axis_ask_for_names(tmp_path):
         write_function(file, head, [signals(300)[:, 0]])
         write_function(file, head, [signals(300)[:, 1]])
     assert "node_1 x is there twice, as a and a (2)" in refusal(tmp_path / "r.uff")
+
+
+def test_what_nptdms_guesses_at_is_refused_and_not_printed(tmp_path, capfd):
+    WRITERS["r.tdms"](tmp_path / "r.tdms", signals())
+    content = (tmp_path / "r.tdms").read_bytes()
+    (tmp_path / "r.tdms").write_bytes(content.replace(b"wf_increment", b"wf_\xf3ncrement"))
+    assert "is damaged or cut off (Error decoding string" in refusal(tmp_path / "r.tdms")
+    assert capfd.readouterr() == ("", "")
 
 
 def test_a_classic_netcdf_file_says_how_to_convert_it(tmp_path):

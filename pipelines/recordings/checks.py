@@ -22,7 +22,7 @@ def checked_extremes(channel: Channel, source: str) -> tuple[float, float]:
     ------
     InputError : with the reason, and for gaps their number and first place
     """
-    where = f"{source}: channel {shown(channel.name, 60)}"
+    where = f'{source}: "{shown(channel.name, 60)}"'
     if not channel.is_numeric:
         complex_ = channel.dtype.kind == "c" or channel.dtype.names == ("real", "imag")
         what = "complex numbers" if complex_ else "no numbers"
@@ -38,7 +38,7 @@ def checked_extremes(channel: Channel, source: str) -> tuple[float, float]:
         low, high = min(low, float(np.min(values))), max(high, float(np.max(values)))
     if gaps:
         raise InputError(
-            f"{where}: {gaps} of {channel.size} samples are no finite numbers, the first is sample {first}. "
+            f"{where} has gaps: {gaps} of {channel.size} samples are no finite numbers, the first is sample {first}. "
             "Fill the gaps, or cut the recording before them."
         )
     if low == high:

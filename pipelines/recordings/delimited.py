@@ -72,7 +72,7 @@ def _channels(values: np.ndarray, layout: Layout) -> Iterator[Channel]:
         def read(part: slice, column: int = column) -> np.ndarray:
             return np.array(values[part, column])
 
-        label = name or (_guessed(values[:1000, column]) if column == 0 else "") or f"column {column + 1}"
+        label = name or (_guessed(values[:1000, column]) if column == 0 else "") or f"channel {column + 1}"
         yield Channel(
             name=label, size=len(values), dtype=values.dtype, read=read, units=units, place=exported_place(label)
         )

@@ -9,6 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 from pipelines.border.errors import Problem, SceneError
 from pipelines.orders.kinematics import Bearing, Gear, Kinematics, Shaft
@@ -33,14 +34,15 @@ class Machine:
     """The kinematics, and how the channels of a file become signals in m/s2.
 
     `sensors` are channels by sensor and axis, empty where every channel of the file is a sensor. `rate` is in Hz;
-    `sensitivity` in V per g, None where the file is not in volts; `full_scale` is the value of a WAV file's full scale.
+    `time` is the channel that holds the time, None if its name says so, False if the file's time is not used;
+    `sensitivity` is in V per g, None where the file is not in volts; `full_scale` is that of a WAV file, in `units`.
     """
 
     name: str
     kinematics: Kinematics
     sensors: Mapping[str, Mapping[str, ChannelName]] = field(default_factory=dict)
     rate: float | None = None
-    time: ChannelName | None = None
+    time: ChannelName | Literal[False] | None = None
     units: str | None = None
     sensitivity: float | None = None
     full_scale: float = 1.0

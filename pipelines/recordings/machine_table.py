@@ -10,7 +10,7 @@ sensors = { gearbox = "channel 1" }
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator, model_validator
 
@@ -30,6 +30,10 @@ def _channel(value: Any) -> ChannelName:
     if not (named or numbered):
         raise ValueError("must be the name of a channel in quotes, or its number in the file, from 1")
     return value
+
+
+def _time(value: Any) -> ChannelName | Literal[False]:
+    return value if value is False else _channel(value)
 
 
 def _sensors(value: Any) -> dict[str, dict[str, ChannelName]]:
@@ -108,9 +112,11 @@ class MachineTable(Table):
     bearings: Annotated[tuple[BearingTable, ...], Field(max_length=200, description="rolling bearings")] = ()
     speed_rpm: Annotated[Positive | None, Field(description="of the first shaft; not needed with a tachometer")] = None
     rate_Hz: Annotated[Positive | None, Field(description="samples per second, if the file does not say it")] = None
-    time: Annotated[Channel | None, Field(description="channel that holds the time, if its name does not say it")] = (
-        None
-    )
+    time: Annotated[
+        ChannelName | Literal[False] | None,
+        PlainValidator(_time),
+        Field(description="channel that holds the time, if its name does not say it; false: the time is not used"),
+    ] = None
     units: Annotated[str | None, Field(description="of the signals; left out: those of the file, else m/s2")] = None
     sensitivity_mV_g: Annotated[Positive | None, Field(description="of the sensors, where a file is in volts")] = None
     full_scale: Annotated[Positive, Field(description="value of a WAV file's full scale, in the units")] = 1.0

@@ -161,6 +161,8 @@ def channel_of(contents: Contents, wanted: ChannelName, source: str) -> Channel:
 
 def _clock(contents: Contents, machine: Machine, source: str) -> Channel | None:
     """The channel that holds the time: the one that the machine names, or the first that is called so."""
+    if machine.time is False:
+        return None
     if machine.time is not None:
         return channel_of(contents, machine.time, source)
     return next((channel for channel in contents.channels if is_time(channel)), None)
@@ -214,7 +216,7 @@ def _to_si(channel: Channel, units: str, machine: Machine, source: str) -> float
     """Factor from the units of a channel to m/s2."""
     if units in ACCELERATIONS:
         return ACCELERATIONS[units]
-    where = f"{source}: channel {shown(channel.name, 60)} is in {shown(units, 40)}"
+    where = f'{source}: "{shown(channel.name, 60)}" is in {shown(units, 40)}'
     if units not in VOLTAGES:
         raise InputError(
             f"{where}, known are {', '.join((*ACCELERATIONS, *VOLTAGES))}. Give units, or another channel."

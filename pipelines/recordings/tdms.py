@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import logging
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,19 +20,26 @@ _UNITS = ("unit_string", "NI_UnitDescription")
 
 def memory(path: Path) -> int:
     """Bytes that its values take, scaled."""
-    with path.open("rb") as raw, _library().open(raw) as file:
-        return sum(
-            max(8, channel.dtype.itemsize) * len(channel) for group in file.groups() for channel in group.channels()
-        )
+    library = _library()
+    with path.open("rb") as raw, _complaints(), library.open(raw) as file:
+        channels = [channel for group in file.groups() for channel in group.channels()]
+        return sum(max(8, channel.dtype.itemsize) * len(channel) for channel in channels)
 
 
 def open_tdms(path: Path) -> Contents:
-    """The channels of all groups, named "group/channel" where there are several groups."""
-    with path.open("rb") as raw:  # which nptdms leaves open when it stumbles
-        file = _library().read(raw)
-    if file.file_status.incomplete_final_segment:
+    """The channels of all groups, named "group/channel" where there are several groups.
+
+    Raises
+    ------
+    InputError : nptdms is not installed, or had to guess: the file is damaged or was not closed
+    """
+    library = _library()
+    with path.open("rb") as raw, _complaints() as said:  # nptdms leaves open what it opens and cannot read
+        file = library.read(raw)
+    if said or file.file_status.incomplete_final_segment:
+        reason = shown(said[0] if said else "its last segment is not whole", 100)
         raise InputError(
-            f"{shown(path)}: ends within its last segment. Copy the file again, or close the recorder first."
+            f"{shown(path)}: is damaged or cut off ({reason}). Copy it again, or close the recorder first."
         )
     several = len(file.groups()) > 1
     found = []
@@ -38,6 +48,25 @@ def open_tdms(path: Path) -> Contents:
             name = f"{group.name}/{channel.name}" if several else channel.name
             found.append(_channel(name, channel))
     return Contents(channels=tuple(found))
+
+
+@contextlib.contextmanager
+def _complaints() -> Iterator[list[str]]:
+    """What nptdms would print on the terminal while the block runs."""
+    said: list[str] = []
+
+    def keep(record: logging.LogRecord) -> bool:
+        said.append(record.getMessage())
+        return False
+
+    loggers = [logging.getLogger(name) for name in logging.root.manager.loggerDict if name.startswith("nptdms.")]
+    for logger in loggers:
+        logger.addFilter(keep)
+    try:
+        yield said
+    finally:
+        for logger in loggers:
+            logger.removeFilter(keep)
 
 
 def _channel(name: str, channel: Any) -> Channel:

@@ -37,11 +37,11 @@ def sampling(signals: Sequence[Channel], clock: Channel | None, rate: float | No
     ------
     InputError : uneven time, rates that contradict each other, or no rate at all
     """
-    said = {f"channel {shown(one.name, 60)}": one.rate for one in signals if one.rate is not None}
+    said = {f'"{shown(one.name, 60)}"': one.rate for one in signals if one.rate is not None}
     start = 0.0
     if clock is not None:
         measured, start = _even_steps(clock, source)
-        said = {f"the time in {shown(clock.name, 60)}": measured, **said}
+        said = {f'the time in "{shown(clock.name, 60)}"': measured, **said}
     if rate is not None:
         said = {"rate_Hz": rate, **said}
     if not said:
@@ -59,14 +59,14 @@ def sampling(signals: Sequence[Channel], clock: Channel | None, rate: float | No
 def _even_steps(clock: Channel, source: str) -> tuple[float, float]:
     """Rate and start of a time channel whose instants lie at even steps."""
     seconds = TIMES.get(plain_units(clock.units) or "s")
-    where = f"{source}: the time in {shown(clock.name, 60)}"
+    where = f'{source}: the time in "{shown(clock.name, 60)}"'
     if seconds is None:
         raise InputError(f"{where} has the units {shown(clock.units)}, known are {', '.join(TIMES)}. Correct them.")
     start, end = (float(clock.read(slice(at, at + 1))[0]) for at in (0, clock.size - 1))
     step = (end - start) / (clock.size - 1)
     if not step > 0.0:
-        raise InputError(f"{where} goes from {start:g} to {end:g}; it must rise. Leave it out and give rate_Hz.")
-    grain = _grain(clock.read(slice(0, 1000)).astype(float))
+        raise InputError(f"{where} goes from {start:g} to {end:g}; it must rise. Write time = false and give rate_Hz.")
+    grain = max(_last_digit(clock.read(slice(0, 1000)).astype(float)), _spacing(clock.dtype, end))
     allowed = min(JITTER * step + grain, LOST * step)
     for first, times in clock.blocks():
         even = start + step * np.arange(first, first + len(times))
@@ -75,15 +75,20 @@ def _even_steps(clock: Channel, source: str) -> tuple[float, float]:
         if not off[worst] <= allowed:
             raise InputError(
                 f"{where} is uneven: sample {first + worst + 1} lies {off[worst] / step:.2g} steps off even ones, "
-                f"{allowed / step:.2g} are allowed. Resample it; if only its digits are too few, leave it out and give "
-                "rate_Hz."
+                f"{allowed / step:.2g} are allowed. Resample it; if only its digits are too few, write time = false "
+                "and give rate_Hz."
             )
     return 1.0 / (step * seconds), start * seconds
 
 
-def _grain(times: np.ndarray) -> float:
-    """The step of the last digit that is written, or of the floating-point numbers if those are coarser."""
+def _last_digit(times: np.ndarray) -> float:
+    """The step of the last decimal digit that instants are written with, 0.0 if there are too many to tell."""
     for digits in range(_DIGITS):
         if np.allclose(times, np.round(times, digits), rtol=0.0, atol=1e-13 * max(1.0, float(np.abs(times).max()))):
             return 10.0**-digits
     return 0.0
+
+
+def _spacing(kind: np.dtype, value: float) -> float:
+    """The distance of neighbouring numbers of a floating-point type at a value."""
+    return float(np.spacing(kind.type(abs(value)))) if kind.kind == "f" else 0.0

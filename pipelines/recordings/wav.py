@@ -12,6 +12,7 @@ from pipelines.border.shown import shown
 from pipelines.recordings.channels import Channel, Contents
 
 _UNSAID = 0xFFFFFFFF  # size of a file that was written as a stream
+_PADDING = 1  # byte that some programs count and do not write
 
 
 def memory(path: Path) -> int:
@@ -29,8 +30,8 @@ def open_wav(path: Path) -> Contents:
     from scipy.io import wavfile
 
     with path.open("rb") as file:
-        kind, size = file.read(4), int.from_bytes(file.read(4), "little")
-    if kind == b"RIFF" and size != _UNSAID and size + 8 > path.stat().st_size:
+        mark, size = file.read(4), int.from_bytes(file.read(4), "little")
+    if mark == b"RIFF" and size != _UNSAID and size + 8 > path.stat().st_size + _PADDING:
         raise InputError(f"{shown(path)}: is cut off, it has {path.stat().st_size} of {size + 8} bytes. Copy it again.")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", wavfile.WavFileWarning)  # on chunks of text that are passed over
