@@ -101,6 +101,15 @@ def test_an_encoder_of_1024_lines_gives_the_angle_at_five_samples_a_pulse():
     assert abs(relative_error(found, angle)) < 2e-5
 
 
+def test_a_level_tells_pulses_from_other_marks():
+    """A second, lower mark half a turn on is passed over by a level above it."""
+    angle = drifting(4.0)
+    signal = with_pulses(angle, 1)
+    signal.tachometer.values += 0.6 * with_pulses(angle + np.pi, 1, width=0.2).tachometer.values
+    signal.tachometer.attrs["level"] = 0.8
+    assert abs(relative_error(rotation_of(signal, PAIR), angle)) < 3e-5
+
+
 def test_the_mark_of_a_single_pulse_is_angle_zero():
     angle = drifting(2.0) + 4.0
     found = rotation_of(with_pulses(angle, 1), PAIR)
@@ -158,9 +167,9 @@ def test_the_uncertainty_of_a_jittering_tachometer_is_honest():
 @pytest.mark.parametrize(
     ("signal", "words"),
     [
-        (lambda t: np.zeros_like(t), "0 pulses between 0 and 0"),
+        (lambda t: np.zeros_like(t), "0 pulses through 0 in values from 0 to 0"),
         (lambda t: np.where(t > 0.1, np.nan, 0.0), "are not numbers"),
-        (lambda t: (t > 0.5).astype(float), "1 pulses between 0 and 1"),
+        (lambda t: (t > 0.5).astype(float), "1 pulses through 0.5 in values from 0 to 1"),
     ],
 )
 def test_a_tachometer_without_pulses_is_refused(signal, words):

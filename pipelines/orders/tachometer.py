@@ -1,7 +1,7 @@
 """The angle of a shaft from the pulses of a tachometer or an encoder.
 
-A pulse begins where the signal rises through the upper one of two thresholds, after it was below the lower one; the
-time is interpolated between samples. Times between pulses are compared with those around: one that is a whole multiple
+A pulse begins where the signal rises through a level, after it was HYSTERESIS of its range below; the time is
+interpolated between samples. Times between pulses are compared with those around: one that is a whole multiple
 tells of missing pulses, one that is far too short of a double pulse; both are mended and counted. The times of even
 angles, PER_TURN of them in a turn at most, are means over the pulses around; a smooth curve through them
 (`pipelines.orders.smoothing`) takes off their jitter.
@@ -22,7 +22,7 @@ import numpy as np
 from pipelines.orders.rotation import RotationError
 from pipelines.orders.smoothing import smooth
 
-LOWER, UPPER = 0.35, 0.65  # thresholds between the levels between pulses and in them
+HYSTERESIS = 0.2  # of the range of the signal
 PER_TURN = 8  # means of pulses
 FEWEST_PULSES = 8
 _AROUND = 9  # intervals of which the middle one is compared with the median
@@ -47,13 +47,14 @@ class Turning(NamedTuple):
     error: float
 
 
-def find_pulses(signal: np.ndarray, time: np.ndarray) -> Pulses:
+def find_pulses(signal: np.ndarray, time: np.ndarray, level: float | None = None) -> Pulses:
     """The pulses of a tachometer.
 
     Parameters
     ----------
     signal : float (time,), any unit, rising at a pulse
     time : float (time,), s
+    level : of a pulse, in the unit of the signal; half way if None
 
     Raises
     ------
@@ -65,14 +66,15 @@ def find_pulses(signal: np.ndarray, time: np.ndarray) -> Pulses:
             "out, or repair the recording."
         )
     low, high = float(signal.min()), float(signal.max())
-    upper, lower = low + UPPER * (high - low), low + LOWER * (high - low)
+    upper = 0.5 * (low + high) if level is None else level
+    lower = upper - HYSTERESIS * (high - low)
     state = np.where(signal >= upper, 1, np.where(signal < lower, -1, 0))
     known = np.flatnonzero(state)
     rises = known[1:][(state[known[1:]] == 1) & (state[known[:-1]] == -1)]
     if high == low or len(rises) < FEWEST_PULSES:
         raise RotationError(
-            f"tachometer: {len(rises) if high > low else 0} pulses between {low:.3g} and {high:.3g}; at least "
-            f"{FEWEST_PULSES} are needed. Use a longer recording or another channel."
+            f"tachometer: {len(rises) if high > low else 0} pulses through {upper:.3g} in values from {low:.3g} to "
+            f"{high:.3g}; at least {FEWEST_PULSES} are needed. Use a longer recording, another level or channel."
         )
     share = (upper - signal[rises - 1]) / (signal[rises] - signal[rises - 1])
     at = time[rises - 1] + share * (time[rises] - time[rises - 1])
