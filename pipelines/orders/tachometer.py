@@ -32,10 +32,10 @@ _NEAR = 0.2  # of an interval from a whole multiple
 
 
 class Pulses(NamedTuple):
-    """`time` (pulse,) s, `count` (pulse,) of pulses from the first one, and how many were missing and double."""
+    """`time` (pulse,) s, `number` (pulse,) of each, 0 for the first one, and how many were missing and double."""
 
     time: np.ndarray
-    count: np.ndarray
+    number: np.ndarray
     missing: int
     double: int
 
@@ -118,18 +118,18 @@ def angle_from_pulses(pulses: Pulses, pulses_per_turn: float, time: np.ndarray) 
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
     together = max(1, min(math.floor(pulses_per_turn / PER_TURN), len(pulses.time) // FEWEST_PULSES))
-    each = np.interp(np.arange(pulses.count[-1] + 1), pulses.count, pulses.time)
+    each = np.interp(np.arange(pulses.number[-1] + 1), pulses.number, pulses.time)
     at = each[: len(each) // together * together].reshape(-1, together).mean(axis=1)
     before = math.ceil((at[0] - time[0]) / (at[1] - at[0])) + 1
     after = math.ceil((time[-1] - at[-1]) / (at[-1] - at[-2])) + 1
-    number = np.arange(-before, len(at) + after)
+    places = np.arange(-before, len(at) + after)
     curve = smooth(at, before, after)
     reached = curve.values[0] <= time[0] and curve.values[-1] >= time[-1]
     if reached and np.all(np.diff(curve.values) > 0.0) and curve.noise < _DOUBLE * np.diff(at).min():
-        turned = CubicSpline(curve.values, number)(time)
+        turned = CubicSpline(curve.values, places)(time)
     else:
         ends = at[0] - np.arange(before, 0, -1) * (at[1] - at[0]), at[-1] + np.arange(1, after + 1) * (at[-1] - at[-2])
-        turned = PchipInterpolator(np.concatenate([ends[0], at, ends[1]]), number)(time)
+        turned = PchipInterpolator(np.concatenate([ends[0], at, ends[1]]), places)(time)
     angle = 2.0 * np.pi / pulses_per_turn * (together * turned + 0.5 * (together - 1))
     sampled = float(time[1] - time[0]) / math.sqrt(6.0 * together)
     speed = (angle[-1] - angle[0]) / (time[-1] - time[0])
