@@ -101,6 +101,15 @@ def test_an_encoder_of_1024_lines_gives_the_angle_at_five_samples_a_pulse():
     assert abs(relative_error(found, angle)) < 2e-5
 
 
+def test_a_level_tells_pulses_from_other_marks():
+    """A second, lower mark half a turn on is passed over by a level above it."""
+    angle = drifting(4.0)
+    signal = with_pulses(angle, 1)
+    signal.tachometer.values += 0.6 * with_pulses(angle + np.pi, 1, width=0.2).tachometer.values
+    signal.tachometer.attrs["level"] = 0.8
+    assert abs(relative_error(rotation_of(signal, PAIR), angle)) < 3e-5
+
+
 def test_the_mark_of_a_single_pulse_is_angle_zero():
     angle = drifting(2.0) + 4.0
     found = rotation_of(with_pulses(angle, 1), PAIR)
@@ -158,9 +167,9 @@ def test_the_uncertainty_of_a_jittering_tachometer_is_honest():
 @pytest.mark.parametrize(
     ("signal", "words"),
     [
-        (lambda t: np.zeros_like(t), "0 pulses between 0 and 0"),
+        (lambda t: np.zeros_like(t), "0 pulses through 0 in values from 0 to 0"),
         (lambda t: np.where(t > 0.1, np.nan, 0.0), "are not numbers"),
-        (lambda t: (t > 0.5).astype(float), "1 pulses between 0 and 1"),
+        (lambda t: (t > 0.5).astype(float), "1 pulses through 0.5 in values from 0 to 1"),
     ],
 )
 def test_a_tachometer_without_pulses_is_refused(signal, words):
@@ -184,7 +193,10 @@ def test_mesh_lines_give_the_angle_of_a_drifting_machine():
 @pytest.mark.slow
 @pytest.mark.parametrize(("noise", "drift"), [(0.3, 0.003), (2.0, 0.0), (2.0, 0.003)])
 def test_the_uncertainty_of_the_tracked_speed_is_honest(noise, drift):
-    """200 machines: the error over its uncertainty scatters by about 1, and none is far out."""
+    """200 machines: the error over its uncertainty scatters by 1 or less, and none is far out.
+
+    In strong lines the stated swing of a real shaft is larger than their noise.
+    """
     ratios = []
     for seed in range(200):
         generator = np.random.default_rng(seed)
@@ -192,7 +204,7 @@ def test_the_uncertainty_of_the_tracked_speed_is_honest(noise, drift):
         angle = drifting(4.0, speed, drift, phase, rate=5000.0)
         found = rotation_of(recording(vibration(angle, generator, noise), 5000.0), PAIR)
         ratios.append(relative_error(found, angle) / found.error)
-    assert 0.3 < np.mean(np.square(ratios)) < 1.3
+    assert 0.1 < np.mean(np.square(ratios)) < 1.3
     assert np.abs(ratios).max() < 5.0
 
 

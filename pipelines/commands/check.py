@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ def main(options: argparse.Namespace) -> int:
     loaded = load_asked(options)
     found = check_scene(loaded)
     sys.stdout.write("".join(f"{line}\n" for line in _lines(found.plant, loaded.scene.control or "none")))
+    sys.stdout.write("".join(f"{line}\n" for line in _times(found.plant, loaded.scene.diagnosis.windows_s)))
     sys.stdout.write(f"  {found.cost}\n")
     sys.stdout.write("".join(f"warning: {text}\n" for text in found.warnings))
     return 0
@@ -68,3 +69,26 @@ def _lines(plant: Plant, control: str) -> Iterator[str]:
     if plant.fault_words:
         yield f"  faults: {', '.join(plant.fault_words)}"
     yield f"  control: {control}"
+
+
+def _times(plant: Plant, windows: Mapping[str, tuple[float, float]]) -> Iterator[str]:
+    """How long a window must be for each shaft, and which are too short."""
+    from pipelines.features.average import FEWEST_TURNS
+    from pipelines.orders.needed_time import needed_seconds
+    from pipelines.plant.kinematics import kinematics_of
+    from pipelines.signals.spectrum import FEWEST_REVOLUTIONS
+
+    kinematics = kinematics_of(plant.layout, plant.rolling)
+    if not kinematics.frequency or not windows:
+        return
+    uses = {"averages": FEWEST_TURNS, "lines": FEWEST_REVOLUTIONS}
+    needed = {use: needed_seconds(kinematics, turns) for use, turns in uses.items()}
+    heads = "  ".join(f"{use} ({turns} turns) s" for use, turns in uses.items())
+    yield f"  window for  {heads}  too short"
+    for shaft in kinematics.shafts:
+        short = []
+        for name, (start, end) in windows.items():
+            for_what = [use for use in uses if end - start < needed[use][shaft.name]]
+            short += [f"{name} ({end - start:.4g} s) for {' and '.join(for_what)}"] if for_what else []
+        average, lines = (needed[use][shaft.name] for use in uses)
+        yield f"  {shaft.name:<11} {average:<21.4g} {lines:<18.4g} {', '.join(short) or '-'}"

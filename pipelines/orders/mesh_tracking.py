@@ -38,16 +38,18 @@ SWING = 3e-4  # rad, of a geared shaft within a tooth mesh, which no window reso
 ROUNDS = 4  # of bringing to rest and mending
 FEWEST_WINDOWS = 6
 STEADY = 0.6  # rad; the second difference of a phase must scatter less, a phase at random scatters by 1.8
+LARGEST = 2.5  # rad; of a second difference: one near pi may hide a turn of the phase that is lost
 NEIGHBOURS = 4.0 / 3.0  # power of the slow part of the noise: windows that overlap by half correlate by 1/6
 _HIGHEST = 0.45  # of the sampling rate
 
 
 class _Line(NamedTuple):
-    """A mesh line at rest: order, phase (window,) and the scatter of its second difference, rad."""
+    """A mesh line at rest: order, phasor (window,), scatter and largest second difference of its phase, rad."""
 
     order: float
     phasor: np.ndarray
     scatter: float
+    largest: float
 
 
 def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) -> Rotation:
@@ -98,7 +100,7 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
     error, used = np.inf, 0
     for _ in range(ROUNDS):
         lines = [_at_rest(signals, angle, order, size) for order in orders]
-        steady = [line for line in lines if line.scatter < STEADY]
+        steady = [line for line in lines if line.scatter < STEADY and line.largest < LARGEST]
         if not steady:
             raise RotationError(
                 f"no mesh line of stage {stage} stands out within {100 * RANGE:g} % of {nominal:.4g} Hz (the phase of "
@@ -116,15 +118,21 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
     )
 
 
-def _search_orders(kinematics: Kinematics, rate: float) -> np.ndarray:
-    """Mesh orders of all pairs with the sidebands of their shafts, below half the rate."""
-    found = set()
+def _search_orders(kinematics: Kinematics, rate: float) -> dict[float, float]:
+    """Weights by order: the meshes of all pairs with the sidebands of their shafts, below half the rate.
+
+    A sideband counts half as much as the line next to it, so that a group without sidebands is not found beside itself.
+    """
+    found: dict[float, float] = {}
+    top = _HIGHEST * rate / ((kinematics.frequency or 0.0) * (1.0 + RANGE))
     for gear in kinematics.gears:
         ratio = kinematics.shaft(gear.shaft).ratio
         for harmonic in range(1, HARMONICS + 1):
-            found |= {round(ratio * (harmonic * gear.teeth + k), 9) for k in range(-SIDEBANDS, SIDEBANDS + 1)}
-    orders = np.array(sorted(found))
-    return orders[(orders > 0.0) & (orders * (kinematics.frequency or 0.0) * (1.0 + RANGE) < _HIGHEST * rate)]
+            for k in range(-SIDEBANDS, SIDEBANDS + 1):
+                order = round(ratio * (harmonic * gear.teeth + k), 9)
+                if 0.0 < order < top:
+                    found[order] = max(found.get(order, 0.0), 0.5 ** abs(k))
+    return found
 
 
 def _clearest(signals: Sequence[np.ndarray], angle: np.ndarray, orders: np.ndarray, size: int) -> Sequence[np.ndarray]:
@@ -144,7 +152,7 @@ def _at_rest(signals: Sequence[np.ndarray], angle: np.ndarray, order: float, siz
     _, vectors = np.linalg.eigh(phasors @ phasors.conj().T)
     phasor = vectors[:, -1].conj() @ phasors
     second = np.angle(phasor[2:] * phasor[:-2] * phasor[1:-1].conj() ** 2)
-    return _Line(order, phasor, float(np.sqrt(np.mean(second**2))))
+    return _Line(order, phasor, float(np.sqrt(np.mean(second**2))), float(np.abs(second).max()))
 
 
 def _mend(lines: list[_Line], angle: np.ndarray, size: int) -> tuple[np.ndarray, float]:

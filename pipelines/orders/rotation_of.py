@@ -22,7 +22,8 @@ def rotation_of(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
     Parameters
     ----------
     recording : `acceleration` (time, sensor, axis), coordinate `time` in s at even steps; `shaft_angle` (time, shaft)
-        in rad or `tachometer` (time) with the attributes `pulses_per_turn` and `shaft`, if there are any
+        in rad or `tachometer` (time), if there are any, the latter with the attributes `pulses_per_turn`, `shaft` and,
+        where it is known, `level` of a pulse
     kinematics : of the machine
 
     Raises
@@ -72,8 +73,9 @@ def _from_pulses(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
         )
     if not per_turn > 0.0:
         raise RotationError(f"tachometer: {per_turn:g} pulses per turn. Give a number above 0.")
-    pulses = find_pulses(np.asarray(tachometer, dtype=float), np.asarray(recording.time, dtype=float))
-    turning = angle_from_pulses(pulses, per_turn, np.asarray(recording.time, dtype=float))
+    time = np.asarray(recording.time, dtype=float)
+    pulses = find_pulses(np.asarray(tachometer, dtype=float), time, tachometer.attrs.get("level"))
+    turning = angle_from_pulses(pulses, per_turn, time)
     mended = [f"{number} {kind}" for number, kind in ((pulses.missing, "missing"), (pulses.double, "double")) if number]
     words = f"tachometer on {shown(name)}, {per_turn:g} pulse{'' if per_turn == 1.0 else 's'} per turn"
     return Rotation(

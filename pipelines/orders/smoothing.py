@@ -47,16 +47,15 @@ def smooth(values: np.ndarray, before: int, after: int) -> Smooth:
     bending = _third_differences(n)
     free = (2.0 - 2.0 * np.cos(np.pi * np.arange(len(values)) / len(values))) ** 3  # eigenvalues of the bending
     kept = len(values) - 3  # the parabola is free
-    best, chosen = np.inf, None
+    tried = []
     for strength in STRENGTHS:
         band = strength * bending
         band[-1] += seen
         curve = solveh_banded(band, given)
         variance = (np.sum(seen * (given - curve) ** 2) + strength * np.sum(np.diff(curve, 3) ** 2)) / kept
         unlikely = kept * np.log(max(variance, np.finfo(float).tiny) / strength) + np.log1p(strength * free).sum()
-        if chosen is None or unlikely < best:
-            best, chosen = unlikely, (band, curve, variance)
-    band, curve, variance = chosen
+        tried.append((unlikely, variance, band, curve))
+    _, variance, band, curve = min(tried, key=lambda one: one[0])
     ends = np.zeros(n)
     ends[0], ends[-1] = -1.0, 1.0
     climb = np.sqrt(variance * (ends @ solveh_banded(band, ends)))

@@ -1,9 +1,9 @@
 """The speed of a machine in a recording, roughly: where all lines of its gears together stand highest over the floor.
 
-Every window of the recording has its spectra, in dB over their local median; the sum over channels and over the mesh
-orders with their sidebands is a score of every speed near the nominal one. The path through all windows with the
-highest sum of scores, among those that change slowly enough, is found by dynamic programming. Sidebands are taken on
-both sides alike, so that the middle of a group wins, not its strongest line.
+Every window of the recording has its spectra, in dB over their local median; the weighted sum over channels and over
+the mesh orders with their sidebands is a score of every speed near the nominal one. The path through all windows with
+the highest sum of scores, among those that change slowly enough, is found by dynamic programming. Sidebands are taken
+on both sides alike, so that the middle of a group wins, not its strongest line.
 
 References
 ----------
@@ -13,7 +13,7 @@ Barszcz & Antoni (2013), Mech. Syst. Signal Process. 38(1), 96-102 (rough path f
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -22,7 +22,12 @@ _PER_LINE = 3  # speeds to try in the width of the highest line
 
 
 def speed_path(
-    signals: Sequence[np.ndarray], rate: float, orders: np.ndarray, nominal: float, seconds: float, change: float
+    signals: Sequence[np.ndarray],
+    rate: float,
+    weights: Mapping[float, float],
+    nominal: float,
+    seconds: float,
+    change: float,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Middle (s, from the first sample) of each window and speed of the first shaft in it, Hz.
 
@@ -30,17 +35,18 @@ def speed_path(
     ----------
     signals : float (time,) of every channel, any unit, all finite
     rate : Hz
-    orders : (order,) of the lines, in turns of the first shaft
+    weights : of the lines, by their order in turns of the first shaft
     nominal : speed of the first shaft, Hz
     seconds : length of a window; windows overlap by half
     change : the fastest change of the speed, Hz/s
     """
     size = round(seconds * rate)
+    orders, share = np.array(list(weights)), np.array(list(weights.values()))
     level = np.mean([_over_floor(signal, size, orders, nominal * size / rate) for signal in signals], axis=0)
     step = rate / size / orders.max() / _PER_LINE
     speeds = nominal + step * np.arange(-int(RANGE * nominal / step), int(RANGE * nominal / step) + 1)
     lines = np.arange(level.shape[1]) * rate / size
-    score = np.array([np.interp(np.outer(speeds, orders), lines, window).sum(axis=1) for window in level])
+    score = np.array([np.interp(np.outer(speeds, orders), lines, window) @ share for window in level])
     middles = (np.arange(len(score)) * (size // 2) + size / 2) / rate
     reach = max(1, int(np.ceil(change * (size // 2) / rate / step)))
     return middles, speeds[_best_path(score, reach)]

@@ -1,7 +1,7 @@
 """The angle of a shaft from the pulses of a tachometer or an encoder.
 
-A pulse begins where the signal rises through the upper one of two thresholds, after it was below the lower one; the
-time is interpolated between samples. Times between pulses are compared with those around: one that is a whole multiple
+A pulse begins where the signal rises through a level, after it was HYSTERESIS of its range below; the time is
+interpolated between samples. Times between pulses are compared with those around: one that is a whole multiple
 tells of missing pulses, one that is far too short of a double pulse; both are mended and counted. The times of even
 angles, PER_TURN of them in a turn at most, are means over the pulses around; a smooth curve through them
 (`pipelines.orders.smoothing`) takes off their jitter.
@@ -22,7 +22,7 @@ import numpy as np
 from pipelines.orders.rotation import RotationError
 from pipelines.orders.smoothing import smooth
 
-LOWER, UPPER = 0.35, 0.65  # thresholds between the levels between pulses and in them
+HYSTERESIS = 0.2  # of the range of the signal
 PER_TURN = 8  # means of pulses
 FEWEST_PULSES = 8
 _AROUND = 9  # intervals of which the middle one is compared with the median
@@ -32,10 +32,10 @@ _NEAR = 0.2  # of an interval from a whole multiple
 
 
 class Pulses(NamedTuple):
-    """`time` (pulse,) s, `count` (pulse,) of pulses from the first one, and how many were missing and double."""
+    """`time` (pulse,) s, `number` (pulse,) of each, 0 for the first one, and how many were missing and double."""
 
     time: np.ndarray
-    count: np.ndarray
+    number: np.ndarray
     missing: int
     double: int
 
@@ -47,13 +47,14 @@ class Turning(NamedTuple):
     error: float
 
 
-def find_pulses(signal: np.ndarray, time: np.ndarray) -> Pulses:
+def find_pulses(signal: np.ndarray, time: np.ndarray, level: float | None = None) -> Pulses:
     """The pulses of a tachometer.
 
     Parameters
     ----------
     signal : float (time,), any unit, rising at a pulse
     time : float (time,), s
+    level : of a pulse, in the unit of the signal; half way if None
 
     Raises
     ------
@@ -65,14 +66,15 @@ def find_pulses(signal: np.ndarray, time: np.ndarray) -> Pulses:
             "out, or repair the recording."
         )
     low, high = float(signal.min()), float(signal.max())
-    upper, lower = low + UPPER * (high - low), low + LOWER * (high - low)
+    upper = 0.5 * (low + high) if level is None else level
+    lower = upper - HYSTERESIS * (high - low)
     state = np.where(signal >= upper, 1, np.where(signal < lower, -1, 0))
     known = np.flatnonzero(state)
     rises = known[1:][(state[known[1:]] == 1) & (state[known[:-1]] == -1)]
     if high == low or len(rises) < FEWEST_PULSES:
         raise RotationError(
-            f"tachometer: {len(rises) if high > low else 0} pulses between {low:.3g} and {high:.3g}; at least "
-            f"{FEWEST_PULSES} are needed. Use a longer recording or another channel."
+            f"tachometer: {len(rises) if high > low else 0} pulses through {upper:.3g} in values from {low:.3g} to "
+            f"{high:.3g}; at least {FEWEST_PULSES} are needed. Use a longer recording, another level or channel."
         )
     share = (upper - signal[rises - 1]) / (signal[rises] - signal[rises - 1])
     at = time[rises - 1] + share * (time[rises] - time[rises - 1])
@@ -116,18 +118,18 @@ def angle_from_pulses(pulses: Pulses, pulses_per_turn: float, time: np.ndarray) 
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
     together = max(1, min(math.floor(pulses_per_turn / PER_TURN), len(pulses.time) // FEWEST_PULSES))
-    each = np.interp(np.arange(pulses.count[-1] + 1), pulses.count, pulses.time)
+    each = np.interp(np.arange(pulses.number[-1] + 1), pulses.number, pulses.time)
     at = each[: len(each) // together * together].reshape(-1, together).mean(axis=1)
     before = math.ceil((at[0] - time[0]) / (at[1] - at[0])) + 1
     after = math.ceil((time[-1] - at[-1]) / (at[-1] - at[-2])) + 1
-    number = np.arange(-before, len(at) + after)
+    places = np.arange(-before, len(at) + after)
     curve = smooth(at, before, after)
     reached = curve.values[0] <= time[0] and curve.values[-1] >= time[-1]
     if reached and np.all(np.diff(curve.values) > 0.0) and curve.noise < _DOUBLE * np.diff(at).min():
-        turned = CubicSpline(curve.values, number)(time)
+        turned = CubicSpline(curve.values, places)(time)
     else:
         ends = at[0] - np.arange(before, 0, -1) * (at[1] - at[0]), at[-1] + np.arange(1, after + 1) * (at[-1] - at[-2])
-        turned = PchipInterpolator(np.concatenate([ends[0], at, ends[1]]), number)(time)
+        turned = PchipInterpolator(np.concatenate([ends[0], at, ends[1]]), places)(time)
     angle = 2.0 * np.pi / pulses_per_turn * (together * turned + 0.5 * (together - 1))
     sampled = float(time[1] - time[0]) / math.sqrt(6.0 * together)
     speed = (angle[-1] - angle[0]) / (time[-1] - time[0])
