@@ -15,6 +15,15 @@ def weighted_samples(
 
     The weight at a distance d is read linearly from the table at d * cutoff * per_zero and is 0 from half_width on;
     a sample before the first or after the last one has their value.
+
+    Parameters
+    ----------
+    values : (channel, n)
+    position : (m,), in samples from the first one
+    cutoff : (m,), a share of half the sampling rate
+    table : of the weights, from distance 0
+    per_zero : points of the table per sample at cutoff 1
+    half_width : distance at cutoff 1 where the table ends, in samples
     """
     channels, samples = values.shape
     out = np.zeros((channels, position.size))

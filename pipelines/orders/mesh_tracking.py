@@ -63,7 +63,7 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
 
     Raises
     ------
-    RotationError : the machine's teeth or speed are not known, the recording is too short, no mesh line stands out or
+    RotationError : the machine's teeth or speed are not known, the recording is too short, no mesh line is clear or
         the speed changes too fast
     """
     if not kinematics.gears or kinematics.frequency is None:

@@ -78,12 +78,12 @@ def known_faults(plant: Drivetrain) -> list[tuple[str, int | None]]:
     return [*teeth, *spalls, *((f"shaft_{fault.shaft + 1}", None) for fault in plant.shaft_faults)]
 
 
-def verdict_words(verdict: Verdict, plant: Drivetrain, twin: bool) -> str:
-    """The verdict as text; with `twin` the healthy recording has the same deviations, and that is said."""
+def verdict_words(verdict: Verdict, plant: Drivetrain, exact: bool) -> str:
+    """The verdict as text; with `exact` the healthy recording is the exact control, and that is said."""
     from pipelines.diagnosis.words import confirmed, text
 
     parts = [text(verdict).rstrip()]
-    if twin:
+    if exact:
         parts.append(
             "The healthy recording is the same machine without the fault, which no real machine has: these rises are "
             "what the fault adds. With --baseline 8 healthy machines with other deviations take its place."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from pipelines.border.grid import Grid
 from pipelines.border.shown import shown
 from pipelines.border.user_files import is_regular_file
 from pipelines.runs import run_folder
+from pipelines.signals.motion_warnings import ATTRIBUTE
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,11 +30,12 @@ Windows = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Recorded:
-    """A recorded file: its features, and its rotation in words."""
+    """A recorded file: its features, its rotation in words, and what is wrong with it."""
 
     name: str
     table: FeatureTable
     turning: str
+    warnings: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -111,7 +114,14 @@ def _windows(scene: Path) -> Windows | None:
 
 
 def read_features(path: Path, machine: Machine, windows: Windows | None, stream: int) -> Recorded:
-    """The features of a file; `stream` is the number of the sensor noise that is added to a simulated response.
+    """The features of a file.
+
+    Parameters
+    ----------
+    path : of the recording
+    machine : that it was made on
+    windows : that are looked at; the whole recording if None
+    stream : number of the sensor noise that is added to a simulated response
 
     Raises
     ------
@@ -125,13 +135,15 @@ def read_features(path: Path, machine: Machine, windows: Windows | None, stream:
 
     settings = FeatureSettings(kinematics=machine.kinematics, windows=windows or {})
     with read_recording(path, machine) as recording:
+        warnings = tuple(map(str, json.loads(recording.attrs.get(ATTRIBUTE, "{}")).values()))
         try:
             rotation = rotation_of(recording, machine.kinematics)
             table = run_features(recording, settings, stream, rotation)
         except (FeatureError, RotationError) as error:
             raise InputError(f"{shown(path)}: {error}") from error
         time = recording.time.values
-    return Recorded(name=path.name, table=table, turning=_turning(rotation, time, machine.kinematics, windows))
+    turning = _turning(rotation, time, machine.kinematics, windows)
+    return Recorded(name=path.name, table=table, turning=turning, warnings=warnings)
 
 
 def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windows: Windows | None) -> str:
@@ -156,7 +168,7 @@ def file_words(found: JudgedFile) -> str:
     """Speed and verdict; without healthy files the features."""
     from pipelines.diagnosis.words import text
 
-    parts = [found.recorded.turning]
+    parts = [found.recorded.turning, *(f"Warning: {warning}" for warning in found.recorded.warnings)]
     if found.verdict is not None:
         answer, _, tables = text(found.verdict).partition("\n\n")
         return "\n\n".join([answer, *parts, tables])

@@ -134,7 +134,7 @@ def _tell(
         verdict, failure = judged(study, judging, outcome)
         left_out += [f"The ranking of components is left out: {failure}"] if failure else []
     if verdict is not None:
-        words = verdict_words(verdict, study.plant, twin=not study.baseline)
+        words = verdict_words(verdict, study.plant, exact=not study.baseline)
         write_verdict(folder, verdict, words)
     if diagnosing is not None:
         outcome = _with_steps([*study.graph, *judging, diagnosing], [diagnosing], outcome, cache, observer)

@@ -200,7 +200,15 @@ def noisy_signal(run: xarray.Dataset, settings: DiagnosisSettings, stream: int) 
 
 
 def noisy_channel(run: xarray.Dataset, sensor: str, wanted: Sequence[str], stream: int) -> np.ndarray:
-    """Signals (time, axes) at a sensor or journal along the wanted axes, with the stated noise, see `noisy_signal`."""
+    """Signals (time, axes) at a sensor or journal, with the stated noise.
+
+    Parameters
+    ----------
+    run : its signals
+    sensor : or bearing, whose journal is meant
+    wanted : axes
+    stream : number of the noise; it, the seed, the load, the sensor and the axis fix it
+    """
     signal = channel(run, sensor)
     axes = [str(axis) for axis in run.axis.values]
     # names, not indices, enter the seed: the noise must not depend on which other sensors were recorded
