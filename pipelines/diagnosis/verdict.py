@@ -15,9 +15,11 @@ import numpy as np
 
 from pipelines.diagnosis.alike import alike
 from pipelines.diagnosis.prediction import FEWEST_FOR_P, clopper_pearson, holm, p_values
+from pipelines.features.recorded import OF_SHAFT
 from pipelines.features.table import WHOLE, FeatureTable
 from pipelines.orders.kinematics import Kinematics
 
+LEAST_ORDER = -40.0  # dB over the rms of healthy recordings: weaker orders of a shaft come and go
 ALARM = 0.001  # chance of an alarm from a healthy recording, if the model holds
 
 
@@ -87,9 +89,11 @@ def judge(recording: FeatureTable, baseline: Sequence[FeatureTable], kinematics:
     BaselineError : no healthy recording, or one with other channels or features
     """
     healthy = _levels(recording, baseline)
-    rises = recording.levels - healthy.mean(axis=0)
+    least = _least(recording, healthy)
+    levels, healthy = np.maximum(recording.levels, least), np.maximum(healthy, least)
+    rises = levels - healthy.mean(axis=0)
     enough = len(baseline) >= FEWEST_FOR_P
-    p = holm(p_values(recording.levels, healthy)) if enough else None
+    p = holm(p_values(levels, healthy)) if enough else None
     findings = {name: _finding(name, recording, rises, p, kinematics) for name in dict.fromkeys(recording.component)}
     whole = findings.pop(WHOLE)
     tested = len(baseline) if len(baseline) > FEWEST_FOR_P else 0
@@ -121,6 +125,12 @@ def _levels(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> np.nda
                 "recordings of about the same speed, length and sampling rate."
             )
     return np.array([other.levels for other in baseline])
+
+
+def _least(recording: FeatureTable, healthy: np.ndarray) -> np.ndarray:
+    """Levels (line,) below which nothing is evidence: an order of a shaft that hardly adds to the healthy vibration."""
+    rms = healthy[:, recording.lines.index((WHOLE, "rms"))].mean()
+    return np.where(np.isin(recording.feature, list(OF_SHAFT)), rms + LEAST_ORDER, -np.inf)
 
 
 def _is_alarm(levels: np.ndarray, others: np.ndarray) -> bool:

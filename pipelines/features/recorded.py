@@ -5,7 +5,8 @@ mean over the windows.
 
 Envelopes are of the whole range above the guard. The narrower band of greatest kurtosis (`pipelines.features.band`)
 raises the features of a damaged gear more, but changes from one healthy machine to the next: on the test bench a
-missing tooth stands 15 standard deviations above healthy gears in it and 56 in the whole range, on the hoist 34 and 55.
+missing tooth stood 15 standard deviations above healthy gears in it and 56 in the whole range, on the hoist 34 and 55
+(the regular orders still in both).
 """
 
 from __future__ import annotations
@@ -38,7 +39,6 @@ OF_PLAIN_SHAFT = ("tsa_rms", "tsa_kurtosis")  # no gear on it is known
 PASSING = "pass_order"
 OF_GEAR = ("difference_rms", "fm4")  # of its shaft
 OF_STAGE = ("fm0", "sideband_ratio")  # of its mesh
-LEAST_ORDER = 0.01  # of the rms of the signal: a weaker order of a shaft is no evidence, whatever it was before
 GUARD_ORDER = 10.0  # of the fastest shaft: the guard where no tooth counts are known
 
 
@@ -154,8 +154,7 @@ def _shaft_lines(
     irregular = cut.values - averaged.regular[:, None, :]
     laid = irregular.reshape(len(irregular), -1)
     envelope = squared_envelope(laid, (cut.share(band[0]), cut.share(band[1]))).reshape(cut.values.shape)
-    least = LEAST_ORDER * cut.values.std(axis=(1, 2))
-    lines: Lines = {(shaft.name, name): np.maximum(cut.order(order), least) for name, order in OF_SHAFT.items()}
+    lines: Lines = {(shaft.name, name): cut.order(order) for name, order in OF_SHAFT.items()}
     if not gears:
         lines |= {(shaft.name, name): found[name] for name in OF_PLAIN_SHAFT}
         lines[shaft.name, "envelope_orders"] = envelope_orders(envelope)

@@ -1,0 +1,56 @@
+"""A run judges itself: against healthy machines with other deviations, or the control alone."""
+
+import json
+
+import pytest
+
+from pipelines.border.errors import InputError
+from pipelines.engine.working import Work
+from pipelines.runs.run import Options, run_scene
+from pipelines.scene.file import load_scene
+
+SHORT = {
+    "simulation.end_s": 0.6,
+    "diagnosis.windows_s": {"steady": [0.1, 0.6]},
+    "diagnosis.gear": "pinion",
+    "control": "without-faults",
+}
+MISSING = {**SHORT, "faults": [{"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 3}]}
+
+
+def judged(folder, settings, **options):
+    finished = run_scene(
+        load_scene("minimal", settings), Options(out=folder, work=Work(quiet=True, processes=1), **options)
+    )
+    return finished, json.loads((folder / "verdict.json").read_text())
+
+
+def test_a_missing_tooth_is_found_blind_against_other_healthy_machines(tmp_path):
+    finished, verdict = judged(tmp_path / "faulty", MISSING, baseline=6)
+    assert finished.words.startswith("Alarm: stage 1 pinion stands out")
+    assert verdict["alarm"]
+    first = verdict["findings"][0]
+    assert first["component"] == "stage 1 pinion"
+    assert abs(first["tooth"] - 3) <= 1
+    assert verdict["healthy"] == 6
+    assert "stage 1 pinion is damaged and ranks first" in (tmp_path / "faulty" / "verdict.txt").read_text()
+
+
+def test_a_healthy_machine_raises_no_alarm(tmp_path):
+    _, verdict = judged(tmp_path / "healthy", {**SHORT, "control": None, "deviations.seed": 20}, baseline=6)
+    assert not verdict["alarm"]
+
+
+def test_against_the_exact_control_there_is_an_order_and_no_p_value(tmp_path):
+    finished, verdict = judged(tmp_path / "control", MISSING)
+    assert verdict["alarm"] is None
+    assert verdict["findings"][0]["component"] == "stage 1 pinion"
+    assert verdict["findings"][0]["p"] is None
+    assert "what the fault adds" in finished.words
+
+
+def test_healthy_machines_differ_by_their_deviations(tmp_path):
+    with pytest.raises(InputError, match=r"--baseline: the gears of this scene have no deviations"):
+        judged(tmp_path / "none", {**MISSING, "deviations.enabled": False}, baseline=6)
+    with pytest.raises(InputError, match=r"--baseline: the scene names no healthy control"):
+        judged(tmp_path / "none", {**MISSING, "control": None}, baseline=6)
