@@ -47,9 +47,7 @@ class Browser:
     def show(self, path, width, height):
         """Open a file at a size in CSS pixels, and wait until it is there."""
         mobile = width < 600
-        self.ask(
-            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=mobile
-        )
+        self.ask("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=mobile)
         self.events.clear()
         self.ask("Page.navigate", url=path.resolve().as_uri())
         deadline = time.monotonic() + SECONDS
@@ -74,7 +72,12 @@ class Browser:
 
     def drag(self, start, end):
         """The mouse pressed at one point (x, y) and let go at another."""
-        for kind, (x, y) in (("mouseMoved", start), ("mousePressed", start), ("mouseMoved", end), ("mouseReleased", end)):
+        for kind, (x, y) in (
+            ("mouseMoved", start),
+            ("mousePressed", start),
+            ("mouseMoved", end),
+            ("mouseReleased", end),
+        ):
             held = 0 if (kind, x) == ("mouseMoved", start[0]) else 1
             self.ask(
                 "Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left" if held else "none", buttons=held,

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
     from pipelines.report.first_screen import Average, Envelope
 
-SIZE = (3.0, 5.9)  # height and width, inches
+SIZE = (2.65, 5.0)  # height and width, inches
+LETTERS = 8.5  # points
 SUSPECTED = "#f3c9a5"
 
 
@@ -39,13 +40,12 @@ def average_figure(average: Average) -> Figure:
             textcoords="offset points",
             ha="right" if beyond else "left",
             va="top",
-            fontsize=9,
+            fontsize=LETTERS,
             color=FAULTY,
             fontweight="bold",
         )
     axes.margins(y=0.15)
-    dress(axes, "Average over one turn", plain(average.across), average.unit)
-    _name(axes, average.reference)
+    _finish(axes, "Average over one turn", plain(average.across), average.unit, average.reference is not None)
     return figure
 
 
@@ -69,12 +69,12 @@ def envelope_figure(envelope: Envelope) -> Figure:
             textcoords="offset points",
             ha="center",
             va="top",
-            fontsize=9,
+            fontsize=LETTERS,
             color=MARK,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
         )
-    dress(axes, f"Envelope spectrum, {plain(envelope.band)}", plain(envelope.across), envelope.unit)
-    _name(axes, envelope.reference)
+    title = f"Envelope, {plain(envelope.band)}"
+    _finish(axes, title, plain(envelope.across), envelope.unit, envelope.reference is not None)
     return figure
 
 
@@ -91,6 +91,10 @@ def _draw(axes: Axes, across: np.ndarray, value: np.ndarray, reference: np.ndarr
     axes.plot(across, reference, color=HEALTHY, lw=1.0, label="healthy", zorder=3)
 
 
-def _name(axes: Axes, reference: np.ndarray | None) -> None:
-    if reference is not None:
+def _finish(axes: Axes, title: str, across: str, up: str, compared: bool) -> None:
+    dress(axes, title, across, up)
+    for text in (axes.title, axes.xaxis.label, axes.yaxis.label):
+        text.set_size(LETTERS)
+    axes.tick_params(labelsize=LETTERS)
+    if compared:
         legend(axes)

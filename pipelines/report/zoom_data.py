@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.report.thinning import extremes, largest
-from pipelines.signals.analysis import DiagnosisSettings, analyse, channel, channel_names
-from pipelines.signals.spectrum import Spectrum
+from pipelines.signals.analysis import DiagnosisSettings, channel, channel_names, noisy_signal, sampling
+from pipelines.signals.spectrum import amplitude_spectrum, cut, envelope_spectrum, whole_revolutions
 
 if TYPE_CHECKING:
     import xarray
@@ -80,71 +80,99 @@ def views(settings: DiagnosisSettings | None, band: tuple[float, float] | None) 
     return tuple(found)
 
 
+def streams(count: int) -> tuple[int, ...]:
+    """Numbers of the noise of one run, or of a run and its control, as the diagnosis draws them."""
+    return (1, 0) if count > 1 else (0,)
+
+
 def channels(
     runs: Mapping[str, xarray.Dataset],
     first: tuple[str, str],
     settings: DiagnosisSettings | None,
     band: tuple[float, float] | None,
 ) -> Iterator[Channel]:
-    """Every sensor and axis that all runs have, that of the verdict first and in full.
+    """Every sensor and axis that all runs have, that of the verdict's sensor first and the verdict's own in full.
 
     Parameters
     ----------
-    runs : responses by name
+    runs : responses by name, one run or a run and its control
     first : sensor and axis of the verdict
     settings : windows and lines of the spectra, None for signals alone
     band : Hz, of the envelope
     """
-    known = [set(_names(run)) for run in runs.values()]
-    names = [name for name in _names(next(iter(runs.values()))) if all(name in others for others in known)]
-    for sensor, axis in sorted(names, key=lambda name: name != first):
-        exact = (sensor, axis) == first
-        most = MOST_POINTS if exact else POINTS
-        by_run = [list(_traces(run, sensor, axis, settings, band, most)) for run in runs.values()]
-        stretches = {one for traces in by_run for _, one in traces}
-        yield Channel(
-            name=f"{sensor} {axis}",
-            note=_note(most, exact, max(stretches)),
-            traces=tuple(zip(*([trace for trace, _ in traces] for traces in by_run), strict=True)),
-            exact=exact,
-        )
+    known = [channel_names(run) for run in runs.values()]
+    sensors = [name for name in known[0] if all(name in others for others in known)]
+    for sensor in sorted(sensors, key=lambda name: name != first[0]):
+        found = [
+            list(_of_sensor(run, sensor, first, settings, band, stream))
+            for run, stream in zip(runs.values(), streams(len(runs)), strict=True)
+        ]
+        axes = [str(axis) for axis in next(iter(runs.values())).axis.values]
+        order = sorted(range(len(axes)), key=lambda i: (sensor, axes[i]) != first)
+        for i in order:
+            exact = (sensor, axes[i]) == first
+            by_run = [traces[i] for traces in found]
+            yield Channel(
+                name=f"{sensor} {axes[i]}",
+                note=_note(exact, max(stretch for traces in by_run for _, stretch in traces)),
+                traces=tuple(zip(*([trace for trace, _ in traces] for traces in by_run), strict=True)),
+                exact=exact,
+            )
 
 
-def _names(run: xarray.Dataset) -> list[tuple[str, str]]:
-    return [(sensor, str(axis)) for sensor in channel_names(run) for axis in run.axis.values]
-
-
-def _note(most: int, exact: bool, stretch: int) -> str:
+def _note(exact: bool, stretch: int) -> str:
     if stretch == 1:
         return "Every sample is shown."
-    kept = f"At most {most} points of every curve are kept: extremes of stretches of the signal, the largest lines."
+    kept = (
+        f"Of every curve {MOST_POINTS if exact else POINTS} points are kept at most: the extremes of stretches of the "
+        "signal, the largest lines of stretches of a spectrum."
+    )
     return kept if exact else f"{kept} The channel of the verdict is shown in full."
 
 
-def _traces(
+def _of_sensor(
     run: xarray.Dataset,
     sensor: str,
-    axis: str,
+    first: tuple[str, str],
     settings: DiagnosisSettings | None,
     band: tuple[float, float] | None,
-    most: int,
-) -> Iterator[tuple[Trace, int]]:
-    """The traces of one run in the order of `views`, each with the samples of a stretch of it."""
+    stream: int,
+) -> Iterator[list[tuple[Trace, int]]]:
+    """By axis the traces of one run in the order of `views`, each with the samples of a stretch of it."""
+    signal = channel(run, sensor).transpose("time", "axis").values.astype(float)
+    spectra = list(_spectra(run, sensor, settings, band, stream)) if settings is not None and band is not None else []
     time = run.time.values
-    values, stretch = extremes(channel(run, sensor).sel(axis=axis).values.astype(float), most)
     step = float(time[-1] - time[0]) / (len(time) - 1)
-    each = step * stretch / (1 if stretch == 1 else 2)  # two points per stretch, at a quarter and three quarters of it
-    yield Trace(start=float(time[0]) + (0 if stretch == 1 else each / 2), step=each, values=values), stretch
-    if settings is None or band is None:
-        return
-    found = analyse(run, replace(settings, sensor=sensor, axis=axis), band=band)
-    for window in settings.windows:
-        yield _lines(found.spectra[window], np.inf, most)
-        yield _lines(found.envelopes[window], ENVELOPE_ORDERS * settings.revolution_frequency, most)
+    for i, axis in enumerate(run.axis.values):
+        most = MOST_POINTS if (sensor, str(axis)) == first else POINTS
+        found = [_signal(signal[:, i], float(time[0]), step, most)]
+        yield found + [_lines(amplitude[:, i], resolution, most) for amplitude, resolution in spectra]
 
 
-def _lines(spectrum: Spectrum, end: float, most: int) -> tuple[Trace, int]:
-    amplitude = spectrum.amplitude[spectrum.frequency <= end]
+def _signal(signal: np.ndarray, start: float, step: float, most: int) -> tuple[Trace, int]:
+    values, stretch = extremes(signal, most)
+    if stretch == 1:
+        return Trace(start=start, step=step, values=values), 1
+    half = step * stretch / 2  # the two points of a stretch, at a quarter and at three quarters of it
+    return Trace(start=start + half / 2, step=half, values=values), stretch
+
+
+def _spectra(
+    run: xarray.Dataset, sensor: str, settings: DiagnosisSettings, band: tuple[float, float], stream: int
+) -> Iterator[tuple[np.ndarray, float]]:
+    """Spectrum and envelope spectrum (bin, axis) of every window, each with its resolution in Hz; with sensor noise."""
+    rate, begin = sampling(run)
+    noisy = noisy_signal(run, replace(settings, sensor=sensor, axis="resultant"), stream)
+    for start, end in settings.windows.values():
+        segment = whole_revolutions((start - begin, end - begin), rate, settings.revolution_frequency)
+        axes = cut(noisy, rate, segment).T
+        spectra = [amplitude_spectrum(axis, segment, settings.spectrum_window) for axis in axes]
+        envelopes = [envelope_spectrum(axis, segment, band, settings.spectrum_window) for axis in axes]
+        shown = envelopes[0].frequency <= ENVELOPE_ORDERS * settings.revolution_frequency
+        yield np.stack([one.amplitude for one in spectra], axis=1), spectra[0].resolution
+        yield np.stack([one.amplitude[shown] for one in envelopes], axis=1), envelopes[0].resolution
+
+
+def _lines(amplitude: np.ndarray, resolution: float, most: int) -> tuple[Trace, int]:
     values, stretch = largest(amplitude, most)
-    width = stretch * spectrum.resolution
-    return Trace(start=(width - spectrum.resolution) / 2, step=width, values=values), stretch
+    return Trace(start=(stretch - 1) * resolution / 2, step=stretch * resolution, values=values), stretch

@@ -13,7 +13,7 @@ from pipelines.orders.order_spectra import OrderError, over_angle
 from pipelines.plant.looked_for import LookedFor
 from pipelines.plant.plant import Plant
 from pipelines.report.first_screen import Average, Envelope, FirstScreen
-from pipelines.report.zoom_data import ENVELOPE_ORDERS
+from pipelines.report.zoom_data import ENVELOPE_ORDERS, streams
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
 from pipelines.signals.diagnosis import Diagnosis
 from pipelines.signals.verdict import all_seen, case_name, headline
@@ -82,7 +82,8 @@ def _evidence(diagnoses: Sequence[Diagnosis]) -> str:
         return f"{text}."
     best = max(risen, key=lambda lines: float(lines.difference.max()))
     at = int(best.difference.argmax())
-    return f"{text}; the largest rise of all cases is {best.difference[at]:+.1f} dB, at {best.label[at]}."
+    of_all = " of all cases" if len(diagnoses) > 1 or len(first.settings.windows) > 1 else ""
+    return f"{text}; the largest rise{of_all} is {best.difference[at]:+.1f} dB, at {best.label[at]}."
 
 
 def _numbers(plant: Plant, settings: DiagnosisSettings | None) -> list[tuple[str, str]]:
@@ -117,17 +118,29 @@ def _teeth(plant: Plant) -> int:
     return pair.wheel.teeth if plant.looked_for.gear == "wheel" else pair.pinion.teeth
 
 
+def _gears(plant: Plant) -> tuple[int, ...]:
+    """Teeth of all gears on the shaft that is looked at."""
+    shaft = _shaft(plant)
+    pairs = zip(plant.layout.pairs, plant.layout.pair_shafts, strict=True)
+    return tuple(
+        gear.teeth
+        for pair, shafts in pairs
+        for gear, its in zip((pair.pinion, pair.wheel), shafts, strict=True)
+        if its == shaft
+    )
+
+
 def _average(plant: Plant, settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> Average | None:
     """Over the teeth of the gear, the damaged one in the middle; None if its shaft hardly turns in the first window."""
     asked, teeth = plant.looked_for, _teeth(plant)
     faults = [fault for fault in plant.faults_of(asked.stage) if fault.gear == asked.gear and fault.tooth is not None]
     middle = float(faults[0].tooth) if faults and faults[0].tooth is not None else teeth / 2
     window = next(iter(settings.windows))
+    meshes = (teeth, *_gears(plant))
     start = plant.layout.cycles_at_start[asked.stage - 1]
-    streams = (1, 0) if len(runs) > 1 else (0,)  # of the noise, as the diagnosis draws it
     found = [
-        _over_teeth(run, settings, stream, window, teeth, start - middle)
-        for run, stream in zip(runs, streams, strict=True)
+        _over_teeth(run, settings, stream, window, meshes, start - middle)
+        for run, stream in zip(runs, streams(len(runs)), strict=True)
     ]
     if found[0] is None:
         return None
@@ -136,7 +149,10 @@ def _average(plant: Plant, settings: DiagnosisSettings, runs: Sequence[xarray.Da
     reference = None if other is None else np.interp(place, other[0], other[1], period=teeth)
     name = f"stage {asked.stage} {asked.gear}"
     across = f"teeth of the {name}"
-    caption = f"Time-synchronous average over {turns} turns of {settings.shaft}, {_channel(asked)}, {window}."
+    caption = (
+        f"Time-synchronous average over {turns} turns of {settings.shaft} without its mesh orders, {_channel(asked)}, "
+        f"{window}."
+    )
     if faults:
         across += f", from tooth {faults[0].tooth}"
         caption += f" Shaded: where tooth {faults[0].tooth}, damaged in the scene, is in mesh."
@@ -155,15 +171,18 @@ def _average(plant: Plant, settings: DiagnosisSettings, runs: Sequence[xarray.Da
 
 
 def _over_teeth(
-    run: xarray.Dataset, settings: DiagnosisSettings, stream: int, window: str, teeth: int, start: float
+    run: xarray.Dataset, settings: DiagnosisSettings, stream: int, window: str, meshes: tuple[int, ...], start: float
 ) -> tuple[np.ndarray, np.ndarray, int] | None:
     """Places (n,) in teeth within half a turn of 0, the average (n,) there and how many turns are in it.
+
+    The orders of all meshes of the shaft are taken out of it (residual signal; Stewart 1977, see
+    `pipelines.features.synchronous`): what is left does not repeat from tooth to tooth.
 
     Parameters
     ----------
     run, settings, stream : signals, the channel, the number of its noise
     window : whose turns are averaged
-    teeth : of the gear
+    meshes : teeth of the gear, then of all gears on its shaft
     start : place at t = 0
     """
     if "shaft_angle" not in run:
@@ -179,12 +198,16 @@ def _over_teeth(
     turns = len(turned.values) // turned.per_turn
     average = turned.values[: turns * turned.per_turn].reshape(turns, turned.per_turn, -1).mean(axis=0)
     average = average[:, int(np.ptp(average, axis=0).argmax())]  # of several axes the one that moves most
+    teeth, lines = meshes[0], np.fft.rfft(average)
+    for z in meshes:
+        lines[::z] = 0.0
+    average = np.fft.irfft(lines, turned.per_turn)
     first = start + teeth * float(np.interp(turned.time[0], time, angle)) / (2 * math.pi)
     sense = 1.0 if angle[-1] >= angle[0] else -1.0
     place = first + sense * teeth * np.arange(turned.per_turn) / turned.per_turn
     place = (place + teeth / 2) % teeth - teeth / 2
     order = np.argsort(place)
-    return place[order], average[order] - average.mean(), turns
+    return place[order], average[order], turns
 
 
 def _envelope(

@@ -107,6 +107,18 @@
     return value == null ? "" : Number(value.toPrecision(5)).toString();
   }
 
+  const powersOfTen = {
+    splits(chart, axis, low, high) {
+      const [first, last] = [Math.ceil(Math.log10(low)), Math.floor(Math.log10(high))];
+      return Array.from({ length: last - first + 1 }, (_, i) => 10 ** (first + i));
+    },
+    values: (chart, ticks) => ticks.map((tick) => `10${String(Math.round(Math.log10(tick))).replace(/./g, raised)}`),
+  };
+
+  function raised(sign) {
+    return sign === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[sign];
+  }
+
   function made(place) {
     const { view, i, box } = place;
     const traces = data.channels[channels.value].traces[i];
@@ -123,7 +135,7 @@
       },
       axes: [
         { label: view.across, labelSize: 22, size: 34 },
-        { label: view.up, labelSize: 20, size: 62, values: (_, ticks) => ticks.map(power) },
+        { label: view.up, labelSize: 20, size: 62, ...(view.logarithmic ? powersOfTen : {}) },
       ],
       series: [
         { label: view.across, value: (_, value) => shown(value) },
@@ -137,11 +149,6 @@
       ],
       hooks: { drawClear: [marked(view)] },
     };
-    function power(tick) {
-      if (tick == null) return "";
-      if (!view.logarithmic) return shown(tick);
-      return Math.abs(Math.log10(tick) % 1) < 1e-6 ? tick.toExponential(0).replace("e", "e") : "";
-    }
     const title = element("h3", {}, box, view.title + (view.window ? `, ${view.window}` : ""));
     const chart = new uPlot(options, [x, ...traces.map((trace) => numbers(trace, view.logarithmic))], box);
     buttons(title, chart);
