@@ -93,8 +93,9 @@ def _draw(axes: Axes, across: np.ndarray, value: np.ndarray, reference: np.ndarr
 
 def _finish(axes: Axes, title: str, across: str, up: str, compared: bool) -> None:
     dress(axes, title, across, up)
-    for text in (axes.title, axes.xaxis.label, axes.yaxis.label):
-        text.set_size(LETTERS)
+    axes.set_title(title, fontsize=LETTERS, loc="left")
+    for text in (axes.xaxis.label, axes.yaxis.label):
+        text.set_fontsize(LETTERS)
     axes.tick_params(labelsize=LETTERS)
     if compared:
-        legend(axes)
+        legend(axes, LETTERS)

@@ -62,8 +62,8 @@ def views(settings: DiagnosisSettings | None, band: tuple[float, float] | None) 
     if settings is None or band is None:
         return tuple(found)
     f_r, f_m = settings.revolution_frequency, settings.mesh_frequency
-    meshes = tuple((n * f_m, "f_m" if n == 1 else f"{n} f_m") for n in range(1, 9))
-    turns = tuple((k * f_r, "f_r" if k == 1 else f"{k} f_r") for k in range(1, settings.envelope_harmonics + 1))
+    meshes = tuple((n * f_m, "fₘ" if n == 1 else f"{n} fₘ") for n in range(1, 9))
+    turns = tuple((k * f_r, "fᵣ" if k == 1 else f"{k} fᵣ") for k in range(1, settings.envelope_harmonics + 1))
     words, low_high = "amplitude, m/s²", f"{band[0]:.4g} to {band[1]:.4g} Hz"
     for window in settings.windows:
         found += [

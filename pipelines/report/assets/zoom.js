@@ -3,6 +3,7 @@
   const holder = document.getElementById("zoom");
   const data = JSON.parse(document.getElementById("zoom-data").textContent);
   const windows = [...new Set(data.views.map((view) => view.window).filter(Boolean))];
+  const font = "13px system-ui, sans-serif";
   let charts = [];
 
   function numbers(trace, logarithmic) {
@@ -134,8 +135,8 @@
         y: { distr: view.logarithmic ? 3 : 1, range: view.logarithmic ? decades : spread },
       },
       axes: [
-        { label: view.across, labelSize: 22, size: 34 },
-        { label: view.up, labelSize: 20, size: 62, ...(view.logarithmic ? powersOfTen : {}) },
+        { label: view.across, labelSize: 22, size: 34, labelFont: font, font },
+        { label: view.up, labelSize: 20, size: 62, labelFont: font, font, ...(view.logarithmic ? powersOfTen : {}) },
       ],
       series: [
         { label: view.across, value: (_, value) => shown(value) },
