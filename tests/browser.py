@@ -101,15 +101,20 @@ def browser(folder):
     to_read, to_write = os.pipe()
     out_read, out_write = os.pipe()
 
-    def connect():
-        first, second = os.dup(to_read), os.dup(out_write)  # neither may be overwritten before it is moved
-        os.dup2(first, 3)
-        os.dup2(second, 4)
-
-    command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars=false",
-               "--remote-debugging-pipe", f"--user-data-dir={folder}", "--no-first-run"]  # fmt: skip
+    command = [
+        CHROMIUM,
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--no-first-run",
+        "--remote-debugging-pipe",  # reads commands from descriptor 3 and writes answers to 4
+        f"--user-data-dir={folder}",
+    ]
     process = subprocess.Popen(
-        command, preexec_fn=connect, pass_fds=(3, 4), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        ["sh", "-c", f'exec "$0" "$@" 3</dev/fd/{to_read} 4>/dev/fd/{out_write}', *command],
+        pass_fds=(to_read, out_write),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
     )
     os.close(to_read)
     os.close(out_write)

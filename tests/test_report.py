@@ -175,6 +175,7 @@ def test_what_follows_the_first_screen_is_folded_but_for_the_signals(full):
     assert page.headings == [
         "Signals and spectra",
         "How it was decided",
+        "Levels",
         "Healthy and faulty",
         "Windows side by side",
         "Envelope table",
@@ -247,7 +248,7 @@ def test_a_run_without_control_shows_its_signals_and_spectra_and_names_nothing_t
         sensor="sensor_3", title="Minimal", stiffness=(CURVE,), runs={"healthy": runs["healthy"]}, settings=settings
     )
     text, page = written(tmp_path, contents)
-    assert page.headings == ["Signals and spectra", "Stiffness", "Speed"]
+    assert page.headings == ["Signals and spectra", "Levels", "Stiffness", "Speed"]
     assert 'class="missing"' not in text
     assert 'id="verdict"' not in text
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from pipelines.report.first_screen import Average, Envelope
 
-SIZE = (2.65, 5.0)  # height and width, inches
+SIZE = (2.4, 5.0)  # height and width, inches
 LETTERS = 8.5  # points
 SUSPECTED = "#f3c9a5"
 

@@ -27,6 +27,7 @@ def write_report(path: Path | str, contents: ReportContents) -> Path:
     sections: list[tuple[str, Callable[[ReportContents], list[str]]]] = [
         ("Signals and spectra", spectra.signals),
         ("How it was decided", _decided),
+        ("Levels", spectra.levels),
         ("Healthy and faulty", spectra.healthy_faulty),
         ("Windows side by side", spectra.two_windows),
         ("Two loads", spectra.two_loads),

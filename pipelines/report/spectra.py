@@ -23,18 +23,26 @@ from pipelines.signals.verdict import case_name, directions, lines_grid, seeds_g
 
 
 def signals(contents: ReportContents) -> list[str]:
-    """The charts that zoom, the same as figures where no script runs, and the levels of every sensor."""
+    """The charts that zoom, and the same as figures where no script runs."""
     if contents.channel is None:
         return []
     settings = contents.diagnoses[0].settings if contents.diagnoses else contents.settings
-    run = next(iter(contents.runs.values()))
-    own = analyse(run, settings) if settings is not None and not contents.diagnoses else None
+    own = None
+    if settings is not None and not contents.diagnoses:
+        own = analyse(next(iter(contents.runs.values())), settings)
     band = contents.diagnoses[0].band if contents.diagnoses else None if own is None else own.band
     found = channels(contents.runs, contents.channel, settings, band)
     parts = [charts(list(contents.runs), views(settings, band), found, contents.windows), _waveforms(contents)]
-    parts += _compared_spectra(contents) if own is None or settings is None else _own_spectra(own, settings)
-    levels, contact = level_grid(run, contents.windows), contact_sentence(run)
-    parts += [] if levels is None else [page.table(levels)]
+    return parts + (_compared_spectra(contents) if own is None or settings is None else _own_spectra(own, settings))
+
+
+def levels(contents: ReportContents) -> list[str]:
+    """Levels of every sensor, and how long the flanks were apart."""
+    run = next(iter(contents.runs.values()), None)
+    if run is None:
+        return []
+    found, contact = level_grid(run, contents.windows), contact_sentence(run)
+    parts = [] if found is None else [page.table(found)]
     return parts + ([page.paragraph(contact)] if contact else [])
 
 

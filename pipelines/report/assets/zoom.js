@@ -70,7 +70,7 @@
       ctx.beginPath();
       ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
       ctx.clip();
-      ctx.font = `${12 * devicePixelRatio}px system-ui, sans-serif`;
+      ctx.font = `${13 * devicePixelRatio}px system-ui, sans-serif`;
       ctx.textAlign = "center";
       if (!view.window)
         for (const [name, start, end] of data.windows) {
