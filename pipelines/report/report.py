@@ -12,7 +12,7 @@ from pipelines.figures.plots import bars_figure, drive_figure, stiffness_figure
 from pipelines.figures.views import LeftOut
 from pipelines.report import page, spectra
 from pipelines.report.contents import ReportContents, cell, grid, turned
-from pipelines.report.first_screen import first_screen
+from pipelines.report.first_page import first_screen
 from pipelines.signals.verdict import criterion, directions, sentences, summary_grid
 
 __all__ = ["ReportContents", "write_report"]

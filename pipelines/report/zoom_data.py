@@ -112,6 +112,8 @@ def channels(
         for i in order:
             exact = (sensor, axes[i]) == first
             by_run = [traces[i] for traces in found]
+            if any(np.isnan(traces[0][0].values).any() for traces in by_run):
+                continue  # an axis that this sensor does not have
             yield Channel(
                 name=f"{sensor} {axes[i]}",
                 note=_note(exact, max(stretch for traces in by_run for _, stretch in traces)),

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     import xarray
 
 IN_MESH = 1.0  # pitches to either side of the pitch point, about what a tooth is in mesh
-TWIN = (
-    "Against the exact healthy twin, with the same deviations: what is seen is what the fault adds. A single twin "
+CONTROL = (
+    "Against the exact healthy control, with the same deviations: what is seen is what the fault adds. One control "
     "gives no false-alarm rate."
 )
 
@@ -49,7 +49,7 @@ def first_screen(
     return FirstScreen(
         sentences=words,
         found=found,
-        label=TWIN if diagnoses else "",
+        label=CONTROL if diagnoses else "",
         figures=_numbers(plant, settings),
         average=None if settings is None else _average(plant, settings, runs),
         envelope=None if settings is None else _envelope(settings, diagnoses, runs),
