@@ -43,8 +43,9 @@ def write_report(path: Path | str, contents: ReportContents) -> Path:
         ("Energy balance", _energy),
         ("Provenance", _provenance),
     ]
-    body = [page.heading(contents.title, 1), *first_screen(contents.first)]
+    body = [page.heading(contents.title, 1)]
     body += [page.paragraph(f"Warning: {text}", "caution") for text in contents.cautions]
+    body += first_screen(contents.first)
     for number, (title, make) in enumerate(sections):
         if parts := make(contents):
             body.append(page.section(title, parts, opened=number == 0))
