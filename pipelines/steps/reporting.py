@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.modes import CasingModes
+    from pipelines.diagnosis.verdict import Verdict
     from pipelines.figures.plots import StiffnessPlot
     from pipelines.figures.views import LeftOut, Picture
     from pipelines.signals.analysis import DiagnosisSettings
@@ -52,6 +53,8 @@ class ReportSpec:
     provenance: Mapping[str, Any]
     warnings: tuple[str, ...]
     failure: str = ""  # why no diagnosis was possible
+    verdict: Verdict | None = None  # the blind ranking of components
+    baseline: bool = False  # whether the verdict compares with machines of other deviations
 
 
 def build(spec: ReportSpec, *taken: Any) -> CountedResult:
@@ -59,8 +62,8 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
     from pipelines.figures.views import LeftOut
     from pipelines.report.contents import ReportContents
     from pipelines.report.report import write_report
+    from pipelines.report.run_screen import first_screen
     from pipelines.signals.response import make_response
-    from pipelines.steps.first_screen import first_screen
 
     plant, count = spec.plant, len(spec.plant.laws)
     laws, body, rest = taken[:count], taken[count], list(taken[count + 1 :])
@@ -78,7 +81,7 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
     runs = _runs(spec, responses)
     contents = ReportContents(
         title=plant.title,
-        first=first_screen(plant, settings, found, list(runs.values()), failure),
+        first=first_screen(plant, settings, found, list(runs.values()), failure, spec.verdict, spec.baseline),
         summary=_summary(plant),
         diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
         seeds=[d for d, full in zip(found, shown, strict=True) if not full],

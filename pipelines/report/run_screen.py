@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.features.synchronous import FEWEST_REVOLUTIONS
+from pipelines.diagnosis import words
+from pipelines.diagnosis.verdict import Finding, Verdict
+from pipelines.features.average import FEWEST_TURNS
 from pipelines.orders.order_spectra import OrderError, over_angle
 from pipelines.plant.looked_for import LookedFor
 from pipelines.plant.plant import Plant
-from pipelines.report.first_screen import Average, Envelope, FirstScreen
+from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.zoom_data import ENVELOPE_ORDERS, streams
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
 from pipelines.signals.diagnosis import Diagnosis
@@ -34,6 +36,8 @@ def first_screen(
     diagnoses: Sequence[Diagnosis],
     runs: Sequence[xarray.Dataset],
     failure: str,
+    verdict: Verdict | None = None,
+    baseline: bool = False,
 ) -> FirstScreen:
     """What an engineer asks first.
 
@@ -44,15 +48,37 @@ def first_screen(
     diagnoses : of all cases, the scene's own first; none without a control
     runs : the response of the scene and that of its control, if there is one
     failure : why the diagnosis was not possible, "" if it was
+    verdict : the blind ranking of components, None if there is none
+    baseline : whether it compares with healthy machines of other deviations, not with the exact control
     """
-    words, found = _verdict(plant, diagnoses, failure)
+    if verdict is not None and baseline:
+        told, found, label = list(words.sentences(verdict)), verdict.alarm, _against(verdict)
+    else:
+        told, found = _verdict(plant, diagnoses, failure)
+        label = CONTROL if diagnoses else ""
     return FirstScreen(
-        sentences=words,
+        sentences=told,
         found=found,
-        label=CONTROL if diagnoses else "",
+        label=label,
         figures=_numbers(plant, settings),
-        average=None if settings is None else _average(plant, settings, runs),
+        average=None if settings is None else _average(plant, settings, runs, verdict),
         envelope=None if settings is None else _envelope(settings, diagnoses, runs),
+        ranking=() if verdict is None else [_ranked(finding) for finding in verdict.findings],
+    )
+
+
+def _against(verdict: Verdict) -> str:
+    return f"Against {verdict.healthy} healthy recordings of machines with other deviations."
+
+
+def _ranked(finding: Finding) -> Ranked:
+    remarks = [] if finding.tooth is None else [f"most at tooth {finding.tooth}"]
+    remarks += [f"cannot be told from {', '.join(finding.alike)}"] if finding.alike else []
+    return Ranked(
+        component=finding.component,
+        evidence=finding.rise,
+        p_value=words.probability(finding),
+        remark="; ".join(remarks),
     )
 
 
@@ -130,11 +156,19 @@ def _gears(plant: Plant) -> tuple[int, ...]:
     )
 
 
-def _average(plant: Plant, settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> Average | None:
-    """Over the teeth of the gear, the damaged one in the middle; None if its shaft hardly turns in the first window."""
+def _average(
+    plant: Plant, settings: DiagnosisSettings, runs: Sequence[xarray.Dataset], verdict: Verdict | None
+) -> Average | None:
+    """Over the teeth of the gear, the suspected one in the middle; None if its shaft hardly turns in the first window.
+
+    Suspected is the tooth that the verdict names, else the damaged one of the scene.
+    """
     asked, teeth = plant.looked_for, _teeth(plant)
-    faults = [fault for fault in plant.faults_of(asked.stage) if fault.gear == asked.gear and fault.tooth is not None]
-    middle = float(faults[0].tooth) if faults and faults[0].tooth is not None else teeth / 2
+    name = f"stage {asked.stage} {asked.gear}"
+    named = [one.tooth for one in verdict.findings if one.component == name] if verdict is not None else []
+    damaged = [fault.tooth for fault in plant.faults_of(asked.stage) if fault.gear == asked.gear]
+    suspected = next((tooth for tooth in (*named, *damaged) if tooth is not None), None)
+    middle = teeth / 2 if suspected is None else float(suspected)
     window = next(iter(settings.windows))
     meshes = (teeth, *_gears(plant))
     start = plant.layout.cycles_at_start[asked.stage - 1]
@@ -147,25 +181,25 @@ def _average(plant: Plant, settings: DiagnosisSettings, runs: Sequence[xarray.Da
     place, value, turns = found[0]
     other = found[1] if len(found) > 1 else None
     reference = None if other is None else np.interp(place, other[0], other[1], period=teeth)
-    name = f"stage {asked.stage} {asked.gear}"
     across = f"teeth of the {name}"
     caption = (
         f"Time-synchronous average over {turns} turns of {settings.shaft} without its mesh orders, {_channel(asked)}, "
         f"{window}."
     )
-    if faults:
-        across += f", from tooth {faults[0].tooth}"
-        caption += f" Shaded: where tooth {faults[0].tooth}, damaged in the scene, is in mesh."
-    else:
+    if suspected is None:
         place = place + middle
+    else:
+        across += f", from tooth {suspected}"
+        why = "which stands out" if suspected in named else "damaged in the scene"
+        caption += f" Shaded: where tooth {suspected}, {why}, is in mesh."
     return Average(
         place=place,
         value=value,
         reference=reference,
         across=across,
         unit="acceleration, m/s²",
-        marked=(-IN_MESH, IN_MESH) if faults else None,
-        marked_name=f"tooth {faults[0].tooth}" if faults else "",
+        marked=None if suspected is None else (-IN_MESH, IN_MESH),
+        marked_name="" if suspected is None else f"tooth {suspected}",
         caption=caption,
     )
 
@@ -192,7 +226,7 @@ def _over_teeth(
     signal, time = noisy_signal(run, settings, stream)[inside], times[inside]
     angle = np.asarray(run.shaft_angle.sel(shaft=settings.shaft).values, dtype=float)[inside]
     try:
-        turned = over_angle(signal, time, angle, shaft=str(settings.shaft), revolutions=FEWEST_REVOLUTIONS)
+        turned = over_angle(signal, time, angle, shaft=str(settings.shaft), revolutions=FEWEST_TURNS)
     except OrderError:
         return None
     turns = len(turned.values) // turned.per_turn
