@@ -173,7 +173,7 @@ def _average(
     meshes = (teeth, *_gears(plant))
     start = plant.layout.cycles_at_start[asked.stage - 1]
     found = [
-        _over_teeth(run, settings, stream, window, meshes, start - middle)
+        over_teeth(run, settings, stream, window, meshes, start - middle)
         for run, stream in zip(runs, streams(len(runs)), strict=True)
     ]
     if found[0] is None:
@@ -204,7 +204,7 @@ def _average(
     )
 
 
-def _over_teeth(
+def over_teeth(
     run: xarray.Dataset, settings: DiagnosisSettings, stream: int, window: str, meshes: tuple[int, ...], start: float
 ) -> tuple[np.ndarray, np.ndarray, int] | None:
     """Places (n,) in teeth within half a turn of 0, the average (n,) there and how many turns are in it.
