@@ -345,10 +345,12 @@ def test_markup_in_a_title_stays_text(tmp_path):
     from pipelines.figures.film import film_page
     from pipelines.figures.plots import dress, new_figure
     from pipelines.report.contents import ReportContents
+    from pipelines.report.first_screen import FirstScreen
     from pipelines.report.report import write_report
 
     title = "<script>alert(1)</script> [bold]$\\frac$ & $x"
-    page = write_report(tmp_path / "report.html", ReportContents(title=title, lead=title, summary={title: title}))
+    first = FirstScreen(sentences=[title], figures=[(title, title)], label=title)
+    page = write_report(tmp_path / "report.html", ReportContents(title=title, first=first, summary={title: title}))
     for text in (page.read_text(encoding="utf-8"), film_page(title, [], title, [], 40)):
         assert "<script>alert" not in text
         assert "&lt;script&gt;alert" in text

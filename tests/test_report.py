@@ -1,11 +1,15 @@
-"""Reports and exports: one file, nothing from outside, nothing missing without its reason."""
+"""Reports and exports: the answer on the first screen, one file, nothing from outside."""
 
+import base64
 import csv
+import json
 import re
 from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.io import loadmat
 from synthetic import MESH, WHEEL, response
 
@@ -13,11 +17,14 @@ from pipelines.border.grid import Grid, GridError
 from pipelines.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
 from pipelines.figures.views import LeftOut
 from pipelines.report.contents import cell, grid
+from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.page import typeset
 from pipelines.report.report import ReportContents, write_report
+from pipelines.report.thinning import extremes, largest
 from pipelines.signals.diagnosis import DiagnosisSettings, diagnose
 from pipelines.signals.export import ExportError, export
 
+LEFT_OUT = "The picture of the gear pair is left out: off-screen rendering ended with SIGSEGV. Install libegl1."
 WINDOWS = {"lifting": (0.5, 2.5), "lowering": (3.0, 5.0)}
 CYCLE = np.linspace(0, 4, 81)
 CURVE = StiffnessPlot(
@@ -47,19 +54,54 @@ def diagnosis(runs):
     return diagnose(runs["missing tooth"], runs["healthy"], settings)
 
 
+FIRST = FirstScreen(
+    sentences=["One tooth of the stage 1 wheel missing.", "False alarms: 1 in 300 (0.01 to 1.8 %)."],
+    found=True,
+    label="against 8 healthy recordings",
+    figures=[("Speed", "900 rpm"), ("Tooth meshing f_m", "300 Hz"), ("Turns of shaft 2, f_r", "5.4545 Hz")],
+    average=Average(
+        place=np.arange(55.0),
+        value=np.sin(np.arange(55.0)),
+        reference=np.zeros(55),
+        across="teeth",
+        unit="m/s²",
+        marked=(20.0, 22.0),
+        marked_name="tooth 21",
+        caption="Average over 9 turns.",
+    ),
+    envelope=Envelope(
+        line=np.arange(60.0),
+        amplitude=np.ones(60),
+        across="frequency, Hz",
+        unit="m/s²",
+        marked=[(5.4545, "f_r")],
+        band="1 to 2 kHz",
+        caption="Envelope spectrum.",
+    ),
+    ranking=[Ranked(component=f"gear {i}", evidence=14.0 - i, p_value="-") for i in range(7)],
+)
+
+
 class Page(HTMLParser):
-    """Counts elements, checks that they close, and collects what would be fetched."""
+    """Checks that elements close, and collects ids, tables, headings, words and what would be fetched."""
 
     VOID = ("meta", "img", "br")
 
     def __init__(self, text):
         super().__init__()
-        self.open, self.seen, self.fetched, self.headings = [], {}, [], []
+        self.open, self.seen, self.fetched, self.ids = [], {}, [], []
+        self.headings, self.columns, self.words = [], [], []
         self.feed(text)
+        self.close()
 
     def handle_starttag(self, tag, attrs):
         self.seen[tag] = self.seen.get(tag, 0) + 1
         self.fetched += [value for name, value in attrs if name in ("src", "href", "srcset")]
+        self.ids += [value for name, value in attrs if name == "id"]
+        if tag == "thead":
+            self.columns.append(0)
+        if tag == "th":
+            self.columns[-1] += 1
         if tag not in self.VOID:
             self.open.append(tag)
 
@@ -69,73 +111,169 @@ class Page(HTMLParser):
     def handle_data(self, data):
         if self.open and self.open[-1] == "h2":
             self.headings.append(data)
+        if not {"script", "style"} & set(self.open):
+            self.words.append(data)
 
 
-def test_full_report_answers_first_and_fetches_nothing(tmp_path, runs, diagnosis):
-    reason = "The picture of the gear pair is left out: off-screen rendering ended with SIGSEGV. Install libegl1."
+def written(folder, contents):
+    text = write_report(folder / "report.html", contents).read_text(encoding="utf-8")
+    return text, Page(text)
+
+
+@pytest.fixture(scope="module")
+def full(tmp_path_factory, runs, diagnosis):
     contents = ReportContents(
         sensor="sensor_3",
         title="Hoist with a missing tooth",
+        first=FIRST,
         diagnoses=(diagnosis,),
         seeds=(diagnosis,),
         summary={"motor speed": "900 rpm", "coordinates": 212},
         gears=({"stage": 1, "gear": "pinion", "z": 20}, {"stage": 1, "gear": "wheel", "z": 55}),
         stiffness=(CURVE,),
-        gear_picture=LeftOut(reason=reason),
+        gear_picture=LeftOut(reason=LEFT_OUT),
         runs=runs,
         windows=WINDOWS,
         steps=({"step": "laws", "seconds": 1.25}, {"step": "run", "seconds": 3.0}),
         energy=({"part": "mesh 1", "residual": 1e-4},),
         provenance={"gearcase": "0.1.0", "models": {"mesh": "plane"}},
     )
-    text = write_report(tmp_path / "report.html", contents).read_text(encoding="utf-8")
-    page = Page(text)
+    return written(tmp_path_factory.mktemp("full"), contents)
+
+
+def test_a_report_is_one_sound_file_that_fetches_nothing(full):
+    text, page = full
     assert page.open == []
     assert all(link.startswith(("data:image/png;base64,", "#")) for link in page.fetched)
-    assert not re.search(r"https?://|@import|url\(", text)
-    assert page.seen["img"] == 9  # stiffness, drive, signals, 2 spectra, 2 healthy-faulty, lifting-lowering, seconds
-    body = text[text.index("<body>") :]
-    assert body.index("One tooth of the stage 1 wheel missing: seen") < body.index("What was run")
-    assert reason in text
-    assert "this casing model has no mesh to show" in text
-    assert "only one of them was given" in text
-    assert page.headings[0] == "What was run"
-    assert len(page.headings) == 14
+    of_scripts = re.sub(r"/\*! https://github.com/leeoniya/uPlot [^*]*\*/", "", text)
+    assert not re.search(r"https?://|@import|url\((?!#)", of_scripts)
+    assert "The MIT License" in text
+    assert len(text) < 5e6
 
 
-def test_short_report_has_no_empty_sections(tmp_path, runs):
+def test_no_two_elements_of_a_report_have_one_id_and_every_reference_is_there(full):
+    text, page = full
+    assert len(page.ids) == len(set(page.ids))
+    referred = set(re.findall(r'url\(#([^)]+)\)|href="#([^"]+)"', text))
+    assert referred
+    assert {name for pair in referred for name in pair if name} <= set(page.ids)
+
+
+def test_the_first_screen_has_verdict_numbers_figures_and_ranking_in_this_order(full):
+    text, page = full
+    wanted = ["missing.", "False alarms: 1 in 300", "against 8 healthy", "900 rpm", "300 Hz", "5.4545 Hz"]
+    wanted += ["tooth 21", "Average over 9 turns.", "Envelope spectrum.", "gear 0", "Signals and spectra"]
+    words = "\n".join(page.words)
+    places = [words.index(word) for word in wanted]
+    assert places == sorted(places)
+    assert words.index("gear 4") < words.index("2 more components") < words.index("gear 5")
+    assert text.index('id="ranking"') < text.index("<h2>")
+
+
+def test_what_follows_the_first_screen_is_folded_but_for_the_signals(full):
+    text, page = full
+    assert page.headings == [
+        "Signals and spectra",
+        "How it was decided",
+        "Levels",
+        "Healthy and faulty",
+        "Windows side by side",
+        "Envelope table",
+        "What was run",
+        "Gears",
+        "Stiffness",
+        "Speed",
+        "Cost",
+        "Energy balance",
+        "Provenance",
+    ]
+    assert re.findall(r'id="([^"]*)" open', text) == ["signals-and-spectra"]
+    assert LEFT_OUT in text
+
+
+def test_letters_of_figures_are_text(full):
+    text, page = full
+    assert "amplitude, m/s²</text>" in text
+    assert page.seen["svg"] == 11  # first screen 2, signals 1, spectra 2, healthy and faulty 2, windows, k, speed, cost
+    assert "img" not in page.seen
+
+
+def test_zooming_charts_hold_every_sample_of_the_verdict_and_4000_points_of_the_others(full, runs):
+    text, _ = full
+    data = json.loads(re.search(r'id="zoom-data">(.*?)</script>', text)[1])
+    assert [run["name"] for run in data["runs"]] == ["missing tooth", "healthy"]
+    assert [channel["name"] for channel in data["channels"]][:2] == ["sensor_3 z", "sensor_3 x"]
+    assert len(data["channels"]) == 9
+    own = unpacked(data["channels"][0]["traces"][0][0])
+    np.testing.assert_allclose(own, runs["missing tooth"].acceleration.sel(sensor="sensor_3", axis="z"), rtol=1e-6)
+    other = unpacked(data["channels"][4]["traces"][0][1])
+    assert len(other) <= 4000
+    signal = runs["healthy"].acceleration.sel(sensor="sensor_1", axis="y").values
+    assert np.ptp(other) == pytest.approx(np.ptp(signal), rel=1e-3)
+
+
+def test_a_spectrum_that_zooms_has_the_lines_of_the_diagnosis(full, diagnosis):
+    text, _ = full
+    data = json.loads(re.search(r'id="zoom-data">(.*?)</script>', text)[1])
+    number = next(i for i, view in enumerate(data["views"]) if view["title"] == "Spectrum")
+    trace = data["channels"][0]["traces"][number][0]
+    amplitude = 10 ** unpacked(trace)
+    at = int(np.argmax(amplitude))
+    assert trace["start"] + at * trace["step"] == pytest.approx(MESH)
+    assert len(amplitude) == len(diagnosis.spectra["faulty", "lifting"].amplitude)
+
+
+def unpacked(trace):
+    numbers = np.frombuffer(base64.b64decode(trace["data"]), "<f4" if trace["kind"] == "f4" else "<i2")
+    return numbers * trace["scale"]
+
+
+@given(st.integers(1, 500), st.integers(0, 2**32 - 1))
+def test_a_thinned_signal_keeps_its_extremes(samples, seed):
+    values = np.random.default_rng(seed).normal(size=samples)
+    kept, stretch = extremes(values, 40)
+    assert len(kept) <= 40
+    assert (kept.min(), kept.max()) == (values.min(), values.max())
+    lines, width = largest(values, 40)
+    assert len(lines) <= 40
+    assert lines.max() == values.max()
+    assert (stretch == 1) == (width == 1) == (samples <= 40)
+
+
+def test_a_run_without_control_shows_its_signals_and_spectra_and_names_nothing_that_is_absent(tmp_path, runs):
     settings = DiagnosisSettings(
         revolution_frequency=WHEEL, mesh_frequency=MESH, windows={"steady": (0.5, 1.5)}, sensor="sensor_3", axis="z"
     )
     contents = ReportContents(
-        sensor="sensor_3",
-        title="Minimal",
-        stiffness=(CURVE,),
-        runs={"healthy": runs["healthy"]},
-        settings=settings,
-        short=True,
+        sensor="sensor_3", title="Minimal", stiffness=(CURVE,), runs={"healthy": runs["healthy"]}, settings=settings
     )
-    text = write_report(tmp_path / "report.html", contents).read_text(encoding="utf-8")
-    assert Page(text).headings == ["Stiffness", "Speed", "Signals", "Spectra"]
-    assert "Not part of this run: what was run, gears, casing, healthy and faulty" in text
+    text, page = written(tmp_path, contents)
+    assert page.headings == ["Signals and spectra", "Levels", "Stiffness", "Speed"]
     assert 'class="missing"' not in text
-    assert 'class="answer' not in text
+    assert 'id="verdict"' not in text
 
 
-def test_report_without_control_says_so(tmp_path):
-    text = write_report(tmp_path / "report.html", ReportContents(sensor="sensor_3", title="No control")).read_text(
-        encoding="utf-8"
-    )
-    assert "No diagnosis: the scene names no healthy control" in text
-    assert text.count('class="missing"') == 14
+def test_a_report_of_nothing_has_its_title_alone(tmp_path):
+    _, page = written(tmp_path, ReportContents(title="Nothing"))
+    assert page.headings == []
+    assert "".join(page.words).split() == ["Nothing", "Nothing"]
+
+
+def test_a_table_is_never_wider_than_paper(tmp_path):
+    values = {f"{k} Hz": k for k in range(14)}
+    gears = [{"stage": 1 + i // 2, "gear": ("pinion", "wheel")[i % 2], **values} for i in range(6)]
+    steps = [{f"column {k}": k for k in range(23)}]
+    _, page = written(tmp_path, ReportContents(title="Wide", gears=gears, steps=steps))
+    assert page.columns == [7, 9, 9, 7]
+    words = [word for word in page.words if word.strip()]
+    assert words[words.index("stage 1 pinion") + 5] == "stage 3 wheel"
+    assert words.count("column 0") == 3
 
 
 def test_words_of_a_scene_cannot_break_the_page(tmp_path):
-    contents = ReportContents(
-        sensor="sensor_3", title='<script>alert("1")</script>', summary={"a<b": "c&d"}, short=True
-    )
+    contents = ReportContents(sensor="sensor_3", title='<script>alert("1")</script>', summary={"a<b": "c&d"})
     text = write_report(tmp_path / "report.html", contents).read_text(encoding="utf-8")
-    assert "<script" not in text
+    assert "<script>alert" not in text
     assert "a&lt;b" in text
     assert typeset("2 f_m - f_r at sensor_3") == "2 <i>f</i><sub>m</sub> - <i>f</i><sub>r</sub> at sensor_3"
 

@@ -13,6 +13,7 @@ from mbd.simulate import Settings, simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.cli import main
+from pipelines.report.first_screen import FirstScreen
 from pipelines.report.report import ReportContents, write_report
 from pipelines.signals.motion_warnings import gathered, motion_warnings
 
@@ -99,9 +100,10 @@ def test_a_sound_run_says_nothing(tmp_path, capsys, caplog):
 
 
 def test_the_report_says_it_before_all_else(tmp_path):
-    contents = ReportContents(title="A machine", cautions=("The time step is too long.",), short=True)
+    first = FirstScreen(sentences=["A tooth is missing."])
+    contents = ReportContents(title="A machine", cautions=("The time step is too long.",), first=first)
     text = write_report(tmp_path / "report.html", contents).read_text(encoding="utf-8")
-    assert "Warning: The time step is too long." in text[: text.index("<h2") if "<h2" in text else len(text)]
+    assert text.index("Warning: The time step is too long.") < text.index("A tooth is missing.")
 
 
 def test_several_motions_say_a_thing_once():

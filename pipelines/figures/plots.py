@@ -137,9 +137,11 @@ def bars_figure(title: str, names: Sequence[str], values: Sequence[float], unit:
     return figure
 
 
-def legend(axes: Axes) -> None:
-    """Legend on the level of the title, to the right: it never hides a curve."""
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.99), ncols=5, frameon=False, fontsize=9, borderaxespad=0.1)
+def legend(axes: Axes, letters: float = 9.0) -> None:
+    """Legend on the level of the title, to the right: it never hides a curve. `letters` in points."""
+    axes.legend(
+        loc="lower right", bbox_to_anchor=(1.0, 0.99), ncols=5, frameon=False, fontsize=letters, borderaxespad=0.1
+    )
 
 
 def _shade(axes: Axes, windows: Mapping[str, tuple[float, float]]) -> None:

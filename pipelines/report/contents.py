@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from pipelines.border.grid import Grid
 from pipelines.figures.plots import StiffnessPlot
 from pipelines.figures.views import LeftOut, Picture
-from pipelines.signals.analysis import DiagnosisSettings
+from pipelines.report.first_screen import FirstScreen
+from pipelines.signals.analysis import DiagnosisSettings, channel_names
 from pipelines.signals.diagnosis import Diagnosis
 
 if TYPE_CHECKING:
@@ -18,17 +19,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ReportContents:
-    """The parts of a report; each may be left out. `reasons` says why, by the title of the section.
+    """The parts of a report; each may be left out, and is then not named.
 
     Tables are rows of named cells (dicts with equal keys, the keys are the headers); numbers are set to four digits.
-    `runs` maps a name ("missing tooth", "healthy", ...) to a response, the run of the scene first. `diagnoses` are the
-    comparisons whose lines are shown in full (rope, constant torque), `seeds` those of further deviations, which enter
-    the summary. `settings` say what to look at in a run without control. `gear_names` are words for the places
-    "pinion", "wheel" and "marked" of the picture. `short` is for scenes without fault.
+    `first` is the first screen. `runs` maps a name ("missing tooth", "healthy", ...) to a response, the run of the
+    scene first. `diagnoses` are the comparisons whose lines are shown in full (rope, constant torque), `seeds` those of
+    further deviations, which enter the summary. `settings` say what to look at in a run without control. `gear_names`
+    are words for the places "pinion", "wheel" and "marked" of the picture.
     """
 
     title: str
-    lead: str = ""
+    first: FirstScreen = field(default_factory=FirstScreen)
     summary: Mapping[str, Any] = field(default_factory=dict)
     diagnoses: Sequence[Diagnosis] = ()
     seeds: Sequence[Diagnosis] = ()
@@ -49,16 +50,33 @@ class ReportContents:
     energy: Sequence[Mapping[str, Any]] = ()
     ledger: Mapping[str, Any] = field(default_factory=dict)
     provenance: Mapping[str, Any] = field(default_factory=dict)
-    cautions: Sequence[str] = ()  # what the motions say about themselves: before all else
+    cautions: Sequence[str] = ()  # what the motions say about themselves
     warnings: Sequence[str] = ()
-    reasons: Mapping[str, str] = field(default_factory=dict)
-    short: bool = False
+
+    @property
+    def channel(self) -> tuple[str, str] | None:
+        """Sensor and axis of the verdict, an axis of its own for the resultant; None if the runs do not have it."""
+        runs = list(self.runs.values())
+        if not runs or any(self.sensor not in channel_names(run) for run in runs):
+            return None
+        axes = [str(axis) for axis in runs[0].axis.values]
+        return self.sensor, self.axis if self.axis in axes else axes[-1]
 
 
 def grid(title: str, rows: Sequence[Mapping[str, Any]]) -> Grid:
     """A table from rows of named cells; a cell that a row lacks stays empty."""
     headers = tuple(dict.fromkeys(name for row in rows for name in row))
     return Grid(title=title, headers=headers, rows=tuple(tuple(cell(row.get(h, "")) for h in headers) for row in rows))
+
+
+def turned(table: Grid, named: Sequence[str]) -> Grid:
+    """A table of many columns laid on its side: a row per quantity, a column per row, headed by the columns `named`."""
+    at = [table.headers.index(name) for name in named]
+    quantities = [i for i in range(len(table.headers)) if i not in at]
+    headers = [" ".join(f"{name} {row[i]}" if row[i].isdigit() else row[i] for name, i in zip(named, at, strict=True))
+               for row in table.rows]  # fmt: skip
+    rows = tuple((table.headers[i], *(row[i] for row in table.rows)) for i in quantities)
+    return Grid(title=table.title, headers=("", *headers), rows=rows)
 
 
 def cell(value: Any) -> str:

@@ -1,4 +1,4 @@
-"""report.html: the answer first, then what was run and what it rests on, in one file."""
+"""report.html: the answer on the first screen, then signals and spectra, then what it rests on, in one file."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ from pathlib import Path
 
 from pipelines.border.grid import Grid
 from pipelines.figures.callouts import casing_figure, gear_figure
-from pipelines.figures.plots import bars_figure, drive_figure, stiffness_figure, waveform_figure
+from pipelines.figures.plots import bars_figure, drive_figure, stiffness_figure
 from pipelines.figures.views import LeftOut
 from pipelines.report import page, spectra
-from pipelines.report.contents import ReportContents, cell, grid
-from pipelines.signals.analysis import channel_names
-from pipelines.signals.levels import contact_sentence, level_grid
-from pipelines.signals.verdict import all_seen, criterion, directions, headline, sentences, summary_grid
+from pipelines.report.contents import ReportContents, cell, grid, turned
+from pipelines.report.first_page import first_screen
+from pipelines.signals.verdict import criterion, directions, sentences, summary_grid
 
 __all__ = ["ReportContents", "write_report"]
 
@@ -22,73 +21,46 @@ __all__ = ["ReportContents", "write_report"]
 def write_report(path: Path | str, contents: ReportContents) -> Path:
     """Write the report as one HTML file with all pictures inside; returns the path.
 
-    A section without content is named with its reason; a short report names the absent sections in one sentence.
+    The first screen has the answer; behind it stand the signals, and everything else folded. A section that does not
+    apply to the run is not there.
     """
     sections: list[tuple[str, Callable[[ReportContents], list[str]]]] = [
-        ("What was run", _what_was_run),
-        ("Gears", _gears),
-        *([("Rolling bearings", _rolling)] if contents.rolling else []),
-        *([("Faults of shafts", _shafts)] if contents.shafts else []),
-        ("Stiffness", _stiffness),
-        ("Casing", _casing),
-        ("Speed", _drive),
-        ("Signals", _signals),
-        ("Spectra", spectra.spectra),
+        ("Signals and spectra", spectra.signals),
+        ("How it was decided", _decided),
+        ("Levels", spectra.levels),
         ("Healthy and faulty", spectra.healthy_faulty),
         ("Windows side by side", spectra.two_windows),
         ("Two loads", spectra.two_loads),
         ("Envelope table", spectra.envelope_table),
+        ("What was run", _what_was_run),
+        ("Gears", _gears),
+        ("Rolling bearings", _rolling),
+        ("Faults of shafts", _shafts),
+        ("Stiffness", _stiffness),
+        ("Casing", _casing),
+        ("Speed", _drive),
         ("Cost", _cost),
         ("Energy balance", _energy),
         ("Provenance", _provenance),
     ]
-    made = [(title, make(contents)) for title, make in sections]
-    shown = [(title, parts) for title, parts in made if parts or not contents.short]
-    body = [page.heading(contents.title, 1), page.paragraph(contents.lead, "lead") if contents.lead else ""]
-    body += [page.paragraph(f"Warning: {text}", "missing") for text in contents.cautions]
-    body += _answer(contents)
-    body.append(page.contents([title for title, _ in shown]))
-    for title, parts in shown:
-        body.append(page.heading(title))
-        body += parts or [page.paragraph(contents.reasons.get(title, _REASONS[title]), "missing")]
-    absent = [title.lower() for title, parts in made if not parts]
-    if contents.short and absent:
-        body.append(page.paragraph(f"Not part of this run: {', '.join(absent)}.", "lead"))
+    body = [page.heading(contents.title, 1)]
+    body += [page.paragraph(f"Warning: {text}", "caution") for text in contents.cautions]
+    body += first_screen(contents.first)
+    for number, (title, make) in enumerate(sections):
+        if parts := make(contents):
+            body.append(page.section(title, parts, opened=number == 0))
     path = Path(path)
     path.write_text(page.document(contents.title, body), encoding="utf-8")
     return path
 
 
-_NO_CONTROL = "Left out: the scene names no healthy control, so no line can be told from those of a healthy gearbox."
-_REASONS = {
-    "What was run": "Left out: no description of the scene was given.",
-    "Gears": "Left out: no gear table was given.",
-    "Stiffness": "Left out: this run derived no stiffness curve.",
-    "Casing": "Left out: this casing model has no mesh to show.",
-    "Speed": "Left out: the run holds no motor or shaft speeds.",
-    "Signals": "Left out: the run holds no acceleration of this sensor.",
-    "Spectra": _NO_CONTROL,
-    "Healthy and faulty": _NO_CONTROL,
-    "Windows side by side": "Left out: it takes a diagnosis with two windows.",
-    "Two loads": "Left out: it takes runs with two models of the load; only one of them was given.",
-    "Envelope table": _NO_CONTROL,
-    "Cost": "Left out: no seconds and memory were recorded.",
-    "Energy balance": "Left out: no energy balance was recorded.",
-    "Provenance": "Left out: no provenance was recorded.",
-}
-
-
-def _answer(contents: ReportContents) -> list[str]:
+def _decided(contents: ReportContents) -> list[str]:
     if not contents.diagnoses:
-        text = contents.reasons.get("Envelope table", _NO_CONTROL).removeprefix("Left out: ")
-        if contents.short:
-            return []
-        return [page.answer([f"No diagnosis: {text}"], positive=False)]
+        return []
     every = [*contents.diagnoses, *contents.seeds]
-    texts = [headline(every), criterion(every[0]), *(s for d in contents.diagnoses for s in sentences(d))]
+    texts = [criterion(every[0]), *(s for d in contents.diagnoses for s in sentences(d))]
     texts += [text for d in contents.diagnoses if (text := directions(d))]
-    seen = any(all_seen(d, window) for d in every for window in d.settings.windows)
-    return [page.answer(texts, positive=seen), page.table(summary_grid(every))]
+    return [*map(page.paragraph, texts), page.table(summary_grid(every))]
 
 
 def _what_was_run(contents: ReportContents) -> list[str]:
@@ -100,7 +72,7 @@ def _what_was_run(contents: ReportContents) -> list[str]:
 
 
 def _gears(contents: ReportContents) -> list[str]:
-    parts = [page.table(grid("", contents.gears))] if contents.gears else []
+    parts = [page.table(turned(grid("", contents.gears), ("stage", "gear")))] if contents.gears else []
     if isinstance(contents.gear_picture, LeftOut):
         parts.append(page.paragraph(contents.gear_picture.reason, "missing"))
     elif contents.gear_picture is not None:
@@ -112,11 +84,15 @@ def _gears(contents: ReportContents) -> list[str]:
 
 
 def _rolling(contents: ReportContents) -> list[str]:
+    if not contents.rolling:
+        return []
     note = "Pass frequencies at the highest speed without slip; a spall of a rolling element passes twice per BSF."
     return [page.table(grid("", contents.rolling)), page.paragraph(note)]
 
 
 def _shafts(contents: ReportContents) -> list[str]:
+    if not contents.shafts:
+        return []
     note = "Orders 1x and 2x at the highest speed; the spectrum is searched for them."
     return [page.table(grid("", contents.shafts)), page.paragraph(note)]
 
@@ -144,23 +120,6 @@ def _drive(contents: ReportContents) -> list[str]:
         return []
     caption = "Speeds of the motors and the first shaft" + (", force in the rope." if "rope_force" in run else ".")
     return [page.picture(drive_figure(run, contents.windows), caption)]
-
-
-def _signals(contents: ReportContents) -> list[str]:
-    runs = {
-        name: run
-        for name, run in contents.runs.items()
-        if contents.sensor in channel_names(run) and contents.axis in run.axis.values
-    }
-    if not runs:
-        return []
-    figure = waveform_figure(runs, contents.sensor, contents.axis, contents.windows)
-    first = next(iter(contents.runs.values()))
-    levels, contact = level_grid(first, contents.windows), contact_sentence(first)
-    caption = "Acceleration at the sensor, without sensor noise: the whole run, and a tenth of a second."
-    parts = [page.picture(figure, caption)]
-    parts += [] if levels is None else [page.table(levels)]
-    return parts + ([page.paragraph(contact)] if contact else [])
 
 
 def _cost(contents: ReportContents) -> list[str]:

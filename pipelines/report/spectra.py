@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pipelines.figures.plots import waveform_figure
 from pipelines.figures.spectrum_plots import (
     Trace,
     comparison_figure,
@@ -12,15 +13,47 @@ from pipelines.figures.spectrum_plots import (
 )
 from pipelines.report import page
 from pipelines.report.contents import ReportContents
-from pipelines.signals.analysis import analyse, channel_names
+from pipelines.report.zoom import charts
+from pipelines.report.zoom_data import channels, views
+from pipelines.signals.analysis import Analysis, DiagnosisSettings, analyse
 from pipelines.signals.diagnosis import Diagnosis
+from pipelines.signals.levels import contact_sentence, level_grid
 from pipelines.signals.lines import LOADS
 from pipelines.signals.verdict import case_name, directions, lines_grid, seeds_grid
 
 
-def spectra(contents: ReportContents) -> list[str]:
-    if not contents.diagnoses:
-        return _own_spectra(contents)
+def signals(contents: ReportContents) -> list[str]:
+    """The charts that zoom, and the same as figures where no script runs."""
+    if contents.channel is None:
+        return []
+    settings = contents.diagnoses[0].settings if contents.diagnoses else contents.settings
+    own = None
+    if settings is not None and not contents.diagnoses:
+        own = analyse(next(iter(contents.runs.values())), settings)
+    band = contents.diagnoses[0].band if contents.diagnoses else None if own is None else own.band
+    found = channels(contents.runs, contents.channel, settings, band)
+    parts = [charts(list(contents.runs), views(settings, band), found, contents.windows), _waveforms(contents)]
+    return parts + (_compared_spectra(contents) if own is None or settings is None else _own_spectra(own, settings))
+
+
+def levels(contents: ReportContents) -> list[str]:
+    """Levels of every sensor, and how long the flanks were apart."""
+    run = next(iter(contents.runs.values()), None)
+    if run is None:
+        return []
+    found, contact = level_grid(run, contents.windows), contact_sentence(run)
+    parts = [] if found is None else [page.table(found)]
+    return parts + ([page.paragraph(contact)] if contact else [])
+
+
+def _waveforms(contents: ReportContents) -> str:
+    assert contents.channel is not None  # asked before
+    figure = waveform_figure(contents.runs, *contents.channel, contents.windows)
+    caption = "Acceleration at the sensor, without sensor noise: the whole run, and a tenth of a second."
+    return page.picture(figure, caption, "static")
+
+
+def _compared_spectra(contents: ReportContents) -> list[str]:
     parts = []
     for diagnosis in contents.diagnoses[:1]:
         for window in diagnosis.settings.windows:
@@ -30,25 +63,21 @@ def spectra(contents: ReportContents) -> list[str]:
                 f"faulty shaft ({segment.duration:.4g} s), {diagnosis.settings.spectrum_window} window, "
                 f"sensor noise {diagnosis.noise:.3g} m/s² rms."
             )
-            parts.append(page.picture(spectrum_figure(diagnosis, window), caption))
+            parts.append(page.picture(spectrum_figure(diagnosis, window), caption, "static"))
     return parts
 
 
-def _own_spectra(contents: ReportContents) -> list[str]:
+def _own_spectra(analysis: Analysis, settings: DiagnosisSettings) -> list[str]:
     """Spectra of the run alone, where there is no control."""
-    run = next(iter(contents.runs.values()), None)
-    if run is None or contents.settings is None or contents.settings.sensor not in channel_names(run):
-        return []
-    analysis = analyse(run, contents.settings)
     parts = []
     for window, spectrum in analysis.spectra.items():
-        title = f"Spectrum at {contents.settings.sensor} ({contents.settings.axis}), {window}"
+        title = f"Spectrum at {settings.sensor} ({settings.axis}), {window}"
         segment = analysis.segments[window]
         caption = (
-            f"One-sided peak amplitudes over {segment.revolutions} revolutions of the shaft with f_r "
-            f"({segment.duration:.4g} s), {contents.settings.spectrum_window} window, with sensor noise."
+            f"{window.capitalize()}: one-sided peak amplitudes over {segment.revolutions} revolutions of the shaft "
+            f"with f_r ({segment.duration:.4g} s), {settings.spectrum_window} window, with sensor noise."
         )
-        parts.append(page.picture(single_spectrum_figure(spectrum, contents.settings, title), caption))
+        parts.append(page.picture(single_spectrum_figure(spectrum, settings, title), caption, "static"))
     return parts
 
 

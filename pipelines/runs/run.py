@@ -26,6 +26,7 @@ from pipelines.steps.study import Study, plan_study
 
 if TYPE_CHECKING:
     from mbd.output.trajectory import Trajectory
+    from pipelines.diagnosis.verdict import Verdict
     from pipelines.plant.plant import Plant
 
 _LOG = logging.getLogger(__name__)
@@ -146,7 +147,7 @@ def _tell(
             words = f"{words}\n{found['words']}" if study.baseline else f"{found['words']}\n{words}"
         if found["failure"]:
             left_out.append(f"The diagnosis is left out: {found['failure']}")
-    step = _report_step(loaded, study, diagnosing, outcome)
+    step = _report_step(loaded, study, diagnosing, outcome, verdict)
     known = [*study.graph, *judging, *([diagnosing] if diagnosing else []), step]
     outcome = _with_steps(known, [step], outcome, cache, observer)
     report = outcome.value(step.name)
@@ -198,7 +199,9 @@ def _diagnose_step(study: Study) -> Step | None:
     )
 
 
-def _report_step(loaded: LoadedScene, study: Study, diagnosing: Step | None, outcome: Outcome) -> Step:
+def _report_step(
+    loaded: LoadedScene, study: Study, diagnosing: Step | None, outcome: Outcome, verdict: Verdict | None
+) -> Step:
     from pipelines.plant.checks.design_warnings import design_warnings
     from pipelines.steps import reporting
 
@@ -221,6 +224,8 @@ def _report_step(loaded: LoadedScene, study: Study, diagnosing: Step | None, out
         ledger=outcome.ledger(),
         provenance=provenance(loaded.name, plant, outcome),
         failure=outcome.value(diagnosing.name)["failure"] if diagnosing else "",
+        verdict=verdict,
+        baseline=bool(study.baseline),
         warnings=(
             *design_warnings(loaded.scene, plant.layout),
             *(f"the control differs in more than the fault: {line}" for line in unlike),

@@ -28,8 +28,11 @@ if TYPE_CHECKING:
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.modes import CasingModes
+    from pipelines.diagnosis.verdict import Verdict
     from pipelines.figures.plots import StiffnessPlot
     from pipelines.figures.views import LeftOut, Picture
+    from pipelines.signals.analysis import DiagnosisSettings
+    from pipelines.signals.diagnosis import Diagnosis
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +53,8 @@ class ReportSpec:
     provenance: Mapping[str, Any]
     warnings: tuple[str, ...]
     failure: str = ""  # why no diagnosis was possible
+    verdict: Verdict | None = None  # the blind ranking of components
+    baseline: bool = False  # whether the verdict compares with machines of other deviations
 
 
 def build(spec: ReportSpec, *taken: Any) -> CountedResult:
@@ -57,6 +62,7 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
     from pipelines.figures.views import LeftOut
     from pipelines.report.contents import ReportContents
     from pipelines.report.report import write_report
+    from pipelines.report.run_screen import first_screen
     from pipelines.signals.response import make_response
 
     plant, count = spec.plant, len(spec.plant.laws)
@@ -71,8 +77,11 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
     asked = plant.looked_for
     gears, casing = gear_picture(plant, asked.stage), casing_picture(mesh, body)
     curves = stiffness_plots(pair_laws(plant, laws))
+    settings, failure = _settings(plant, found, responses[0], spec.failure)
+    runs = _runs(spec, responses)
     contents = ReportContents(
         title=plant.title,
+        first=first_screen(plant, settings, found, list(runs.values()), failure, spec.verdict, spec.baseline),
         summary=_summary(plant),
         diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
         seeds=[d for d, full in zip(found, shown, strict=True) if not full],
@@ -84,18 +93,17 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
         gear_names=gear_names(plant, asked.stage),
         casing_picture=casing,
         casing_rows=_casing_rows(body, modes),
-        runs=_runs(spec, responses),
+        runs=runs,
         windows=dict(asked.windows),
         sensor=asked.sensor,
         axis=asked.axis,
+        settings=settings,
         steps=spec.steps,
         energy=energy_rows(responses[0]),
         ledger=spec.ledger,
         provenance=spec.provenance,
         cautions=gathered(told(response.attrs) for response in responses),
         warnings=spec.warnings,
-        reasons={"Envelope table": f"Left out: {spec.failure}"} if spec.failure else {},
-        short=spec.diagnosing is None,
     )
     with tempfile.TemporaryDirectory() as folder:
         page = write_report(Path(folder) / "report.html", contents).read_text(encoding="utf-8")
@@ -105,6 +113,24 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
 
 def _runs(spec: ReportSpec, responses: Sequence[xarray.Dataset]) -> dict[str, xarray.Dataset]:
     return dict(zip(spec.responses, responses, strict=False))
+
+
+def _settings(
+    plant: Plant, found: Sequence[Diagnosis], run: xarray.Dataset, failure: str
+) -> tuple[DiagnosisSettings | None, str]:
+    """Windows and lines at the speed of the run, and why there are none."""
+    from pipelines.signals.analysis import DiagnosisError
+    from pipelines.signals.measured_speed import at_measured_speed
+
+    if found:
+        return found[0].settings, failure
+    settings = None if failure else plant.diagnosis
+    if settings is None or settings.speed_is_known:
+        return settings, failure
+    try:
+        return at_measured_speed(settings, [run]), failure
+    except DiagnosisError as error:
+        return None, str(error)
 
 
 def _summary(plant: Plant) -> dict[str, Any]:

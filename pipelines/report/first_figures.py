@@ -1,0 +1,101 @@
+"""The two figures of the first screen: a time-synchronous average and an envelope spectrum. Each function returns one.
+
+They are half a screen wide, so that their letters are as large as those of the text, on a telephone too.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from pipelines.figures.plots import FAULTY, HEALTHY, MARK, dress, legend, new_figure, plain
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from pipelines.report.first_screen import Average, Envelope
+
+SIZE = (2.4, 5.0)  # height and width, inches
+LETTERS = 8.5  # points
+SUSPECTED = "#f3c9a5"
+
+
+def average_figure(average: Average) -> Figure:
+    """The average over one turn, over that of the healthy recordings, the suspected tooth shaded."""
+    figure = new_figure(*SIZE)
+    axes = figure.subplots()
+    _draw(axes, average.place, average.value, average.reference)
+    axes.set_xlim(average.place[0], average.place[-1])
+    if average.marked is not None:
+        axes.axvspan(*average.marked, color=SUSPECTED, lw=0, zorder=0)
+        middle = sum(average.marked) / 2
+        beyond = middle > average.place.mean()
+        axes.annotate(
+            plain(average.marked_name) + " " if beyond else " " + plain(average.marked_name),
+            (average.marked[0 if beyond else 1], 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(0, -3),
+            textcoords="offset points",
+            ha="right" if beyond else "left",
+            va="top",
+            fontsize=LETTERS,
+            color=FAULTY,
+            fontweight="bold",
+        )
+    axes.margins(y=0.15)
+    _finish(axes, "Average over one turn", plain(average.across), average.unit, average.reference is not None)
+    return figure
+
+
+def envelope_figure(envelope: Envelope) -> Figure:
+    """The envelope spectrum over that of the healthy recordings, the lines that the verdict reads named."""
+    figure = new_figure(*SIZE)
+    axes = figure.subplots()
+    _draw(axes, envelope.line, envelope.amplitude, envelope.reference)
+    axes.set_xlim(envelope.line[0], envelope.line[-1])
+    top = float(np.max(envelope.amplitude))
+    if envelope.reference is not None:
+        top = max(top, float(np.max(envelope.reference)))
+    axes.set_ylim(0.0, 1.18 * top if top > 0.0 else 1.0)
+    for place, name in envelope.marked:
+        axes.axvline(place, color=MARK, lw=0.6, ls=(0, (4, 3)), zorder=0)
+        axes.annotate(
+            plain_symbols(name),
+            (place, 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(0, -2),
+            textcoords="offset points",
+            ha="center",
+            va="top",
+            fontsize=LETTERS,
+            color=MARK,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
+        )
+    title = f"Envelope, {plain(envelope.band)}"
+    _finish(axes, title, plain(envelope.across), envelope.unit, envelope.reference is not None)
+    return figure
+
+
+def plain_symbols(name: str) -> str:
+    """A label such as "2 f_r" with its subscript, everything else as it is."""
+    return plain(name).replace("f_r", "$f_r$").replace("f_m", "$f_m$")
+
+
+def _draw(axes: Axes, across: np.ndarray, value: np.ndarray, reference: np.ndarray | None) -> None:
+    if reference is None:
+        axes.plot(across, value, color=HEALTHY, lw=0.9)
+        return
+    axes.plot(across, value, color=FAULTY, lw=1.0, label="this run", zorder=2)
+    axes.plot(across, reference, color=HEALTHY, lw=1.0, label="healthy", zorder=3)
+
+
+def _finish(axes: Axes, title: str, across: str, up: str, compared: bool) -> None:
+    dress(axes, title, across, up)
+    axes.set_title(title, fontsize=LETTERS, loc="left")
+    for text in (axes.xaxis.label, axes.yaxis.label):
+        text.set_fontsize(LETTERS)
+    axes.tick_params(labelsize=LETTERS)
+    if compared:
+        legend(axes, LETTERS)

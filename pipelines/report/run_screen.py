@@ -1,0 +1,271 @@
+"""The first screen of a run: what its diagnosis says, the speeds, one average over a turn and one envelope spectrum."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipelines.diagnosis import words
+from pipelines.diagnosis.verdict import Finding, Verdict
+from pipelines.features.average import FEWEST_TURNS
+from pipelines.orders.order_spectra import OrderError, over_angle
+from pipelines.plant.looked_for import LookedFor
+from pipelines.plant.plant import Plant
+from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
+from pipelines.report.zoom_data import ENVELOPE_ORDERS, streams
+from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
+from pipelines.signals.diagnosis import Diagnosis
+from pipelines.signals.verdict import all_seen, case_name, headline
+
+if TYPE_CHECKING:
+    import xarray
+
+IN_MESH = 1.0  # pitches to either side of the pitch point, about what a tooth is in mesh
+CONTROL = (
+    "Against the exact healthy control, with the same deviations: what is seen is what the fault adds. One control "
+    "gives no false-alarm rate."
+)
+
+
+def first_screen(
+    plant: Plant,
+    settings: DiagnosisSettings | None,
+    diagnoses: Sequence[Diagnosis],
+    runs: Sequence[xarray.Dataset],
+    failure: str,
+    verdict: Verdict | None = None,
+    baseline: bool = False,
+) -> FirstScreen:
+    """What an engineer asks first.
+
+    Parameters
+    ----------
+    plant : what was run
+    settings : windows and lines looked for, None where no diagnosis is possible
+    diagnoses : of all cases, the scene's own first; none without a control
+    runs : the response of the scene and that of its control, if there is one
+    failure : why the diagnosis was not possible, "" if it was
+    verdict : the blind ranking of components, None if there is none
+    baseline : whether it compares with healthy machines of other deviations, not with the exact control
+    """
+    if verdict is not None and baseline:
+        told, found, label = list(words.sentences(verdict)), verdict.alarm, _against(verdict)
+    else:
+        told, found = _verdict(plant, diagnoses, failure)
+        label = CONTROL if diagnoses else ""
+    return FirstScreen(
+        sentences=told,
+        found=found,
+        label=label,
+        figures=_numbers(plant, settings),
+        average=None if settings is None else _average(plant, settings, runs, verdict),
+        envelope=None if settings is None else _envelope(settings, diagnoses, runs),
+        ranking=() if verdict is None else [_ranked(finding) for finding in verdict.findings],
+    )
+
+
+def _against(verdict: Verdict) -> str:
+    return f"Against {verdict.healthy} healthy recordings of machines with other deviations."
+
+
+def _ranked(finding: Finding) -> Ranked:
+    remarks = [] if finding.tooth is None else [f"most at tooth {finding.tooth}"]
+    remarks += [f"cannot be told from {', '.join(finding.alike)}"] if finding.alike else []
+    return Ranked(
+        component=finding.component,
+        evidence=finding.rise,
+        p_value=words.probability(finding),
+        remark="; ".join(remarks),
+    )
+
+
+def _verdict(plant: Plant, diagnoses: Sequence[Diagnosis], failure: str) -> tuple[list[str], bool | None]:
+    if failure:
+        return [f"No diagnosis: {failure}"], None
+    if diagnoses:
+        seen = any(all_seen(d, window) for d in diagnoses for window in d.settings.windows)
+        return [headline(diagnoses), _evidence(diagnoses)], seen
+    if not plant.fault_words:
+        return ["No verdict: this run is healthy, there is no fault to look for."], None
+    if not plant.looked_for.possible:
+        return ["No verdict: the scene has no sensor or no window of constant speed."], None
+    return ["No verdict: there is no healthy control to compare with."], None
+
+
+def _evidence(diagnoses: Sequence[Diagnosis]) -> str:
+    """The largest rise of a detected line over all cases; how many lines are detected in the first one."""
+    first, window = diagnoses[0], next(iter(diagnoses[0].settings.windows))
+    counted = first.lines.where(window=window).without_mesh()
+    text = (
+        f"{int(counted.detected.sum())} of {len(counted)} lines are detected in the window {window}, {case_name(first)}"
+    )
+    every = [d.lines.without_mesh().where(detected=1) for d in diagnoses]
+    risen = [lines for lines in every if len(lines)]
+    if not risen:
+        return f"{text}."
+    best = max(risen, key=lambda lines: float(lines.difference.max()))
+    at = int(best.difference.argmax())
+    of_all = " of all cases" if len(diagnoses) > 1 or len(first.settings.windows) > 1 else ""
+    return f"{text}; the largest rise{of_all} is {best.difference[at]:+.1f} dB, at {best.label[at]}."
+
+
+def _numbers(plant: Plant, settings: DiagnosisSettings | None) -> list[tuple[str, str]]:
+    asked, layout = plant.looked_for, plant.layout
+    stage, shaft = plant.facts.stages[asked.stage - 1], _shaft(plant)
+    f_m = stage.mesh_frequency if settings is None else settings.mesh_frequency
+    f_r = stage.wheel_frequency if asked.gear == "wheel" else stage.pinion_frequency
+    f_r = f_r if settings is None else settings.revolution_frequency
+    speed = 60 * f_r * abs(layout.shaft_ratios[layout.driven] / layout.shaft_ratios[shaft])
+    measured = settings is not None and not asked.speed_is_known
+    found = [
+        ("Speed of the motor" + (", measured" if measured else ""), f"{speed:.5g} rpm"),
+        ("Tooth meshing f_m", f"{f_m:.5g} Hz"),
+        (f"Turns of shaft {shaft + 1}, f_r", f"{f_r:.5g} Hz"),
+        ("Gear looked at", f"stage {asked.stage} {asked.gear}, {_teeth(plant)} teeth"),
+    ]
+    return found + ([("Channel", _channel(asked))] if asked.sensor else [])
+
+
+def _channel(asked: LookedFor) -> str:
+    return f"{asked.sensor}, {'all axes' if asked.axis == 'resultant' else asked.axis}"
+
+
+def _shaft(plant: Plant) -> int:
+    """Number (from 0) of the shaft of the gear that is looked at."""
+    asked = plant.looked_for
+    return plant.layout.pair_shafts[asked.stage - 1][asked.gear == "wheel"]
+
+
+def _teeth(plant: Plant) -> int:
+    pair = plant.layout.pairs[plant.looked_for.stage - 1]
+    return pair.wheel.teeth if plant.looked_for.gear == "wheel" else pair.pinion.teeth
+
+
+def _gears(plant: Plant) -> tuple[int, ...]:
+    """Teeth of all gears on the shaft that is looked at."""
+    shaft = _shaft(plant)
+    pairs = zip(plant.layout.pairs, plant.layout.pair_shafts, strict=True)
+    return tuple(
+        gear.teeth
+        for pair, shafts in pairs
+        for gear, its in zip((pair.pinion, pair.wheel), shafts, strict=True)
+        if its == shaft
+    )
+
+
+def _average(
+    plant: Plant, settings: DiagnosisSettings, runs: Sequence[xarray.Dataset], verdict: Verdict | None
+) -> Average | None:
+    """Over the teeth of the gear, the suspected one in the middle; None if its shaft hardly turns in the first window.
+
+    Suspected is the tooth that the verdict names, else the damaged one of the scene.
+    """
+    asked, teeth = plant.looked_for, _teeth(plant)
+    name = f"stage {asked.stage} {asked.gear}"
+    named = [one.tooth for one in verdict.findings if one.component == name] if verdict is not None else []
+    damaged = [fault.tooth for fault in plant.faults_of(asked.stage) if fault.gear == asked.gear]
+    suspected = next((tooth for tooth in (*named, *damaged) if tooth is not None), None)
+    middle = teeth / 2 if suspected is None else float(suspected)
+    window = next(iter(settings.windows))
+    meshes = (teeth, *_gears(plant))
+    start = plant.layout.cycles_at_start[asked.stage - 1]
+    found = [
+        over_teeth(run, settings, stream, window, meshes, start - middle)
+        for run, stream in zip(runs, streams(len(runs)), strict=True)
+    ]
+    if found[0] is None:
+        return None
+    place, value, turns = found[0]
+    other = found[1] if len(found) > 1 else None
+    reference = None if other is None else np.interp(place, other[0], other[1], period=teeth)
+    across = f"teeth of the {name}"
+    caption = (
+        f"Time-synchronous average over {turns} turns of {settings.shaft} without its mesh orders, {_channel(asked)}, "
+        f"{window}."
+    )
+    if suspected is None:
+        place = place + middle
+    else:
+        across += f", from tooth {suspected}"
+        why = "which stands out" if suspected in named else "damaged in the scene"
+        caption += f" Shaded: where tooth {suspected}, {why}, is in mesh."
+    return Average(
+        place=place,
+        value=value,
+        reference=reference,
+        across=across,
+        unit="acceleration, m/s²",
+        marked=None if suspected is None else (-IN_MESH, IN_MESH),
+        marked_name="" if suspected is None else f"tooth {suspected}",
+        caption=caption,
+    )
+
+
+def over_teeth(
+    run: xarray.Dataset, settings: DiagnosisSettings, stream: int, window: str, meshes: tuple[int, ...], start: float
+) -> tuple[np.ndarray, np.ndarray, int] | None:
+    """Places (n,) in teeth within half a turn of 0, the average (n,) there and how many turns are in it.
+
+    The orders of all meshes of the shaft are taken out of it (residual signal; Stewart 1977, see
+    `pipelines.features.synchronous`): what is left does not repeat from tooth to tooth.
+
+    Parameters
+    ----------
+    run, settings, stream : signals, the channel, the number of its noise
+    window : whose turns are averaged
+    meshes : teeth of the gear, then of all gears on its shaft
+    start : place at t = 0
+    """
+    if "shaft_angle" not in run:
+        return None
+    times, (begin, end) = run.time.values, settings.windows[window]
+    inside = (times >= begin) & (times <= end)
+    signal, time = noisy_signal(run, settings, stream)[inside], times[inside]
+    angle = np.asarray(run.shaft_angle.sel(shaft=settings.shaft).values, dtype=float)[inside]
+    try:
+        turned = over_angle(signal, time, angle, shaft=str(settings.shaft), revolutions=FEWEST_TURNS)
+    except OrderError:
+        return None
+    turns = len(turned.values) // turned.per_turn
+    average = turned.values[: turns * turned.per_turn].reshape(turns, turned.per_turn, -1).mean(axis=0)
+    average = average[:, int(np.ptp(average, axis=0).argmax())]  # of several axes the one that moves most
+    teeth, lines = meshes[0], np.fft.rfft(average)
+    for z in meshes:
+        lines[::z] = 0.0
+    average = np.fft.irfft(lines, turned.per_turn)
+    first = start + teeth * float(np.interp(turned.time[0], time, angle)) / (2 * math.pi)
+    sense = 1.0 if angle[-1] >= angle[0] else -1.0
+    place = first + sense * teeth * np.arange(turned.per_turn) / turned.per_turn
+    place = (place + teeth / 2) % teeth - teeth / 2
+    order = np.argsort(place)
+    return place[order], average[order], turns
+
+
+def _envelope(
+    settings: DiagnosisSettings, diagnoses: Sequence[Diagnosis], runs: Sequence[xarray.Dataset]
+) -> Envelope | None:
+    """Of the first window, to a dozen orders of the shaft."""
+    window = next(iter(settings.windows))
+    reference = None
+    if diagnoses:
+        own, reference = diagnoses[0].envelopes["faulty", window], diagnoses[0].envelopes["healthy", window]
+    else:
+        own = analyse(runs[0], settings).envelopes[window]
+    f_r = settings.revolution_frequency
+    shown = own.frequency <= ENVELOPE_ORDERS * f_r
+    return Envelope(
+        line=own.frequency[shown],
+        amplitude=own.amplitude[shown],
+        reference=None if reference is None else reference.amplitude[shown],
+        across="frequency, Hz",
+        unit="amplitude, m/s²",
+        marked=[(k * f_r, "f_r" if k == 1 else f"{k} f_r") for k in range(1, settings.envelope_harmonics + 1)],
+        band=f"band {own.band_low:.4g} to {own.band_high:.4g} Hz",
+        caption=(
+            f"Envelope spectrum of {settings.sensor} ({settings.axis}), {window}. A damaged tooth raises the "
+            f"harmonics of f_r = {f_r:.4f} Hz."
+        ),
+    )

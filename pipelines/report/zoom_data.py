@@ -1,0 +1,180 @@
+"""What the charts that zoom show: signals, spectra and envelope spectra of every channel, thinned where they are many.
+
+The channel of the verdict keeps every sample; of the others stay the smallest and largest value of every stretch of a
+signal, and the largest line of every stretch of a spectrum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipelines.report.thinning import extremes, largest
+from pipelines.signals.analysis import DiagnosisSettings, channel, channel_names, noisy_signal, sampling
+from pipelines.signals.spectrum import amplitude_spectrum, cut, envelope_spectrum, whole_revolutions
+
+if TYPE_CHECKING:
+    import xarray
+
+POINTS = 4_000  # of every curve but those of the verdict's channel
+MOST_POINTS = 200_000  # of a curve of the verdict's channel: more would make the page larger than 5 MB
+ENVELOPE_ORDERS = 12.5  # of f_r, how far an envelope spectrum is shown
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Trace:
+    """Values at even steps: float (n,) from `start`, both in the unit of the axis."""
+
+    start: float
+    step: float
+    values: np.ndarray
+
+
+@dataclass(frozen=True, kw_only=True)
+class View:
+    """A chart: its title, the window whose spectrum it is ("" for signals), axes with units, places that are named."""
+
+    title: str
+    window: str = ""
+    across: str
+    up: str
+    logarithmic: bool = False
+    marks: tuple[tuple[float, str], ...] = ()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Channel:
+    """A sensor and axis with its traces by view and, within a view, by run; `note` says what was thinned."""
+
+    name: str
+    note: str
+    traces: tuple[tuple[Trace, ...], ...]
+    exact: bool
+
+
+def views(settings: DiagnosisSettings | None, band: tuple[float, float] | None) -> tuple[View, ...]:
+    """The charts of a run: its signal and, where there are settings, spectrum and envelope spectrum of every window."""
+    up = "acceleration, m/s²"
+    found = [View(title="Signal without sensor noise", across="time, s", up=up)]
+    if settings is None or band is None:
+        return tuple(found)
+    f_r, f_m = settings.revolution_frequency, settings.mesh_frequency
+    meshes = tuple((n * f_m, "fₘ" if n == 1 else f"{n} fₘ") for n in range(1, 9))
+    turns = tuple((k * f_r, "fᵣ" if k == 1 else f"{k} fᵣ") for k in range(1, settings.envelope_harmonics + 1))
+    words, low_high = "amplitude, m/s²", f"{band[0]:.4g} to {band[1]:.4g} Hz"
+    for window in settings.windows:
+        found += [
+            View(title="Spectrum", window=window, across="frequency, Hz", up=words, logarithmic=True, marks=meshes),
+            View(
+                title=f"Envelope spectrum, band {low_high}",
+                window=window,
+                across="frequency, Hz",
+                up=words,
+                logarithmic=True,
+                marks=turns,
+            ),
+        ]
+    return tuple(found)
+
+
+def streams(count: int) -> tuple[int, ...]:
+    """Numbers of the noise of one run, or of a run and its control, as the diagnosis draws them."""
+    return (1, 0) if count > 1 else (0,)
+
+
+def channels(
+    runs: Mapping[str, xarray.Dataset],
+    first: tuple[str, str],
+    settings: DiagnosisSettings | None,
+    band: tuple[float, float] | None,
+) -> Iterator[Channel]:
+    """Every sensor and axis that all runs have, that of the verdict's sensor first and the verdict's own in full.
+
+    Parameters
+    ----------
+    runs : responses by name, one run or a run and its control
+    first : sensor and axis of the verdict
+    settings : windows and lines of the spectra, None for signals alone
+    band : Hz, of the envelope
+    """
+    known = [channel_names(run) for run in runs.values()]
+    sensors = [name for name in known[0] if all(name in others for others in known)]
+    for sensor in sorted(sensors, key=lambda name: name != first[0]):
+        found = [
+            list(_of_sensor(run, sensor, first, settings, band, stream))
+            for run, stream in zip(runs.values(), streams(len(runs)), strict=True)
+        ]
+        axes = [str(axis) for axis in next(iter(runs.values())).axis.values]
+        order = sorted(range(len(axes)), key=lambda i: (sensor, axes[i]) != first)
+        for i in order:
+            exact = (sensor, axes[i]) == first
+            by_run = [traces[i] for traces in found]
+            if any(np.isnan(traces[0][0].values).any() for traces in by_run):
+                continue  # an axis that this sensor does not have
+            yield Channel(
+                name=f"{sensor} {axes[i]}",
+                note=_note(exact, max(stretch for traces in by_run for _, stretch in traces)),
+                traces=tuple(zip(*([trace for trace, _ in traces] for traces in by_run), strict=True)),
+                exact=exact,
+            )
+
+
+def _note(exact: bool, stretch: int) -> str:
+    if stretch == 1:
+        return "Every sample is shown."
+    kept = (
+        f"Of every curve {MOST_POINTS if exact else POINTS} points are kept at most: the extremes of stretches of the "
+        "signal, the largest lines of stretches of a spectrum."
+    )
+    return kept if exact else f"{kept} The channel of the verdict is shown in full."
+
+
+def _of_sensor(
+    run: xarray.Dataset,
+    sensor: str,
+    first: tuple[str, str],
+    settings: DiagnosisSettings | None,
+    band: tuple[float, float] | None,
+    stream: int,
+) -> Iterator[list[tuple[Trace, int]]]:
+    """By axis the traces of one run in the order of `views`, each with the samples of a stretch of it."""
+    signal = channel(run, sensor).transpose("time", "axis").values.astype(float)
+    spectra = list(_spectra(run, sensor, settings, band, stream)) if settings is not None and band is not None else []
+    time = run.time.values
+    step = float(time[-1] - time[0]) / (len(time) - 1)
+    for i, axis in enumerate(run.axis.values):
+        most = MOST_POINTS if (sensor, str(axis)) == first else POINTS
+        found = [_signal(signal[:, i], float(time[0]), step, most)]
+        yield found + [_lines(amplitude[:, i], resolution, most) for amplitude, resolution in spectra]
+
+
+def _signal(signal: np.ndarray, start: float, step: float, most: int) -> tuple[Trace, int]:
+    values, stretch = extremes(signal, most)
+    if stretch == 1:
+        return Trace(start=start, step=step, values=values), 1
+    half = step * stretch / 2  # the two points of a stretch, at a quarter and at three quarters of it
+    return Trace(start=start + half / 2, step=half, values=values), stretch
+
+
+def _spectra(
+    run: xarray.Dataset, sensor: str, settings: DiagnosisSettings, band: tuple[float, float], stream: int
+) -> Iterator[tuple[np.ndarray, float]]:
+    """Spectrum and envelope spectrum (bin, axis) of every window, each with its resolution in Hz; with sensor noise."""
+    rate, begin = sampling(run)
+    noisy = noisy_signal(run, replace(settings, sensor=sensor, axis="resultant"), stream)
+    for start, end in settings.windows.values():
+        segment = whole_revolutions((start - begin, end - begin), rate, settings.revolution_frequency)
+        axes = cut(noisy, rate, segment).T
+        spectra = [amplitude_spectrum(axis, segment, settings.spectrum_window) for axis in axes]
+        envelopes = [envelope_spectrum(axis, segment, band, settings.spectrum_window) for axis in axes]
+        shown = envelopes[0].frequency <= ENVELOPE_ORDERS * settings.revolution_frequency
+        yield np.stack([one.amplitude for one in spectra], axis=1), spectra[0].resolution
+        yield np.stack([one.amplitude[shown] for one in envelopes], axis=1), envelopes[0].resolution
+
+
+def _lines(amplitude: np.ndarray, resolution: float, most: int) -> tuple[Trace, int]:
+    values, stretch = largest(amplitude, most)
+    return Trace(start=(stretch - 1) * resolution / 2, step=stretch * resolution, values=values), stretch

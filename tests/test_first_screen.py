@@ -1,0 +1,47 @@
+"""The average of the first screen: a tooth that knocks appears at its own place, and what every tooth does vanishes."""
+
+import numpy as np
+import pytest
+import xarray
+from synthetic import MESH, WHEEL
+
+from pipelines.report.run_screen import over_teeth
+from pipelines.signals.analysis import DiagnosisSettings
+
+RATE, TEETH, SECONDS = 10_000, 55, 2.0
+
+
+def knocking(tooth, sense):
+    """A wheel whose mesh hums and one tooth of which knocks as it passes the pitch point."""
+    time = np.arange(round(SECONDS * RATE)) / RATE
+    angle = sense * 2 * np.pi * WHEEL * time
+    place = TEETH * angle / (2 * np.pi)
+    away = (place - tooth + TEETH / 2) % TEETH - TEETH / 2
+    signal = 5.0 * np.cos(2 * np.pi * place) + np.exp(-((away / 0.3) ** 2))
+    return xarray.Dataset(
+        {
+            "acceleration": (("time", "sensor", "axis"), signal[:, None, None]),
+            "shaft_angle": (("time", "shaft"), angle[:, None]),
+        },
+        coords={"time": time, "sensor": ["casing"], "axis": ["z"], "shaft": ["shaft_2"]},
+        attrs={"sensor_noise_m_s2": 0.0},
+    )
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize("tooth", [0, 21, 54])
+def test_the_tooth_that_knocks_stands_in_the_middle_of_an_average_from_it(tooth, sense):
+    settings = DiagnosisSettings(
+        revolution_frequency=WHEEL,
+        mesh_frequency=MESH,
+        windows={"steady": (0.3, 1.9)},
+        sensor="casing",
+        axis="z",
+        shaft="shaft_2",
+    )
+    place, value, turns = over_teeth(knocking(tooth, sense), settings, 0, "steady", (TEETH,), -tooth)
+    assert turns == 8
+    assert np.all(np.diff(place) > 0)
+    assert (place.min(), place.max()) == pytest.approx((-TEETH / 2, TEETH / 2), abs=0.05)
+    assert place[value.argmax()] == pytest.approx(0.0, abs=0.05)
+    assert np.abs(value[np.abs(place) > 2]).max() < 0.1  # the hum, five times as strong as the knock, is gone
