@@ -1,8 +1,11 @@
 """The claims of the study of the rig, each with its measure and limit, and where it fails the physical reason.
 
-Stated before anything is computed. Sources: the study of a quay-crane hoist gearbox (Springer, 978-981-97-1876-4,
-chapter 15). The study looks at pictures; what counts as "shows" or "clearer" here are the limits of the diagnosis: a line
-shows at 6 dB over its healthy control, and what differs by less than 1 dB is equal.
+Stated before anything is computed. The study looks at pictures; what counts as "shows" or "clearer" here are the limits
+of the diagnosis: a line shows at 6 dB over its healthy control, and what differs by less than 1 dB is equal.
+
+References
+----------
+The study of a quay-crane hoist gearbox, Springer, 978-981-97-1876-4, chapter 15.
 """
 
 from __future__ import annotations

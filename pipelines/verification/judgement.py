@@ -1,8 +1,8 @@
 """Whether a claim holds: a mean over seeds, its standard error, and a limit that was stated beforehand.
 
-The mean of n values with standard deviation s lies within t s/sqrt(n) of the true one with 95 % probability, t the 97.5 %
-point of Student's distribution with n - 1 degrees of freedom. A claim holds if this whole interval lies on the claimed
-side of the limit, it does not hold if the whole interval lies on the other side, and else it cannot be told.
+The mean of n values with standard deviation s lies within t s/sqrt(n) of the true one with 95 % probability, t the
+97.5 % point of Student's distribution with n - 1 degrees of freedom. A claim holds if this whole interval lies on the
+claimed side of the limit, it does not hold if the whole interval lies on the other side, and else it cannot be told.
 
 References
 ----------
@@ -54,6 +54,6 @@ def judge(values: Sequence[float] | np.ndarray, *, least: float | None = None, m
         raise ValueError(f"limits least {least} and most {most}: give one of them.")
     mean, error = float(values.mean()), float(values.std(ddof=1) / np.sqrt(values.size))
     reach = float(t.ppf(0.975, values.size - 1)) * error
-    over = mean - least if least is not None else most - mean  # type: ignore[operator]  # one of them is given
+    over = mean - (least or 0.0) if most is None else most - mean
     verdict = HOLDS if over >= reach else FAILS if over <= -reach else OPEN
     return Judgement(mean=mean, standard_error=error, verdict=verdict)

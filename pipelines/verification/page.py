@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 _WORDS = {"static-torque": "constant torque", "none": "no losses"}
 RULE = (
-    "Cells: mean over the seeds of the deviations ± its standard error, dB. A claim holds if the 95 % interval of the mean "
-    "lies within the limit, it does not hold if the interval lies beyond it; else it cannot be told."
+    "Cells: mean over the seeds of the deviations ± its standard error, dB. A claim holds if the 95 % interval of the "
+    "mean lies within the limit, it does not hold if the interval lies beyond it; else it cannot be told."
 )
 
 Verdicts = dict[str, list[tuple[Claim, dict[str, Judgement]]]]

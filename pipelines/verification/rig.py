@@ -1,8 +1,8 @@
 """The eight cases of the rig, simulated over seeds of the deviations, and what is read from them.
 
 With and without the missing tooth, with the container on its rope and as a constant torque, with and without friction.
-Lifting and lowering lie in one simulation. The cases are the shipped scenes; nothing of them is changed but the seed, the
-friction, and that sensor 3 alone is recorded.
+Lifting and lowering lie in one simulation. The cases are the shipped scenes; nothing of them is changed but the seed,
+the friction, and that sensor 3 alone is recorded.
 """
 
 from __future__ import annotations
@@ -73,13 +73,13 @@ def cases(seeds: int) -> Iterator[Case]:
                     yield Case(losses=losses, load=load, seed=seed, state=state)
 
 
-def scene_of(case: Case, preset: str, settings: Mapping[str, Any]) -> LoadedScene:
-    """The shipped scene of a case with its seed and friction, computed as finely as the preset and `settings` say."""
-    own = {"deviations.seed": case.seed, "sensors": [SENSOR], **LOSSES[case.losses], **settings}
+def scene_of(case: Case, preset: str) -> LoadedScene:
+    """The shipped scene of a case with its seed and friction, computed as finely as the preset says."""
+    own = {"deviations.seed": case.seed, "sensors": [SENSOR], **LOSSES[case.losses]}
     return preset_on(load_scene(SCENES[case.state, case.load], own), preset)
 
 
-def simulated(seeds: int, preset: str, work: Work, settings: Mapping[str, Any] | None = None) -> Evidence:
+def simulated(seeds: int, preset: str, work: Work) -> Evidence:
     """Simulate all cases, or take them from the cache, and read the measures.
 
     Parameters
@@ -87,7 +87,6 @@ def simulated(seeds: int, preset: str, work: Work, settings: Mapping[str, Any] |
     seeds : 1 to so many of the deviations, two or more for a standard error
     preset : see `pipelines.scene.presets`
     work : how it is built
-    settings : of all scenes, by path; they count more than the preset
 
     Raises
     ------
@@ -96,7 +95,7 @@ def simulated(seeds: int, preset: str, work: Work, settings: Mapping[str, Any] |
     steps: list[Step] = []
     motions, labels, looked_for = {}, {}, {}
     for case in cases(seeds):
-        loaded = scene_of(case, preset, settings or {})
+        loaded = scene_of(case, preset)
         plant = checked_plant(loaded.scene, loaded.source.shown)
         motions[case] = add_steps(steps, plant_steps(plant), case.name)["simulate"]
         labels[case], looked_for[case] = plant.labels, plant.diagnosis
@@ -128,9 +127,7 @@ def simulated(seeds: int, preset: str, work: Work, settings: Mapping[str, Any] |
     )
 
 
-def _load_levels(
-    runs: Mapping[tuple[str, str], xarray.Dataset], settings: DiagnosisSettings
-) -> dict[str, Levels]:
+def _load_levels(runs: Mapping[tuple[str, str], xarray.Dataset], settings: DiagnosisSettings) -> dict[str, Levels]:
     """By stretch of time; where it has several windows, their mean."""
     rope, torque = runs["faulty", "rope"], runs["faulty", "static-torque"]
     out = {}
