@@ -1,8 +1,8 @@
 """Whether a claim holds: a mean over seeds, its standard error, and a limit that was stated beforehand.
 
 The mean of n values with standard deviation s lies within t s/sqrt(n) of the true one with 95 % probability, t the
-97.5 % point of Student's distribution with n - 1 degrees of freedom. A claim holds if this whole interval lies on the
-claimed side of the limit, it does not hold if the whole interval lies on the other side, and else it cannot be told.
+97.5 % point of Student's distribution with n - 1 degrees of freedom. A claim of at least so much holds if this whole
+interval reaches it, it does not hold if the whole interval stays below, and else it cannot be told.
 
 References
 ----------
@@ -33,27 +33,20 @@ class Judgement:
         return f"{self.mean:+.1f} ± {self.standard_error:.1f}"
 
 
-def judge(values: Sequence[float] | np.ndarray, *, least: float | None = None, most: float | None = None) -> Judgement:
-    """Hold the mean of one value per seed against a limit.
-
-    Parameters
-    ----------
-    values : (seed,) two or more
-    least, most : the claim is a mean of at least, or of at most, so much; one of the two
+def judge(values: Sequence[float] | np.ndarray, least: float) -> Judgement:
+    """Whether the mean of one value per seed (seed,) is at least so much.
 
     Raises
     ------
-    ValueError : fewer than two values, or not exactly one limit
+    ValueError : fewer than two values
     """
     from scipy.stats import t
 
     values = np.asarray(values, dtype=float)
     if values.size < FEWEST:
         raise ValueError(f"{values.size} values: a standard error needs at least {FEWEST}.")
-    if (least is None) == (most is None):
-        raise ValueError(f"limits least {least} and most {most}: give one of them.")
     mean, error = float(values.mean()), float(values.std(ddof=1) / np.sqrt(values.size))
     reach = float(t.ppf(0.975, values.size - 1)) * error
-    over = mean - (least or 0.0) if most is None else most - mean
+    over = mean - least
     verdict = HOLDS if over >= reach else FAILS if over <= -reach else OPEN
     return Judgement(mean=mean, standard_error=error, verdict=verdict)

@@ -7,8 +7,7 @@ modulation_1, modulation_2    the same over the mesh line n f_m
 envelope                      five harmonics of f_r in the envelope of f_m/2 to 3 f_m/2, root sum square, dB re 1 m/s2
 envelope_1_to_2_kHz           the same in the envelope of 1 to 2 kHz, above the mesh lines that carry most energy
 tsa_peak                      range of the time-synchronous average over the turns of the faulty shaft, dB re 1 m/s2
-tsa_crest                     the same over the root mean square of the average
-over_floor                    all 21 lines of envelope and sidebands over their local floor, median
+under_limit                   10 dB less the median of the 21 lines of envelope and sidebands over their local floor
 
 Of the same machine with the load on its rope and as a constant torque, without noise, in any stretch of time:
 
@@ -24,14 +23,14 @@ McFadden (1986), J. Vib. Acoust. 108(2), 165-170 (sidebands, envelope); McFadden
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pipelines.features.statistics import root_mean_square
-from pipelines.features.synchronous import synchronous
+from pipelines.orders.revolutions import revolutions
+from pipelines.orders.rotation import Rotation
 from pipelines.signals.analysis import DiagnosisSettings, channel, noisy_signal
 from pipelines.signals.diagnosis import STATES, diagnose
 from pipelines.signals.lines import LineTable
@@ -41,6 +40,7 @@ if TYPE_CHECKING:
     import xarray
 
 HIGH_BAND = (1000.0, 2000.0)  # Hz
+PLACES = 2048  # in a turn of the faulty shaft, which has 1833 samples
 STREAM = {"healthy": 0, "faulty": 1}  # of the noise, as in `pipelines.signals.diagnosis.diagnose`
 
 Levels = dict[str, float]
@@ -65,9 +65,10 @@ def fault_levels(
     found = {}
     for state, run in zip(STATES, (faulty, healthy), strict=True):
         for name, window in settings.windows.items():
-            levels = _line_levels(lines.where(window=name), state)
+            levels = _line_levels(lines.where(window=name), state, settings.floor_limit)
             levels["envelope_1_to_2_kHz"] = _sum(high.where(window=name, kind="envelope"), state)
-            found[state, name] = levels | _average_levels(run, settings, state, window)
+            levels["tsa_peak"] = _average_peak(run, settings, state, window)
+            found[state, name] = levels
     return found
 
 
@@ -93,10 +94,10 @@ def decibel(value: float, reference: float = 1.0) -> float:
     return float(20.0 * np.log10(max(value, tiny) / max(reference, tiny)))
 
 
-def _line_levels(lines: LineTable, state: str) -> Levels:
+def _line_levels(lines: LineTable, state: str, limit: float) -> Levels:
     floors = lines.without_mesh()
     over = floors.over_floor if state == "faulty" else floors.healthy_over_floor
-    levels = {"envelope": _sum(lines.where(kind="envelope"), state), "over_floor": float(np.median(over))}
+    levels = {"envelope": _sum(lines.where(kind="envelope"), state), "under_limit": limit - float(np.median(over))}
     for n in (1, 2):
         levels[f"sidebands_{n}"] = _sum(lines.where(kind="sideband", mesh_harmonic=n), state)
         levels[f"modulation_{n}"] = modulation(lines, state, n)
@@ -107,13 +108,10 @@ def _sum(lines: LineTable, state: str) -> float:
     return decibel(float(np.linalg.norm(getattr(lines, state))))
 
 
-def _average_levels(
-    run: xarray.Dataset, settings: DiagnosisSettings, state: str, window: tuple[float, float]
-) -> Levels:
-    noisy = run.time.copy(data=noisy_signal(run, settings, STREAM[state])[:, 0])
-    signal = noisy.sel(time=slice(*window))
-    angle = run.shaft_angle.sel(shaft=settings.shaft, time=slice(*window))
-    teeth: Mapping[int, int] = {}
-    found = synchronous(signal.values, signal.time.values, angle.values, str(settings.shaft), teeth)
-    peak = float(found["tsa_peak_to_peak"])
-    return {"tsa_peak": decibel(peak), "tsa_crest": decibel(peak, float(found["tsa_rms"]))}
+def _average_peak(run: xarray.Dataset, settings: DiagnosisSettings, state: str, window: tuple[float, float]) -> float:
+    """Range of the average over the turns of the faulty shaft, dB."""
+    angle = run.shaft_angle.sel(shaft=settings.shaft).values.astype(float)
+    rotation = Rotation(angle=angle, source="recorded angle", error=0.0, absolute=True)
+    signal = noisy_signal(run, settings, STREAM[state])[:, 0]
+    turns = revolutions(signal, run.time.values, rotation, 1.0, PLACES, [window])
+    return decibel(float(np.ptp(turns.mean(axis=0))))

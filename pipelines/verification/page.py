@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _WORDS = {"static-torque": "constant torque", "none": "no losses"}
 RULE = (
     "Cells: mean over the seeds of the deviations ± its standard error, dB. A claim holds if the 95 % interval of the "
-    "mean lies within the limit, it does not hold if the interval lies beyond it; else it cannot be told."
+    "mean reaches its limit, it does not hold if the interval stays below; else it cannot be told."
 )
 
 Verdicts = dict[str, list[tuple[Claim, dict[str, Judgement]]]]
@@ -28,8 +28,8 @@ def stated() -> str:
     """All claims with their measures and limits, as they are printed before anything is computed."""
     parts = []
     for heading, claims in CLAIMS.items():
-        rows = tuple((claim.words, claim.measure, claim.limit) for claim in claims)
-        parts.append(Grid(title=heading, headers=("claim", "measure", "limit"), rows=rows).to_text())
+        rows = tuple((claim.words, claim.measure, f"{claim.least:g}") for claim in claims)
+        parts.append(Grid(title=heading, headers=("claim", "measure", "at least, dB"), rows=rows).to_text())
     return "\n\n".join([*parts, RULE]) + "\n"
 
 
@@ -40,7 +40,7 @@ def verdicts(evidence: Evidence) -> Verdicts:
             (
                 claim,
                 {
-                    name: judge(values.values, least=claim.least, most=claim.most)
+                    name: judge(values.values, claim.least)
                     for name, values in _conditions(claim.compare(evidence, claim.measure))
                 },
             )
@@ -58,12 +58,12 @@ def grids(found: Verdicts) -> list[Grid]:
         rows = tuple(
             (
                 claim.words,
-                claim.limit.removesuffix(" dB"),
+                f"{claim.least:g}",
                 *(f"{one.words()} {one.verdict}" for one in by_condition.values()),
             )
             for claim, by_condition in judged
         )
-        out.append(Grid(title=heading, headers=("claim", "limit, dB", *conditions), rows=rows))
+        out.append(Grid(title=heading, headers=("claim", "at least", *conditions), rows=rows))
     return out
 
 
@@ -75,7 +75,7 @@ def reasons(found: Verdicts) -> list[str]:
             if any(one.verdict != HOLDS for one in by_condition.values()):
                 claims.setdefault(claim.reason, []).append(claim.words)
     told = [f"{'; '.join(words)}: {reason}" for reason, words in claims.items()]
-    return [*(line[:1].upper() + line[1:] for line in told), *(f"{words} {why}" for words, why in UNTESTED.items())]
+    return [*(line[:1].upper() + line[1:] for line in told), *(f"{words}: {why}" for words, why in UNTESTED.items())]
 
 
 def text(found: Verdicts) -> str:
@@ -108,7 +108,7 @@ def write(folder: Path, evidence: Evidence, found: Verdicts, facts: Mapping[str,
                 "heading": heading,
                 "claim": claim.words,
                 "measure": claim.measure,
-                "limit": claim.limit,
+                "least_dB": claim.least,
                 "conditions": {name: asdict(one) for name, one in by_condition.items()},
             }
             for heading, judged in found.items()
