@@ -29,7 +29,7 @@ def test_the_container_stays_off_the_drums():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_a_missing_tooth_of_a_slow_wheel_is_seen_up_and_down(name, tmp_path):
-    finished = run_scene(load_scene(name), Options(out=tmp_path / "run", both_loads=False))
+    finished = run_scene(load_scene(name), Options(out=tmp_path / "run", with_report=False))
     found = diagnose_folder(finished.folder)
     assert all_seen(found, "lifting")
     assert all_seen(found, "lowering")
