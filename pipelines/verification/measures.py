@@ -75,12 +75,19 @@ def fault_levels(
 def load_levels(
     rope: xarray.Dataset, torque: xarray.Dataset, sensor: str, axis: str, times: tuple[float, float]
 ) -> Levels:
-    """Measures of two runs that differ in the load alone, in a stretch of time (s), dB."""
+    """Measures of two runs that differ in the load alone, dB.
+
+    Parameters
+    ----------
+    rope, torque : the runs
+    sensor, axis : whose acceleration is compared
+    times : start and end of a stretch, s
+    """
     cut = [run.sel(time=slice(*times)) for run in (rope, torque)]
     signals = [channel(run, sensor).sel(axis=axis).values.astype(float) for run in cut]
-    force = [np.abs(run.mesh_force.isel(stage=0).values.astype(float)).max() for run in cut]
-    with_rope, with_torque = (root_mean_square(signal - signal.mean()) for signal in signals)
-    apart = root_mean_square(signals[0] - signals[1])
+    force = [float(np.abs(run.mesh_force.isel(stage=0).values).max()) for run in cut]
+    with_rope, with_torque = (float(signal.std()) for signal in signals)
+    apart = float(root_mean_square(signals[0] - signals[1]))
     return {
         "level": decibel(with_rope, with_torque),
         "difference": decibel(apart, with_torque),

@@ -94,6 +94,12 @@ def markdown(found: Verdicts) -> str:
 def write(folder: Path, evidence: Evidence, found: Verdicts, facts: Mapping[str, Any]) -> tuple[Path, Path]:
     """Write claims.md and claims.json: the verdicts, and every measure of every seed they are made of.
 
+    Parameters
+    ----------
+    folder : of both files, made if there is none
+    evidence, found : the measures and the verdicts
+    facts : how they were made, for the head of claims.json
+
     Raises
     ------
     OSError : nothing can be written there

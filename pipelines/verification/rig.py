@@ -93,12 +93,15 @@ def simulated(seeds: int, preset: str, work: Work) -> Evidence:
     SceneError, WorkError : a scene does not fit, or a step failed; finished ones stay in the cache
     """
     steps: list[Step] = []
-    motions, labels, looked_for = {}, {}, {}
+    motions, labels = {}, {}
+    looked_for: dict[str, DiagnosisSettings] = {}  # by load
     for case in cases(seeds):
         loaded = scene_of(case, preset)
         plant = checked_plant(loaded.scene, loaded.source.shown)
         motions[case] = add_steps(steps, plant_steps(plant), case.name)["simulate"]
-        labels[case], looked_for[case] = plant.labels, plant.diagnosis
+        labels[case] = plant.labels
+        if plant.diagnosis is not None and case.state == "faulty":
+            looked_for[case.load] = plant.diagnosis
     outcome = work.build(Graph(steps), motions.values())
     log_warnings((outcome.value(name) for name in motions.values()), ("step", "energy"))
 
@@ -114,12 +117,10 @@ def simulated(seeds: int, preset: str, work: Work) -> Evidence:
                 for state in STATES
                 for load in LOADS
             }
-            for load in LOADS:
-                found_for = looked_for[Case(losses=losses, load=load, seed=seed, state="faulty")]
-                assert found_for is not None, "the shipped rig has windows and sensors"
-                pair = fault_levels(runs["faulty", load], runs["healthy", load], found_for)
+            for load, settings in looked_for.items():
+                pair = fault_levels(runs["faulty", load], runs["healthy", load], settings)
                 levels |= {(losses, load, str(seed), *where): found for where, found in pair.items()}
-            for stretch, found in _load_levels(runs, found_for).items():
+            for stretch, found in _load_levels(runs, looked_for["rope"]).items():
                 loads[losses, str(seed), stretch] = found
     return Evidence(
         levels=_table(levels, ("losses", "load", "seed", "state", "window", "measure")),
