@@ -14,7 +14,7 @@ import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, TextIO
 
-from pipelines.command_line import FINISHED, parser
+from pipelines.command_line import FINISHED, STUDIES, parser
 
 if TYPE_CHECKING:
     import argparse
@@ -72,8 +72,8 @@ def _guarded(options: argparse.Namespace) -> int:
         with warnings.catch_warnings():
             warnings.simplefilter("always", CacheWarning)
             warnings.showwarning = _show_warning
-            room = "pipelines.commands.finished" if options.command in FINISHED else "pipelines.commands"
-            code = importlib.import_module(f"{room}.{options.command}").main(options)
+            room = ".finished" if options.command in FINISHED else ".studies" if options.command in STUDIES else ""
+            code = importlib.import_module(f"pipelines.commands{room}.{options.command}").main(options)
         sys.stdout.flush()  # a full disk or a reader that is gone shows here, not when the interpreter ends
         return code
     except KeyboardInterrupt:

@@ -185,6 +185,15 @@ def _starts(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--starts", type=several, metavar="N", default=8, help="motions, from 2 (default 8)")
 
 
+def _verify(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("what", metavar="WHAT", choices=("rig",), help="rig: the study of the quay-crane hoist rig")
+    sub.add_argument("--seeds", type=several, metavar="N", default=5, help="of the deviations, from 2 (default 5)")
+    sub.add_argument("--preset", choices=PRESETS, default="standard", help="how finely it is computed (standard)")
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="write claims.md and claims.json there")
+    sub.add_argument("--processes", type=count, metavar="N", help="long steps built side by side (default 2)")
+    sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
+
+
 def _simulate(sub: argparse.ArgumentParser) -> None:
     _work(sub)
     _out(sub)
@@ -297,6 +306,7 @@ def _campaign(sub: argparse.ArgumentParser) -> None:
 
 
 FINISHED = ("diagnose", "export", "orders")  # commands that read a finished run, in a room of their own
+STUDIES = ("converge", "starts", "tradeoff", "verify")  # those that repeat a scene in variants, in another
 COMMANDS = (  # name, of the module too; one line; example; arguments
     ("new", "write a commented scene file to change", "gearcase new my.toml --from bench", _new),
     ("check", "validate a scene and print what follows from it", "gearcase check rig-missing-tooth", _scene),
@@ -331,6 +341,12 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         "repeat a motion from other starts; mean and spread of levels",
         "gearcase starts minimal --starts 8",
         _starts,
+    ),
+    (
+        "verify",
+        "put the claims of the rig's study to the test: 40 simulations",
+        "gearcase verify rig --out claims",
+        _verify,
     ),
     (
         "simulate",

@@ -75,7 +75,7 @@ def _times(plant: Plant, windows: Mapping[str, tuple[float, float]]) -> Iterator
     """How long a window must be for each shaft, and which are too short."""
     from pipelines.features.average import FEWEST_TURNS
     from pipelines.orders.needed_time import needed_seconds
-    from pipelines.plant.kinematics import kinematics_of
+    from pipelines.orders.plant_kinematics import kinematics_of
     from pipelines.signals.spectrum import FEWEST_REVOLUTIONS
 
     kinematics = kinematics_of(plant.layout, plant.rolling)

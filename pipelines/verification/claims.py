@@ -1,0 +1,137 @@
+"""The claims of the study of the rig, each with its measure and limit, and where it fails the physical reason.
+
+Stated before anything is computed. The study looks at pictures; what counts as "shows" or "clearer" here are the limits
+of the diagnosis: a line shows at 6 dB over its healthy control, and what differs by less than 1 dB is equal.
+
+References
+----------
+The study of a quay-crane hoist gearbox, Springer, 978-981-97-1876-4, chapter 15.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pipelines.signals.verdict import EQUAL
+
+if TYPE_CHECKING:
+    import xarray
+
+SHOWS = 6.0  # dB over the healthy control
+APART = -20.0  # dB; signals that differ by a tenth
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Evidence:
+    """All measures in dB, see `pipelines.verification.measures`.
+
+    levels : (losses, load, seed, state, window, measure)
+    loads : rope over constant torque (losses, seed, stretch, measure), of the faulty machine
+    """
+
+    levels: xarray.DataArray
+    loads: xarray.DataArray
+
+
+@dataclass(frozen=True)
+class Claim:
+    """That a mean over seeds is at least so many dB.
+
+    `compare` takes one value per condition and seed (..., seed) from the evidence on a measure; `reason` is why the
+    claim may not hold.
+    """
+
+    words: str
+    measure: str
+    compare: Callable[[Evidence, str], xarray.DataArray]
+    least: float
+    reason: str
+
+
+def over_control(evidence: Evidence, measure: str) -> xarray.DataArray:
+    """Faulty over healthy (losses, load, seed), mean over lifting and lowering."""
+    levels = evidence.levels.sel(measure=measure)
+    return (levels.sel(state="faulty") - levels.sel(state="healthy")).mean("window")
+
+
+def of_control(evidence: Evidence, measure: str) -> xarray.DataArray:
+    """The healthy machine (losses, load, seed), mean over lifting and lowering."""
+    return evidence.levels.sel(measure=measure, state="healthy").mean("window")
+
+
+def lifting_over_lowering(evidence: Evidence, measure: str) -> xarray.DataArray:
+    """Lifting over lowering (losses, load, seed) of the faulty machine."""
+    levels = evidence.levels.sel(measure=measure, state="faulty")
+    return levels.sel(window="lifting") - levels.sel(window="lowering")
+
+
+def added_in_lifting(evidence: Evidence, measure: str) -> xarray.DataArray:
+    """Faulty over healthy, lifting over lowering (losses, load, seed): how much more the fault adds in lifting."""
+    levels = evidence.levels.sel(measure=measure)
+    added = levels.sel(state="faulty") - levels.sel(state="healthy")
+    return added.sel(window="lifting") - added.sel(window="lowering")
+
+
+def rope_over_torque(evidence: Evidence, measure: str) -> xarray.DataArray:
+    """Rope over constant torque (losses, stretch, seed) of the faulty machine."""
+    return evidence.loads.sel(measure=measure)
+
+
+_HIDDEN = (
+    "The pitch deviations of the gears repeat with the same turn of the shaft and fill the same lines in the healthy "
+    "machine, most of all around f_m, where the casing answers little; the fault must rise over them."
+)
+_REVERSED = (
+    "Without friction lowering excites the machine as lifting run backwards does; only the vibrations, which die away "
+    "after a shock in both directions, make a difference of 1 or 2 dB."
+)
+_SLIDING = (
+    "Tooth friction reverses with the direction: its force at mesh frequency adds to that of the transmission error in "
+    "one direction and counts against it in the other. So the mesh line changes, by 13 dB at 2 f_m, and the "
+    "modulation, which is taken over it, does too; the healthy machine shows the same. It is no sign of the fault: see "
+    "what the fault adds."
+)
+_ADDED = (
+    "The fault takes one tooth away in both directions, and friction of 5 % changes the force that it interrupts by as "
+    "little."
+)
+_STEADY = (
+    "At constant speed the rope carries the weight of the container as the constant torque does, and its bounce of "
+    "12 Hz lies far below the mesh. The ramps accelerate the container, which raises the force in the mesh and hardly "
+    "the vibration: that follows from the teeth. What differs sample by sample is the phase, as the bounce turns the "
+    "shafts."
+)
+
+CLAIMS: dict[str, tuple[Claim, ...]] = {
+    "With the missing tooth sensor 3 shows f_r and sidebands of f_m: faulty over healthy": (
+        Claim("f_r and harmonics in the envelope of f_m/2 to 3 f_m/2", "envelope", over_control, SHOWS, _HIDDEN),
+        Claim("f_r and harmonics in the envelope of 1 to 2 kHz", "envelope_1_to_2_kHz", over_control, SHOWS, _HIDDEN),
+        Claim("sidebands around f_m", "sidebands_1", over_control, SHOWS, _HIDDEN),
+        Claim("sidebands around 2 f_m", "sidebands_2", over_control, SHOWS, _HIDDEN),
+        Claim("peak of the time-synchronous average", "tsa_peak", over_control, SHOWS, _HIDDEN),
+    ),
+    "Healthy it does not: lines of the healthy machine under the limit of 10 dB over their floor": (
+        Claim("f_r, its harmonics and sidebands, median of 21 lines", "under_limit", of_control, 0.0, _HIDDEN),
+    ),
+    "Lifting shows it more clearly than lowering: lifting over lowering, faulty machine": (
+        Claim("modulation of f_m", "modulation_1", lifting_over_lowering, EQUAL, f"{_REVERSED} {_SLIDING}"),
+        Claim("modulation of 2 f_m", "modulation_2", lifting_over_lowering, EQUAL, f"{_REVERSED} {_SLIDING}"),
+        Claim("f_r and harmonics in the envelope", "envelope", lifting_over_lowering, EQUAL, _REVERSED),
+        Claim("peak of the time-synchronous average", "tsa_peak", lifting_over_lowering, EQUAL, _REVERSED),
+    ),
+    "Lifting shows it more clearly than lowering: what the fault adds to the healthy machine, lifting over lowering": (
+        Claim("sidebands around f_m", "sidebands_1", added_in_lifting, EQUAL, _ADDED),
+        Claim("sidebands around 2 f_m", "sidebands_2", added_in_lifting, EQUAL, _ADDED),
+        Claim("f_r and harmonics in the envelope", "envelope", added_in_lifting, EQUAL, _ADDED),
+        Claim("peak of the time-synchronous average", "tsa_peak", added_in_lifting, EQUAL, _ADDED),
+    ),
+    "Rope and constant torque give different signals: rope over torque, faulty machine": (
+        Claim("difference of the signals, sample by sample", "difference", rope_over_torque, APART, _STEADY),
+        Claim("level of the acceleration", "level", rope_over_torque, EQUAL, _STEADY),
+        Claim("largest force in the mesh of stage 1", "mesh_force", rope_over_torque, EQUAL, _STEADY),
+    ),
+}
+
+UNTESTED = {"The signals with the rope are closer to the rig": "cannot be told: no measured signals of it are public."}

@@ -1,0 +1,35 @@
+"""The slow wheels of the rig: windows long enough for them, and a missing tooth of each that is seen."""
+
+import pytest
+
+from pipelines.plant.plant import make_drivetrain
+from pipelines.runs.diagnosed import diagnose_folder
+from pipelines.runs.run import Options, run_scene
+from pipelines.scene.file import load_scene
+from pipelines.signals.verdict import all_seen
+
+SCENES = ("rig-missing-tooth-2", "rig-missing-tooth-3")
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_window_holds_ten_turns_of_the_faulty_wheel(name):
+    settings = make_drivetrain(load_scene(name).scene).diagnosis
+    assert list(settings.windows) == ["lifting", "lowering"]
+    for start, end in settings.windows.values():
+        assert (end - start) * settings.revolution_frequency >= 10
+
+
+def test_the_container_stays_off_the_drums():
+    """More than a metre of the five is left at the top."""
+    train = make_drivetrain(load_scene("rig-long").scene)
+    top = train.hoist.rope_length_at(17.25, train.machine.drive, train.layout.shaft_ratios[train.layout.loaded])
+    assert 1.0 < top < 2.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SCENES)
+def test_a_missing_tooth_of_a_slow_wheel_is_seen_up_and_down(name, tmp_path):
+    finished = run_scene(load_scene(name), Options(out=tmp_path / "run", with_report=False))
+    found = diagnose_folder(finished.folder)
+    assert all_seen(found, "lifting")
+    assert all_seen(found, "lowering")
