@@ -82,7 +82,7 @@ def feature_table(
         for shaft, cut in turning:
             lines, marks = _shaft_lines(cut, bands[name], shaft, kinematics)
             found |= lines
-            teeth |= marks if rotation.absolute else {}
+            teeth |= marks if rotation.places_teeth(shaft.name) else {}
         per_window.append(found)
     values = _mean(per_window)
     return FeatureTable(

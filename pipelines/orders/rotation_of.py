@@ -83,6 +83,7 @@ def _from_pulses(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
         source=words + (f"; {' and '.join(mended)} mended" if mended else ""),
         error=turning.error / float(turning.angle[-1] - turning.angle[0]),
         absolute=per_turn == 1.0,
+        mark=name,
     )
 
 
