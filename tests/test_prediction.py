@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from pipelines.diagnosis.prediction import clopper_pearson, holm, p_values, rank_p_values
+from pipelines.diagnosis.prediction import clopper_pearson, holm, p_values
 
 
 def test_p_values_of_healthy_recordings_are_uniform_with_a_baseline_of_eight():
@@ -25,12 +25,6 @@ def test_the_prediction_interval_is_that_of_hahn_and_meeker():
 def test_fewer_than_five_recordings_give_no_p_value():
     with pytest.raises(ValueError, match="4 healthy recordings"):
         p_values(np.zeros(1), np.zeros((4, 1)))
-
-
-def test_a_rank_cannot_fall_below_one_in_nine_with_eight_recordings():
-    healthy = np.arange(8.0)[:, None]
-    assert rank_p_values(np.array([100.0]), healthy)[0] == pytest.approx(1 / 9)
-    assert rank_p_values(np.array([-1.0]), healthy)[0] == 1.0
 
 
 def test_holm_raises_the_least_most():

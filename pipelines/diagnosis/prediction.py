@@ -46,11 +46,6 @@ def p_values(levels: np.ndarray, healthy: np.ndarray) -> np.ndarray:
     return np.asarray(t.sf(standing, count - 1))
 
 
-def rank_p_values(levels: np.ndarray, healthy: np.ndarray) -> np.ndarray:
-    """The same without a model: (1 + healthy ones as high) / (n + 1), at least 1 / (n + 1)."""
-    return (1.0 + (healthy >= levels).sum(axis=0)) / (len(healthy) + 1.0)
-
-
 def holm(p: np.ndarray) -> np.ndarray:
     """p-values (line,) corrected for their number: the chance that any of healthy lines falls below a is at most a."""
     order = np.argsort(p, kind="stable")

@@ -20,8 +20,8 @@ class Rotation:
     A recorded angle falls where the machine runs backwards; one from pulses or from the signal alone never falls, as
     neither knows the sense. `source` says in words where it comes from; `error` is the standard uncertainty of the
     mean speed, as a share of it; `absolute` is True where angle 0 is a mark on the shaft, so that the place of a tooth
-    means something. With one pulse per turn the mark is that of the shaft with the tachometer, `mark`: other shafts pass
-    theirs at angles nobody knows. Where `mark` is empty all shafts have theirs at 0.
+    means something. With one pulse per turn the mark is that of the shaft with the tachometer, `mark`: other shafts
+    pass theirs at angles nobody knows. Where `mark` is empty all shafts have theirs at 0.
     """
 
     angle: np.ndarray

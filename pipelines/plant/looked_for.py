@@ -62,11 +62,10 @@ def diagnosis_settings(
         return None
     stage = stage_facts(layout)[asked.stage - 1]
     on_wheel = asked.gear == "wheel"
-    faulty = Counter((f.stage, f.gear, f.kind) for f in faults)
-    words = ", ".join(
-        f"{'one tooth' if count == 1 else f'{count} teeth'} of the stage {number} {gear} {kind.removesuffix('-tooth')}"
-        for (number, gear, kind), count in faulty.items()
-    )
+    shaft = layout.pair_shafts[asked.stage - 1][on_wheel]
+    words = _tooth_words([f for f in faults if layout.pair_shafts[f.stage - 1][f.gear == "wheel"] == shaft])
+    if faults and not words:  # another shaft is looked at than the one with the damage
+        words = f"lines of the stage {asked.stage} {asked.gear} (damaged is {_tooth_words(faults)})"
     ratio = layout.shaft_ratios[layout.loaded]
     modes = {
         name: hoist.rope_frequency(hoist.rope_length_at(sum(window) / 2, profile, ratio))
@@ -84,9 +83,18 @@ def diagnosis_settings(
         sensor=asked.sensor,
         axis=asked.axis,
         band=asked.band,
-        shaft=f"shaft_{layout.pair_shafts[asked.stage - 1][on_wheel] + 1}",
+        shaft=f"shaft_{shaft + 1}",
         speed_is_known=asked.speed_is_known,
         fault=words or ("" if spalls or shafts else "no fault"),
+    )
+
+
+def _tooth_words(faults: Sequence[Fault]) -> str:
+    """What is wrong with teeth: "one tooth of the stage 1 wheel missing"."""
+    faulty = Counter((f.stage, f.gear, f.kind) for f in faults)
+    return ", ".join(
+        f"{'one tooth' if count == 1 else f'{count} teeth'} of the stage {number} {gear} {kind.removesuffix('-tooth')}"
+        for (number, gear, kind), count in faulty.items()
     )
 
 

@@ -11,12 +11,13 @@ import numpy as np
 from pipelines.diagnosis import words
 from pipelines.diagnosis.verdict import Finding, Verdict
 from pipelines.features.average import FEWEST_TURNS
+from pipelines.features.band import HIGHEST, guarded_band
 from pipelines.orders.order_spectra import OrderError, over_angle
 from pipelines.plant.looked_for import LookedFor
 from pipelines.plant.plant import Plant
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.zoom_data import ENVELOPE_ORDERS, streams
-from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
+from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal, sampling
 from pipelines.signals.diagnosis import Diagnosis
 from pipelines.signals.verdict import all_seen, case_name, headline
 
@@ -62,7 +63,7 @@ def first_screen(
         label=label,
         figures=_numbers(plant, settings),
         average=None if settings is None else _average(plant, settings, runs, verdict),
-        envelope=None if settings is None else _envelope(settings, diagnoses, runs),
+        envelope=None if settings is None else _envelope(settings, runs),
         ranking=() if verdict is None else [_ranked(finding) for finding in verdict.findings],
     )
 
@@ -244,28 +245,40 @@ def over_teeth(
     return place[order], average[order], turns
 
 
-def _envelope(
-    settings: DiagnosisSettings, diagnoses: Sequence[Diagnosis], runs: Sequence[xarray.Dataset]
-) -> Envelope | None:
-    """Of the first window, to a dozen orders of the shaft."""
-    window = next(iter(settings.windows))
-    reference = None
-    if diagnoses:
-        own, reference = diagnoses[0].envelopes["faulty", window], diagnoses[0].envelopes["healthy", window]
-    else:
-        own = analyse(runs[0], settings).envelopes[window]
+def _envelope(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> Envelope | None:
+    """Of the first window, to a dozen orders of the shaft, in the band where this run is most impulsive."""
+    window, times = next(iter(settings.windows.items()))
+    first, *others = zip(runs, streams(len(runs)), strict=True)
+    band = _impulsive_band(*first, settings, times)
+    if band is None:
+        return None
+    own, *healthy = (
+        analyse(run, settings, stream=stream, band=band).envelopes[window] for run, stream in (first, *others[:1])
+    )
     f_r = settings.revolution_frequency
     shown = own.frequency <= ENVELOPE_ORDERS * f_r
     return Envelope(
         line=own.frequency[shown],
         amplitude=own.amplitude[shown],
-        reference=None if reference is None else reference.amplitude[shown],
+        reference=healthy[0].amplitude[shown] if healthy else None,
         across="frequency, Hz",
         unit="amplitude, m/s²",
         marked=[(k * f_r, "f_r" if k == 1 else f"{k} f_r") for k in range(1, settings.envelope_harmonics + 1)],
         band=f"band {own.band_low:.4g} to {own.band_high:.4g} Hz",
         caption=(
-            f"Envelope spectrum of {settings.sensor} ({settings.axis}), {window}. A damaged tooth raises the "
-            f"harmonics of f_r = {f_r:.4f} Hz."
+            f"Envelope spectrum of {settings.sensor} ({settings.axis}), {window}, in the band of greatest kurtosis "
+            f"above f_m / 2. A damaged tooth raises the harmonics of f_r = {f_r:.4f} Hz."
         ),
     )
+
+
+def _impulsive_band(
+    run: xarray.Dataset, stream: int, settings: DiagnosisSettings, times: tuple[float, float]
+) -> tuple[float, float] | None:
+    """The guarded band (Hz) of the channel; None if the sampling rate holds nothing above the guard."""
+    rate, begin = sampling(run)
+    part = slice(round((times[0] - begin) * rate), round((times[1] - begin) * rate))
+    guard = 0.5 * settings.mesh_frequency
+    if guard >= HIGHEST * rate:
+        return None
+    return guarded_band(noisy_signal(run, settings, stream)[part].T, rate, guard)
