@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pipelines.features.average import average
-from pipelines.features.band import guarded_band, squared_envelope
+from pipelines.features.band import squared_envelope
 from pipelines.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
 from pipelines.features.passing import pass_levels
 from pipelines.features.synchronous import synchronous
@@ -83,17 +83,3 @@ def test_impulses_that_pass_stand_above_the_floor_and_others_do_not():
 def test_pass_orders_need_turns_enough():
     envelope = np.random.default_rng(5).random((1, 5, PLACES))
     assert pass_levels(envelope, {"FTF": 0.4}) == {}
-
-
-def test_the_band_of_greatest_kurtosis_holds_the_resonance_and_not_what_lies_below_the_guard():
-    rate, random = 8000.0, np.random.default_rng(6)
-    time = np.arange(32000) / rate
-    ring = np.exp(-time[:160] / 0.003) * np.sin(2 * np.pi * 2300 * time[:160])
-    pulses = np.zeros_like(time)
-    pulses[::800] = 1.0
-    slow = 3.0 * np.cos(2 * np.pi * 7 * time) ** 9  # few strong lines: the most impulsive of all, below the guard
-    signal = slow + np.convolve(pulses, ring)[: len(time)] + 0.05 * random.standard_normal(len(time))
-    low, high = guarded_band(signal[None], rate, 150.0)
-    assert 150.0 <= low < 2300.0 < high
-    with pytest.raises(ValueError, match="no band above"):
-        guarded_band(signal[None], rate, 3700.0)

@@ -11,7 +11,7 @@ import numpy as np
 from pipelines.diagnosis import words
 from pipelines.diagnosis.verdict import Finding, Verdict
 from pipelines.features.average import FEWEST_TURNS
-from pipelines.features.band import HIGHEST, guarded_band
+from pipelines.features.band import HIGHEST
 from pipelines.orders.order_spectra import OrderError, over_angle
 from pipelines.plant.looked_for import LookedFor
 from pipelines.plant.plant import Plant
@@ -246,11 +246,14 @@ def over_teeth(
 
 
 def _envelope(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> Envelope | None:
-    """Of the first window, to a dozen orders of the shaft, in the band where this run is most impulsive."""
-    window, times = next(iter(settings.windows.items()))
+    """Of the first window, to a dozen orders of the shaft, in the range that the features look at.
+
+    None if the sampling rate holds nothing above half of the mesh frequency.
+    """
+    window = next(iter(settings.windows))
     first, *others = zip(runs, streams(len(runs)), strict=True)
-    band = _impulsive_band(*first, settings, times)
-    if band is None:
+    band = 0.5 * settings.mesh_frequency, HIGHEST * sampling(runs[0])[0]
+    if band[0] >= band[1]:
         return None
     own, *healthy = (
         analyse(run, settings, stream=stream, band=band).envelopes[window] for run, stream in (first, *others[:1])
@@ -266,19 +269,7 @@ def _envelope(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> En
         marked=[(k * f_r, "f_r" if k == 1 else f"{k} f_r") for k in range(1, settings.envelope_harmonics + 1)],
         band=f"band {own.band_low:.4g} to {own.band_high:.4g} Hz",
         caption=(
-            f"Envelope spectrum of {settings.sensor} ({settings.axis}), {window}, in the band of greatest kurtosis "
-            f"above f_m / 2. A damaged tooth raises the harmonics of f_r = {f_r:.4f} Hz."
+            f"Envelope spectrum of {settings.sensor} ({settings.axis}), {window}, of all that lies above f_m / 2. "
+            f"A damaged tooth raises the harmonics of f_r = {f_r:.4f} Hz."
         ),
     )
-
-
-def _impulsive_band(
-    run: xarray.Dataset, stream: int, settings: DiagnosisSettings, times: tuple[float, float]
-) -> tuple[float, float] | None:
-    """The guarded band (Hz) of the channel; None if the sampling rate holds nothing above the guard."""
-    rate, begin = sampling(run)
-    part = slice(round((times[0] - begin) * rate), round((times[1] - begin) * rate))
-    guard = 0.5 * settings.mesh_frequency
-    if guard >= HIGHEST * rate:
-        return None
-    return guarded_band(noisy_signal(run, settings, stream)[part].T, rate, guard)
