@@ -2,6 +2,7 @@
 
     scene = gearcase.Scene.from_file("minimal")    check laws casing modes simulate run tradeoff converge
     gearcase.open_run("minimal")                   a finished run; diagnose spectrum
+    gearcase.open_recording("r.csv", "bench.toml") a measured one; judge compare
     gearcase.open_dataset("campaigns/plan")        a data set of many runs; pieces
 
 All numbers are SI unless a name ends in a unit. Nothing is printed; `progress=` takes a function that is told of every
@@ -29,6 +30,10 @@ if TYPE_CHECKING:
     from gearcase.machines import LinearModes as LinearModes
     from gearcase.machines import modes as modes
     from gearcase.machines import simulate as simulate
+    from gearcase.recordings import Verdict as Verdict
+    from gearcase.recordings import compare as compare
+    from gearcase.recordings import judge as judge
+    from gearcase.recordings import open_recording as open_recording
     from gearcase.results import Diagnosis as Diagnosis
     from gearcase.results import diagnose as diagnose
     from gearcase.results import open_run as open_run
@@ -50,6 +55,7 @@ _PLACES = {
     "errors": ("InputError", "SceneError", "WorkError"),
     "gears": ("PairLaws", "laws"),
     "machines": ("LinearModes", "modes", "simulate"),
+    "recordings": ("Verdict", "compare", "judge", "open_recording"),
     "results": ("Diagnosis", "diagnose", "open_run", "run", "spectrum"),
     "scenes": ("Checked", "Scene", "check"),
     "studies": ("RefinementStudy", "Tradeoff", "converge", "tradeoff"),

@@ -228,6 +228,21 @@ def _diagnose(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def _compare(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "recordings",
+        metavar="RECORD",
+        type=path,
+        nargs="+",
+        help="recorded file, result folder or name of a scene; a part of it by RECORD@lifting or RECORD@0.5:2.5",
+    )
+    sub.add_argument("--machine", metavar="FILE", type=path, help="what was recorded: teeth, speed, sensors")
+    sub.add_argument("--sensor", metavar="NAME", help="of the figures (default: the strongest)")
+    sub.add_argument("--axis", choices=("x", "y", "z"), help="of the figures (default: the strongest)")
+    sub.add_argument("--shaft", metavar="N", type=count, help="of the averages (default: whose features differ most)")
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="for the figures and the CSV (default: ./comparison)")
+
+
 def _run_folder(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "run",
@@ -305,7 +320,7 @@ def _campaign(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
 
 
-FINISHED = ("diagnose", "export", "orders")  # commands that read a finished run, in a room of their own
+FINISHED = ("compare", "diagnose", "export", "orders")  # commands that read a finished run, in a room of their own
 STUDIES = ("converge", "starts", "tradeoff", "verify")  # those that repeat a scene in variants, in another
 COMMANDS = (  # name, of the module too; one line; example; arguments
     ("new", "write a commented scene file to change", "gearcase new my.toml --from bench", _new),
@@ -355,6 +370,12 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         _simulate,
     ),
     ("diagnose", "print the lines of a fault in a finished run", "gearcase diagnose rig-missing-tooth", _diagnose),
+    (
+        "compare",
+        "lay recordings side by side: table of features, spectra, averages",
+        "gearcase compare bench@lifting bench@lowering",
+        _compare,
+    ),
     ("run", "everything: simulation, healthy control, diagnosis, report", "gearcase run rig-missing-tooth", _run),
     ("campaign", "simulate the scenes of a plan into one labelled data set", "gearcase campaign plan.toml", _campaign),
     (

@@ -15,7 +15,18 @@ import xarray
 import gearcase
 
 ROOT = Path(__file__).resolve().parent.parent
-MODULES = ("casings", "datasets", "errors", "gears", "machines", "results", "scenes", "studies", "working")
+MODULES = (
+    "casings",
+    "datasets",
+    "errors",
+    "gears",
+    "machines",
+    "recordings",
+    "results",
+    "scenes",
+    "studies",
+    "working",
+)
 FAULT = {"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 0}
 SHORT = {
     "simulation.end_s": 0.05, "drive.times_s": [0.0, 0.02, 0.05], "diagnosis.windows_s": {},
@@ -44,7 +55,7 @@ def test_the_examples_of_the_docstrings_run(name, tmp_path, monkeypatch):
 def test_every_function_and_class_of_the_door_has_an_example():
     ours = [getattr(gearcase, name) for name in gearcase.__all__]
     told = [one for one in ours if one.__module__.startswith("gearcase.")]
-    assert len(told) == 15
+    assert len(told) == 18
     assert all(">>> import gearcase" in one.__doc__ for one in told)
 
 

@@ -49,6 +49,16 @@ def test_a_tooth_keeps_its_place_in_both_senses_of_rotation():
     np.testing.assert_allclose(found, np.tile(found.mean(axis=0), (len(found), 1)), atol=2e-3)
 
 
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_turns_laid_end_to_end_are_the_signal_over_the_angle(sense):
+    """Of a shaft that runs backwards too: an order and a quarter goes on from turn to turn and stays one line."""
+    time, angle = uneven()
+    found = revolutions(np.cos(1.25 * angle), time, rotation(sense * angle), 1.0, 256)[:32]
+    lines = 2 * np.abs(np.fft.rfft(found.ravel())) / found.size
+    assert lines[40] == pytest.approx(1.0, abs=1e-4)
+    assert np.delete(lines, 40).max() < 1e-4
+
+
 def test_only_whole_turns_inside_each_window_are_given():
     time = np.arange(round(4 * RATE)) / RATE
     angle = 2 * np.pi * 10.0 * time

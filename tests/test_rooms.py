@@ -52,6 +52,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "pipelines.features",
     "pipelines.recordings",
     "pipelines.diagnosis",
+    "pipelines.comparison",
     "pipelines.report",
     "pipelines.steps",
     "pipelines.runs",

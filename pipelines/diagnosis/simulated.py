@@ -46,8 +46,15 @@ def run_features(
     """
     if rotation is None:
         rotation = rotation_of(run, settings.kinematics)
+    return feature_table(with_stated_noise(run, stream), settings.kinematics, rotation, settings.windows)
+
+
+def with_stated_noise(run: xarray.Dataset, stream: int) -> xarray.Dataset:
+    """A run with `sensor_noise_m_s2`, if that is among its attributes, in its accelerations.
+
+    `stream` is the number of the noise.
+    """
     name = "acceleration" if "acceleration" in run else "journal_acceleration"
     axes = [str(axis) for axis in run.axis.values]
     signal = np.stack([noisy_channel(run, sensor, axes, stream) for sensor in channel_names(run)], axis=1)
-    noisy = run.drop_vars(name).assign({name: (("time", *run[name].transpose("time", ...).dims[1:]), signal)})
-    return feature_table(noisy, settings.kinematics, rotation, settings.windows)
+    return run.drop_vars(name).assign({name: (("time", *run[name].transpose("time", ...).dims[1:]), signal)})

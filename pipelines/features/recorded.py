@@ -67,7 +67,7 @@ def feature_table(
     FeatureError : no shaft turns FEWEST_TURNS times in a window, or no channel holds a signal
     """
     time = np.asarray(recording.time.values, dtype=float)
-    sensors, axes, signal = _channels(recording)
+    sensors, axes, signal = recorded_channels(recording)
     given = dict(windows) if windows else {"the whole recording": (float(time[0]), float(time[-1]))}
     per_window: list[Lines] = []
     bands: dict[str, tuple[float, float]] = {}
@@ -101,8 +101,13 @@ def feature_table(
     )
 
 
-def _channels(recording: xarray.Dataset) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarray]:
-    """Sensor and axis of every channel that was recorded, and their signals (channel, time) less their means."""
+def recorded_channels(recording: xarray.Dataset) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarray]:
+    """Sensor and axis of every channel that was recorded, and their signals (channel, time) less their means.
+
+    Raises
+    ------
+    FeatureError : no channel holds a signal
+    """
     name = "acceleration" if "acceleration" in recording else "journal_acceleration"
     if name not in recording:
         raise FeatureError("no accelerations were recorded, so there is nothing to look at")

@@ -36,9 +36,10 @@ def revolutions(
     """Signals over whole turns of a shaft (..., turn, angle), float, from every stretch of the windows that moves.
 
     A turn begins where the shaft's angle, `ratio` times that of the rotation, is a multiple of 2 pi; column j is at
-    2 pi j / per_turn beyond it, whatever the sense of rotation. Turns are in order of time and may be none. A turn is
-    left out where it crosses the end of a window, or lies closer to an end of the recording than the interpolation
-    reaches: HALF_WIDTH samples, or steps where these are wider.
+    2 pi j / per_turn beyond it, whatever the sense of rotation. Stretches are in order of time, the turns of one in
+    order of the angle, so that laid end to end they are the signal over the angle; there may be none. A turn is left
+    out where it crosses the end of a window, or lies closer to an end of the recording than the interpolation reaches:
+    HALF_WIDTH samples, or steps where these are wider.
 
     Parameters
     ----------
@@ -101,4 +102,5 @@ def _positions(angle: np.ndarray, stretch: slice, per_turn: int) -> tuple[np.nda
     cutoff = per_turn / np.maximum(sample(place, 1), per_turn)
     reach = HALF_WIDTH / cutoff
     inside = np.all((position - reach >= 0.0) & (position + reach <= len(angle) - 1), axis=1)
-    return position[inside], cutoff[inside]
+    order = slice(None, None, 1 if sense > 0.0 else -1)
+    return position[inside][order], cutoff[inside][order]

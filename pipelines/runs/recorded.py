@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,10 +13,11 @@ from pipelines.border.grid import Grid
 from pipelines.border.shown import shown
 from pipelines.border.user_files import is_regular_file
 from pipelines.runs import run_folder
-from pipelines.signals.motion_warnings import ATTRIBUTE
+from pipelines.signals.motion_warnings import told
 
 if TYPE_CHECKING:
     import numpy as np
+    import xarray
 
     from pipelines.diagnosis.verdict import Verdict
     from pipelines.features.table import FeatureTable
@@ -82,6 +82,32 @@ def judge_file(
     return JudgedFile(recorded=own, kinematics=known.kinematics, verdict=verdict)
 
 
+def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset], kinematics: Kinematics) -> Verdict:
+    """The verdict on a recording in memory, all of which is looked at.
+
+    Raises
+    ------
+    InputError : a recording has no rotation or no features, or they cannot be compared
+    """
+    from pipelines.diagnosis.simulated import FeatureSettings, run_features
+    from pipelines.diagnosis.verdict import BaselineError, judge
+    from pipelines.features.recorded import FeatureError
+    from pipelines.orders.rotation import RotationError
+
+    settings = FeatureSettings(kinematics=kinematics, windows={})
+    tables = []
+    for stream, one in enumerate([recording, *healthy], 1):
+        name = "the recording" if stream == 1 else f"healthy recording {stream - 1}"
+        try:
+            tables.append(run_features(one, settings, stream))
+        except (FeatureError, RotationError) as error:
+            raise InputError(f"{name}: {error}") from error
+    try:
+        return judge(tables[0], tables[1:], kinematics)
+    except BaselineError as error:
+        raise InputError(str(error)) from error
+
+
 def recording_path(source: str | Path) -> Path:
     """The file itself, or the response in the folder of a run."""
     path = Path(source)
@@ -135,7 +161,7 @@ def read_features(path: Path, machine: Machine, windows: Windows | None, stream:
 
     settings = FeatureSettings(kinematics=machine.kinematics, windows=windows or {})
     with read_recording(path, machine) as recording:
-        warnings = tuple(map(str, json.loads(recording.attrs.get(ATTRIBUTE, "{}")).values()))
+        warnings = tuple(told(recording.attrs).values())
         try:
             rotation = rotation_of(recording, machine.kinematics)
             table = run_features(recording, settings, stream, rotation)

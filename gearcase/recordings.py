@@ -1,0 +1,111 @@
+"""Recordings of measured accelerations: opened, judged against healthy ones, laid side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipelines.comparison.labelled import labelled_comparison
+from pipelines.diagnosis.verdict import Verdict
+from pipelines.recordings.machine import read_machine
+from pipelines.recordings.recording import read_recording
+from pipelines.runs.recorded import judge_recordings
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["Verdict", "compare", "judge", "open_recording"]
+
+
+def open_recording(path: str | Path, machine: str | Path) -> xarray.Dataset:
+    """The signals of a recorded file, in the form that those of a run have; samples are read when they are used.
+
+    Parameters
+    ----------
+    path : CSV, MATLAB, HDF5, netCDF, UFF, NumPy, WAV or TDMS
+    machine : file with the teeth, the speed and the sensors, a scene file, or the name of a shipped scene
+
+    Returns
+    -------
+    `acceleration` (time, sensor, axis) in m/s2, and `tachometer` (time) if there is one. Use it in a `with` block, or
+    close it, to let go of the file.
+
+    Raises
+    ------
+    InputError, SceneError : the file cannot be read, or not as the machine says
+
+    >>> import gearcase, numpy, pathlib
+    >>> _ = pathlib.Path("bench.toml").write_text("teeth = [[20, 31]]\\nspeed_rpm = 1500\\nrate_Hz = 5000\\n")
+    >>> numpy.save("record.npy", numpy.random.default_rng(1).normal(size=20000))
+    >>> with gearcase.open_recording("record.npy", "bench.toml") as recording:
+    ...     print(f"{float(recording.acceleration.std()):.1f} {recording.acceleration.units}")
+    1.0 m/s2
+    """
+    return read_recording(path, read_machine(machine))
+
+
+def judge(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset], machine: str | Path) -> Verdict:
+    """The blind verdict on a recording: how far every gear, bearing and shaft stands above healthy recordings.
+
+    Parameters
+    ----------
+    recording : what `open_recording`, `simulate`, `run` or `open_run` returned, or a part of it:
+        ``recording.sel(time=slice(0.5, 2.5))``
+    healthy : the same of healthy machines, at about the same speed and load; p-values take 5 or more
+    machine : as for `open_recording`
+
+    Raises
+    ------
+    InputError, SceneError : a recording has no features, they cannot be compared, or the machine cannot be read
+
+    >>> import gearcase, numpy, pathlib, xarray
+    >>> _ = pathlib.Path("bench.toml").write_text("teeth = [[20, 31]]\\nspeed_rpm = 1500\\n")
+    >>> time = numpy.arange(20000) / 5000
+    >>> angle = 2 * numpy.pi * 25 * time
+    >>> def record(seed, depth=0.0):  # a mesh, modulated once per turn of the first shaft
+    ...     mesh = (1 + depth * numpy.cos(angle)) * numpy.cos(20 * angle)
+    ...     signal = mesh + 0.1 * numpy.random.default_rng(seed).normal(size=time.size)
+    ...     return xarray.Dataset(
+    ...         {"acceleration": (("time", "sensor", "axis"), signal[:, None, None]),
+    ...          "shaft_angle": (("time", "shaft"), angle[:, None])},
+    ...         {"time": time, "sensor": ["gearbox"], "axis": ["z"], "shaft": ["shaft_1"]})
+    >>> found = gearcase.judge(record(1, depth=0.4), [record(seed) for seed in range(2, 8)], "bench.toml")
+    >>> found.alarm, found.first.component
+    (True, 'stage 1 pinion')
+    """
+    return judge_recordings(recording, healthy, read_machine(machine).kinematics)
+
+
+def compare(recordings: Mapping[str, xarray.Dataset], machine: str | Path) -> xarray.Dataset:
+    """The features of recordings side by side, at the channels that all have and the lowest of their rates.
+
+    Parameters
+    ----------
+    recordings : by name, each as for `judge`
+    machine : as for `open_recording`
+
+    Returns
+    -------
+    `value` (recording, component, feature) in the unit of the feature, `difference` over the first recording in dB, and
+    `speed` (recording,) of the first shaft in rad/s; NaN where a component does not have a feature
+
+    Raises
+    ------
+    InputError, SceneError : a recording has no features, they have no channel in common, or the machine cannot be read
+
+    >>> import gearcase, numpy, pathlib, xarray
+    >>> _ = pathlib.Path("bench.toml").write_text("teeth = [[20, 31]]\\nspeed_rpm = 1500\\n")
+    >>> time = numpy.arange(20000) / 5000
+    >>> angle = 2 * numpy.pi * 25 * time
+    >>> signal = numpy.cos(20 * angle) + 0.1 * numpy.random.default_rng(1).normal(size=time.size)
+    >>> recording = xarray.Dataset(
+    ...     {"acceleration": (("time", "sensor", "axis"), signal[:, None, None]),
+    ...      "shaft_angle": (("time", "shaft"), angle[:, None])},
+    ...     {"time": time, "sensor": ["gearbox"], "axis": ["z"], "shaft": ["shaft_1"]})
+    >>> twice = recording.assign(acceleration=2 * recording.acceleration)
+    >>> found = gearcase.compare({"A": recording, "B": twice}, "bench.toml")
+    >>> print(f"{float(found.difference.sel(recording='B', component='whole machine', feature='rms')):.2f} dB")
+    6.02 dB
+    """
+    return labelled_comparison(recordings, read_machine(machine).kinematics)

@@ -1,0 +1,176 @@
+"""Recorded files and runs side by side: tables in words and as CSV, figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipelines.border.errors import InputError
+from pipelines.border.shown import shown
+from pipelines.border.user_files import is_regular_file, writable_folder, write_whole
+from pipelines.runs import run_folder
+from pipelines.runs.recorded import Windows, machine_of, recording_path
+
+if TYPE_CHECKING:
+    from pipelines.comparison.curves import Curves
+    from pipelines.comparison.features import Features
+    from pipelines.comparison.part import Channel, Part
+
+MOST_NAME = 60  # characters of the name of a recording in a table
+FOLDER = "comparison"
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareOptions:
+    """What the figures show; None takes the strongest channel, and the shaft whose features differ most."""
+
+    machine: str | Path | None = None
+    sensor: str | None = None
+    axis: str | None = None
+    shaft: int | None = None  # from 1
+    out: str | Path | None = None  # folder
+
+
+def compare_files(sources: Sequence[str], wanted: CompareOptions) -> tuple[str, list[Path]]:
+    """Compare recordings; the tables in words, and the files that were written.
+
+    Parameters
+    ----------
+    sources : files, folders of runs or names of scenes, each with "@lifting" or "@0.5:2.5" behind it for a part
+    wanted : what is shown
+
+    Raises
+    ------
+    InputError : a recording or its machine cannot be used, or they have nothing in common
+    """
+    from pipelines.comparison.curves import curves
+    from pipelines.comparison.features import features_of
+    from pipelines.comparison.part import brought_together
+    from pipelines.comparison.words import LETTERS, features_csv, features_grid, recordings_grid, remarks
+    from pipelines.features.recorded import FeatureError
+
+    if not 2 <= len(sources) <= len(LETTERS):
+        raise InputError(f"{len(sources)} recording{'' if len(sources) == 1 else 's'}: give 2 to {len(LETTERS)}.")
+    target = writable_folder(wanted.out or FOLDER)
+    recorded = _read(sources, wanted.machine)
+    try:
+        parts = brought_together(recorded)
+        found = features_of(parts)
+        drawn = curves(parts, _channel(parts, wanted), _shaft(parts, found, wanted.shaft))
+    except FeatureError as error:
+        raise InputError(str(error)) from error
+    files = _write(target, drawn, found, parts)
+    write_whole(target / "features.csv", features_csv(found))
+    words = [recordings_grid(recorded).to_text(), *remarks(recorded, parts, found), features_grid(found).to_text()]
+    if any(len(part.windows) > 1 for part in parts):
+        words.append("Features are means over the windows; figures show the first. Name one: RECORD@WINDOW.")
+    return "\n\n".join(words) + "\n", [*files, target / "features.csv"]
+
+
+def _read(sources: Sequence[str], machine: str | Path | None) -> list[Part]:
+    """Every recording with its machine: the one that is given, its own scene, or that of the first that has one."""
+    from pipelines.comparison.part import part_of
+    from pipelines.features.recorded import FeatureError
+    from pipelines.orders.rotation import RotationError
+    from pipelines.recordings.recording import read_recording
+
+    split = [_split(source) for source in sources]
+    scenes = [path.parent / run_folder.RESOLVED for path, _ in split]
+    other = next((scene for scene in scenes if is_regular_file(scene)), None)
+    parts = []
+    for number, (source, (path, window), scene) in enumerate(zip(sources, split, scenes, strict=True), 1):
+        known, windows = machine_of(path, machine or (None if is_regular_file(scene) else other))
+        name = shown(source) if len(source) <= MOST_NAME else f"...{shown(source[3 - MOST_NAME :])}"
+        with read_recording(path, known) as recording:
+            try:
+                parts.append(part_of(name, recording, known.kinematics, _windows(source, window, windows), number))
+            except (FeatureError, RotationError) as error:
+                raise InputError(f"{shown(source)}: {error}") from error
+    return parts
+
+
+def _split(source: str) -> tuple[Path, str]:
+    """The file of a recording, and the words behind the last "@", "" without."""
+    name, at, window = source.rpartition("@")
+    if not at or Path(source).exists():
+        return recording_path(source), ""
+    return recording_path(name), window
+
+
+def _windows(source: str, asked: str, windows: Windows | None) -> Windows | None:
+    """The window that is asked for: by its name in the scene, or start and end in s; all of the scene if none is."""
+    if not asked:
+        return windows
+    if windows and asked in windows:
+        return {asked: windows[asked]}
+    start, colon, end = asked.partition(":")
+    try:
+        if colon:
+            return {asked: (float(start), float(end))}
+    except ValueError:
+        pass
+    names = f", or {', '.join(shown(name) for name in windows)}" if windows else ""
+    raise InputError(
+        f"{shown(source)}: there is no window {shown(asked)}. Give start and end in seconds, as in @0.5:2.5{names}."
+    )
+
+
+def _channel(parts: Sequence[Part], wanted: CompareOptions) -> Channel:
+    """The channel of the figures: of those that are asked for the one with the highest rms in the first recording."""
+    first = parts[0]
+    levels = dict(zip(first.channels, first.acceleration.std(axis=-1), strict=True))
+    fitting = [
+        (sensor, axis)
+        for sensor, axis in first.channels
+        if wanted.sensor in (None, sensor) and wanted.axis in (None, axis)
+    ]
+    if not fitting:
+        there = ", ".join(" ".join(map(shown, channel)) for channel in first.channels)
+        asked = " ".join(shown(one) for one in (wanted.sensor, wanted.axis) if one is not None)
+        raise InputError(
+            f"{asked}: not among the channels of all recordings, {there}. Choose --sensor and --axis there."
+        )
+    return max(fitting, key=lambda channel: float(levels[channel]))
+
+
+def _shaft(parts: Sequence[Part], found: Features, number: int | None) -> str:
+    """The shaft whose turns are averaged."""
+    from pipelines.comparison.features import most_different_shaft
+
+    there = [
+        shaft.name
+        for shaft in parts[0].kinematics.shafts
+        if all(shaft.name in table.component for table in found.tables)
+    ]
+    if number is None:
+        return most_different_shaft(found, parts[0].kinematics, there)
+    shafts = parts[0].kinematics.shafts
+    if number > len(shafts) or shafts[number - 1].name not in there:
+        raise InputError(
+            f"--shaft {number}: the shafts that turn often enough in all recordings are {', '.join(there)}. Give one "
+            "of them, or longer windows."
+        )
+    return shafts[number - 1].name
+
+
+def _write(target: Path, drawn: Curves, found: Features, parts: Sequence[Part]) -> list[Path]:
+    """The figures as SVG."""
+    from pipelines.comparison import figures
+    from pipelines.comparison.words import LETTERS
+    from pipelines.figures.film import save_figure
+
+    names = [f"{letter}  {part.name}" for letter, part in zip(LETTERS, parts, strict=False)]
+    kinematics = parts[0].kinematics
+    pictures = {
+        "orders": figures.spectra_figure(drawn, names, kinematics),
+        "envelope-orders": figures.envelopes_figure(drawn, names, kinematics),
+        "average": figures.averages_figure(drawn, names),
+        "rms": figures.rms_figure(found.rms, found.tables[0].sensor, names),
+    }
+    target.mkdir(parents=True, exist_ok=True)
+    files = [target / f"{name}.svg" for name in pictures]
+    for file, figure in zip(files, pictures.values(), strict=True):
+        save_figure(figure, file, dpi=110)
+    return files

@@ -1,0 +1,261 @@
+"""Recordings side by side: differences of known tones are exact, whatever the rate, the length and the sensors."""
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+
+import gearcase
+from pipelines.cli import main
+from pipelines.comparison.curves import curves
+from pipelines.comparison.features import features_of, most_different_shaft
+from pipelines.comparison.part import brought_together, part_of
+from pipelines.orders.kinematics import Gear, Kinematics, Shaft
+from pipelines.scene.file import load_scene
+
+SPEED = 25.0  # turns per second of the first shaft
+KINEMATICS = Kinematics(
+    shafts=(Shaft(name="shaft_1", ratio=1.0), Shaft(name="shaft_2", ratio=0.5)),
+    gears=(
+        Gear(name="stage 1 pinion", shaft="shaft_1", stage=1, teeth=20),
+        Gear(name="stage 1 wheel", shaft="shaft_2", stage=1, teeth=40),
+    ),
+)
+
+
+def recording(tones, rate=10_000.0, seconds=2.0, sensors=("a", "b"), axes=("z",), sense=1.0, noise=0.0):
+    """Tones {order of the first shaft: amplitude in m/s2} at every sensor, with the recorded angle of shaft 1."""
+    time = np.arange(round(seconds * rate)) / rate
+    angle = sense * 2 * np.pi * SPEED * time
+    signal = sum(amplitude * np.cos(order * angle + order) for order, amplitude in tones.items())
+    laid = np.tile(signal[:, None, None], (1, len(sensors), len(axes)))
+    laid = laid + noise * np.random.default_rng(3).standard_normal(laid.shape)
+    return xarray.Dataset(
+        {
+            "acceleration": (("time", "sensor", "axis"), laid),
+            "shaft_angle": (("time", "shaft"), angle[:, None]),
+        },
+        coords={"time": time, "sensor": list(sensors), "axis": list(axes), "shaft": ["shaft_1"]},
+    )
+
+
+def together(*recordings, windows=None):
+    """The recordings as parts with the same channels and rate."""
+    return brought_together([part_of(f"r{i}", one, KINEMATICS, windows) for i, one in enumerate(recordings)])
+
+
+def difference(found, component, feature, row=1):
+    return found.difference[row, found.lines.index((component, feature))]
+
+
+def test_differences_of_two_tones_are_those_of_their_amplitudes():
+    parts = together(recording({20: 1.0, 21: 0.2}), recording({20: 1.0, 21: 0.5}))
+    found = features_of(parts)
+    rise = 20 * np.log10(0.5 / 0.2)
+    assert difference(found, "stage 1 pinion", "sideband_ratio") == pytest.approx(rise, abs=1e-3)
+    assert difference(found, "whole machine", "rms") == pytest.approx(10 * np.log10(1.25 / 1.04), abs=1e-3)
+    drawn = curves(parts, ("a", "z"), "shaft_1")
+    np.testing.assert_allclose(drawn.spectrum[:, np.isclose(drawn.orders, 20)].ravel(), [1.0, 1.0], rtol=1e-4)
+    np.testing.assert_allclose(drawn.spectrum[:, np.isclose(drawn.orders, 21)].ravel(), [0.2, 0.5], rtol=1e-4)
+
+
+def test_a_recording_does_not_differ_from_itself():
+    one = recording({20: 1.0, 1: 0.1}, noise=0.1)
+    found = features_of(together(one, one))
+    assert np.all(found.difference[np.isfinite(found.difference)] == 0.0)
+
+
+def test_orders_of_a_shaft_that_are_lost_in_noise_do_not_differ():
+    found = features_of(together(recording({20: 1.0, 1: 0.001}), recording({20: 1.0, 1: 0.003})))
+    assert difference(found, "shaft_1", "order_1") == 0.0
+    assert found.value[:, found.lines.index(("shaft_1", "order_1"))] == pytest.approx([0.001, 0.003], rel=1e-3)
+
+
+def test_what_a_lower_rate_cannot_hold_is_compared_in_neither():
+    """The second recorder is faster and sees a tone of 6 kHz that the first one cannot have."""
+    slow, fast = recording({20: 1.0, 3: 0.3}), recording({20: 1.0, 3: 0.3, 240: 5.0}, rate=25_600.0)
+    parts = together(slow, fast)
+    assert [part.rate for part in parts] == pytest.approx([10_000.0, 10_000.0])
+    assert [part.recorded_rate for part in parts] == pytest.approx([10_000.0, 25_600.0])
+    found = features_of(parts)
+    for feature in ("rms", "crest_factor", "kurtosis"):
+        assert abs(difference(found, "whole machine", feature)) < 0.05
+    drawn = curves(parts, ("a", "z"), "shaft_1")
+    assert drawn.orders[-1] == pytest.approx(0.45 * 10_000.0 / SPEED, abs=0.1)
+    np.testing.assert_allclose(drawn.spectrum[1], drawn.spectrum[0], atol=2e-3)
+    np.testing.assert_allclose(drawn.average[1], drawn.average[0], atol=2e-3)
+
+
+def test_lengths_and_windows_may_differ():
+    tones = {20: 1.0, 20.5: 0.2}
+    parts = brought_together(
+        [
+            part_of("short", recording(tones, seconds=1.0), KINEMATICS),
+            part_of("long", recording(tones, seconds=4.0), KINEMATICS, {"middle": (1.0, 3.5)}),
+        ]
+    )
+    assert [part.windows[0].turns for part in parts] == pytest.approx([25.0, 62.5], abs=0.01)
+    drawn = curves(parts, ("a", "z"), "shaft_2")
+    assert drawn.turns == 23  # one is left out at either end of a recording
+    np.testing.assert_allclose(drawn.spectrum[1], drawn.spectrum[0], atol=1e-3)
+    np.testing.assert_allclose(drawn.average[1], drawn.average[0], atol=1e-3)
+
+
+def test_a_window_of_a_louder_part_is_louder():
+    quiet, loud = recording({20: 1.0}), recording({20: 4.0})
+    both = xarray.concat([quiet, loud.assign_coords(time=loud.time + 2.0)], dim="time")
+    both["shaft_angle"][:, 0] = 2 * np.pi * SPEED * both.time.values
+    parts = brought_together(
+        [
+            part_of(name, both, KINEMATICS, {name: span})
+            for name, span in (("first", (0.2, 1.8)), ("second", (2.2, 3.8)))
+        ]
+    )
+    assert difference(features_of(parts), "whole machine", "rms") == pytest.approx(20 * np.log10(4.0), abs=1e-3)
+
+
+def test_lowering_has_the_spectrum_and_the_average_of_lifting():
+    """Backwards through the same places: a line at order 1.25 stays one line, a tooth stays where it is."""
+    tones = {20: 1.0, 1.25: 0.5}
+    drawn = curves(together(recording(tones), recording(tones, sense=-1.0)), ("a", "z"), "shaft_1")
+    np.testing.assert_allclose(drawn.spectrum[1], drawn.spectrum[0], atol=5e-3)
+    places = drawn.average.shape[1]
+    mesh = np.fft.rfft(drawn.average, axis=-1)[:, 20] * 2 / places
+    np.testing.assert_allclose(np.abs(mesh), 1.0, rtol=1e-3)
+
+
+def test_common_sensors_are_compared_whatever_their_order():
+    loud = recording({20: 3.0}, sensors=("c", "b"), axes=("x", "z"))
+    loud.acceleration.loc[{"sensor": "c"}] = 99.0 * loud.acceleration.sel(sensor="c")
+    parts = together(recording({20: 1.0}), loud)
+    assert parts[0].channels == parts[1].channels == (("b", "z"),)
+    assert difference(features_of(parts), "whole machine", "rms") == pytest.approx(20 * np.log10(3.0), abs=1e-3)
+
+
+def test_without_a_common_sensor_the_error_names_those_there_are():
+    with pytest.raises(ValueError, match=r"no channel is in all recordings \(r0: a z, b z; r1: c z\)"):
+        together(recording({20: 1.0}), recording({20: 1.0}, sensors=("c",)))
+
+
+def test_the_envelope_shows_the_modulation_that_the_spectrum_has_as_sidebands():
+    modulated = {20: 1.0, 19.5: 0.2, 20.5: 0.2}  # amplitude 1 + 0.4 cos(shaft 2), when the phases fit
+    drawn = curves(together(recording({20: 1.0}), recording(modulated)), ("a", "z"), "shaft_2")
+    line = np.isclose(drawn.orders, 0.5)
+    assert drawn.envelope[0, line] < 1e-3
+    # squared: 1 + 0.8 cos + 0.16 cos^2, whose mean is 1.08
+    assert drawn.envelope[1, line] == pytest.approx(0.8 / 1.08, rel=1e-2)
+
+
+def test_the_averages_are_those_of_the_shaft_that_differs_most():
+    healthy = recording({20: 1.0, 0.5: 0.01, 1: 0.01}, noise=0.01)
+    worn = recording({20: 1.0, 0.5: 0.2, 1: 0.01}, noise=0.01)
+    found = features_of(together(healthy, worn))
+    assert most_different_shaft(found, KINEMATICS, ["shaft_1", "shaft_2"]) == "shaft_2"
+
+
+def test_an_average_from_an_unknown_mark_is_turned_to_lie_over_the_first():
+    one = part_of("one", recording({20: 1.0, 1: 0.5, 3: 0.3}), KINEMATICS)
+    shifted = replace(one.rotation, angle=one.rotation.angle + np.pi / 2, absolute=False)
+    drawn = curves((one, replace(one, rotation=shifted)), ("a", "z"), "shaft_1")
+    assert drawn.turned == (False, True)
+    np.testing.assert_allclose(drawn.average[1], drawn.average[0], atol=1e-3)
+
+
+def write(path, signal, rate=10_000.0):
+    """A text file of two sensors and a tachometer with one pulse per turn."""
+    time = np.arange(len(signal)) / rate
+    pulses = 5.0 * ((SPEED * time) % 1.0 < 0.1)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["time [s]", "drive end [m/s2]", "free end [m/s2]", "key [V]"])
+        writer.writerows(
+            [[f"{value:.9g}" for value in row] for row in zip(time, signal, 0.5 * signal, pulses, strict=True)]
+        )
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bench.toml").write_text(
+        'teeth = [[20, 40]]\nsensors = { drive = "drive end", free = "free end" }\n[tachometer]\nchannel = "key"\n',
+        encoding="utf-8",
+    )
+    time = np.arange(15_000) / 10_000.0
+    for name, amplitude in (("healthy", 0.1), ("worn", 0.4)):
+        noise = np.random.default_rng(1).normal(size=time.size)
+        turn = 2 * np.pi * SPEED * time
+        write(tmp_path / f"{name}.csv", np.cos(20 * turn) * (1 + amplitude * np.cos(turn)) + 0.01 * noise)
+    return tmp_path
+
+
+def test_the_command_writes_table_and_figures(files, capsys):
+    assert main(["compare", "healthy.csv", "worn.csv", "worn.csv@0.2:1.2", "--machine", "bench.toml"]) == 0
+    said = capsys.readouterr().out
+    assert "0.2 to 1.2" in said
+    assert said.count("1500") == 3  # rpm of each
+    assert said.count("tachometer on shaft_1, 1 pulse per turn") == 3
+    with (files / "comparison" / "features.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    (ratio,) = [row for row in rows if (row["component"], row["feature"]) == ("stage 1 pinion", "sideband_ratio")]
+    assert float(ratio["B - A dB"]) == pytest.approx(20 * np.log10(4.0), abs=0.3)
+    assert float(ratio["C - A dB"]) == pytest.approx(20 * np.log10(4.0), abs=0.3)
+    for name in ("orders", "envelope-orders", "average", "rms"):
+        assert (files / "comparison" / f"{name}.svg").read_text(encoding="utf-8").startswith("<?xml")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["healthy.csv"], "1 recording: give 2 to 10"),
+        (["healthy.csv", "worn.csv@lowering"], "there is no window lowering. Give start and end in seconds"),
+        (["healthy.csv", "worn.csv@5:6"], "the recording lasts from 0 to 1.4999 s"),
+        (["healthy.csv", "worn.csv@1.0:0.5"], "its start before its end"),
+        (["healthy.csv", "worn.csv", "--sensor", "motor"], "motor: not among the channels of all recordings, drive z"),
+        (["healthy.csv", "worn.csv", "--shaft", "3"], "--shaft 3: the shafts that turn often enough"),
+        (["healthy.csv", "nowhere.csv"], "nowhere.csv"),
+    ],
+)
+def test_what_cannot_be_compared_is_said_in_one_sentence(files, capsys, words, message):
+    assert main(["compare", *words, "--machine", "bench.toml"]) == 2
+    said = capsys.readouterr().err
+    assert message in said
+    assert len(said.splitlines()) == 1
+    assert not (files / "comparison").exists()
+
+
+def test_windows_of_a_run_go_by_their_names(tmp_path, monkeypatch, capsys):
+    """Response and scene in one folder, as a run leaves them; lowering is half as loud."""
+    monkeypatch.chdir(tmp_path)
+    Path("hoist").mkdir()
+    Path("hoist/scene.resolved.toml").write_text(load_scene("rig-healthy").resolved(), encoding="utf-8")
+    run = recording({20: 1.0}, rate=2_000.0, seconds=5.1, noise=0.01)
+    run["acceleration"] = run.acceleration.where(run.time < 2.75, 0.5 * run.acceleration)
+    run.to_netcdf("hoist/response.nc", engine="h5netcdf")
+    assert main(["compare", "hoist@lifting", "hoist@lowering", "--sensor", "b", "--out", "seen"]) == 0
+    said = capsys.readouterr().out
+    assert "0.5 to 2.5" in said
+    assert "3 to 5" in said
+    (rms,) = [line for line in said.splitlines() if line.startswith("whole machine   rms")]
+    assert rms.split()[-1] == "-6.0"
+    assert Path("seen/average.svg").exists()
+
+
+def test_in_python_the_same_features_come_as_labelled_arrays(files):
+    machine = "bench.toml"
+    with gearcase.open_recording("healthy.csv", machine) as one, gearcase.open_recording("worn.csv", machine) as other:
+        found = gearcase.compare({"healthy": one, "worn": other}, machine)
+        rise = float(found.difference.sel(recording="worn", component="stage 1 pinion", feature="sideband_ratio"))
+        assert rise == pytest.approx(20 * np.log10(4.0), abs=0.3)
+        np.testing.assert_allclose(found.speed, 2 * np.pi * SPEED, rtol=1e-3)
+        verdict = gearcase.judge(other, [one], machine)
+        pinion = next(finding for finding in verdict.findings if finding.component == "stage 1 pinion")
+        assert {evidence.feature: evidence.rise for evidence in pinion.evidence}["sideband_ratio"] == pytest.approx(
+            rise
+        )
+        with pytest.raises(gearcase.InputError, match="1 recording: give two or more"):
+            gearcase.compare({"one": one}, machine)
+        with pytest.raises(gearcase.InputError, match="no healthy recording"):
+            gearcase.judge(other, [], machine)
