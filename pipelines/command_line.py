@@ -9,7 +9,18 @@ import argparse
 import sys
 from typing import NoReturn
 
-from pipelines.border.argument_types import count, days, number, path, picture, positive, seconds, several, share
+from pipelines.border.argument_types import (
+    count,
+    days,
+    from_zero,
+    number,
+    path,
+    picture,
+    positive,
+    seconds,
+    several,
+    share,
+)
 from pipelines.dataset_arguments import dataset_arguments
 from pipelines.scene.presets import PRESETS
 from pipelines.trade.axes import AXES
@@ -320,8 +331,34 @@ def _campaign(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
 
 
+def _detect(sub: argparse.ArgumentParser) -> None:
+    _scene(sub)
+    sub.add_argument(
+        "--over",
+        metavar="KEY=VALUES",
+        action="append",
+        default=[],
+        help="values of a key of the scene, from:to:step or a,b,c; repeatable (default: the fault as it is)",
+    )
+    sub.add_argument("--seeds", metavar="N", type=count, default=10, help="damaged machines per value (default 10)")
+    sub.add_argument("--baseline", metavar="N", type=count, default=8, help="healthy machines to compare with (8)")
+    sub.add_argument("--healthy", metavar="N", type=count, default=20, help="others, for the false alarms (20)")
+    sub.add_argument(
+        "--noise",
+        metavar="RMS",
+        type=from_zero,
+        nargs="+",
+        default=[],
+        help="sensor noise, m/s2 rms; more levels take no more simulations (default: that of the scene)",
+    )
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="instead of ./campaigns/detect-<scene>")
+    sub.add_argument("--dry-run", action="store_true", help="say what it would simulate, and what that costs")
+    sub.add_argument("--processes", type=count, metavar="N", help="scenes at the same time (default: all cores)")
+    sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
+
+
 FINISHED = ("compare", "diagnose", "export", "orders")  # commands that read a finished run, in a room of their own
-STUDIES = ("converge", "starts", "tradeoff", "verify")  # those that repeat a scene in variants, in another
+STUDIES = ("converge", "detect", "starts", "tradeoff", "verify")  # those that repeat a scene in variants, in another
 COMMANDS = (  # name, of the module too; one line; example; arguments
     ("new", "write a commented scene file to change", "gearcase new my.toml --from bench", _new),
     ("check", "validate a scene and print what follows from it", "gearcase check rig-missing-tooth", _scene),
@@ -383,6 +420,12 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         "count, check or export what a campaign made; features of it",
         "gearcase dataset info campaigns/plan",
         dataset_arguments,
+    ),
+    (
+        "detect",
+        "simulate how probably damage is found, over its size, noise and sensors",
+        "gearcase detect bench --over faults.1.depth_mm=0.5:3:0.5 --noise 0.01 0.3",
+        _detect,
     ),
     ("orders", "waterfall, order cuts and natural frequencies of a run-up", "gearcase orders reducer", _orders),
     (

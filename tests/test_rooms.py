@@ -59,6 +59,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "pipelines.dataset",
     "pipelines.campaign",
     "pipelines.dataset.passes",
+    "pipelines.detect",
     "pipelines.trade",
     "pipelines.verification",
     "pipelines.commands.finished",

@@ -27,10 +27,11 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from pipelines.border.errors import InputError
+from pipelines.border.toml_text import format_document
 from pipelines.campaign.expressions import Expression, ExpressionError
 from pipelines.campaign.variables import ListTable, Variable
 from pipelines.dataset.labels import COLUMNS
-from pipelines.scene.file import Source, find_source, load_scene, parse, validate
+from pipelines.scene.file import LoadedScene, Source, find_source, load_scene, parse, validate
 from pipelines.scene.merge import Merged, Whole, leaves
 from pipelines.scene.presets import preset_on
 from pipelines.scene.shipped_files import anchored
@@ -196,6 +197,18 @@ def load_plan(file: str | Path) -> Plan:
     source = find_source(name)
     table, _ = validate(Merged(anchored(parse(source), source.folder)), PlanTable, source.shown)
     return Plan(name=source.name, text=source.text, table=table, tree=_base_tree(source, table))
+
+
+def plan_on(loaded: LoadedScene, tables: Mapping[str, Any], name: str) -> Plan:
+    """A plan on a scene that is at hand, with all its settings, from the tables that a file would hold but `scene`.
+
+    Raises
+    ------
+    SceneError : with all problems of the tables
+    """
+    told = {"scene": loaded.name, **tables}
+    table, _ = validate(Merged(told), PlanTable, f"plan {name}")
+    return Plan(name=name, text=format_document(told), table=table, tree=_bare(loaded.tree))
 
 
 def _base_tree(source: Source, table: PlanTable) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from pipelines.campaign.job import Done
@@ -84,6 +84,19 @@ def beginning(total: int, left: int, workers: Workers) -> str:
     done = f", {total - left} are done" if left < total else ""
     board = f"; {workers.dashboard}" if workers.dashboard else ""
     return f"{total} scenes{done}; {workers.count()} workers{board}"
+
+
+def lines_now_and_then() -> Callable[[int, int], None]:
+    """Says on standard error, twice a minute, how many runs of how many are done."""
+    said = time.monotonic()
+
+    def told(done: int, total: int) -> None:
+        nonlocal said
+        if time.monotonic() - said >= _LINE_SECONDS / 2:
+            said = time.monotonic()
+            sys.stderr.write(f"{done} of {total} runs\n")
+
+    return told
 
 
 def words(seconds: float) -> str:

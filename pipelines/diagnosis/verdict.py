@@ -88,9 +88,7 @@ def judge(recording: FeatureTable, baseline: Sequence[FeatureTable], kinematics:
     ------
     BaselineError : no healthy recording, or one with other channels or features
     """
-    healthy = _levels(recording, baseline)
-    least = _least(recording, healthy)
-    levels, healthy = np.maximum(recording.levels, least), np.maximum(healthy, least)
+    levels, healthy = _compared(recording, baseline)
     rises = levels - healthy.mean(axis=0)
     enough = len(baseline) >= FEWEST_FOR_P
     p = holm(p_values(levels, healthy)) if enough else None
@@ -106,6 +104,27 @@ def judge(recording: FeatureTable, baseline: Sequence[FeatureTable], kinematics:
         false_alarms=sum(_is_alarm(healthy[i], np.delete(healthy, i, axis=0)) for i in range(tested)),
         left_out=recording.left_out,
     )
+
+
+def least_p(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> float:
+    """Least p-value of all features, corrected for their number: the recording is an alarm if it is at most ALARM.
+
+    Parameters
+    ----------
+    recording, baseline : as `judge` takes them, FEWEST_FOR_P healthy ones or more
+
+    Raises
+    ------
+    BaselineError : as `judge`
+    """
+    return float(holm(p_values(*_compared(recording, baseline))).min())
+
+
+def _compared(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tuple[np.ndarray, np.ndarray]:
+    """Levels of the recording (line,) and of the healthy ones (recording, line), dB; weak orders raised to the least."""
+    healthy = _levels(recording, baseline)
+    least = _least(recording, healthy)
+    return np.maximum(recording.levels, least), np.maximum(healthy, least)
 
 
 def _levels(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> np.ndarray:

@@ -37,9 +37,14 @@ class FeatureTable(Record):
     left_out: tuple[str, ...] = names("left_out")
 
     @property
+    def channel_levels(self) -> np.ndarray:
+        """20 log10 of the values (channel, line), dB."""
+        return np.asarray(20.0 * np.log10(np.maximum(self.value, np.finfo(float).tiny)))
+
+    @property
     def levels(self) -> np.ndarray:
-        """20 log10 of the values in the mean over the channels (line,), dB."""
-        return np.mean(20.0 * np.log10(np.maximum(self.value, np.finfo(float).tiny)), axis=0)
+        """The levels in the mean over the channels (line,), dB."""
+        return np.mean(self.channel_levels, axis=0)
 
     @property
     def lines(self) -> tuple[tuple[str, str], ...]:

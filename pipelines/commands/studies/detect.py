@@ -1,0 +1,56 @@
+"""`gearcase detect`: how probably damage is found, at which rate of false alarms, and by which sensors."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+
+def main(options: argparse.Namespace) -> int:
+    """Simulate what is missing; print the probabilities and write them with their figure."""
+    from pipelines.border.user_files import write_whole
+    from pipelines.campaign.campaign import planned, run_campaign
+    from pipelines.campaign.estimate import estimate
+    from pipelines.campaign.shown_progress import lines_now_and_then, shown_campaign
+    from pipelines.campaign.workers import local_workers
+    from pipelines.detect.design import Design, detection_plan
+    from pipelines.detect.over import parse_over
+    from pipelines.detect.page import figure, plain, text
+    from pipelines.detect.study import study
+    from pipelines.engine.working import Work
+    from pipelines.figures.film import save_figure
+    from pipelines.plant.checks.validity import checked_plant
+    from pipelines.runs.run_folder import write_json
+    from pipelines.scene.presets import load_asked
+
+    loaded = load_asked(options)
+    plant = checked_plant(loaded.scene, loaded.source.shown)
+    design = Design(
+        over=tuple(map(parse_over, options.over)),
+        baseline=options.baseline,
+        healthy=options.healthy,
+        damaged=options.seeds,
+    )
+    plan = detection_plan(loaded, plant, design)
+    if options.dry_run:
+        sys.stdout.write(estimate(plan, planned(plan)).to_text())
+        return 0
+    folder = Path(options.out or f"campaigns/{plan.name}")
+    work = Work(processes=options.processes, quiet=options.quiet)
+    with shown_campaign(quiet=options.quiet) as shown:
+        finished = run_campaign(
+            plan, folder, local_workers(options.processes), work, begun=shown.begun, told=shown.told
+        )
+    looked_for = plant.looked_for
+    noises = tuple(dict.fromkeys(options.noise)) or (looked_for.noise,)
+    with local_workers(options.processes) as workers:
+        found = study(plan, folder, design, looked_for.windows, noises, workers.executor, lines_now_and_then())
+    words = text(found)
+    write_whole(folder / "detectability.txt", words)
+    write_json(folder / "detectability.json", plain(found))
+    save_figure(figure(found), folder / "detectability.png", dpi=130)
+    sys.stdout.write(words)
+    sys.stdout.write("".join(f"{line}\n" for line in finished.lines()))
+    sys.stdout.write(f"figure: {folder / 'detectability.png'}\n")
+    return 0
