@@ -108,3 +108,10 @@ def test_features_as_one_labelled_table(healthy):
     column = healthy[0].lines.index(("stage 1 wheel", "fm4"))
     assert float(value) == healthy[0].value[1, column]
     assert np.isnan(labelled.sel(component="shaft_1", feature="fm4")).all()
+
+
+def test_the_tooth_is_the_same_backwards(healthy):
+    forwards = recording(107, fault="stage 2 wheel", tooth=20)
+    backwards = forwards.assign(shaft_angle=-forwards.shaft_angle)  # the same knocks, counted down: tooth 45 - 20
+    found = [run_features(one, SETTINGS, 0).tooth_of("stage 2 wheel") for one in (forwards, backwards)]
+    assert found == [20, 25]

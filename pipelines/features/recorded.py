@@ -83,7 +83,7 @@ def feature_table(
         for shaft, cut in turning:
             lines, marks = _shaft_lines(cut, bands[name], shaft, kinematics)
             found |= lines
-            teeth |= marks if rotation.places_teeth(shaft.name) else {}
+            teeth = (marks if rotation.places_teeth(shaft.name) else {}) | teeth  # those of the first window count
         per_window.append(found)
     values = _mean(per_window)
     return FeatureTable(
@@ -171,7 +171,7 @@ def _shaft_lines(
         lines |= {(gear.name, name): found[f"stage_{gear.stage}_{name}"] for name in OF_STAGE}
         lines[gear.name, "envelope_orders"] = envelope_orders(envelope)
         lines[gear.name, "tooth_contrast"] = tooth_contrast(energies)
-        marks[gear.name] = _numbered(marked_tooth(energies), gear)
+        marks[gear.name] = _numbered(marked_tooth(energies), cut.backwards, gear)
     for bearing in kinematics.bearings:
         if bearing.shaft == shaft.name:
             levels = pass_levels(envelope, strikes(bearing.orders))
@@ -179,9 +179,12 @@ def _shaft_lines(
     return lines, marks
 
 
-def _numbered(passing: int, gear: Gear) -> int:
-    """Number of the tooth that passes from the angle 2 pi passing / teeth on."""
-    return (passing + round(gear.cycle)) % gear.teeth
+def _numbered(passing: int, backwards: bool, gear: Gear) -> int:
+    """Number of the tooth that rings from the angle 2 pi passing / teeth on, or backwards up to there.
+
+    A knock rings on in the sense of rotation: backwards it fills the place below that of its tooth.
+    """
+    return (passing + backwards + round(gear.cycle)) % gear.teeth
 
 
 def _mean(windows: list[Lines]) -> Lines:

@@ -16,11 +16,15 @@ COLUMNS = 1.25  # per recorded sample: with fewer the filter would reach below H
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Turns:
-    """`values` (channel, turn, place); `frequency` (Hz) of the shaft; `orders` of it below HIGHEST of the rate."""
+    """`values` (channel, turn, place); `frequency` (Hz) of the shaft; `orders` of it below HIGHEST of the rate.
+
+    Places are at rising angles also where the shaft runs `backwards`.
+    """
 
     values: np.ndarray
     frequency: float
     orders: int
+    backwards: bool
 
     @property
     def count(self) -> int:
@@ -57,11 +61,12 @@ def cut_turns(
     first, last = np.searchsorted(time, window[0]), np.searchsorted(time, window[1], side="right")
     if last - first < 2:
         return None
-    turned = abs(float(rotation.angle[last - 1] - rotation.angle[first])) * ratio / (2.0 * math.pi)
+    angle = float(rotation.angle[last - 1] - rotation.angle[first])
+    turned = abs(angle) * ratio / (2.0 * math.pi)
     frequency = turned / float(time[last - 1] - time[first])
     if turned < 1.0:
         return None
     rate = (len(time) - 1) / float(time[-1] - time[0])
     places = 2 * math.ceil(0.5 * COLUMNS * rate / frequency)
     values = revolutions(signal, time, rotation, ratio, places, [window])
-    return Turns(values=values, frequency=frequency, orders=int(HIGHEST * rate / frequency))
+    return Turns(values=values, frequency=frequency, orders=int(HIGHEST * rate / frequency), backwards=angle < 0.0)
