@@ -36,7 +36,7 @@ class Features:
     def difference(self) -> np.ndarray:
         """Levels (recording, line) over those of the first recording, dB.
 
-        As in a verdict, orders of a shaft count from LEAST_ORDER over the first recording's rms on: weaker ones are noise.
+        Orders of a shaft count from LEAST_ORDER over the first one's rms on, as in a verdict: weaker ones are noise.
         """
         rms = self.level[0, self.lines.index((WHOLE, "rms"))]
         of_shaft = [feature in OF_SHAFT for _, feature in self.lines]
