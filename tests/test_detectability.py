@@ -100,10 +100,10 @@ def test_a_baseline_that_lies_close_together_gives_false_alarms_and_others_do_no
 
 
 def test_above_n_healthy_machines_is_a_healthy_one_once_in_n_plus_1():
-    found = [detection(machines([0.0, 0.0, 0.0], damaged=1, healthy=9, seed=seed)) for seed in range(100)]
-    low, high = Share(count=sum(one.above_healthy.count for one in found), trials=100).interval
+    found = [detection(machines([0.0, 0.0, 0.0], damaged=1, healthy=9, seed=seed)) for seed in range(60)]
+    low, high = Share(count=sum(one.above_healthy.count for one in found), trials=60).interval
     assert low < 0.1 < high
-    assert high - low < 0.15
+    assert high - low < 0.2
 
 
 def test_the_damaged_shaft_ranks_first_where_it_alone_rises_and_not_where_another_does():
@@ -123,7 +123,7 @@ def test_damage_without_a_tooth_has_no_share_of_teeth():
 
 def test_channels_rank_by_the_rise_of_the_damaged_component_in_healthy_standard_deviations():
     rises = np.array([[0, 0, 2], [0, 0, 6], [30, 30, 0]])  # the third shows much, but not of the wheel
-    best, middle, last = channels([machines(rises, damaged=400, healthy=400)])
+    best, middle, last = channels([machines(rises, damaged=150, healthy=150)])
     assert [one.sensor for one in (best, middle, last)] == ["sensor_2", "sensor_1", "sensor_3"]
     assert best.index == pytest.approx(6.0, abs=0.5)
     assert middle.index == pytest.approx(2.0, abs=0.3)

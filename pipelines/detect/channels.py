@@ -1,8 +1,8 @@
 """Which sensor to buy: how well every sensor and axis alone tells damaged machines from healthy ones.
 
 The detectability index of a feature is d' = (m1 - m0) / s0: the mean level of damaged machines over that of healthy
-ones, in standard deviations of the healthy ones (at least LEAST_SPREAD, as p-values take them). A channel counts by its best feature of the damaged component, the
-same feature for all sizes of the damage.
+ones, in standard deviations of the healthy ones (at least LEAST_SPREAD, as p-values take them). A channel counts by
+its best feature of the damaged component, the same one for all sizes of the damage.
 
 References
 ----------

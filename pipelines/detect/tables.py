@@ -75,11 +75,11 @@ def make_tables(
     left = [job for job in jobs if _made(job) is None]
     for count, _ in enumerate(executor.map(write_table, left), 1):
         told(count, len(left))
-    for folder, rows in {(job.folder, job.rows) for job in jobs}:
-        sweep_rows(folder, rows)
+    for folder, name in {(job.folder, job.rows) for job in jobs}:
+        sweep_rows(folder, name)
     rows = [read_row(job.folder, job.run, job.rows) for job in jobs]
     found = [_table(row["table"]) for row in rows]
-    if rows and not any(found):
+    if rows and all(table is None for table in found):
         raise InputError(f"no run has features: {rows[0]['failure']}")
     return found
 

@@ -121,7 +121,7 @@ def least_p(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> float:
 
 
 def _compared(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tuple[np.ndarray, np.ndarray]:
-    """Levels of the recording (line,) and of the healthy ones (recording, line), dB; weak orders raised to the least."""
+    """Levels of the recording (line,) and the healthy ones (recording, line), dB; weak orders raised to the least."""
     healthy = _levels(recording, baseline)
     least = _least(recording, healthy)
     return np.maximum(recording.levels, least), np.maximum(healthy, least)
