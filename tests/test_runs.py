@@ -22,6 +22,7 @@ diagnosis = { gear = "pinion", windows_s = { lifting = [0.005, 0.07] } }
 """
 RUN = ("run", "mine.toml", "--quiet", "--processes", "1")
 SIGNALS = {"response.nc", "control.nc", "run.json", "log.jsonl", "scene.asked.toml", "scene.resolved.toml"}
+RANKING = {"verdict.json", "verdict.txt"}
 
 
 @pytest.fixture
@@ -43,7 +44,7 @@ def test_a_failing_diagnosis_leaves_the_signals_and_can_be_repeated(here, monkey
         assert main(RUN) == 1
     err = capsys.readouterr().err
     folder = run_folder.find_run("mine")
-    assert {path.name for path in folder.iterdir()} == SIGNALS
+    assert {path.name for path in folder.iterdir()} == SIGNALS | RANKING
     assert "IndexError: boolean index did not match" in err
     assert "(in step diagnose)" in err
     assert f"The signals are kept in {folder}." in err
@@ -60,7 +61,7 @@ def test_a_failing_report_leaves_signals_and_diagnosis(here, monkeypatch, capsys
     err = capsys.readouterr().err
     folder = run_folder.find_run("mine")
     made = {f"diagnosis.{ending}" for ending in ("nc", "csv", "json", "md", "txt")}
-    assert {path.name for path in folder.iterdir()} == SIGNALS | made
+    assert {path.name for path in folder.iterdir()} == SIGNALS | RANKING | made
     assert f"The signals are kept in {folder}." in err
     assert "gearcase diagnose" not in err
     facts = json.loads((folder / "run.json").read_text(encoding="utf-8"))
