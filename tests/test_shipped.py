@@ -52,7 +52,8 @@ def test_a_whole_run_leaves_everything_in_its_folder(whole_run):
     data, folder = whole_run
     assert {p.name for p in folder.iterdir()} == {
         "response.nc", "control.nc", "diagnosis.nc", "diagnosis.csv", "diagnosis.json", "diagnosis.md", "diagnosis.txt",
-        "verdict.json", "verdict.txt", "report.html", "run.json", "log.jsonl", "scene.asked.toml", "scene.resolved.toml",
+        "verdict.json", "verdict.txt", "report.html", "run.json", "log.jsonl",
+        "scene.asked.toml", "scene.resolved.toml",
     }  # fmt: skip
     assert data.acceleration.sel(sensor="sensor_3", axis="z").sizes == {"time": 6000}
     page = (folder / "report.html").read_text(encoding="utf-8")
