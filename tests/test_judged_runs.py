@@ -6,6 +6,7 @@ import pytest
 
 from pipelines.border.errors import InputError
 from pipelines.engine.working import Work
+from pipelines.runs.recorded import recording_path
 from pipelines.runs.run import Options, run_scene
 from pipelines.scene.file import load_scene
 
@@ -39,6 +40,13 @@ def test_a_missing_tooth_is_found_blind_against_other_healthy_machines(tmp_path)
 def test_a_healthy_machine_raises_no_alarm(tmp_path):
     _, verdict = judged(tmp_path / "healthy", {**SHORT, "control": None, "deviations.seed": 20}, baseline=6)
     assert not verdict["alarm"]
+
+
+def test_a_result_folder_may_have_a_dot_in_its_name(tmp_path):
+    (tmp_path / "run.1").mkdir()
+    with pytest.raises(InputError, match="no result here"):
+        recording_path(tmp_path / "run.1")
+    assert recording_path(tmp_path / "record.csv") == tmp_path / "record.csv"
 
 
 def test_against_the_exact_control_there_is_an_order_and_no_p_value(tmp_path):

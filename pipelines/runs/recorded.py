@@ -111,7 +111,9 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
 def recording_path(source: str | Path) -> Path:
     """The file itself, or the response in the folder of a run."""
     path = Path(source)
-    return path if is_regular_file(path) or path.suffix else run_folder.find_run(source) / run_folder.RESPONSE
+    scene_or_folder = path.suffix == ".toml" or path.is_dir()  # a scene means its newest run
+    file = not scene_or_folder and (is_regular_file(path) or bool(path.suffix))
+    return path if file else run_folder.find_run(source) / run_folder.RESPONSE
 
 
 def machine_of(path: Path, machine: str | Path | None) -> tuple[Machine, Windows | None]:
