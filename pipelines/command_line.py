@@ -22,6 +22,12 @@ from pipelines.border.argument_types import (
     share,
 )
 from pipelines.dataset_arguments import dataset_arguments
+from pipelines.finished_arguments import (
+    compare_arguments,
+    diagnose_arguments,
+    export_arguments,
+    orders_arguments,
+)
 from pipelines.scene.presets import PRESETS
 from pipelines.trade.axes import AXES
 
@@ -210,59 +216,6 @@ def _simulate(sub: argparse.ArgumentParser) -> None:
     _out(sub)
 
 
-def _diagnose(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "run",
-        metavar="RECORD",
-        type=path,
-        help="recorded file, result folder, or the name of a scene for its newest result",
-    )
-    sub.add_argument("--machine", metavar="FILE", type=path, help="what a file was recorded on: teeth, speed, sensors")
-    sub.add_argument(
-        "--baseline",
-        metavar="RECORD",
-        type=path,
-        nargs="+",
-        default=[],
-        help="recordings of healthy machines; p-values take 5 or more",
-    )
-    sub.add_argument(
-        "--window", metavar=("START", "END"), type=number, nargs=2, help="seconds that are looked at (default: all)"
-    )
-    sub.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        dest="settings",
-        action="append",
-        default=[],
-        help="look elsewhere, as in --set diagnosis.sensor=sensor_5; repeatable",
-    )
-
-
-def _compare(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "recordings",
-        metavar="RECORD",
-        type=path,
-        nargs="+",
-        help="recorded file, result folder or name of a scene; a part of it by RECORD@lifting or RECORD@0.5:2.5",
-    )
-    sub.add_argument("--machine", metavar="FILE", type=path, help="what was recorded: teeth, speed, sensors")
-    sub.add_argument("--sensor", metavar="NAME", help="of the figures (default: the strongest)")
-    sub.add_argument("--axis", choices=("x", "y", "z"), help="of the figures (default: the strongest)")
-    sub.add_argument("--shaft", metavar="N", type=count, help="of the averages (default: whose features differ most)")
-    sub.add_argument("--out", metavar="FOLDER", type=path, help="for the figures and the CSV (default: ./comparison)")
-
-
-def _run_folder(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "run",
-        metavar="RUN",
-        type=path,
-        help="result folder, or the name of a scene for its newest result",
-    )
-
-
 def _inspect(sub: argparse.ArgumentParser) -> None:
     _work(sub)
     sub.add_argument("--out", metavar="FOLDER", type=path, default=".", help="folder for the pictures (default: here)")
@@ -283,29 +236,6 @@ def _inspect(sub: argparse.ArgumentParser) -> None:
         metavar="N",
         help="instead, natural mode N of the casing: PNG, GIF and HTML",
     )
-
-
-def _export(sub: argparse.ArgumentParser) -> None:
-    _run_folder(sub)
-    sub.add_argument("--to", dest="form", choices=("csv", "mat", "uff"), required=True, help="file format")
-    sub.add_argument(
-        "--out",
-        metavar="FILE",
-        type=path,
-        help="file to write (default: response.csv, .mat or .uff in the run folder)",
-    )
-
-
-def _orders(sub: argparse.ArgumentParser) -> None:
-    _run_folder(sub)
-    sub.add_argument("--shaft", metavar="N", type=count, help="whose orders are counted (default: the driven one)")
-    sub.add_argument("--sensor", metavar="NAME", help="default: that of the diagnosis, or the first")
-    sub.add_argument("--axis", choices=("x", "y", "z"), help="of the sensor (default: that of the diagnosis)")
-    sub.add_argument("--orders", metavar="K", type=positive, nargs="+", default=[], help="cuts (default: mesh orders)")
-    sub.add_argument("--revolutions", metavar="N", type=several, default=16, help="of a window (default 16)")
-    sub.add_argument("--campbell", action="store_true", help="natural frequencies over speed as well")
-    sub.add_argument("--out", metavar="FOLDER", type=path, help="folder for the pictures (default: that of the run)")
-    sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
 
 
 def _cache(sub: argparse.ArgumentParser) -> None:
@@ -406,12 +336,17 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         "gearcase simulate minimal",
         _simulate,
     ),
-    ("diagnose", "print the lines of a fault in a finished run", "gearcase diagnose rig-missing-tooth", _diagnose),
+    (
+        "diagnose",
+        "what is damaged in a recording; the lines of a fault in a finished run",
+        "gearcase diagnose record.csv --machine bench.toml --baseline healthy1.csv healthy2.csv",
+        diagnose_arguments,
+    ),
     (
         "compare",
         "lay recordings side by side: table of features, spectra, averages",
         "gearcase compare bench@lifting bench@lowering",
-        _compare,
+        compare_arguments,
     ),
     ("run", "everything: simulation, healthy control, diagnosis, report", "gearcase run rig-missing-tooth", _run),
     ("campaign", "simulate the scenes of a plan into one labelled data set", "gearcase campaign plan.toml", _campaign),
@@ -427,7 +362,12 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         "gearcase detect bench --over faults.1.depth_mm=0.5:3:0.5 --noise 0.01 0.3",
         _detect,
     ),
-    ("orders", "waterfall, order cuts and natural frequencies of a run-up", "gearcase orders reducer", _orders),
+    (
+        "orders",
+        "waterfall, order cuts and natural frequencies of a run-up",
+        "gearcase orders reducer",
+        orders_arguments,
+    ),
     (
         "inspect",
         "write pictures of a gear pair with its curve and of the casing",
@@ -436,9 +376,9 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
     ),
     (
         "export",
-        "write the signals of a run as CSV or MATLAB file",
+        "write the signals of a run as CSV, MATLAB or UFF file",
         "gearcase export rig-missing-tooth --to mat",
-        _export,
+        export_arguments,
     ),
     ("cache", "show, verify or clear the store of finished steps", "gearcase cache info", _cache),
 )

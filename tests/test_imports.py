@@ -78,7 +78,7 @@ def test_a_file_has_at_most_400_lines(path):
 @pytest.mark.parametrize("path", [p for p in FILES if p.name == "__init__.py"], ids=module_name)
 def test_package_files_are_light(path):
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    most = 80 if module_name(path) == "gearcase" else 20  # the list of public names
+    most = 90 if module_name(path) == "gearcase" else 20  # the list of public names
     assert len(path.read_text(encoding="utf-8").splitlines()) <= most
     at_import = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
     names = {alias.name for node in at_import for alias in node.names} | {getattr(n, "module", "") for n in at_import}
