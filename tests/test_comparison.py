@@ -13,7 +13,7 @@ from pipelines.cli import main
 from pipelines.comparison.curves import curves
 from pipelines.comparison.features import features_of, most_different_shaft
 from pipelines.comparison.part import brought_together, part_of
-from pipelines.orders.kinematics import Gear, Kinematics, Shaft
+from pipelines.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 from pipelines.scene.file import load_scene
 
 SPEED = 25.0  # turns per second of the first shaft
@@ -154,6 +154,21 @@ def test_the_averages_are_those_of_the_shaft_that_differs_most():
     worn = recording({20: 1.0, 0.5: 0.2, 1: 0.01}, noise=0.01)
     found = features_of(together(healthy, worn))
     assert most_different_shaft(found, KINEMATICS, ["shaft_1", "shaft_2"]) == "shaft_2"
+
+
+def test_a_bearing_fault_makes_its_own_shaft_differ_most():
+    bearing = Bearing(name="bearing_1", shaft="shaft_2", orders={"BSF": 2.31})
+    machine = replace(KINEMATICS, bearings=(bearing,))
+    assert bearing.strikes == {"bearing_1 2 BSF": 4.62}
+    time = np.arange(40_000) / 10_000.0
+    carrier = np.random.default_rng(5).standard_normal(time.size)
+    knocks = 1.0 + 0.9 * np.cos(4.62 * 0.5 * 2 * np.pi * SPEED * time)
+    pair = [recording({20: 1.0}, seconds=4.0, noise=0.3) for _ in range(2)]
+    pair[1].acceleration.values += 0.3 * (carrier * knocks)[:, None, None]
+    pair[0].acceleration.values += 0.3 * carrier[:, None, None]
+    found = features_of(tuple(part_of(name, one, machine) for name, one in zip("ab", pair, strict=True)))
+    assert ("bearing_1 2 BSF", "pass_order") in found.lines
+    assert most_different_shaft(found, machine, ["shaft_1", "shaft_2"]) == "shaft_2"
 
 
 def test_an_average_from_an_unknown_mark_is_turned_to_lie_over_the_first():

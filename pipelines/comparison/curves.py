@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipelines.comparison.part import Channel, Part
-from pipelines.features.band import HIGHEST, squared_envelope
+from pipelines.features.band import squared_envelope
 from pipelines.features.recorded import FeatureError, envelope_band
-from pipelines.orders.revolutions import revolutions
+from pipelines.orders.revolutions import HIGHEST, revolutions
 
 MOST_TURNS = 64  # in a block: more lines than can be seen
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipelines.comparison.part import Part
-from pipelines.diagnosis.verdict import LEAST_ORDER
-from pipelines.features.recorded import OF_SHAFT, feature_table
+from pipelines.diagnosis.verdict import least_levels
+from pipelines.features.recorded import feature_table
 from pipelines.features.table import WHOLE, FeatureTable
 from pipelines.orders.kinematics import Kinematics
 
@@ -36,11 +36,10 @@ class Features:
     def difference(self) -> np.ndarray:
         """Levels (recording, line) over those of the first recording, dB.
 
-        Orders of a shaft count from LEAST_ORDER over the first one's rms on, as in a verdict: weaker ones are noise.
+        Weak orders of a shaft are raised to the least level that counts in a verdict: below is noise.
         """
         rms = self.level[0, self.lines.index((WHOLE, "rms"))]
-        of_shaft = [feature in OF_SHAFT for _, feature in self.lines]
-        counted = np.maximum(self.level, np.where(of_shaft, rms + LEAST_ORDER, -np.inf))
+        counted = np.maximum(self.level, least_levels([feature for _, feature in self.lines], float(rms)))
         return counted - counted[0]
 
     @property
@@ -71,9 +70,7 @@ def most_different_shaft(found: Features, kinematics: Kinematics, among: Sequenc
     size = np.abs(found.difference[1:])
 
     def mean(name: str) -> float:
-        own = {name, *(gear.name for gear in kinematics.gears_on(name))}
-        own |= {bearing.name for bearing in kinematics.bearings if bearing.shaft == name}
-        values = size[:, [component in own for component, _ in found.lines]]
+        values = size[:, [kinematics.shaft_of(component) == name for component, _ in found.lines]]
         return float(values[np.isfinite(values)].mean()) if np.isfinite(values).any() else 0.0
 
     return max(among, key=mean)

@@ -40,9 +40,9 @@ def envelopes_figure(found: Curves, names: Sequence[str], kinematics: Kinematics
     """Order spectra of the squared envelope, with the orders of the shafts and of the bearings marked."""
     marks = {plain(shaft.name): shaft.ratio for shaft in kinematics.shafts}
     passes = {
-        plain(f"{bearing.name} {label}"): order * kinematics.shaft(bearing.shaft).ratio
+        plain(strike): order * kinematics.shaft(bearing.shaft).ratio
         for bearing in kinematics.bearings
-        for label, order in bearing.orders.items()
+        for strike, order in bearing.strikes.items()
     }
     top = min(float(found.orders[-1]), max(ENVELOPE_ORDERS, 2.2 * max(passes.values(), default=0.0)))
     low, high = found.band

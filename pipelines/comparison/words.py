@@ -12,7 +12,7 @@ from pipelines.border.grid import Grid
 from pipelines.comparison.features import Features
 from pipelines.comparison.part import Part
 from pipelines.diagnosis.words import NAMES
-from pipelines.features.band import HIGHEST
+from pipelines.orders.revolutions import HIGHEST
 
 LETTERS = "ABCDEFGHIJ"  # names of the recordings in tables and figures, so many are compared
 IN_SIGNAL_UNITS = ("rms", "order_1", "order_2", "tsa_rms", "difference_rms")  # the others are ratios

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 
 from pipelines.diagnosis.prediction import clopper_pearson
 from pipelines.diagnosis.verdict import ALARM, judge, least_p
-from pipelines.features.passing import strikes
 from pipelines.features.table import FeatureTable
 from pipelines.orders.kinematics import Kinematics
 
@@ -89,8 +88,8 @@ def detection(machines: Machines) -> Detection:
         p = least_p(table, machines.baseline)
         alarms.append(p <= ALARM)
         above.append(p < lowest)
-        shafts = {_shaft(component, machines.kinematics) for component, _ in damage}
-        first.append(_shaft(verdict.first.component, machines.kinematics) in shafts)
+        shafts = {machines.kinematics.shaft_of(component) for component, _ in damage}
+        first.append(machines.kinematics.shaft_of(verdict.first.component) in shafts)
         teeth += [_tooth_found(table, one, machines.kinematics) for one in damage[:1] if one[1] is not None]
     return Detection(
         false_alarms=share([p <= ALARM for p in healthy]),
@@ -116,15 +115,6 @@ def _against_others(machines: Machines) -> Share:
 def share(found: Sequence[bool]) -> Share:
     """How many are true."""
     return Share(count=sum(map(bool, found)), trials=len(found))
-
-
-def _shaft(component: str, kinematics: Kinematics) -> str:
-    """The shaft that a component sits on, or is."""
-    places = {gear.name: gear.shaft for gear in kinematics.gears}
-    places |= {
-        f"{bearing.name} {label}": bearing.shaft for bearing in kinematics.bearings for label in strikes(bearing.orders)
-    }
-    return places.get(component, component)
 
 
 def _tooth_found(table: FeatureTable, damage: Damage, kinematics: Kinematics) -> bool:

@@ -5,7 +5,6 @@ A fault on the faster of two such shafts repeats with the slower one, too; gears
 
 from __future__ import annotations
 
-from pipelines.features.passing import strikes
 from pipelines.orders.kinematics import Kinematics
 
 SAME = 1e-3  # of a ratio; over a window of some hundred turns lines this close fall together
@@ -22,9 +21,7 @@ def alike(name: str, kinematics: Kinematics) -> tuple[str, ...]:
         if name in places:
             return tuple(other for other, ratio in places.items() if other != name and _nested(places[name], ratio))
     passing = {
-        f"{bearing.name} {label}": (bearing.shaft, order)
-        for bearing in kinematics.bearings
-        for label, order in strikes(bearing.orders).items()
+        strike: (bearing.shaft, order) for bearing in kinematics.bearings for strike, order in bearing.strikes.items()
     }
     return tuple(other for other, place in passing.items() if other != name and place == passing.get(name))
 

@@ -101,7 +101,7 @@ def judge(recording: FeatureTable, baseline: Sequence[FeatureTable], kinematics:
         alarm=None if p is None else bool(p.min() <= ALARM),
         healthy=len(baseline),
         tested=tested,
-        false_alarms=sum(_is_alarm(healthy[i], np.delete(healthy, i, axis=0)) for i in range(tested)),
+        false_alarms=sum(_least_p(healthy[i], np.delete(healthy, i, axis=0)) <= ALARM for i in range(tested)),
         left_out=recording.left_out,
     )
 
@@ -117,13 +117,18 @@ def least_p(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> float:
     ------
     BaselineError : as `judge`
     """
-    return float(holm(p_values(*_compared(recording, baseline))).min())
+    return _least_p(*_compared(recording, baseline))
+
+
+def _least_p(levels: np.ndarray, healthy: np.ndarray) -> float:
+    return float(holm(p_values(levels, healthy)).min())
 
 
 def _compared(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tuple[np.ndarray, np.ndarray]:
     """Levels of the recording (line,) and the healthy ones (recording, line), dB; weak orders raised to the least."""
     healthy = _levels(recording, baseline)
-    least = _least(recording, healthy)
+    rms = healthy[:, recording.lines.index((WHOLE, "rms"))].mean()
+    least = least_levels(recording.feature, float(rms))
     return np.maximum(recording.levels, least), np.maximum(healthy, least)
 
 
@@ -146,14 +151,15 @@ def _levels(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> np.nda
     return np.array([other.levels for other in baseline])
 
 
-def _least(recording: FeatureTable, healthy: np.ndarray) -> np.ndarray:
-    """Levels (line,) below which nothing is evidence: an order of a shaft that hardly adds to the healthy vibration."""
-    rms = healthy[:, recording.lines.index((WHOLE, "rms"))].mean()
-    return np.where(np.isin(recording.feature, list(OF_SHAFT)), rms + LEAST_ORDER, -np.inf)
+def least_levels(features: Sequence[str], rms: float) -> np.ndarray:
+    """Levels (feature,), dB, below which nothing is evidence: orders of a shaft that hardly add to the vibration.
 
-
-def _is_alarm(levels: np.ndarray, others: np.ndarray) -> bool:
-    return bool(holm(p_values(levels, others)).min() <= ALARM)
+    Parameters
+    ----------
+    features : names
+    rms : level of the healthy vibration, dB
+    """
+    return np.where(np.isin(features, list(OF_SHAFT)), rms + LEAST_ORDER, -np.inf)
 
 
 def _finding(

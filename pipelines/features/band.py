@@ -1,10 +1,8 @@
-"""The squared envelope of a band, and the highest frequency that is looked at."""
+"""The squared envelope of a band."""
 
 from __future__ import annotations
 
 import numpy as np
-
-HIGHEST = 0.45  # of the sampling rate; filters of recorders roll off above
 
 
 def squared_envelope(signal: np.ndarray, share: tuple[float, float]) -> np.ndarray:

@@ -17,11 +17,6 @@ FLOOR = 0.1  # of a pass order, to either side: where the floor is read
 FEWEST_LINES = 8  # of the spectrum, in the floor
 
 
-def strikes(orders: Mapping[str, float]) -> dict[str, float]:
-    """Pass orders as damage repeats: that of a rolling element strikes both rings, twice per turn of it."""
-    return {("2 BSF" if name == "BSF" else name): (2.0 if name == "BSF" else 1.0) * one for name, one in orders.items()}
-
-
 def pass_levels(envelope: np.ndarray, orders: Mapping[str, float]) -> dict[str, np.ndarray]:
     """Level (channel,) of each pass order: its lines over their floors, root mean square over three harmonics.
 
@@ -31,17 +26,17 @@ def pass_levels(envelope: np.ndarray, orders: Mapping[str, float]) -> dict[str, 
     Parameters
     ----------
     envelope : squared envelope (channel, turn, place)
-    orders : label -> cycles per turn; of an element, twice its turns: it strikes both rings
+    orders : name -> cycles per turn
     """
     channels, turns, places = envelope.shape
     laid = envelope.reshape(channels, turns * places)
     window = np.hanning(turns * places + 1)[:-1]
     lines = np.abs(np.fft.rfft((laid - laid.mean(axis=-1, keepdims=True)) * window, axis=-1))
     found = {}
-    for label, order in orders.items():
+    for name, order in orders.items():
         levels = [_over_floor(lines, n * order * turns) for n in range(1, PASS_HARMONICS + 1)]
         if all(level is not None for level in levels):
-            found[label] = np.sqrt(np.mean([level**2 for level in levels if level is not None], axis=0))
+            found[name] = np.sqrt(np.mean([level**2 for level in levels if level is not None], axis=0))
     return found
 
 

@@ -19,14 +19,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.features.average import FEWEST_TURNS, average
-from pipelines.features.band import HIGHEST, squared_envelope
+from pipelines.features.band import squared_envelope
 from pipelines.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
-from pipelines.features.passing import pass_levels, strikes
+from pipelines.features.passing import pass_levels
 from pipelines.features.statistics import statistics
 from pipelines.features.synchronous import synchronous
 from pipelines.features.table import WHOLE, FeatureTable
 from pipelines.features.turns import Turns, cut_turns
 from pipelines.orders.kinematics import Gear, Kinematics, Shaft
+from pipelines.orders.revolutions import HIGHEST
 from pipelines.orders.rotation import Rotation
 
 if TYPE_CHECKING:
@@ -174,8 +175,7 @@ def _shaft_lines(
         marks[gear.name] = _numbered(marked_tooth(energies), cut.backwards, gear)
     for bearing in kinematics.bearings:
         if bearing.shaft == shaft.name:
-            levels = pass_levels(envelope, strikes(bearing.orders))
-            lines |= {(f"{bearing.name} {label}", PASSING): level for label, level in levels.items()}
+            lines |= {(name, PASSING): level for name, level in pass_levels(envelope, bearing.strikes).items()}
     return lines, marks
 
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipelines.features.band import HIGHEST
-from pipelines.orders.revolutions import revolutions
+from pipelines.orders.revolutions import HIGHEST, revolutions
 from pipelines.orders.rotation import Rotation
 
 COLUMNS = 1.25  # per recorded sample: with fewer the filter would reach below HIGHEST of the rate

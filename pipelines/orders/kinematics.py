@@ -40,6 +40,13 @@ class Bearing:
     shaft: str
     orders: Mapping[str, float]
 
+    @property
+    def strikes(self) -> dict[str, float]:
+        """Orders at which damage knocks, by component: that of a rolling element meets both rings, twice per turn."""
+        twice = {"BSF": ("2 BSF", 2.0)}
+        named = ((twice.get(label, (label, 1.0)), order) for label, order in self.orders.items())
+        return {f"{self.name} {label}": times * order for (label, times), order in named}
+
 
 @dataclass(frozen=True, kw_only=True)
 class Kinematics:
@@ -60,6 +67,12 @@ class Kinematics:
     def gears_on(self, shaft: str) -> tuple[Gear, ...]:
         """The gears on a shaft."""
         return tuple(gear for gear in self.gears if gear.shaft == shaft)
+
+    def shaft_of(self, component: str) -> str:
+        """The shaft that a gear or a strike of a bearing sits on; a shaft itself."""
+        places = {gear.name: gear.shaft for gear in self.gears}
+        places |= {strike: bearing.shaft for bearing in self.bearings for strike in bearing.strikes}
+        return places.get(component, component)
 
     def mesh_orders(self) -> dict[int, float]:
         """Tooth meshing of every pair, in orders of the first shaft, by the number of the pair."""

@@ -26,6 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipelines.orders.kinematics import Kinematics
+from pipelines.orders.revolutions import HIGHEST
 from pipelines.orders.rotation import Rotation, RotationError
 from pipelines.orders.smoothing import smooth
 from pipelines.orders.speed_search import RANGE, speed_path
@@ -40,7 +41,6 @@ FEWEST_WINDOWS = 6
 STEADY = 0.6  # rad; the second difference of a phase must scatter less, a phase at random scatters by 1.8
 LARGEST = 2.5  # rad; of a second difference: one near pi may hide a turn of the phase that is lost
 NEIGHBOURS = 4.0 / 3.0  # power of the slow part of the noise: windows that overlap by half correlate by 1/6
-_HIGHEST = 0.45  # of the sampling rate
 
 
 class _Line(NamedTuple):
@@ -84,10 +84,10 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
         )
     change = 1.0 / (mesh * seconds**2)
     orders = mesh * np.arange(1, HARMONICS + 1)
-    orders = orders[orders * nominal * (1.0 + RANGE) < _HIGHEST * rate]
+    orders = orders[orders * nominal * (1.0 + RANGE) < HIGHEST * rate]
     if not len(orders):
         raise RotationError(
-            f"the mesh of stage {stage} lies at {mesh * nominal:.4g} Hz, beyond {_HIGHEST:g} of the sampling rate of "
+            f"the mesh of stage {stage} lies at {mesh * nominal:.4g} Hz, beyond {HIGHEST:g} of the sampling rate of "
             f"{rate:g} Hz. Sample faster, or record a tachometer."
         )
     search = _search_orders(kinematics, rate)
@@ -124,7 +124,7 @@ def _search_orders(kinematics: Kinematics, rate: float) -> dict[float, float]:
     A sideband counts half as much as the line next to it, so that a group without sidebands is not found beside itself.
     """
     found: dict[float, float] = {}
-    top = _HIGHEST * rate / ((kinematics.frequency or 0.0) * (1.0 + RANGE))
+    top = HIGHEST * rate / ((kinematics.frequency or 0.0) * (1.0 + RANGE))
     for gear in kinematics.gears:
         ratio = kinematics.shaft(gear.shaft).ratio
         for harmonic in range(1, HARMONICS + 1):

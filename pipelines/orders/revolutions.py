@@ -21,6 +21,7 @@ import numpy as np
 from fem.numerics.interpolation import HALF_WIDTH, interpolated
 from pipelines.orders.rotation import Rotation
 
+HIGHEST = 0.45  # of the sampling rate: what is looked at; filters of recorders roll off above
 LEAST_SPEED = 0.05  # of the highest: a shaft that is slower stands or reverses
 _TURN_TOLERANCE = 1e-9  # turns, rounding of the ends of a window
 

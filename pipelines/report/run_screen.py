@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -10,9 +9,10 @@ import numpy as np
 
 from pipelines.diagnosis import words
 from pipelines.diagnosis.verdict import Finding, Verdict
-from pipelines.features.average import FEWEST_TURNS
-from pipelines.features.band import HIGHEST
-from pipelines.orders.order_spectra import OrderError, over_angle
+from pipelines.features.average import FEWEST_TURNS, average
+from pipelines.features.turns import cut_turns
+from pipelines.orders.revolutions import HIGHEST
+from pipelines.orders.rotation import Rotation
 from pipelines.plant.looked_for import LookedFor
 from pipelines.plant.plant import Plant
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
@@ -184,8 +184,8 @@ def _average(
     reference = None if other is None else np.interp(place, other[0], other[1], period=teeth)
     across = f"teeth of the {name}"
     caption = (
-        f"Time-synchronous average over {turns} turns of {settings.shaft} without its mesh orders, {_channel(asked)}, "
-        f"{window}."
+        f"Time-synchronous average over {turns} turns of {settings.shaft} without its mesh orders (residual signal), "
+        f"{_channel(asked)}, {window}."
     )
     if suspected is None:
         place = place + middle
@@ -208,10 +208,7 @@ def _average(
 def over_teeth(
     run: xarray.Dataset, settings: DiagnosisSettings, stream: int, window: str, meshes: tuple[int, ...], start: float
 ) -> tuple[np.ndarray, np.ndarray, int] | None:
-    """Places (n,) in teeth within half a turn of 0, the average (n,) there and how many turns are in it.
-
-    The orders of all meshes of the shaft are taken out of it (residual signal; Stewart 1977, see
-    `pipelines.features.synchronous`): what is left does not repeat from tooth to tooth.
+    """Places (n,) in teeth within half a turn of 0, the residual (n,) there and how many turns are in it.
 
     Parameters
     ----------
@@ -222,27 +219,18 @@ def over_teeth(
     """
     if "shaft_angle" not in run:
         return None
-    times, (begin, end) = run.time.values, settings.windows[window]
-    inside = (times >= begin) & (times <= end)
-    signal, time = noisy_signal(run, settings, stream)[inside], times[inside]
-    angle = np.asarray(run.shaft_angle.sel(shaft=settings.shaft).values, dtype=float)[inside]
-    try:
-        turned = over_angle(signal, time, angle, shaft=str(settings.shaft), revolutions=FEWEST_TURNS)
-    except OrderError:
+    signal = noisy_signal(run, settings, stream).reshape(run.sizes["time"], -1).T
+    angle = np.asarray(run.shaft_angle.sel(shaft=settings.shaft).values, dtype=float)
+    rotation = Rotation(angle=angle, source="recorded angle", error=0.0, absolute=True)
+    turns = cut_turns(signal, run.time.values, rotation, 1.0, settings.windows[window])
+    if turns is None or turns.count < FEWEST_TURNS:
         return None
-    turns = len(turned.values) // turned.per_turn
-    average = turned.values[: turns * turned.per_turn].reshape(turns, turned.per_turn, -1).mean(axis=0)
-    average = average[:, int(np.ptp(average, axis=0).argmax())]  # of several axes the one that moves most
-    teeth, lines = meshes[0], np.fft.rfft(average)
-    for z in meshes:
-        lines[::z] = 0.0
-    average = np.fft.irfft(lines, turned.per_turn)
-    first = start + teeth * float(np.interp(turned.time[0], time, angle)) / (2 * math.pi)
-    sense = 1.0 if angle[-1] >= angle[0] else -1.0
-    place = first + sense * teeth * np.arange(turned.per_turn) / turned.per_turn
-    place = (place + teeth / 2) % teeth - teeth / 2
+    residual = average(turns.values, turns.orders, dict(enumerate(meshes))).residual
+    residual = residual[int(np.ptp(residual, axis=1).argmax())]  # of several axes the one that moves most
+    teeth = meshes[0]
+    place = (start + teeth * np.arange(len(residual)) / len(residual) + teeth / 2) % teeth - teeth / 2
     order = np.argsort(place)
-    return place[order], average[order], turns
+    return place[order], residual[order], turns.count
 
 
 def _envelope(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> Envelope | None:
