@@ -174,14 +174,14 @@ def plan_of(settings, **design):
 
 def test_no_pair_of_gears_serves_twice_and_the_damaged_tooth_moves_on():
     over = (Over(key="faults.1.depth_mm", values=(1.0, 2.0)),)
-    plan = plan_of({}, over=over, baseline=5, healthy=3, damaged=2)
+    plan = plan_of({"deviations.seed": 101}, over=over, baseline=5, healthy=3, damaged=2)
     draws = planned(plan)
     seeds = {state: {draw.values["specimen"] for draw in draws if draw.values["state"] == state} for state in
              (HEALTHY, DAMAGED)}  # fmt: skip
     assert seeds == {HEALTHY: set(range(1, 9)), DAMAGED: {9, 10}}
     assert len(draws) == 8 + 2 * 2
     scenes = [scene_of(plan, draw.values).scene for draw in draws]
-    assert [scene.deviations.seed for scene in scenes] == [draw.values["specimen"] for draw in draws]
+    assert [scene.deviations.seed for scene in scenes] == [100 + draw.values["specimen"] for draw in draws]
     faults = [scene.faults[0] for scene in scenes if scene.faults]
     assert [(fault.depth_mm, fault.tooth) for fault in faults] == [(1.0, 19), (1.0, 20), (2.0, 19), (2.0, 20)]
 

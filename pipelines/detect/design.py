@@ -1,7 +1,7 @@
 """The campaign of a study of detectability: which machines are simulated, healthy ones and damaged ones.
 
-Every machine has deviations of its own (`deviations.seed`), and no seed serves twice: the first ones are the healthy
-baseline, then come the healthy machines that test for false alarms, then the damaged ones. The damaged tooth goes on by
+Every machine has deviations of its own, and no seed serves twice: they count up from the scene's `deviations.seed`, so
+that another one there means other machines. The first ones are the healthy baseline, then come the healthy machines that test for false alarms, then the damaged ones. The damaged tooth goes on by
 one from machine to machine. Values that belong to the fault change the damaged machines alone; others, as a load,
 change all, and each such value has a baseline of its own.
 """
@@ -37,8 +37,8 @@ class Design:
     damaged: int = 10
 
     @property
-    def seeds(self) -> tuple[int, int, int]:
-        """The last seed of the baseline, of the healthy machines, and of all."""
+    def specimens(self) -> tuple[int, int, int]:
+        """Numbers, counted from 1, of the last machine of the baseline, of the healthy ones, and of all."""
         return self.baseline, self.baseline + self.healthy, self.baseline + self.healthy + self.damaged
 
 
@@ -58,10 +58,10 @@ def detection_plan(loaded: LoadedScene, plant: Plant, design: Design) -> Plan:
     _check(loaded, plant, design)
     healthy = healthy_case(loaded)
     damaged: dict[str, Any] = {"faults": _shifted_teeth(loaded.scene)} if loaded.scene.tooth_faults else {}
-    common: dict[str, Any] = {"deviations": {"seed": f"${SPECIMEN}"}}
+    common: dict[str, Any] = {"deviations": {"seed": f"$({loaded.scene.deviations.seed} + {SPECIMEN}) - 1"}}
     for over in design.over:
         _put(damaged if over.first_key in healthy else common, over)
-    _, last_healthy, last = design.seeds
+    _, last_healthy, last = design.specimens
     return plan_on(
         loaded,
         {

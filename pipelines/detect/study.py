@@ -54,11 +54,11 @@ class Detectability:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Run:
-    """A run that is done: number, whether it is healthy, its values, those that healthy machines share, checksums."""
+    """A run that is done: number, whether it is healthy, number of its machine, its values, those that healthy machines share, checksums."""
 
     run: int
     healthy: bool
-    seed: int
+    specimen: int
     values: Values
     shared: Values
     drawn: Mapping[str, Any]
@@ -149,7 +149,7 @@ def _runs(plan: Plan, folder: Path, design: Design) -> list[_Run]:
         _Run(
             run=row["run"],
             healthy=row["values"][STATE] == HEALTHY,
-            seed=row["values"][SPECIMEN],
+            specimen=row["values"][SPECIMEN],
             values=tuple(row["values"][name] for name in names),
             shared=tuple(row["values"][name] for name in shared),
             drawn=row["values"],
@@ -172,7 +172,7 @@ def _machines(
     own = [run for run in runs if not run.healthy and run.values == values]
     shared = own[0].shared
     others = [run for run in runs if run.healthy and run.shared == shared and run.run in tables]
-    baseline = [tables[run.run] for run in others if run.seed <= design.baseline]
+    baseline = [tables[run.run] for run in others if run.specimen <= design.baseline]
     if len(baseline) < FEWEST_FOR_P:
         raise InputError(
             f"{len(baseline)} healthy machines of the baseline have features, p-values take {FEWEST_FOR_P}; "
@@ -181,7 +181,7 @@ def _machines(
     return Machines(
         kinematics=known[shared],
         baseline=baseline,
-        healthy=[tables[run.run] for run in others if run.seed > design.baseline],
+        healthy=[tables[run.run] for run in others if run.specimen > design.baseline],
         damaged=[(tables[run.run], damages[run.run]) for run in own if run.run in tables],
     )
 

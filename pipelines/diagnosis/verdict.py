@@ -20,7 +20,7 @@ from pipelines.features.table import WHOLE, FeatureTable
 from pipelines.orders.kinematics import Kinematics
 
 LEAST_ORDER = -40.0  # dB over the rms of healthy recordings: weaker orders of a shaft come and go
-ALARM = 0.001  # chance of an alarm from a healthy recording, if the model holds
+ALARM = 0.001  # chance of an alarm from a healthy recording in the mean over baselines, if the model holds
 
 
 class BaselineError(ValueError):
