@@ -1,9 +1,10 @@
 """The campaign of a study of detectability: which machines are simulated, healthy ones and damaged ones.
 
 Every machine has deviations of its own, and no seed serves twice: they count up from the scene's `deviations.seed`, so
-that another one there means other machines. The first ones are the healthy baseline, then come the healthy machines that test for false alarms, then the damaged ones. The damaged tooth goes on by
-one from machine to machine. Values that belong to the fault change the damaged machines alone; others, as a load,
-change all, and each such value has a baseline of its own.
+that another one there means other machines. The first ones are the healthy baseline, then come the healthy machines
+that test for false alarms, then the damaged ones. The damaged tooth goes on by one from machine to machine. Values that
+belong to the fault change the damaged machines alone; others, as a load, change all, and each such value has a baseline
+of its own.
 """
 
 from __future__ import annotations

@@ -54,7 +54,8 @@ class Detectability:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Run:
-    """A run that is done: number, whether it is healthy, number of its machine, its values, those that healthy machines share, checksums."""
+    """A run that is done: its number, whether it is healthy, the number of its machine, its values, those that healthy
+    machines share, checksums."""
 
     run: int
     healthy: bool
