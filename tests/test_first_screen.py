@@ -5,7 +5,12 @@ import pytest
 import xarray
 from synthetic import MESH, WHEEL
 
-from pipelines.report.run_screen import over_teeth
+from pipelines.diagnosis.verdict import Finding, Verdict
+from pipelines.orders.kinematics import Gear
+from pipelines.orders.plant_kinematics import kinematics_of
+from pipelines.plant.checks.validity import checked_plant
+from pipelines.report.run_screen import looked_at, over_teeth
+from pipelines.scene.file import load_scene
 from pipelines.signals.analysis import DiagnosisSettings
 
 RATE, TEETH, SECONDS = 10_000, 55, 2.0
@@ -39,9 +44,24 @@ def test_the_tooth_that_knocks_stands_in_the_middle_of_an_average_from_it(tooth,
         axis="z",
         shaft="shaft_2",
     )
-    place, value, turns = over_teeth(knocking(tooth, sense), settings, 0, "steady", (TEETH,), -tooth)
+    wheel = Gear(name="wheel", shaft="shaft_2", stage=1, teeth=TEETH, cycle=-tooth)
+    place, value, turns = over_teeth(knocking(tooth, sense), settings, 0, "steady", wheel, [TEETH])
     assert turns == 8
     assert np.all(np.diff(place) > 0)
     assert (place.min(), place.max()) == pytest.approx((-TEETH / 2, TEETH / 2), abs=0.05)
     assert place[value.argmax()] == pytest.approx(0.0, abs=0.05)
     assert np.abs(value[np.abs(place) > 2]).max() < 0.1  # the hum, five times as strong as the knock, is gone
+
+
+def finding(component):
+    return Finding(component=component, rise=9.0, p=1e-6, evidence=(), alike=(), tooth=3)
+
+
+@pytest.mark.parametrize(("alarm", "shown"), [(True, "stage 1 pinion"), (False, "stage 1 wheel")])
+def test_the_average_is_that_of_the_gear_that_an_alarm_names(alarm, shown):
+    plant = checked_plant(load_scene("bench").scene, "bench")
+    findings = (finding("stage 1 pinion"), finding("stage 1 wheel"))
+    verdict = Verdict(
+        findings=findings, whole=finding("whole machine"), alarm=alarm, healthy=8, tested=8, false_alarms=0, left_out=()
+    )
+    assert looked_at(plant, verdict, kinematics_of(plant.layout, ())).name == shown

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,8 @@ from pipelines.diagnosis import words
 from pipelines.diagnosis.verdict import Finding, Verdict
 from pipelines.features.average import FEWEST_TURNS, average
 from pipelines.features.turns import cut_turns
+from pipelines.orders.kinematics import Gear, Kinematics
+from pipelines.orders.plant_kinematics import kinematics_of
 from pipelines.orders.revolutions import HIGHEST
 from pipelines.orders.rotation import Rotation
 from pipelines.plant.looked_for import LookedFor
@@ -115,17 +118,20 @@ def _evidence(diagnoses: Sequence[Diagnosis]) -> str:
 
 def _numbers(plant: Plant, settings: DiagnosisSettings | None) -> list[tuple[str, str]]:
     asked, layout = plant.looked_for, plant.layout
-    stage, shaft = plant.facts.stages[asked.stage - 1], _shaft(plant)
+    stage = plant.facts.stages[asked.stage - 1]
+    shaft = layout.pair_shafts[asked.stage - 1][asked.gear == "wheel"]
     f_m = stage.mesh_frequency if settings is None else settings.mesh_frequency
     f_r = stage.wheel_frequency if asked.gear == "wheel" else stage.pinion_frequency
     f_r = f_r if settings is None else settings.revolution_frequency
     speed = 60 * f_r * abs(layout.shaft_ratios[layout.driven] / layout.shaft_ratios[shaft])
+    pair = layout.pairs[asked.stage - 1]
+    teeth = pair.wheel.teeth if asked.gear == "wheel" else pair.pinion.teeth
     measured = settings is not None and not asked.speed_is_known
     found = [
         ("Speed of the motor" + (", measured" if measured else ""), f"{speed:.5g} rpm"),
         ("Tooth meshing f_m", f"{f_m:.5g} Hz"),
         (f"Turns of shaft {shaft + 1}, f_r", f"{f_r:.5g} Hz"),
-        ("Gear looked at", f"stage {asked.stage} {asked.gear}, {_teeth(plant)} teeth"),
+        ("Gear looked at", f"stage {asked.stage} {asked.gear}, {teeth} teeth"),
     ]
     return found + ([("Channel", _channel(asked))] if asked.sensor else [])
 
@@ -134,27 +140,14 @@ def _channel(asked: LookedFor) -> str:
     return f"{asked.sensor}, {'all axes' if asked.axis == 'resultant' else asked.axis}"
 
 
-def _shaft(plant: Plant) -> int:
-    """Number (from 0) of the shaft of the gear that is looked at."""
-    asked = plant.looked_for
-    return plant.layout.pair_shafts[asked.stage - 1][asked.gear == "wheel"]
-
-
-def _teeth(plant: Plant) -> int:
-    pair = plant.layout.pairs[plant.looked_for.stage - 1]
-    return pair.wheel.teeth if plant.looked_for.gear == "wheel" else pair.pinion.teeth
-
-
-def _gears(plant: Plant) -> tuple[int, ...]:
-    """Teeth of all gears on the shaft that is looked at."""
-    shaft = _shaft(plant)
-    pairs = zip(plant.layout.pairs, plant.layout.pair_shafts, strict=True)
-    return tuple(
-        gear.teeth
-        for pair, shafts in pairs
-        for gear, its in zip((pair.pinion, pair.wheel), shafts, strict=True)
-        if its == shaft
-    )
+def looked_at(plant: Plant, verdict: Verdict | None, kinematics: Kinematics) -> Gear:
+    """The gear that ranks first in an alarm, else the one that the scene looks at."""
+    gears = {gear.name: gear for gear in kinematics.gears}
+    if verdict is not None and verdict.alarm:
+        ranked = [gears[finding.component] for finding in verdict.findings[:1] if finding.component in gears]
+        if ranked:
+            return ranked[0]
+    return gears[f"stage {plant.looked_for.stage} {plant.looked_for.gear}"]
 
 
 def _average(
@@ -164,28 +157,27 @@ def _average(
 
     Suspected is the tooth that the verdict names, else the damaged one of the scene.
     """
-    asked, teeth = plant.looked_for, _teeth(plant)
-    name = f"stage {asked.stage} {asked.gear}"
-    named = [one.tooth for one in verdict.findings if one.component == name] if verdict is not None else []
-    damaged = [fault.tooth for fault in plant.faults_of(asked.stage) if fault.gear == asked.gear]
+    kinematics = kinematics_of(plant.layout, ())
+    gear = looked_at(plant, verdict, kinematics)
+    named = [one.tooth for one in verdict.findings if one.component == gear.name] if verdict is not None else []
+    damaged = [fault.tooth for fault in plant.faults_of(gear.stage) if gear.name == f"stage {gear.stage} {fault.gear}"]
     suspected = next((tooth for tooth in (*named, *damaged) if tooth is not None), None)
-    middle = teeth / 2 if suspected is None else float(suspected)
+    middle = gear.teeth / 2 if suspected is None else float(suspected)
     window = next(iter(settings.windows))
-    meshes = (teeth, *_gears(plant))
-    start = plant.layout.cycles_at_start[asked.stage - 1]
+    meshes = [other.teeth for other in kinematics.gears_on(gear.shaft)]
     found = [
-        over_teeth(run, settings, stream, window, meshes, start - middle)
+        over_teeth(run, settings, stream, window, replace(gear, cycle=gear.cycle - middle), meshes)
         for run, stream in zip(runs, streams(len(runs)), strict=True)
     ]
     if found[0] is None:
         return None
     place, value, turns = found[0]
     other = found[1] if len(found) > 1 else None
-    reference = None if other is None else np.interp(place, other[0], other[1], period=teeth)
-    across = f"teeth of the {name}"
+    reference = None if other is None else np.interp(place, other[0], other[1], period=gear.teeth)
+    across = f"teeth of the {gear.name}"
     caption = (
-        f"Time-synchronous average over {turns} turns of {settings.shaft} without its mesh orders (residual signal), "
-        f"{_channel(asked)}, {window}."
+        f"Time-synchronous average over {turns} turns of {gear.shaft} without its mesh orders (residual signal), "
+        f"{_channel(plant.looked_for)}, {window}."
     )
     if suspected is None:
         place = place + middle
@@ -206,7 +198,7 @@ def _average(
 
 
 def over_teeth(
-    run: xarray.Dataset, settings: DiagnosisSettings, stream: int, window: str, meshes: tuple[int, ...], start: float
+    run: xarray.Dataset, settings: DiagnosisSettings, stream: int, window: str, gear: Gear, meshes: Sequence[int]
 ) -> tuple[np.ndarray, np.ndarray, int] | None:
     """Places (n,) in teeth within half a turn of 0, the residual (n,) there and how many turns are in it.
 
@@ -214,21 +206,21 @@ def over_teeth(
     ----------
     run, settings, stream : signals, the channel, the number of its noise
     window : whose turns are averaged
-    meshes : teeth of the gear, then of all gears on its shaft
-    start : place at t = 0
+    gear : its `cycle` is the place where the angle of its shaft is zero
+    meshes : teeth of all gears on its shaft
     """
     if "shaft_angle" not in run:
         return None
     signal = noisy_signal(run, settings, stream).reshape(run.sizes["time"], -1).T
-    angle = np.asarray(run.shaft_angle.sel(shaft=settings.shaft).values, dtype=float)
+    angle = np.asarray(run.shaft_angle.sel(shaft=gear.shaft).values, dtype=float)
     rotation = Rotation(angle=angle, source="recorded angle", error=0.0, absolute=True)
     turns = cut_turns(signal, run.time.values, rotation, 1.0, settings.windows[window])
     if turns is None or turns.count < FEWEST_TURNS:
         return None
     residual = average(turns.values, turns.orders, dict(enumerate(meshes))).residual
     residual = residual[int(np.ptp(residual, axis=1).argmax())]  # of several axes the one that moves most
-    teeth = meshes[0]
-    place = (start + teeth * np.arange(len(residual)) / len(residual) + teeth / 2) % teeth - teeth / 2
+    half, count = gear.teeth / 2, len(residual)
+    place = (gear.cycle + gear.teeth * np.arange(count) / count + half) % gear.teeth - half
     order = np.argsort(place)
     return place[order], residual[order], turns.count
 
