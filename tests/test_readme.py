@@ -9,7 +9,8 @@ import pytest
 from pipelines.cli import main
 from pipelines.command_line import COMMANDS
 
-README = (Path(__file__).resolve().parent.parent / "README.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).resolve().parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
 
 
@@ -41,3 +42,18 @@ def test_the_blocks_of_the_readme_work(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize("line", re.findall(r"`(gearcase [a-z][^`]*)`", README))
 def test_commands_named_in_the_text_exist(line):
     assert line.split()[1] in {name for name, *_ in COMMANDS}
+
+
+def test_the_claims_in_the_readme_are_those_of_the_verification_page():
+    rows = [line for line in README.splitlines() if re.search(r"(holds|told|hold) \|$", line)]
+    tables = [
+        [cell.strip() for cell in line.strip("|").split("|")]
+        for line in (ROOT / "docs" / "verification.md").read_text(encoding="utf-8").splitlines()
+        if line.startswith("| ")
+    ]
+    assert len(rows) == 5
+    for row in rows:
+        name, least, without_losses, friction = (cell.strip() for cell in row.strip("|").split("|"))
+        assert [name, least, without_losses, friction] in [
+            [*table[:3], table[4]] for table in tables if len(table) == 6
+        ]
