@@ -1,8 +1,8 @@
 """Spectra of a run whose speed changes: over the orders of a shaft, or over frequency, window by window.
 
-Orders count cycles per revolution of a shaft. The signal is read at even steps of the shaft's angle (cubic between
-samples), so that a line that follows the shaft stays sharp whatever the speed does; windows of whole revolutions
-overlap by half. The angle is that of the shaft itself, recorded with the response.
+Orders count cycles per revolution of a shaft. The signal is read at even steps of the shaft's angle, band-limited
+(`fem.numerics.interpolation`), so that a line that follows the shaft stays sharp whatever the speed does; windows of
+whole revolutions overlap by half. The angle is that of the shaft itself, recorded with the response.
 
 References
 ----------
@@ -16,11 +16,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.numerics.interpolation import interpolated
 from fem.storage.records import Record, array, scalar, text
+from pipelines.orders.revolutions import HIGHEST, moving_stretches
 
-LEAST_TURNS = 0.05  # of a window: a shaft that stands has no orders
-OVERSAMPLING = 2  # at the lowest speed, so that nothing folds and the cubic loses nothing
-MOST_PER_TURN = 100_000
+STEPS = 1.25  # per recorded sample: the filter of the interpolation begins above HIGHEST
 
 
 class OrderError(ValueError):
@@ -57,62 +57,16 @@ class Waterfall(Record):
         return np.sqrt(found / 1.5)  # the Hann window spreads the power of a tone over 1.5 lines
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Turned:
-    """A signal over a shaft's angle: `values` (n, ...) at even steps, at `time` (n,) s, `per_turn` in a revolution.
-
-    `samples` is the median number of recorded samples in a revolution.
-    """
-
-    values: np.ndarray
-    time: np.ndarray
-    per_turn: int
-    samples: float
-
-
-def over_angle(signal: np.ndarray, time: np.ndarray, angle: np.ndarray, *, shaft: str, revolutions: float) -> Turned:
-    """A signal over the angle of a shaft, from the longest stretch in which it turns.
-
-    Parameters
-    ----------
-    signal, time, angle : (n, ...) signal, (n,) time (s) and angle of the shaft (rad)
-    shaft : its name
-    revolutions : the fewest that are needed
-
-    Raises
-    ------
-    OrderError : the shaft does not turn as often
-    """
-    turned = np.abs(np.gradient(angle, time))
-    moving = _longest_moving(turned)
-    t, a, x = time[moving], angle[moving], signal[moving]
-    sense = 1.0 if a[-1] >= a[0] else -1.0
-    a = sense * (a - a[0])
-    rising = np.concatenate([[True], np.diff(np.maximum.accumulate(a)) > 0.0])
-    t, a, x = t[rising], a[rising], x[rising]
-    whole = a[-1] / (2 * np.pi) if len(a) else 0.0
-    if whole < revolutions:
-        raise OrderError(
-            f"{shaft} turns {whole:.3g} times while it moves, a window takes {revolutions} revolutions. Use a longer "
-            "run or shorter windows."
-        )
-    samples = 2 * np.pi / np.diff(a)  # of the signal per revolution; most of them where the shaft turns slowest
-    per_turn = min(OVERSAMPLING * math.ceil(float(samples.max())), MOST_PER_TURN)
-    steps = np.arange(0.0, a[-1], 2 * np.pi / per_turn)
-    from scipy.interpolate import CubicSpline
-
-    at = np.interp(steps, a, t)
-    return Turned(values=CubicSpline(t, x)(at), time=at, per_turn=per_turn, samples=float(np.median(samples)))
-
-
 def order_waterfall(
     signal: np.ndarray, time: np.ndarray, angle: np.ndarray, *, shaft: str, revolutions: int = 16
 ) -> Waterfall:
-    """Spectra over the orders of a shaft.
+    """Spectra over the orders of a shaft, from the longest stretch in which it turns.
+
+    The highest order is HIGHEST of the samples that half of all revolutions have at least.
 
     Parameters
     ----------
-    signal, time, angle : (n,) signal, time (s) and angle of the shaft (rad)
+    signal, time, angle : (n,) signal, time (s, even) and angle of the shaft (rad)
     shaft : its name
     revolutions : of a window; the resolution is its inverse
 
@@ -120,20 +74,34 @@ def order_waterfall(
     ------
     OrderError : fewer revolutions in the run than in a window
     """
-    turned = over_angle(signal, time, angle, shaft=shaft, revolutions=revolutions)
-    even, at, per_turn = turned.values, turned.time, turned.per_turn
+    moving = max(moving_stretches(angle), key=lambda stretch: stretch.stop - stretch.start, default=slice(0))
+    turned = np.abs(angle[moving] - angle[moving.start or 0]) / (2 * np.pi)
+    rising = np.concatenate([[True], np.diff(np.maximum.accumulate(turned)) > 0.0])[: len(turned)]
+    turned, sample = turned[rising], np.arange(len(angle))[moving][rising]
+    if not len(turned):
+        raise OrderError("no shaft turns: a run at rest has no orders.")
+    if turned[-1] < revolutions:
+        raise OrderError(
+            f"{shaft} turns {turned[-1]:.3g} times while it moves, a window takes {revolutions} revolutions. Use a "
+            "longer run or shorter windows."
+        )
+    samples = 1.0 / np.diff(turned)  # in a revolution
+    per_turn = 2 * math.ceil(0.5 * STEPS * float(np.median(samples)))
+    steps = np.arange(0.0, turned[-1], 1.0 / per_turn)
+    at = np.interp(steps, turned, sample)
+    cutoff = np.minimum(per_turn / np.interp(steps, turned[1:], samples), 1.0)
+    even = interpolated(signal, at, cutoff)
     size = revolutions * per_turn
     starts = np.arange(0, len(even) - size + 1, size // 2)
-    orders = np.arange(int(revolutions * turned.samples / 2)) / revolutions
-    spectra = np.array([_amplitudes(even[s : s + size])[: len(orders)] for s in starts])
-    spans = at[starts + size - 1] - at[starts]
+    orders = np.arange(int(revolutions * HIGHEST * float(np.median(samples)))) / revolutions
+    seconds = np.interp(at, np.arange(len(time)), time)
     return Waterfall(
         shaft=shaft,
         over="order",
-        time=at[starts + size // 2],
-        speed=2 * np.pi * revolutions / spans,
+        time=seconds[starts + size // 2],
+        speed=2 * np.pi * revolutions / (seconds[starts + size - 1] - seconds[starts]),
         line=orders,
-        amplitude=spectra,
+        amplitude=np.array([_amplitudes(even[s : s + size])[: len(orders)] for s in starts]),
         resolution=1.0 / revolutions,
     )
 
@@ -168,16 +136,6 @@ def frequency_waterfall(
         amplitude=np.array([_amplitudes(signal[s : s + size])[: size // 2] for s in starts]),
         resolution=1.0 / (size * step),
     )
-
-
-def _longest_moving(speed: np.ndarray) -> slice:
-    """The longest stretch in which a shaft turns at LEAST_TURNS of its highest speed or more."""
-    moves = np.concatenate([[False], speed > LEAST_TURNS * speed.max(initial=0.0), [False]])
-    edges = np.flatnonzero(moves[1:] != moves[:-1]).reshape(-1, 2)
-    if not len(edges):
-        raise OrderError("no shaft turns: a run at rest has no orders.")
-    first, last = edges[np.argmax(edges[:, 1] - edges[:, 0])]
-    return slice(int(first), int(last))
 
 
 def _amplitudes(values: np.ndarray) -> np.ndarray:
