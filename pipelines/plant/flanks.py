@@ -117,10 +117,12 @@ def tooth_faults(tables: Iterable[FaultTable], senses: Sequence[int]) -> tuple[F
 
 
 def damage(fault: FaultTable, sense: int) -> ToothFault:
-    """The fault in SI; its end of the face is that of the mesh law."""
+    """The fault in SI; its end of the face, or its place on it, is that of the mesh law."""
     options = si_options(fault, without=FaultBase)
     if sense < 0 and "end" in options:
         options["end"] = {"-y": "+y", "+y": "-y"}[options["end"]]
+    if sense < 0 and "position" in options:
+        options["position"] = -options["position"]
     return tooth_fault(fault.kind, **options)
 
 

@@ -13,7 +13,7 @@ from pipelines.plant.flanks import GEARS, damage
 from pipelines.plant.layout import Layout
 from pipelines.plant.plant import law_specs
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.faults import FaultTable
+from pipelines.scene.tables.faults import FaultTable, SpalledToothTable
 
 if TYPE_CHECKING:
     from pipelines.plant.facts import StageFacts
@@ -69,10 +69,11 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
     for number, fault in scene.tooth_faults.items():
         stage, pair = scene.stages[fault.stage - 1], layout.pairs[fault.stage - 1]
         width = pair.face_width / stage.mesh.slices
-        extent = getattr(fault, "extent_mm", None)
+        key = "length_mm" if isinstance(fault, SpalledToothTable) else "extent_mm"
+        extent = getattr(fault, key, None)
         if extent is not None and extent / 1000 < 2 * width:
             yield (
-                f"faults.{number}: extent_mm = {extent:g} is resolved by slices of {width * 1000:.2f} mm; raise "
+                f"faults.{number}: {key} = {extent:g} is resolved by slices of {width * 1000:.2f} mm; raise "
                 f"stages.{fault.stage}.mesh.slices to {max(2, round(4 * pair.face_width / (extent / 1000)))}"
             )
         yield from _hidden(scene, layout, number, fault, facts[fault.stage - 1])
