@@ -1,4 +1,4 @@
-"""Deviations of a gear's teeth that are stated one by one: eccentricity, waves, errors of single teeth, measured flanks.
+"""Stated deviations of a gear's teeth: eccentricity, waves, errors of single teeth, measured flanks.
 
 Deviations are positive where there is more material, as in ISO 1328-1 and ISO 21771-1, and are taken along the
 transverse line of action, where they are gaps of the opposite sign. With the rotation phi of the gear since tooth 0
