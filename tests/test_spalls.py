@@ -21,6 +21,11 @@ from fem.contact.models.solid import Solid
 from fem.contact.teeth import tooth_terms
 from fem.contact.wheels.contact import solve
 from fem.gears.gear import GeometryError
+from pipelines.border.errors import SceneError
+from pipelines.plant.checks.design_warnings import design_warnings
+from pipelines.plant.layout import lay_out
+from pipelines.plant.plant import make_plant
+from pipelines.scene.file import control_of, load_scene
 
 HELICAL = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
 SPUR = gear_pair((20, 55), 2, 0, 12, bores_mm=(12.5, 17.5))
@@ -169,6 +174,42 @@ def test_worn_profiles_are_what_the_table_says(laws):
 def test_impossible_flank_damage_is_refused(fault, message):
     with pytest.raises(GeometryError, match=message):
         fault.check(SPUR.pinion)
+
+
+SCENE_SPALL = {
+    "kind": "spalled-tooth",
+    "gear": "wheel",
+    "tooth": 3,
+    "height_mm": 1.0,
+    "length_mm": 4.0,
+    "depth_um": 150,
+    "position_mm": 2.0,
+}
+
+
+def test_a_spall_of_a_scene_lies_at_its_place_in_both_senses_and_leaves_the_control():
+    """The face coordinate of a law follows the rotation of its pinion: +y on stage 1 of the rig, -y on stage 2."""
+    scene = load_scene("rig-missing-tooth", {"faults": [SCENE_SPALL | {"stage": stage} for stage in (1, 2)]})
+    plant = make_plant(scene.scene)
+    places = [flanks.wheel_damage[0][0].position for flanks in plant.flanks[:2]]
+    assert places == [2e-3, -2e-3]
+    assert plant.flanks[0].wheel_damage[0][0].depth == pytest.approx(150e-6)
+    assert [fault.name for fault in plant.faults] == ["spalled-tooth 3", "spalled-tooth 3"]
+    control = control_of(load_scene("bench-spall"))
+    assert control is not None
+    assert not control.scene.faults
+    assert control.scene.stages[0].wheel.deviations.waves
+
+
+def test_a_spall_narrower_than_two_slices_is_questioned():
+    scene = load_scene("minimal", {"faults": [SCENE_SPALL | {"stage": 1, "length_mm": 1.0}]}).scene
+    assert any("length_mm = 1 is resolved by slices" in text for text in design_warnings(scene, lay_out(scene)))
+
+
+def test_wear_on_a_part_of_the_face_is_that_of_one_tooth():
+    wear = {"kind": "worn-tooth", "stage": 1, "gear": "wheel", "depth_um": 5, "extent_mm": 3}
+    with pytest.raises(SceneError, match="wear on a part of the face is that of one tooth"):
+        load_scene("minimal", {"faults": [wear]})
 
 
 @pytest.mark.slow
