@@ -131,7 +131,14 @@ def check_prescribed(gear: Gear, given: PrescribedDeviations, positions: float) 
 
 
 def rotation_waves(pair: GearPair, gear: str, flank: str, given: PrescribedDeviations) -> Iterator[tuple[int, complex]]:
-    """Orders k and complex amplitudes z (m) of the gaps Re z exp(i k phi) of one flank of "pinion" or "wheel"."""
+    """Orders k and complex amplitudes z (m) of the gaps Re z exp(i k phi) of one flank.
+
+    Parameters
+    ----------
+    pair, gear : "pinion" or "wheel", whose deviations are `given`
+    flank : "drive" or "coast"
+    given : all that is stated of the gear
+    """
     if given.eccentricity.amount:
         ahead = 1.0 if (gear == "pinion") == (flank == "drive") else -1.0
         turned = given.eccentricity.angle + ahead * (pair.working_pressure_angle + math.pi / 2)
@@ -144,7 +151,14 @@ def rotation_waves(pair: GearPair, gear: str, flank: str, given: PrescribedDevia
 def single_tooth_terms(
     pair: GearPair, gear: str, flank: str, given: PrescribedDeviations
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Clearance (m) and profile slope (m per base pitch) of the teeth (tooth,), see `fem.contact.teeth`."""
+    """Clearance (m) and profile slope (m per base pitch) of the teeth (tooth,), see `fem.contact.teeth`.
+
+    Parameters
+    ----------
+    pair, gear : "pinion" or "wheel", whose deviations are `given`
+    flank : "drive" or "coast"
+    given : all that is stated of the gear
+    """
     own: Gear = getattr(pair, gear)
     clearance, slope = np.zeros(own.teeth), np.zeros(own.teeth)
     side, length = 1.0 if gear == "pinion" else -1.0, pair.xi_end - pair.xi_start
@@ -158,7 +172,15 @@ def single_tooth_terms(
 
 
 def measured_gap(given: MeasuredFlanks, flank: str, radius: np.ndarray, face: np.ndarray) -> np.ndarray:
-    """Gap (t, face, radius), m, at radii (n,) and face coordinates (m,) of the measured teeth."""
+    """Gap (t, s, p), m, of the measured teeth.
+
+    Parameters
+    ----------
+    given : the measured flanks
+    flank : "drive" or "coast"
+    radius : (p,), m
+    face : (s,) face coordinates, m
+    """
     along, across = _hats(given.face, face), _hats(given.radius, radius)
     deviation = given.deviation[FLANKS.index(flank)]
     gap: np.ndarray = -np.einsum("sy,try,pr->tsp", along, deviation, across, optimize=True)
