@@ -112,7 +112,16 @@ def test_the_key_of_a_motion_takes_the_code_of_its_own_integrator_alone(name):
 
 def test_units_are_the_ends_of_keys():
     worn = WornToothTable(kind="worn-tooth", stage=1, gear="wheel", tooth=3, depth_um=4.0, place="pitch", width_mm=2.0)
-    assert si_options(worn, without=FaultBase) == {"depth": 4e-6, "place": "pitch", "width": 2e-3}
+    options = si_options(worn, without=FaultBase)
+    assert {key: options[key] for key in ("depth", "place", "width")} == {
+        "depth": 4e-6,
+        "place": "pitch",
+        "width": 2e-3,
+    }
+    profile = WornToothTable(
+        kind="worn-tooth", stage=1, gear="wheel", tooth=3, depth_um=4.0, place="profile", diameters_mm=(39.0, 41.0)
+    )
+    assert si_options(profile, without=FaultBase)["diameters"] == (0.039, 0.041)
 
 
 @pytest.mark.parametrize("kind", FAULTS)
@@ -121,6 +130,8 @@ def test_a_fault_adds_compliance_and_gaps_that_are_not_negative(kind):
         "missing-tooth": {},
         "chipped-tooth": {"extent": 4e-3, "depth": 1e-3},
         "cracked-tooth": {"depth": 1e-3},
+        "spalled-tooth": {"height": 1e-3, "length": 4e-3, "depth": 1e-4},
+        "pitted-tooth": {"height": 1e-3, "density": 0.1, "pit": 3e-4},
         "worn-tooth": {"depth": 5e-6},
     }[kind]
     fault = tooth_fault(kind, **options)

@@ -23,14 +23,24 @@ GEAR = {
     "rack_addendum": 1.0, "rack_dedendum": 1.25, "rack_tip_radius": 0.3, "rim_thickness_mm": 6.0,
     "web_thickness_mm": 6.0, "tip_relief": {"amount_um": 5.0, "length_mm": 1.0}, "end_relief_plus_y": END,
     "end_relief_minus_y": END, "thickness_allowance_um": -20.0, "root_relief": {"amount_um": 4.0, "length_mm": 1.0},
+    "deviations": {
+        "eccentricity_um": 8.0, "eccentricity_angle_deg": 30.0,
+        "waves": [{"order": 33, "amplitude_um": 0.5, "phase_deg": 20.0, "flank": "coast"}],
+        "teeth": [{"tooth": 4, "pitch_um": 3.0, "profile_slope_um": 2.0, "flank": "coast"}],
+    },
 }  # fmt: skip
 FAULTS = [
     {"kind": "missing-tooth", "stage": 1, "gear": "wheel", "tooth": 3},
     {"kind": "chipped-tooth", "stage": 1, "gear": "wheel", "tooth": 7, "extent_mm": 4.0, "depth_mm": 1.0},
     {"kind": "cracked-tooth", "stage": 1, "gear": "wheel", "tooth": 9, "depth_mm": 1.0, "extent_mm": 5.0},
-    {"kind": "worn-tooth", "stage": 1, "gear": "wheel", "tooth": 11, "depth_um": 3.0},
+    {"kind": "worn-tooth", "stage": 1, "gear": "wheel", "tooth": 11, "depth_um": 3.0, "place": "profile",
+     "diameters_mm": [108.0, 110.0, 112.0], "parts": [0.0, 1.0, 0.5], "extent_mm": 4.0, "fading": True},
+    {"kind": "spalled-tooth", "stage": 1, "gear": "wheel", "tooth": 13, "height_mm": 1.0, "length_mm": 3.0,
+     "depth_um": 80.0, "diameter_mm": 110.0, "position_mm": 1.0},
+    {"kind": "pitted-tooth", "stage": 1, "gear": "wheel", "tooth": 15, "height_mm": 1.0, "length_mm": 3.0,
+     "density": 0.1, "pit_mm": 0.2, "diameter_mm": 110.0, "position_mm": 1.0},
     {"kind": "worn-tooth", "stage": 1, "gear": "wheel", "depth_um": 3.0, "place": "pitch", "width_mm": 2.0},
-]
+]  # fmt: skip
 SPALL = {"kind": "bearing-spall", "shaft": 2, "bearing": 1, "on": "inner-ring", "width_mm": 1.0, "depth_um": 30.0}
 HERTZ = {
     "model": "hertz", "kind": "roller", "elements": 12, "element_diameter_mm": 8.0, "pitch_diameter_mm": 40.0,
@@ -149,8 +159,10 @@ AFTER_THE_STEPS = {  # words, what is looked for in finished signals, and what o
     "DiagnosisTable.sensor", "DiagnosisTable.axis", "DiagnosisTable.stage", "DiagnosisTable.gear",
     "DiagnosisTable.windows_s", "DiagnosisTable.envelope_band_Hz", "DiagnosisTable.noise_m_s2",
 }  # fmt: skip
-ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one would have no bearing; one sensor
+ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one would have no bearing; one sensor;
+    # a file there is none of
     "CasingForceTable.point", "ColumnTable.file", "ColumnTable.column", "ImportedTable.file",
+    "GearDeviationsTable.flanks", "MeasuredFlanksTable.file",
     "SeatTable.name", "StageTable.pinion_shaft", "StageTable.wheel_shaft",
 }  # fmt: skip
 

@@ -116,6 +116,24 @@ def _beyond(pair: GearPair, xi: np.ndarray, own: int) -> tuple[np.ndarray, np.nd
     return gap, radii[0], radii[1]
 
 
+def edge_gap(pair: GearPair, gear: str, xi: np.ndarray, radius: np.ndarray | float) -> np.ndarray:
+    """Gap (m) along the transverse line of action between points of a flank and the flank of the mate.
+
+    Exact for any point, in contact or far from it; for points near the contact it is s^2 / (2 rho) with their distance
+    s along the flank and the radius rho of relative curvature.
+
+    Parameters
+    ----------
+    pair, gear : "pinion" or "wheel", whose points they are
+    xi : positions of the tooth pair, base pitches from the pitch point
+    radius : of the points, m; broadcasts with xi; inf where the mate has no flank there
+    """
+    edge, mate = (_pinion_edge, pair.wheel) if gear == "pinion" else (_wheel_edge, pair.pinion)
+    places, points = np.broadcast_arrays(np.asarray(xi, dtype=float), radius)
+    gap, reached = edge(pair, places, points)
+    return np.where(reached <= mate.tip_form_radius, gap, np.inf)
+
+
 def tip_position(pair: GearPair, gear: str, radius: float) -> float:
     """Position xi where the point at `radius` of the "pinion" or "wheel" flank is in contact."""
     own, sign = (pair.pinion, 1.0) if gear == "pinion" else (pair.wheel, -1.0)
@@ -161,7 +179,7 @@ def _inv_at(radius: np.ndarray, base_radius: float) -> np.ndarray:
     return roll - np.arctan(roll)
 
 
-def _pinion_edge(pair: GearPair, xi: np.ndarray, tip: float) -> tuple[np.ndarray, np.ndarray]:
+def _pinion_edge(pair: GearPair, xi: np.ndarray, tip: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
     """Gap (m) of the pinion tip corner to the wheel flank beyond xi_end, and the wheel radius (m) there."""
     p, w, alpha = pair.pinion, pair.wheel, pair.working_pressure_angle
     l1, l2 = _roll_lengths(pair, xi)
@@ -174,7 +192,7 @@ def _pinion_edge(pair: GearPair, xi: np.ndarray, tip: float) -> tuple[np.ndarray
     return w.base_radius * (roll_angle - 2.0 * math.pi * np.round(roll_angle / (2.0 * math.pi))), radius
 
 
-def _wheel_edge(pair: GearPair, xi: np.ndarray, tip: float) -> tuple[np.ndarray, np.ndarray]:
+def _wheel_edge(pair: GearPair, xi: np.ndarray, tip: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
     """Gap (m) of the wheel tip corner to the pinion flank before xi_start, and the pinion radius (m) there."""
     p, w, alpha = pair.pinion, pair.wheel, pair.working_pressure_angle
     l1, l2 = _roll_lengths(pair, xi)

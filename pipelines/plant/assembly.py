@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.contact.deviating_teeth import deviating_law
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import tooth_terms
 from fem.gears.deviations import sample_pitch_deviations
 from fem.gears.flank_deviations import sample_flank_deviations
 from fem.gears.geometry import GearPair
+from fem.gears.prescribed import single_tooth_terms
 from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.machine import Machine
 from pipelines.plant.parts import GearMesh, GearTeeth, MachineParts, Recorded
@@ -58,6 +60,12 @@ def assemble_system(machine: Machine, body: ReducedBody, recorded: Recorded, ban
 
 def _mesh(mesh: GearMesh, drive: MeshLaw, coast: MeshLaw) -> MeshSpec:
     pair = mesh.pair
+    laws, terms = {"drive": drive, "coast": coast}, clearances(pair, mesh.pinion, mesh.wheel)
+    for gear, teeth in (("pinion", mesh.pinion), ("wheel", mesh.wheel)):
+        if teeth.prescribed is not None:
+            for flank in laws:
+                own = f"{flank}_clearance_{gear}"
+                laws[flank], terms[own] = deviating_law(laws[flank], pair, gear, terms[own], teeth.prescribed)
     return MeshSpec(
         name=mesh.name,
         driving=mesh.driving,
@@ -69,9 +77,12 @@ def _mesh(mesh: GearMesh, drive: MeshLaw, coast: MeshLaw) -> MeshSpec:
         base_helix_angle=pair.base_helix_angle,
         backlash=pair.backlash,
         damping_time=mesh.damping_time,
-        drive=drive,
-        coast=coast,
-        **clearances(pair, mesh.pinion, mesh.wheel),
+        drive=laws["drive"],
+        coast=laws["coast"],
+        drive_clearance_pinion=terms["drive_clearance_pinion"],
+        drive_clearance_wheel=terms["drive_clearance_wheel"],
+        coast_clearance_pinion=terms["coast_clearance_pinion"],
+        coast_clearance_wheel=terms["coast_clearance_wheel"],
         cycle_at_start=mesh.cycle_at_start,
         film=mesh.film,
     )
@@ -99,6 +110,11 @@ def clearances(pair: GearPair, pinion: GearTeeth, wheel: GearTeeth) -> dict[str,
             if flank in shapes:
                 shape = shapes[flank]
                 terms = tooth_terms(gear.teeth, **(vars(shape) | {"clearance": terms + shape.clearance}))
+            if teeth.prescribed is not None and teeth.prescribed.teeth:
+                offset, slope = single_tooth_terms(pair, name, flank, teeth.prescribed)
+                terms = terms if terms.ndim == 2 else tooth_terms(gear.teeth, clearance=terms)
+                terms[:, 0] += offset
+                terms[:, 1] += slope
             if faulty.ndim == 2:
                 terms = terms if terms.ndim == 2 else tooth_terms(gear.teeth, clearance=terms)
                 terms[:, -1] = faulty[:, -1]

@@ -6,6 +6,7 @@ the driving gear in lifting, so where its lifting sense is -1 the ends change pl
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -13,6 +14,7 @@ from fem.contact.faults.registry import tooth_fault
 from fem.contact.faults.tooth_fault import ToothFault
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import EndRelief, FlankModifications, Misalignment, PairModifications, Relief
+from fem.gears.prescribed import Eccentricity, PrescribedDeviations, ToothError, Wave
 from pipelines.plant.flanks_spec import FlanksSpec
 from pipelines.plant.units import si_options
 from pipelines.scene.tables.faults import FaultBase, FaultTable
@@ -85,6 +87,53 @@ def _gear_flanks(table: GearTable, sense: int) -> FlankModifications:
     )
 
 
+def prescribed_deviations(stage: StageTable, number: int, gear: str, sense: int) -> PrescribedDeviations | None:
+    """The stated deviations of a gear in the face coordinate of its mesh law; None where there are none.
+
+    Parameters
+    ----------
+    stage, number : the table of the stage and its number, from 1
+    gear : "pinion" or "wheel"
+    sense : lifting sense of the pinion
+
+    Raises
+    ------
+    SceneError : a file of measured flanks that cannot be used
+    """
+    table = getattr(stage, gear).deviations
+    if table.none:
+        return None
+    measured = None
+    if table.flanks is not None:
+        from pipelines.scene.measured_flanks import measured_flanks
+
+        measured = measured_flanks(table.flanks.file, f"stages.{number}.{gear}.deviations.flanks", sense)
+    return PrescribedDeviations(
+        eccentricity=Eccentricity(
+            amount=table.eccentricity_um / 1_000_000, angle=math.radians(table.eccentricity_angle_deg)
+        ),
+        waves=tuple(
+            Wave(
+                order=wave.order,
+                amplitude=wave.amplitude_um / 1_000_000,
+                phase=math.radians(wave.phase_deg),
+                flank=None if wave.flank == "both" else wave.flank,
+            )
+            for wave in table.waves
+        ),
+        teeth=tuple(
+            ToothError(
+                tooth=error.tooth,
+                pitch=error.pitch_um / 1_000_000,
+                profile_slope=error.profile_slope_um / 1_000_000,
+                flank=error.flank,
+            )
+            for error in table.teeth
+        ),
+        measured=measured,
+    )
+
+
 def _relief(table: ReliefTable | None) -> Relief | None:
     if table is None:
         return None
@@ -117,10 +166,12 @@ def tooth_faults(tables: Iterable[FaultTable], senses: Sequence[int]) -> tuple[F
 
 
 def damage(fault: FaultTable, sense: int) -> ToothFault:
-    """The fault in SI; its end of the face is that of the mesh law."""
+    """The fault in SI; its end of the face, or its place on it, is that of the mesh law."""
     options = si_options(fault, without=FaultBase)
     if sense < 0 and "end" in options:
         options["end"] = {"-y": "+y", "+y": "-y"}[options["end"]]
+    if sense < 0 and "position" in options:
+        options["position"] = -options["position"]
     return tooth_fault(fault.kind, **options)
 
 

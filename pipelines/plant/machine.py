@@ -7,13 +7,14 @@ from collections.abc import Sequence
 from typing import Any
 
 from fem.gears.geometry import Gear, GearPair
+from fem.gears.prescribed import PrescribedDeviations
 from mbd.coordinates.probe import Probe
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.film import Film
 from mbd.parts.losses import Brake, Coulomb, Efficiency, Losses, NoLosses
 from mbd.parts.shafts import Disk, Section, ShaftSpec
 from pipelines.plant.bearings import bearing_specs, with_bearing_faults
-from pipelines.plant.flanks import GEARS, Fault, damaged_teeth
+from pipelines.plant.flanks import GEARS, Fault, damaged_teeth, prescribed_deviations
 from pipelines.plant.layout import Layout
 from pipelines.plant.parts import GearMesh, GearTeeth, MachineParts, ToothDeviations
 from pipelines.plant.torques.drives import motor_couplings, motor_places, motor_torques, speed_profile
@@ -155,12 +156,15 @@ def _coupling(number: int, table: CouplingTable) -> ShaftCoupling:
     )
 
 
-def gear_teeth(table: DeviationTable, faults: Sequence[Fault], stage: int, gear: str) -> GearTeeth:
+def gear_teeth(
+    table: DeviationTable, prescribed: PrescribedDeviations | None, faults: Sequence[Fault], stage: int, gear: str
+) -> GearTeeth:
     """The teeth of one gear.
 
     Parameters
     ----------
-    table : of the deviations
+    table : of the deviations that are drawn; where they are switched off there are no others either
+    prescribed : deviations that are stated
     faults : of all stages
     stage, gear : number of the stage, from 1, and "pinion" or "wheel"
     """
@@ -171,6 +175,7 @@ def gear_teeth(table: DeviationTable, faults: Sequence[Fault], stage: int, gear:
     own = [fault for fault in faults if fault.stage == stage and fault.gear == gear]
     return GearTeeth(
         deviations=deviations,
+        prescribed=prescribed if table.enabled else None,
         clearances=tuple((f.tooth, f.damage.clearance) for f in own if f.tooth is not None and f.damage.clearance),
         damaged=tuple(damaged_teeth(own, stage, gear)),
     )
@@ -185,14 +190,18 @@ def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[
             driven=f"shaft_{driven + 1}",
             y=stage.position_mm / 1000,
             pair=pair,
-            pinion=gear_teeth(scene.deviations, faults, number, "pinion"),
-            wheel=gear_teeth(scene.deviations, faults, number, "wheel"),
+            pinion=gear_teeth(
+                scene.deviations, prescribed_deviations(stage, number, "pinion", sense), faults, number, "pinion"
+            ),
+            wheel=gear_teeth(
+                scene.deviations, prescribed_deviations(stage, number, "wheel", sense), faults, number, "wheel"
+            ),
             damping_time=stage.mesh_damping_time_us / 1_000_000,
             cycle_at_start=layout.cycles_at_start[number - 1],
             film=film_spec(scene.film, pair),
         )
-        for number, (stage, pair, (driving, driven)) in enumerate(
-            zip(scene.stages, layout.pairs, layout.pair_shafts, strict=True), 1
+        for number, (stage, pair, (driving, driven), sense) in enumerate(
+            zip(scene.stages, layout.pairs, layout.pair_shafts, layout.pinion_senses, strict=True), 1
         )
     )
 

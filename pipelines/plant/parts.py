@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fem.gears.geometry import GearPair
+from fem.gears.prescribed import PrescribedDeviations
 from mbd.coordinates import channels
 from mbd.coordinates.probe import Probe
 from mbd.parts.bearings import BearingSpec
@@ -33,10 +34,12 @@ class ToothDeviations:
 class GearTeeth:
     """What is particular about the teeth of a gear; the n-th damaged tooth is variant n of the mesh law.
 
+    `deviations` are drawn, `prescribed` ones stated; None: there are none.
     `clearances` are numbers of teeth with what their faults add on either flank, m (inf: the tooth is missing).
     """
 
     deviations: ToothDeviations | None
+    prescribed: PrescribedDeviations | None
     clearances: tuple[tuple[int, float], ...]
     damaged: tuple[int, ...]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from pipelines.scene.tables.base import Table
@@ -25,7 +26,14 @@ def si_options(table: Table, *, without: type[Table]) -> dict[str, Any]:
         value = getattr(table, key)
         name, _, unit = key.rpartition("_")
         if unit in UNITS:
-            options[name] = None if value is None else UNITS[unit](value)
+            options[name] = _converted(UNITS[unit], value)
         else:
             options[key] = value
     return options
+
+
+def _converted(convert: Callable[[float], float], value: Any) -> Any:
+    """A number or each of several; None stays."""
+    if isinstance(value, tuple):
+        return tuple(map(partial(_converted, convert), value))
+    return None if value is None else convert(value)

@@ -209,7 +209,7 @@ def nearest_approach(law, near, own_cycle, psi):
     return largest
 
 
-@inner()
+@inner(**INLINE)
 def _damaged(law, near, m, number, cell, u):
     """What the damaged teeth of near pair m add in slice `number`: compliance, its slope by xi, gap, its slope."""
     compliance = compliance_slope = gap = gap_slope = 0.0

@@ -12,6 +12,8 @@ FAULTS = {
     "missing-tooth": ("fem.contact.faults.missing_tooth", "MissingTooth"),
     "chipped-tooth": ("fem.contact.faults.chipped_tooth", "ChippedTooth"),
     "cracked-tooth": ("fem.contact.faults.cracked_tooth", "CrackedTooth"),
+    "spalled-tooth": ("fem.contact.faults.spalled_tooth", "SpalledTooth"),
+    "pitted-tooth": ("fem.contact.faults.pitted_tooth", "PittedTooth"),
     "worn-tooth": ("fem.contact.faults.worn_tooth", "WornTooth"),
 }
 

@@ -1,19 +1,22 @@
-"""Material worn off both flanks: a gap over the profile, the same along the face."""
+"""Material worn off both flanks: a gap over the profile, on the whole face or from one end of it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from fem.contact.faults.tooth_fault import ToothFault
-from fem.contact.frame import law_points
+from fem.contact.faults.face_parts import FaceParts, gap_on_slices
+from fem.contact.faults.tooth_fault import ToothFault, check_end, from_end
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
+from fem.gears.path import path_points
 from fem.gears.rack import require
 
 DEEPEST = 0.2  # modules
+PLACES = ("flank", "pitch", "root", "profile")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,12 +24,20 @@ class WornTooth(ToothFault):
     """Material worn off both flanks: `depth` (m, normal to the flank) at the worst place.
 
     place "flank": even over the whole flank. "pitch" (pitch point) or "root" (lower end of the active profile): a
-    cosine bell that has fallen to nothing at the roll length `width` / 2 (m) to either side.
+    cosine bell that has fallen to nothing at the roll length `width` / 2 (m) to either side. "profile": `parts` of the
+    depth at the `diameters` (m), linear between them and held beyond.
+    extent : part of the face (m) that is worn, from `end`; None: the whole face
+    fading : the wear falls evenly to nothing over the extent; otherwise it is the same over it
     """
 
     depth: float
     place: str = "flank"
     width: float | None = None
+    diameters: tuple[float, ...] = ()
+    parts: tuple[float, ...] = ()
+    extent: float | None = None
+    end: str = "+y"
+    fading: bool = False
 
     def check(self, gear: Gear) -> None:
         """Raises GeometryError for wear that is none or eats the tooth up."""
@@ -36,31 +47,68 @@ class WornTooth(ToothFault):
             0.0 < self.depth <= limit,
             f"{label}: depth is {self.depth:.4g} m; give a value in (0, {limit:.4g}] m, {DEEPEST} modules",
         )
+        require(self.place in PLACES, f"{label}: place is {self.place!r}; choose one of {', '.join(PLACES)}")
+        local = self.place in ("pitch", "root")
         require(
-            self.place in ("flank", "pitch", "root"),
-            f"{label}: place is {self.place!r}; choose 'flank', 'pitch' or 'root'",
-        )
-        require(
-            (self.width is None) == (self.place == "flank") and (self.width is None or self.width > 0.0),
-            f"{label}: width is {self.width!r} m with place {self.place!r}; local wear needs a width > 0, even wear "
+            (self.width is not None) == local and (self.width is None or self.width > 0.0),
+            f"{label}: width is {self.width!r} m with place {self.place!r}; local wear needs a width > 0, other wear "
             "none",
         )
+        table = self.place == "profile"
+        require(
+            len(self.diameters) == len(self.parts) and (len(self.parts) >= 2) == table,
+            f"{label}: {len(self.diameters)} diameters and {len(self.parts)} parts with place {self.place!r}; a "
+            "profile needs two or more of both, other wear none",
+        )
+        require(
+            all(low < high for low, high in pairwise(self.diameters))
+            and all(0.0 <= part <= 1.0 for part in self.parts),
+            f"{label}: the diameters of a profile must rise and its parts lie from 0 to 1",
+        )
+        check_end(label, self.end)
+        require(
+            self.extent is None or 0.0 < self.extent <= gear.face_width,
+            f"{label}: extent is {self.extent!r} m; give a value in (0, {gear.face_width:.4g}] m or leave it out",
+        )
+        require(not self.fading or self.extent is not None, f"{label}: fading wear needs an extent")
 
-    def gap_at(self, roll: np.ndarray, pitch_roll: float, root_roll: float) -> np.ndarray:
-        """Wear (m) at the roll lengths (position,); those of pitch point and root end are given."""
-        if self.width is None:
-            return np.full(np.shape(roll), self.depth)
-        centre = pitch_roll if self.place == "pitch" else root_roll
-        return self.depth * np.cos(np.clip(np.pi * (roll - centre) / self.width, -np.pi / 2, np.pi / 2)) ** 2
-
-    def gap(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
-        """Gap (position,), m."""
-        points, side = law_points(law, pair), 0 if gear == "pinion" else 1
-        own = getattr(pair, gear)
-        radius = points.pinion_radius if gear == "pinion" else points.wheel_radius
+    def gap_at(self, radius: np.ndarray, pair: GearPair, gear: str) -> np.ndarray:
+        """Wear (m) at radii of the flank of "pinion" or "wheel", of any shape."""
+        own, side = getattr(pair, gear), 0 if gear == "pinion" else 1
+        if self.place == "flank":
+            return np.full(np.shape(radius), self.depth)
+        if self.place == "profile":
+            part: np.ndarray = np.interp(2.0 * radius, self.diameters, self.parts)
+            return self.depth * part
+        assert self.width is not None  # checked
         roll = np.sqrt(np.maximum(radius**2 - own.base_radius**2, 0.0))
         root = min(pair.roll_lengths(xi)[side] for xi in (pair.xi_start, pair.xi_end))
-        return self.gap_at(roll, pair.roll_lengths(0.0)[side], root)
+        centre = pair.roll_lengths(0.0)[side] if self.place == "pitch" else root
+        bell: np.ndarray = np.cos(np.clip(np.pi * (roll - centre) / self.width, -np.pi / 2, np.pi / 2)) ** 2
+        return self.depth * bell
+
+    def gap(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
+        """Gap, m: (position,), or (slice, position) where only a part of the face is worn."""
+        if self.extent is None:
+            xi = law.position_start + law.position_step * np.arange(law.compliance.size)
+            return self._profile(xi, pair, gear)
+        edge = pair.face_width / 2 - self.extent
+        return gap_on_slices(
+            law, pair, [edge if self.end == "+y" else -edge], lambda at: self._part_gap(at, pair, gear)
+        )
+
+    def _profile(self, xi: np.ndarray, pair: GearPair, gear: str) -> np.ndarray:
+        """Gap (m) at positions xi of any shape, on the worn part of the face."""
+        points = path_points(pair, xi.ravel(), pair.pinion.normal_module, (np.inf, np.inf))
+        radius = points.pinion_radius if gear == "pinion" else points.wheel_radius
+        return self.gap_at(radius.reshape(xi.shape), pair, gear)
+
+    def _part_gap(self, at: FaceParts, pair: GearPair, gear: str) -> np.ndarray:
+        """Gap (part, position), m, in parts of the face."""
+        assert self.extent is not None
+        inwards = from_end(at.face, pair.face_width, self.end) / self.extent
+        worn = np.clip(1.0 - inwards, 0.0, 1.0) if self.fading else (inwards < 1.0).astype(float)
+        return worn[:, None] * self._profile(at.xi, pair, gear)
 
     def movement(self, pair: GearPair, approach: float, *, alone: bool) -> float:
         """Its depth; of one tooth no more than if that were missing."""

@@ -5,20 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from fem.gears.deviations import pitch_tolerance
+from fem.gears.deviations import GRADES, pitch_tolerance
 from fem.gears.flank_deviations import flank_tolerance
+from fem.gears.prescribed import check_prescribed
 from fem.gears.rack import GeometryError
-from pipelines.border.errors import Problem
-from pipelines.plant.flanks import GEARS, damage
+from pipelines.border.errors import Problem, SceneError
+from pipelines.plant.flanks import GEARS, damage, prescribed_deviations
 from pipelines.plant.layout import Layout
 from pipelines.plant.plant import law_specs
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.faults import FaultTable
+from pipelines.scene.tables.faults import FaultTable, SpalledToothTable
 
 if TYPE_CHECKING:
     from pipelines.plant.facts import StageFacts
 
 THIN_TIP = 0.2  # modules; the usual least tip thickness of through-hardened teeth
+LEAST_POSITIONS = 64  # grid points per base pitch of models without such a key
 TYPICAL_STIFFNESS = 18e9  # N/m2: c_gamma of steel pairs, for orders of magnitude only
 
 
@@ -32,6 +34,7 @@ def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
             yield Problem(f"faults.{number}", str(error))
     if not scene.deviations.enabled:
         return
+    yield from _bad_prescribed(scene, layout)
     for number, pair in enumerate(layout.pairs, 1):
         for name in GEARS:
             try:
@@ -42,8 +45,49 @@ def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
                 yield Problem(f"stages.{number}", f"{name}: {error}", "Set deviations.enabled = false or include less.")
 
 
+def _bad_prescribed(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """Stated deviations that no gear has."""
+    for number, (stage, pair, sense) in enumerate(
+        zip(scene.stages, layout.pairs, layout.pinion_senses, strict=True), 1
+    ):
+        for name in GEARS:
+            try:
+                given = prescribed_deviations(stage, number, name, sense)
+                if given is not None:
+                    check_prescribed(getattr(pair, name), given, getattr(stage.mesh, "positions", LEAST_POSITIONS))
+            except GeometryError as error:
+                yield Problem(f"stages.{number}.{name}.deviations", str(error))
+            except SceneError as error:
+                yield from error.problems
+
+
+def _prescribed_warnings(scene: Scene, layout: Layout) -> Iterator[str]:
+    """Stated deviations that are switched off, and run-out that would not pass any class."""
+    for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True), 1):
+        for name in GEARS:
+            table, place = getattr(stage, name).deviations, f"stages.{number}.{name}.deviations"
+            if table.none:
+                continue
+            if not scene.deviations.enabled:
+                yield (
+                    f"{place}: deviations.enabled = false leaves them out; set enabled = true, and include = [] for "
+                    "no others"
+                )
+                continue
+            try:
+                runout = 1e6 * pitch_tolerance(getattr(pair, name), GRADES[-1]).runout
+            except GeometryError:
+                continue  # no tolerances for a gear of that size
+            if 2 * table.eccentricity_um > runout:
+                yield (
+                    f"{place}.eccentricity_um = {table.eccentricity_um:g}: a run-out of {2 * table.eccentricity_um:g} "
+                    f"um, class {GRADES[-1]} of ISO 1328-1 allows {runout:.0f} um; is the unit right?"
+                )
+
+
 def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Iterator[str]:
     """What a gear designer would question, and what hides a fault."""
+    yield from _prescribed_warnings(scene, layout)
     for number, (spec, pair, modification) in enumerate(
         zip(law_specs(scene, layout), layout.pairs, layout.modifications, strict=True), 1
     ):
@@ -69,10 +113,11 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
     for number, fault in scene.tooth_faults.items():
         stage, pair = scene.stages[fault.stage - 1], layout.pairs[fault.stage - 1]
         width = pair.face_width / stage.mesh.slices
-        extent = getattr(fault, "extent_mm", None)
+        key = "length_mm" if isinstance(fault, SpalledToothTable) else "extent_mm"
+        extent = getattr(fault, key, None)
         if extent is not None and extent / 1000 < 2 * width:
             yield (
-                f"faults.{number}: extent_mm = {extent:g} is resolved by slices of {width * 1000:.2f} mm; raise "
+                f"faults.{number}: {key} = {extent:g} is resolved by slices of {width * 1000:.2f} mm; raise "
                 f"stages.{fault.stage}.mesh.slices to {max(2, round(4 * pair.face_width / (extent / 1000)))}"
             )
         yield from _hidden(scene, layout, number, fault, facts[fault.stage - 1])

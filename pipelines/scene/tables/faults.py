@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from pipelines.scene.tables.base import Flag, Number, Positive, Table, Whole
 
@@ -48,22 +48,79 @@ class CrackedToothTable(FaultBase):
     flank: Annotated[Literal["drive", "coast"], Field(description="side of the tooth where the crack starts")] = "drive"
 
 
+class FlankDamageBase(FaultBase):
+    """Where damage lies on a flank."""
+
+    height_mm: Annotated[Positive, Field(description="of the damage, along the flank from root to tip")]
+    diameter_mm: Annotated[
+        Positive | None, Field(description="where its middle lies; left out: the reference circle")
+    ] = None
+    position_mm: Annotated[Number, Field(description="of its middle from mid face, towards +y")] = 0.0
+    flank: Annotated[Literal["drive", "coast"], Field(description="damaged flank of the tooth")] = "drive"
+
+
+class SpalledToothTable(FlankDamageBase):
+    """A patch broken out of a flank; the mate bridges it over its rim."""
+
+    kind: Annotated[Literal["spalled-tooth"], Field(description="what is wrong with the tooth")]
+    length_mm: Annotated[Positive, Field(description="of the spall along the face; cut off at the ends of the face")]
+    depth_um: Annotated[Positive, Field(description="of its floor below the flank")]
+    shape: Annotated[Literal["ellipse", "rectangle"], Field(description="outline of the spall")] = "ellipse"
+
+
+class PittedToothTable(FlankDamageBase):
+    """Many round pits on an area of a flank, drawn with a seed."""
+
+    kind: Annotated[Literal["pitted-tooth"], Field(description="what is wrong with the tooth")]
+    length_mm: Annotated[
+        Positive | None, Field(description="of the pitted area along the face; left out: the whole face")
+    ] = None
+    density: Annotated[Number, Field(gt=0, le=0.3, description="part of the area that the pits cover")]
+    pit_mm: Annotated[Positive, Field(description="median diameter of the pits")]
+    spread: Annotated[
+        Number, Field(ge=1, le=3, description="of the log-normal diameters: factor of one standard deviation")
+    ] = 1.4
+    depth_part: Annotated[Number, Field(gt=0, le=1, description="depth of a pit in parts of its diameter")] = 0.25
+    seed: Annotated[Whole, Field(ge=0, le=2**31, description="same seed, same pits")] = 1
+
+
 class WornToothTable(FaultBase):
     """Material worn off both flanks of one tooth, or of all."""
 
     kind: Annotated[Literal["worn-tooth"], Field(description="what is wrong with the tooth")]
     tooth: Annotated[Whole | None, Field(ge=0, description="number of the tooth; left out: all teeth")] = None  # type: ignore[assignment]
     depth_um: Annotated[Positive, Field(description="largest depth, normal to the flank")]
-    place: Annotated[Literal["flank", "pitch", "root"], Field(description="even, or local at pitch point or root")] = (
-        "flank"
-    )
-    width_mm: Annotated[Positive | None, Field(description="roll length of local wear; left out with place flank")] = (
+    place: Annotated[
+        Literal["flank", "pitch", "root", "profile"],
+        Field(description="even, local at pitch point or root, or a profile by diameters_mm and parts"),
+    ] = "flank"
+    width_mm: Annotated[Positive | None, Field(description="roll length of local wear; left out with other wear")] = (
         None
     )
+    diameters_mm: Annotated[tuple[Positive, ...], Field(max_length=1000, description="of a profile, rising")] = ()
+    parts: Annotated[
+        tuple[Annotated[Number, Field(ge=0, le=1)], ...],
+        Field(max_length=1000, description="of a profile: wear at the diameters in parts of depth_um"),
+    ] = ()
+    extent_mm: Annotated[
+        Positive | None, Field(description="part of the face that is worn, of one tooth; left out: all")
+    ] = None
+    end: End = "+y"
+    fading: Annotated[Flag, Field(description="true: the wear falls to nothing over the extent")] = False
+
+    @model_validator(mode="after")
+    def _part_of_one_tooth(self) -> WornToothTable:
+        if self.tooth is None and self.extent_mm is not None:
+            raise ValueError(
+                "extent_mm: wear on a part of the face is that of one tooth; give tooth, or give the flanks of all "
+                "teeth by stages.N.pinion.deviations.flanks.file"
+            )
+        return self
 
 
 FaultTable = Annotated[
-    MissingToothTable | ChippedToothTable | CrackedToothTable | WornToothTable, Field(discriminator="kind")
+    MissingToothTable | ChippedToothTable | CrackedToothTable | SpalledToothTable | PittedToothTable | WornToothTable,
+    Field(discriminator="kind"),
 ]
 
 

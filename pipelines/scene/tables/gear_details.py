@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from pipelines.scene.tables.base import NotNegative, Number, Positive, Table
+from pipelines.scene.tables.deviations import GearDeviationsTable
 
 Shape = Annotated[Literal["linear", "parabolic"], Field(description="how the relief grows from its start")]
 Micrometres = Annotated[Number, Field(ge=-1000, le=1000)]
@@ -64,6 +65,7 @@ class GearTable(Table):
         Micrometres,
         Field(description="helix slope: removed at the +y end of the drive flank, added on the coast flank"),
     ] = 0.0
+    deviations: GearDeviationsTable = GearDeviationsTable()
 
 
 class MisalignmentTable(Table):

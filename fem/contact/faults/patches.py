@@ -1,0 +1,148 @@
+"""Patches broken out of a flank: the gap that the mate sees is its envelope over the rim, not the depth.
+
+Within a patch the mate rests on the rim above and below it, so that the flanks come closer by no more than the gap of
+the nearer rim,
+
+    g(xi, y) = min(depth, gap of the lower rim, gap of the upper rim)        a rim at distance s: about s^2 / (2 rho)
+
+with rho the radius of relative curvature: a patch of half height a is bridged with a^2 / (2 rho) at most, 25 um for
+1 mm on a radius of 5 mm. A rim beyond the tip, or where the mate does not reach, bridges nothing; a tip edge of the
+mate finds the floor. Towards the ends of an elliptical patch its height falls to nothing and the gap with it. A sharp
+rim is taken as rigid: the load that it concentrates is not followed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.contact.faults.face_parts import FaceParts, gap_on_slices
+from fem.contact.law import MeshLaw
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
+from fem.gears.path import edge_gap, path_points
+from fem.gears.rack import require
+
+DEEPEST = 0.5  # modules
+SHAPES = ("ellipse", "rectangle")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Patch:
+    """A patch about the point at `radius` of the flank and `face` from mid face: height along the flank, length along
+    the face and depth, m.
+
+    shape : "ellipse", or "rectangle"
+    """
+
+    radius: float
+    face: float
+    height: float
+    length: float
+    depth: float
+    shape: str = "ellipse"
+
+    def check(self, label: str, gear: Gear) -> None:
+        """Raises GeometryError for a patch that is not on the flank."""
+        require(self.shape in SHAPES, f"{label}: shape is {self.shape!r}; choose one of {', '.join(SHAPES)}")
+        limit = DEEPEST * gear.normal_module
+        require(
+            0.0 < self.depth <= limit,
+            f"{label}: depth is {self.depth:.4g} m; give a value in (0, {limit:.4g}] m, {DEEPEST} modules",
+        )
+        lowest = max(gear.base_radius, gear.root_radius)
+        require(
+            lowest < self.radius <= gear.tip_radius,
+            f"{label}: its middle lies at the diameter {2 * self.radius:.6g} m; the flank reaches from "
+            f"{2 * lowest:.6g} to {2 * gear.tip_radius:.6g} m",
+        )
+        height = arc_at(gear, gear.tip_radius) - arc_at(gear, lowest)
+        require(
+            0.0 < self.height <= height,
+            f"{label}: height is {self.height:.4g} m; give a value in (0, {height:.4g}] m, the height of the flank",
+        )
+        require(
+            0.0 < self.length <= gear.face_width * (1 + 1e-9),
+            f"{label}: length is {self.length:.4g} m; give a value in (0, {gear.face_width:.4g}] m, the face width",
+        )
+        require(
+            abs(self.face) <= gear.face_width / 2 * (1 + 1e-9),
+            f"{label}: its middle lies {self.face:.4g} m from mid face; give a value within "
+            f"{gear.face_width / 2:.4g} m, the ends of the face",
+        )
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Face coordinates of its ends."""
+        return self.face - self.length / 2, self.face + self.length / 2
+
+    def half_height(self, face: np.ndarray) -> np.ndarray:
+        """Half its height (m) at face coordinates inside it."""
+        if self.shape == "rectangle":
+            return np.full(np.shape(face), self.height / 2)
+        part = 2.0 * (face - self.face) / self.length
+        return self.height / 2 * np.sqrt(np.maximum(1.0 - part**2, 0.0))
+
+
+def arc_at(gear: Gear, radius: np.ndarray | float) -> np.ndarray:
+    """Length (m) along the involute from the base circle to a radius: (r^2 - r_b^2) / (2 r_b)."""
+    return np.maximum(np.square(radius) - gear.base_radius**2, 0.0) / (2.0 * gear.base_radius)
+
+
+def radius_at(gear: Gear, arc: np.ndarray) -> np.ndarray:
+    """The radius (m) at lengths along the involute."""
+    return np.sqrt(gear.base_radius**2 + 2.0 * gear.base_radius * np.maximum(arc, 0.0))
+
+
+def patches_gap(law: MeshLaw, pair: GearPair, gear: str, patches: Sequence[Patch]) -> np.ndarray:
+    """Gap (slice, position), m, of patches on the flank of the law; where two overlap the larger gap counts.
+
+    Parameters
+    ----------
+    law, pair : of one flank, and its gears
+    gear : "pinion" or "wheel" that has them
+    patches : in the face coordinate of the law
+    """
+    ends = [end for patch in patches for end in patch.ends]
+
+    def gap(parts: FaceParts) -> np.ndarray:
+        flank = path_points(pair, parts.xi.ravel(), 0.5 * pair.pinion.normal_module, (math.inf, math.inf))
+        radius = (flank.pinion_radius if gear == "pinion" else flank.wheel_radius).reshape(parts.xi.shape)
+        before, found = flank.gap.reshape(parts.xi.shape), np.zeros_like(parts.xi)
+        for patch in patches:
+            first, last = patch.ends
+            at = (parts.face > first) & (parts.face < last)
+            if at.any():
+                added = _patch_gap(pair, gear, patch, parts.face[at], parts.xi[at], radius[at], before[at])
+                found[at] = np.maximum(found[at], added)
+        return found
+
+    return gap_on_slices(law, pair, ends, gap)
+
+
+def _patch_gap(
+    pair: GearPair,
+    gear: str,
+    patch: Patch,
+    face: np.ndarray,
+    xi: np.ndarray,
+    radius: np.ndarray,
+    before: np.ndarray,
+) -> np.ndarray:
+    """Gap (part, position), m, that a patch adds in parts of the face (part,) inside it.
+
+    The sound flank is touched at the `radius`, and has the gap `before` where tip edges touch.
+    """
+    own: Gear = getattr(pair, gear)
+    middle, half = arc_at(own, patch.radius), patch.half_height(face)[:, None]
+    low, high = radius_at(own, middle - half), radius_at(own, middle + half)
+    total = before + patch.depth
+    with np.errstate(invalid="ignore"):
+        for rim, there in ((low, middle - half > 0.0), (high, high < own.tip_form_radius)):
+            total = np.minimum(total, np.where(there, edge_gap(pair, gear, xi, rim), np.inf))
+        added = np.where(np.isfinite(before), total - before, 0.0)
+    inside = (radius > low) & ((radius < high) | (high >= own.tip_form_radius))
+    return np.where(inside, np.maximum(added, 0.0), 0.0)

@@ -1,0 +1,132 @@
+"""Pits: many small round patches on a flank, drawn with a seed.
+
+Centres are even over the pitted area. Diameters are log-normal: sizes are positive and spread by factors, a few large
+pits among many small ones; median and factor are stated, an assumption to be set by what is seen. Pits do not overlap.
+They are drawn until they cover the stated part of the area. Models of round pits around the pitch line by severity:
+Liang, Zhang, Liu & Zuo (2016), Mech. Mach. Theory 106, 1-15; ISO 6336-2 takes 4 % of the flank of one hardened tooth as
+the end of its life.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.contact.faults.patches import DEEPEST, Patch, arc_at, patches_gap, radius_at
+from fem.contact.faults.tooth_fault import ToothFault, lost_share
+from fem.contact.law import MeshLaw
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
+from fem.gears.rack import require
+
+DENSEST = 0.3  # part of the area: discs drawn one after the other do not fill it much further
+MOST_PITS = 2000
+_TRIES = 200  # for a place of one pit
+
+
+@dataclass(frozen=True, kw_only=True)
+class PittedTooth(ToothFault):
+    """Pits on an area of `height` along the flank and `length` along the face (m; length None: the whole face).
+
+    density : part of the area that they cover
+    pit : median of their diameters, m
+    spread : factor of one standard deviation of the logarithm of the diameter, >= 1
+    depth_part : depth of every pit in parts of its diameter
+    diameter, position, flank : of the area, as those of a spall
+    seed : of the random numbers
+    """
+
+    height: float
+    density: float
+    pit: float
+    spread: float = 1.4
+    depth_part: float = 0.25
+    length: float | None = None
+    diameter: float | None = None
+    position: float = 0.0
+    flank: str = "drive"
+    seed: int = 1
+
+    def area(self, gear: Gear) -> Patch:
+        """The pitted area as a patch; its depth is that of the median pit."""
+        return Patch(
+            radius=gear.reference_radius if self.diameter is None else self.diameter / 2,
+            face=self.position,
+            height=self.height,
+            length=gear.face_width if self.length is None else self.length,
+            depth=self.depth_part * self.pit,
+            shape="rectangle",
+        )
+
+    def check(self, gear: Gear) -> None:
+        """Raises GeometryError for an area that is not on the flank, or pits that it cannot hold."""
+        label = f"pitted tooth of gear z={gear.teeth}"
+        require(self.flank in ("drive", "coast"), f"{label}: flank is {self.flank!r}; choose 'drive' or 'coast'")
+        self.area(gear).check(label, gear)
+        for name, value, low, high in (
+            ("density", self.density, 0.0, DENSEST),
+            ("spread", self.spread, 1.0, 3.0),
+            ("depth_part", self.depth_part, 0.0, 1.0),
+        ):
+            require(
+                low <= value <= high and value > 0.0,
+                f"{label}: {name} is {value:.4g}; give a value from {low:g} to {high:g}, above 0",
+            )
+        largest = min(self.area(gear).height, self.area(gear).length) / 2
+        require(
+            0.0 < self.pit <= largest,
+            f"{label}: the median pit is {self.pit:.4g} m; give a value in (0, {largest:.4g}] m, half the pitted area",
+        )
+        count = self.density * self.area(gear).height * self.area(gear).length / (math.pi / 4 * self.pit**2)
+        require(
+            count <= MOST_PITS,
+            f"{label}: about {count:.0f} pits, at most {MOST_PITS} are drawn: give larger pits or a smaller density",
+        )
+
+    def pits(self, gear: Gear) -> tuple[Patch, ...]:
+        """All pits, the same for the same values.
+
+        A density that the area does not reach ends with the last pit that finds a place.
+        """
+        draw, area = np.random.default_rng(self.seed), self.area(gear)
+        middle = float(arc_at(gear, area.radius))
+        wanted = self.density * area.height * area.length
+        found = np.zeros((0, 3))  # along the flank, along the face, diameter
+        covered, deepest = 0.0, DEEPEST * gear.normal_module
+        while covered < wanted:
+            size = self.pit * self.spread ** float(draw.standard_normal())
+            size = min(size, area.height, area.length, 2.0 * math.sqrt((wanted - covered) / math.pi))
+            for _ in range(_TRIES):
+                up = (area.height - size) * float(draw.uniform(-0.5, 0.5))
+                along = area.face + (area.length - size) * float(draw.uniform(-0.5, 0.5))
+                apart = np.hypot(found[:, 0] - up, found[:, 1] - along)
+                if (apart > (found[:, 2] + size) / 2).all():
+                    break
+            else:
+                break
+            found = np.vstack([found, [up, along, size]])
+            covered += math.pi / 4 * size**2 * (1 + 1e-12)
+        return tuple(
+            Patch(
+                radius=float(radius_at(gear, np.array(middle + up))),
+                face=float(along),
+                height=float(size),
+                length=float(size),
+                depth=min(self.depth_part * float(size), deepest),
+            )
+            for up, along, size in found
+        )
+
+    def gap(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
+        """Gap (slice, position), m, on the pitted flank."""
+        if self.flank != law.flank:
+            return super().gap(law, pair, gear)
+        return patches_gap(law, pair, gear, self.pits(getattr(pair, gear)))
+
+    def movement(self, pair: GearPair, approach: float, *, alone: bool) -> float:
+        """The covered part of the contact line is lost."""
+        length = pair.face_width if self.length is None else self.length
+        lost = lost_share(pair) * self.density * length / pair.face_width
+        return approach * lost / (1 - lost)

@@ -1,0 +1,192 @@
+"""Stated deviations of a gear's teeth: eccentricity, waves, errors of single teeth, measured flanks.
+
+Deviations are positive where there is more material, as in ISO 1328-1 and ISO 21771-1, and are taken along the
+transverse line of action, where they are gaps of the opposite sign. With the rotation phi of the gear since tooth 0
+touched at the pitch point at mid face, counted in the sense of its rotation while the pinion drives at positive speed:
+
+    eccentricity e at the angle a ahead of that pitch point of tooth 0:   gap -e sin(phi + a + alpha_wt)
+                                                                          gap  e sin(phi + a - alpha_wt)
+    wave of order k, amplitude A, phase q:                                deviation A cos(k phi + q)
+
+The first gap is that of the drive flank of a pinion and of the coast flank of a wheel, the second that of the other
+two: the displaced axis e (cos, sin)(phi + a), seen from the line of centres, along the force on the mate,
+(sin alpha_wt, +-cos alpha_wt). All teeth that touch at one time have the same gap, so that the transmission error is a
+wave of amplitude e: the slope within a tooth belongs to it. Change of the working centre distance is of second order
+and left out. Run-out of ISO 1328-1 is 2 e.
+
+A wave is what the drive of the machine tool leaves on a flank that is generated along its contact lines: it is even
+along them. Orders that are no multiple of z give each tooth another phase, and a ghost order in the mesh: Smith (2003),
+Gear Noise and Vibration, 2nd ed., 10.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
+from fem.gears.rack import require
+
+FLANKS = ("drive", "coast")
+LARGEST_PART = 0.1  # modules; a larger deviation is a mistake of units
+
+
+@dataclass(frozen=True, kw_only=True)
+class Eccentricity:
+    """Distance (m) of the axis of the teeth from the axis of rotation, and its direction (rad) from tooth 0."""
+
+    amount: float = 0.0
+    angle: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wave:
+    """Deviation (m) that runs `order` times in a revolution of the gear, on one flank or (None) on both."""
+
+    order: int
+    amplitude: float
+    phase: float = 0.0
+    flank: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToothError:
+    """Errors (m) of one tooth on one flank: index along the reference circle, and profile slope f_Halpha."""
+
+    tooth: int
+    pitch: float = 0.0
+    profile_slope: float = 0.0
+    flank: str = "drive"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeasuredFlanks:
+    """Deviations (m) at points of the flanks of some teeth, linear between the points and held beyond them.
+
+    tooth (t,) int; radius (r,) and face (y,), m, rising; deviation (flank, t, r, y), drive first, along the face
+    coordinate of the mesh law
+    """
+
+    tooth: np.ndarray
+    radius: np.ndarray
+    face: np.ndarray
+    deviation: np.ndarray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PrescribedDeviations:
+    """All stated deviations of a gear."""
+
+    eccentricity: Eccentricity = field(default_factory=Eccentricity)
+    waves: tuple[Wave, ...] = ()
+    teeth: tuple[ToothError, ...] = ()
+    measured: MeasuredFlanks | None = None
+
+
+def check_prescribed(gear: Gear, given: PrescribedDeviations, positions: float) -> None:
+    """Refuse deviations that no gear has, and waves shorter than the tables of the mesh law resolve.
+
+    Parameters
+    ----------
+    gear, given : the gear and what is stated of it
+    positions : grid points of the mesh law per base pitch
+
+    Raises
+    ------
+    GeometryError : a deviation above 0.1 m_n, a tooth that is none, an order with less than 8 grid points per wave
+    """
+    limit = LARGEST_PART * gear.normal_module
+    amounts = {"eccentricity": given.eccentricity.amount}
+    amounts |= {f"amplitude of the wave of order {wave.order}": wave.amplitude for wave in given.waves}
+    for error in given.teeth:
+        amounts |= {
+            f"pitch of tooth {error.tooth}": error.pitch,
+            f"profile of tooth {error.tooth}": error.profile_slope,
+        }
+    if given.measured is not None:
+        amounts["largest measured deviation"] = float(np.abs(given.measured.deviation).max())
+    for name, value in amounts.items():
+        require(
+            abs(value) <= limit,
+            f"gear z={gear.teeth}: {name} is {value * 1e6:.4g} um; the limit is 0.1 m_n = {limit * 1e6:.4g} um",
+        )
+    most = math.floor(gear.teeth * positions / 8)
+    for wave in given.waves:
+        require(
+            1 <= wave.order <= most,
+            f"gear z={gear.teeth}: the order of a wave is {wave.order}; give one from 1 to {most}, 8 of the "
+            f"{positions:g} grid points per pitch of the mesh law for each wave, or more positions",
+        )
+    teeth = [error.tooth for error in given.teeth]
+    if given.measured is not None:
+        teeth += given.measured.tooth.tolist()
+    for tooth in teeth:
+        require(
+            0 <= tooth < gear.teeth, f"gear z={gear.teeth}: no tooth has the number {tooth}; give 0 to {gear.teeth - 1}"
+        )
+
+
+def rotation_waves(pair: GearPair, gear: str, flank: str, given: PrescribedDeviations) -> Iterator[tuple[int, complex]]:
+    """Orders k and complex amplitudes z (m) of the gaps Re z exp(i k phi) of one flank.
+
+    Parameters
+    ----------
+    pair, gear : "pinion" or "wheel", whose deviations are `given`
+    flank : "drive" or "coast"
+    given : all that is stated of the gear
+    """
+    if given.eccentricity.amount:
+        ahead = 1.0 if (gear == "pinion") == (flank == "drive") else -1.0
+        turned = given.eccentricity.angle + ahead * (pair.working_pressure_angle + math.pi / 2)
+        yield 1, given.eccentricity.amount * np.exp(1j * turned)
+    for wave in given.waves:
+        if wave.flank in (None, flank):
+            yield wave.order, -wave.amplitude * np.exp(1j * wave.phase)
+
+
+def single_tooth_terms(
+    pair: GearPair, gear: str, flank: str, given: PrescribedDeviations
+) -> tuple[np.ndarray, np.ndarray]:
+    """Clearance (m) and profile slope (m per base pitch) of the teeth (tooth,), see `fem.contact.teeth`.
+
+    Parameters
+    ----------
+    pair, gear : "pinion" or "wheel", whose deviations are `given`
+    flank : "drive" or "coast"
+    given : all that is stated of the gear
+    """
+    own: Gear = getattr(pair, gear)
+    clearance, slope = np.zeros(own.teeth), np.zeros(own.teeth)
+    side, length = 1.0 if gear == "pinion" else -1.0, pair.xi_end - pair.xi_start
+    for error in given.teeth:
+        if error.flank == flank:
+            rise = -side * error.profile_slope / length
+            middle = rise * (pair.xi_start + pair.xi_end) / 2
+            clearance[error.tooth] -= error.pitch * math.cos(own.transverse_pressure_angle) + middle
+            slope[error.tooth] += rise
+    return clearance, slope
+
+
+def measured_gap(given: MeasuredFlanks, flank: str, radius: np.ndarray, face: np.ndarray) -> np.ndarray:
+    """Gap (t, s, p), m, of the measured teeth.
+
+    Parameters
+    ----------
+    given : the measured flanks
+    flank : "drive" or "coast"
+    radius : (p,), m
+    face : (s,) face coordinates, m
+    """
+    along, across = _hats(given.face, face), _hats(given.radius, radius)
+    deviation = given.deviation[FLANKS.index(flank)]
+    gap: np.ndarray = -np.einsum("sy,try,pr->tsp", along, deviation, across, optimize=True)
+    return gap
+
+
+def _hats(nodes: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Weights (point, node) of linear interpolation, held beyond the ends."""
+    return np.stack([np.interp(points, nodes, unit) for unit in np.eye(len(nodes))], axis=1)
