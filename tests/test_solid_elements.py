@@ -7,8 +7,9 @@ import pytest
 from scipy import sparse
 
 from benchmarks.gear_pairs import gear
+from fem.contact.wheels.cut_functions import CutFunctions
 from fem.contact.wheels.ring import flank_compliance
-from fem.contact.wheels.solid_ring import CutFunctions, sector_prism, solid_flank
+from fem.contact.wheels.solid_ring import sector_prism, solid_flank
 from fem.elements.nested_condensation import INNER, TIED, CondensationError
 from fem.elements.prisms import axial_matrices, product_stiffness, section_blocks, slice_means
 from fem.gears.sector import sector_mesh, with_middles

@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 
+from benchmarks import gear_bodies
 from benchmarks.checks.plane import PLANE_CONTACT, helical_checks
 from benchmarks.checks.record import Check, Subject
 from benchmarks.gear_pairs import pair_of_17_and_43, thick_rimmed_pair
@@ -71,6 +72,18 @@ def _calculix_check(cycle: float, missing: bool, approach: float) -> Check:
     )
 
 
+def _body_check(body: gear_bodies.Body) -> Check:
+    return Check(
+        f"deflection from the bore at six places of a flank, z 24, m_n 2 mm, b 12 mm, {body.name}",
+        "ten-node tetrahedra of the whole gear (`python -m benchmarks.gear_bodies`)",
+        "nm/N",
+        tuple((1e9 * np.diag(gear_bodies.reference(body))).tolist()),
+        3e-2,
+        lambda: (1e9 * np.diag(gear_bodies.by_sector(body))).tolist(),
+        "test_webs.py::test_deflection_at_six_places_against_tetrahedra",
+    )
+
+
 SUBJECT = Subject(
     "Mesh stiffness, model solid",
     (
@@ -89,6 +102,7 @@ SUBJECT = Subject(
             "test_solid_stiffness.py::test_spur_pair_at_the_pitch_point_against_contact_in_the_plane",
         ),
         *(_calculix_check(*position) for position in calculix_positions()),
+        *(_body_check(body) for body in gear_bodies.BODIES),
     ),
     cheap=False,
 )

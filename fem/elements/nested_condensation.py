@@ -11,6 +11,8 @@ by the multifrontal method (Duff & Reid, 1983, ACM TOMS 9, 302-325). Loaded node
 one solution for every load.
 
 Nodes on a side may be tied to few shape functions, u = W q (`Ties`): the rows q are kept in their place.
+
+Parts of the prism may be empty (`Prism.filled`): there are no elements, and what no element touches is no unknown.
 """
 
 from __future__ import annotations
@@ -35,22 +37,23 @@ class CondensationError(RuntimeError):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Ties:
-    """Displacement of tied nodes: u_c(node, z) = sum_ij across[node, i] along[z, j] q[side, c, i, j]."""
+    """Displacement of tied nodes: u_c(node, z) = sum_ij across[node, i] along[z, j] q[side, c, ij], ij as used."""
 
     side: np.ndarray  # (section nodes,) 0 .. sides - 1, -1 where not tied
     across: np.ndarray  # (section nodes, functions), 0 where not tied
     along: np.ndarray  # (axial nodes, functions)
+    used: np.ndarray  # bool (functions across, functions along), products that are functions q
 
     @property
     def count(self) -> int:
         """Unknowns q of one side."""
-        return 3 * self.across.shape[1] * self.along.shape[1]
+        return 3 * int(self.used.sum())
 
     def rows(self, node: np.ndarray, place: np.ndarray, component: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """W (unknowns, q) of tied unknowns at section nodes and axial nodes, and the numbers of its columns q."""
         sides = np.unique(self.side[node])
-        out = np.zeros((len(node), len(sides), 3, self.across.shape[1], self.along.shape[1]))
-        value = self.across[node][:, :, None] * self.along[place][:, None, :]
+        out = np.zeros((len(node), len(sides), 3, self.count // 3))
+        value = (self.across[node][:, :, None] * self.along[place][:, None, :])[:, self.used]
         out[np.arange(len(node)), np.searchsorted(sides, self.side[node]), component] = value
         return out.reshape(len(node), -1), (sides[:, None] * self.count + np.arange(self.count)).ravel()
 
@@ -74,11 +77,12 @@ class Prism:
     ends: np.ndarray  # axial element ends, m
     roles: np.ndarray
     ties: Ties
+    filled: np.ndarray  # bool (elements, axial elements), False where there is no material
     fronts: list[Front] | None = None  # give a list to keep what recovery needs
     _touched: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
-        self._touched = np.bincount(self.elements.ravel(), minlength=len(self.roles))
+        self._touched = self._touching(np.arange(len(self.elements)), 0, len(self.ends) - 1)
 
     @property
     def size(self) -> int:
@@ -106,7 +110,10 @@ class Prism:
 
     def _box(self, members: np.ndarray, low: int, high: int) -> _Part:
         layers = high - low
-        if len(members) <= _LEAF_SECTION and layers <= _LEAF_AXIAL:
+        members = members[self.filled[members, low:high].any(axis=1)]
+        if not len(members):
+            return np.zeros(0, dtype=int), np.zeros((0, 0))
+        if len(members) <= _LEAF_SECTION and layers <= _LEAF_AXIAL and self.filled[members, low:high].all():
             halves = [self._leaf(members, low, high)]
         else:
             spread = self.centres[members] - self.centres[members].mean(axis=0)
@@ -125,14 +132,21 @@ class Prism:
         """Section node, axial node and component of unknowns of the mesh."""
         return numbers // 3 % len(self.roles), numbers // self.roles.size, numbers % 3
 
+    def _touching(self, members: np.ndarray, low: int, high: int) -> np.ndarray:
+        """Number of elements of a box at its nodes, (axial nodes of the box, section nodes)."""
+        out = np.zeros((2 * (high - low) + 1, len(self.roles)), dtype=int)
+        for layer in range(low, high):
+            here = members[self.filled[members, layer]]
+            at = 2 * (layer - low)
+            out[at : at + 3] += np.bincount(self.elements[here].ravel(), minlength=len(self.roles))
+        return out
+
     def _inside(self, numbers: np.ndarray, members: np.ndarray, low: int, high: int) -> np.ndarray:
         """Which of the unknowns no element outside the box touches, and are not kept."""
-        full = np.bincount(self.elements[members].ravel(), minlength=len(self.roles)) == self._touched
-        layer = np.zeros(2 * len(self.ends) - 1, dtype=bool)
-        layer[2 * low + (low > 0) : 2 * high + (high == len(self.ends) - 1)] = True
+        full = self._touching(members, low, high) == self._touched[2 * low : 2 * high + 1]
         mesh = numbers < self.size
-        node, place, component = self._place(np.where(mesh, numbers, 0))
-        return mesh & full[node] & layer[place] & (self.roles[node, component] == INNER)
+        node, place, component = self._place(np.where(mesh, numbers, self.roles.size * 2 * low))
+        return mesh & full[place - 2 * low, node] & (self.roles[node, component] == INNER)
 
     def _eliminate(self, parts: list[_Part], members: np.ndarray, low: int, high: int) -> _Part:
         """Add the parts of a box and eliminate what lies inside it for good: those unknowns come first in the front."""

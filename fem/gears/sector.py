@@ -8,7 +8,8 @@ the fillet (slope 45 degrees there, so that no corner is sharper than 45 degrees
     body   columns span the whole pitch, layers grow from the root to the bore
 
 Both cut lines (mid tooth space) carry the same radii, so that sectors join conformingly to a ring. Below a rim the body
-is a web: its elements are filled to the part b_s / b of the face width (an equivalent ring of modulus E b_s / b).
+is a web: in the plane its elements are filled to the part b_s / b of the face width (an equivalent ring of modulus
+E b_s / b).
 
 A slit, for a root crack, starts at the middle of the loaded fillet: the line that the two grids share follows it, the
 tooth above is stretched after it, and the nodes on it are doubled.
@@ -47,6 +48,7 @@ class SectorMesh:
     form_arc: float  # arc length at the form circle, where the involute starts
     tip_arc: float  # arc length at the end of the involute
     filling: np.ndarray  # (elements,) part of the face width that is filled: 1, in a web b_s / b
+    web: np.ndarray  # bool (elements,), below the rim
     slit: np.ndarray  # nodes of the tooth on the slit, mouth first, without its tip; empty without a slit
     slit_first: int  # index of the first of their doubles, which belong to the body; equals len(points) without a slit
 
@@ -179,8 +181,8 @@ def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -
     lower_side = body.copy()
     lower_side[0, first : first + len(across)][cracked] = len(points) + np.arange(len(on_slit))[::-1]
     quads = (_quads(lower_side[::-1]), _quads(tooth))
-    filling = np.ones(len(quads[0]) + len(quads[1]))
-    filling[: len(quads[0]) - rim_rows * ((len(body[0]) - 1) // 2)] = gear.web_ratio  # inner rows come first
+    web_elements = np.zeros(len(quads[0]) + len(quads[1]), dtype=bool)
+    web_elements[: len(quads[0]) - rim_rows * ((len(body[0]) - 1) // 2)] = True  # inner rows come first
     return SectorMesh(
         teeth=gear.teeth,
         twist=math.tan(gear.helix_angle) / gear.reference_radius,
@@ -196,7 +198,8 @@ def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -
         base_radius=r_b,
         form_arc=form_arc,
         tip_arc=tip_arc,
-        filling=filling,
+        filling=np.where(web_elements, gear.web_ratio, 1.0),
+        web=web_elements,
         slit=on_slit,
         slit_first=len(points),
     )

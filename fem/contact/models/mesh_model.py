@@ -17,11 +17,13 @@ class MeshModel(ABC):
     """Options of a mesh model as fields, checked when it is made.
 
     A field ``line_load`` (N/m) or None is filled in from the load that the pair carries; all others are options of the
-    user. `seconds` is what the laws of one pair take from nothing, about; `libraries` are those its numbers depend on.
+    user. `seconds` is what the laws of one pair take from nothing, about; `libraries` are those its numbers depend on;
+    `places_webs` says whether a web counts where it stands along the face, or only by its thickness.
     """
 
     seconds: ClassVar[float] = 0.0
     libraries: ClassVar[tuple[str, ...]] = ("numpy", "scipy")
+    places_webs: ClassVar[bool] = False
     slices: int = 15
 
     @abstractmethod

@@ -6,8 +6,9 @@ Twenty-seven-node hexahedra over the face; one sector of each wheel is condensed
 after it, and at the ends of the face. Loads, tilts, reliefs, missing teeth and both flanks are solutions on this one
 tensor (`fem.contact.wheels.contact`).
 
-Range: bodies of constant section with the end faces free; a web enters as an equivalent ring whose modulus is reduced
-by its part of the face, as in `plane`. Narrow slices: the Hertz contact should stay narrower than a slice.
+Range: bodies with the end faces free, solid or a rim on a web that stands where it is along the face. A web wider than
+the face enters as a ring whose modulus is raised by b_s / b. Narrow slices: the Hertz contact should stay narrower than
+a slice.
 """
 
 from __future__ import annotations
@@ -43,6 +44,7 @@ class Solid(MeshModel):
 
     seconds: ClassVar[float] = 8.0
     libraries: ClassVar[tuple[str, ...]] = ("numpy", "scipy", "scikit-fem")
+    places_webs: ClassVar[bool] = True
     model: Literal["solid"] = "solid"
     slices: int = 31
     refinement: float = 1.0
@@ -74,20 +76,22 @@ class Solid(MeshModel):
 
     def law(self, pair: GearPair, flank: str) -> MeshLaw:
         """The law of one flank, "drive" or "coast"."""
-        return condense(self.compliance(pair), pair, flank, self.plane, self.model)
+        return condense(self.compliance(pair, flank), pair, flank, self.plane, self.model)
 
     def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
-        """The laws of drive and coast flank, condensed from one compliance (`solid_condensation`)."""
-        record = self.compliance(pair)
+        """The laws of drive and coast flank, condensed (`solid_condensation`) from one compliance if it serves both."""
+        drive = self.compliance(pair)
+        coast = drive if drive.flank == 0 else self.compliance(pair, "coast")
         return (
-            condense(record, pair, "drive", self.plane, self.model),
-            condense(record, pair, "coast", self.plane, self.model),
+            condense(drive, pair, "drive", self.plane, self.model),
+            condense(coast, pair, "coast", self.plane, self.model),
         )
 
-    def compliance(self, pair: GearPair) -> ContactCompliance:
-        """Compliances between all contact places of the pair, for both flanks."""
+    def compliance(self, pair: GearPair, flank: str = "drive") -> ContactCompliance:
+        """Compliances between all contact places of one flank; of both, unless a web is offset."""
         return contact_compliance(
             pair,
+            1 if flank == "drive" else -1,
             slices=self.slices,
             positions=self.positions,
             section_refinement=SECTION * self.refinement,

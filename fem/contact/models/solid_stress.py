@@ -12,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.contact.models.solid import PATCH, SECTION, Solid
-from fem.contact.wheels.compliance import ContactCompliance, axial_ends
+from fem.contact.wheels.compliance import ContactCompliance
 from fem.contact.wheels.contact import ContactState
 from fem.contact.wheels.ring import FlankCompliance, SectorReduction
-from fem.contact.wheels.solid_ring import CutFunctions, load_size, node_frames, reduce_prism, sector_prism
+from fem.contact.wheels.solid_ring import load_size, node_frames, reduce_prism, sector_prism
+from fem.contact.wheels.webs import axial_ends, web_ends
 from fem.elements.materials import Material
 from fem.elements.prisms import slice_means, strain_matrices
 from fem.elements.sections import elasticity, gauss_grid, gauss_line, geometry, lagrange, shape_functions
@@ -74,7 +75,7 @@ def stress_field(
     loads = np.where(touching, state.line_load[index] * record.slice_width, 0.0)
     points = path_points(pair, xi.ravel(), 0.4 * pair.pinion.normal_module)
     bounds = np.linspace(-pair.face_width / 2, pair.face_width / 2, model.slices + 1)
-    ends = axial_ends(pair.face_width, model.axial_elements(pair))
+    along = pair.pinion.hand_sign * (record.flank or 1)
     out = []
     for gear, material, radius, turn in (
         (pair.pinion, pair.pinion_material, points.pinion_radius, 1),
@@ -85,9 +86,11 @@ def stress_field(
         flank = FlankCompliance(arc=mesh.flank_arc, tip_arc=mesh.tip_arc, matrix={})
         weight, _ = flank.patches(arc, PATCH / model.refinement * gear.normal_module)
         weight = weight.reshape(*loads.shape, -1)
-        nodal = np.einsum("ps,psr,sa->pra", loads, weight, slice_means(ends, bounds)[:, ::turn], optimize=True)
+        web = web_ends(gear, turn * along)
+        ends = axial_ends(gear.face_width, model.axial_elements(pair), web)
+        nodal = np.einsum("ps,psr,sa->pra", loads, weight, slice_means(ends, bounds)[::turn], optimize=True)
         # pair p + n, which follows, has tooth -n of the pinion and n of the wheel, counted towards the loaded flank
-        out.append(_gear_field(gear, material, mesh, ends, nodal, -turn * state.pair[index], state.pair[index]))
+        out.append(_gear_field(gear, material, mesh, ends, web, nodal, -turn * state.pair[index], state.pair[index]))
     return out[0], out[1]
 
 
@@ -96,13 +99,14 @@ def _gear_field(
     material: Material,
     mesh: SectorMesh,
     ends: np.ndarray,
+    web: tuple[float, float] | None,
     nodal: np.ndarray,
     teeth: np.ndarray,
     numbers: np.ndarray,
 ) -> StressField:
     """Field of the teeth (tooth,) under nodal forces (tooth, flank row, axial node)."""
     rows = np.flatnonzero(nodal.any(axis=(0, 2)))
-    prism = sector_prism(mesh, material.elastic_modulus, material.poisson_ratio, ends, rows, CutFunctions())
+    prism = sector_prism(mesh, material.elastic_modulus, material.poisson_ratio, ends, rows, web=web)
     prism.fronts = []
     sector, unknowns = reduce_prism(mesh, prism, rows)
     forces = nodal[:, rows].reshape(len(teeth), -1)
@@ -132,9 +136,9 @@ def _gear_field(
     return StressField(
         pair=numbers,
         points=np.einsum("tzij,znj->tzni", turn, flat).reshape(len(teeth), -1, 3),
-        cells=_cells(mesh, len(z)),
+        cells=_cells(mesh, prism.filled),
         displacement=np.einsum("tzij,tznj->tzni", turn, local).reshape(len(teeth), -1, 3),
-        von_mises=_von_mises(mesh, material, ends, local).reshape(len(teeth), -1),
+        von_mises=_von_mises(mesh, material, ends, prism.filled, local).reshape(len(teeth), -1),
     )
 
 
@@ -154,8 +158,11 @@ def cut_motion(sector: SectorReduction, forces: np.ndarray, teeth: np.ndarray) -
     return out.reshape(2 * half, -1)
 
 
-def _cells(mesh: SectorMesh, layers: int) -> np.ndarray:
-    """Linear hexahedra (cell, 8): every section element gives four quadrilaterals, every layer of nodes a row."""
+def _cells(mesh: SectorMesh, filled: np.ndarray) -> np.ndarray:
+    """Linear hexahedra (cell, 8): every section element gives four quadrilaterals, every layer of nodes a row.
+
+    filled : bool (section elements, axial elements)
+    """
     grid = mesh.elements.reshape(-1, 3, 3)
     quads = np.concatenate(
         [
@@ -164,11 +171,14 @@ def _cells(mesh: SectorMesh, layers: int) -> np.ndarray:
             for j in (0, 1)
         ]
     )
-    base = np.arange(layers - 1)[:, None, None] * len(mesh.points)
-    return np.concatenate([quads + base, quads + base + len(mesh.points)], axis=2).reshape(-1, 8)
+    base = np.arange(2 * filled.shape[1])[:, None, None] * len(mesh.points)
+    cells = np.concatenate([quads + base, quads + base + len(mesh.points)], axis=2)
+    return cells[np.repeat(np.tile(filled.T, 4), 2, axis=0)]
 
 
-def _von_mises(mesh: SectorMesh, material: Material, ends: np.ndarray, local: np.ndarray) -> np.ndarray:
+def _von_mises(
+    mesh: SectorMesh, material: Material, ends: np.ndarray, filled: np.ndarray, local: np.ndarray
+) -> np.ndarray:
     """Von Mises stress (tooth, axial node, section node) of displacements (tooth, axial node, section node, 3).
 
     Stresses are taken at the two Gauss points of each direction, where they are most accurate (Barlow, 1976, Int. J.
@@ -191,7 +201,7 @@ def _von_mises(mesh: SectorMesh, material: Material, ends: np.ndarray, local: np
         nodal = np.einsum("zg,aq,rs,tgeqs->tzear", end, to_nodes, hooke, at_gauss, optimize=True)
         for layer in range(3):
             for tooth in range(len(local)):
-                np.add.at(stress[tooth, 2 * k + layer], mesh.elements, nodal[tooth, layer])
-            np.add.at(hits[2 * k + layer], mesh.elements, 1.0)
-    xx, yy, zz, yz, xz, xy = np.moveaxis(stress / hits[..., None], -1, 0)
+                np.add.at(stress[tooth, 2 * k + layer], mesh.elements[filled[:, k]], nodal[tooth, layer][filled[:, k]])
+            np.add.at(hits[2 * k + layer], mesh.elements[filled[:, k]], 1.0)
+    xx, yy, zz, yz, xz, xy = np.moveaxis(stress / np.maximum(hits, 1.0)[..., None], -1, 0)
     return np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * (yz**2 + xz**2 + xy**2))

@@ -17,10 +17,11 @@ section is refined, so the sum is exact for such loads and converges for all oth
 free. d is at most a fifth of a module: a larger one would make the approach of short slices negative without the Hertz
 term. It is lowered, and C raised with it, until C alone is positive definite.
 
-A gear of constant section comes to itself by half a turn about the radial axis through a tooth at mid face. It swaps
-the flanks and the ends of the face. One tensor therefore serves both flanks, with the face coordinate
+A gear whose body is even about mid face comes to itself by half a turn about the radial axis through a tooth there. It
+swaps the flanks and the ends of the face. One tensor therefore serves both flanks, with the face coordinate
 zeta = sign * hand * y (sign +1 drive, -1 coast; hand +1 right-hand pinion, -1 left-hand), along which xi rises. It runs
-with the twist of the pinion and against that of the wheel.
+with the twist of the pinion and against that of the wheel. A web that is offset breaks this: seen along zeta it stands
+at the other end for the other flank, which then has a tensor of its own.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ from threadpoolctl import threadpool_limits
 from fem.contact.wheels.plane_section import PlaneSection
 from fem.contact.wheels.ring import flank_compliance
 from fem.contact.wheels.solid_ring import SolidFlank, solid_flank
+from fem.contact.wheels.webs import axial_ends, even_about_mid_face, web_ends
 from fem.elements.materials import Material
 from fem.elements.prisms import slice_means
 from fem.gears.geometry import Gear, GearPair
@@ -53,6 +55,7 @@ class ContactCompliance(Record):
     """Compliances of a pair over one mesh cycle; the equations stand in the module."""
 
     hand: int = integer()  # +1 right-hand pinion, -1 left-hand
+    flank: int = integer()  # +1 serves the drive flank alone, -1 the coast flank alone, 0 both
     position: np.ndarray = array("cycle", units="1")  # c' on a uniform grid over [0, 1)
     pair: np.ndarray = array("pair", units="1", dtype=int)  # candidate pairs p; xi = c' - p + cycle_shift
     face: np.ndarray = array("slice", units="m")  # zeta, rising
@@ -73,12 +76,6 @@ class _Contacts:
     pair: np.ndarray
     slice: np.ndarray
     path: PathPoints
-
-
-def axial_ends(face_width: float, elements: int) -> np.ndarray:
-    """Element ends (elements + 1,) along the face, m, smaller towards the free end faces by a half."""
-    place = np.linspace(-1.0, 1.0, elements + 1)
-    return face_width / 2 * (place + 0.16 * np.sin(np.pi * place))
 
 
 def _contacts(
@@ -105,8 +102,17 @@ class _Body:
 
 
 def _body(
-    gear: Gear, material: Material, radius: np.ndarray, patch: float, refinement: float, ends: np.ndarray, reach: int
+    gear: Gear,
+    turn: int,
+    material: Material,
+    radius: np.ndarray,
+    patch: float,
+    refinement: float,
+    elements: int,
+    reach: int,
 ) -> _Body:
+    web = web_ends(gear, turn)
+    ends = axial_ends(gear.face_width, elements, web)
     mesh = sector_mesh(gear, refinement)
     count("gear_meshes")
     young, poisson = material.elastic_modulus, material.poisson_ratio
@@ -115,18 +121,20 @@ def _body(
     weight, _ = flat.patches(arc, patch)
     rows = np.flatnonzero(weight.any(axis=0))
     return _Body(
-        flank=solid_flank(mesh, young, poisson, ends, rows, reach),
+        flank=solid_flank(mesh, young, poisson, ends, rows, reach, web=web),
         weight=weight[:, rows],
         plane=np.einsum("pi,ij,pj->p", weight, flat.matrix[0], weight, optimize=True),
     )
 
 
-def _add_ring(out: np.ndarray, at: _Contacts, body: _Body, means: np.ndarray, turn: int) -> None:
-    """Add the compliances of one ring to C; turn = 1 for the pinion, -1 for the wheel.
+def _add_ring(out: np.ndarray, at: _Contacts, body: _Body, turn: int) -> None:
+    """Add the compliances of one ring to C; turn = 1 for the pinion, -1 for the wheel, whose face runs against zeta.
 
     Tooth pair p + n, which follows pair p, is tooth -n of the pinion and tooth n of the wheel, counted towards the
     loaded flank.
     """
+    ends = body.flank.ends
+    means = slice_means(ends, np.linspace(ends[0], ends[-1], out.shape[2] + 1))[::turn]
     load = np.einsum("ci,cj->cij", body.weight, means[at.slice]).reshape(len(at.cycle), -1)
     seen = sparse.csr_matrix(load)
     starts = np.flatnonzero(np.diff(at.cycle * out.shape[1] + at.pair, prepend=-1))
@@ -147,6 +155,7 @@ def _add_ring(out: np.ndarray, at: _Contacts, body: _Body, means: np.ndarray, tu
 
 def contact_compliance(
     pair: GearPair,
+    sign: int,
     *,
     slices: int,
     positions: int,
@@ -160,6 +169,7 @@ def contact_compliance(
     Parameters
     ----------
     pair : the gears in mesh
+    sign : +1 drive flank, -1 coast flank; the record says whether it serves the other, too
     slices : slices of equal width over the face
     positions : grid points per mesh cycle
     section_refinement : of the section mesh of the rings in space, see `fem.gears.sector.sector_mesh`
@@ -172,18 +182,17 @@ def contact_compliance(
     shift = zeta * math.tan(pair.base_helix_angle) / pair.base_pitch
     position = np.arange(positions) / positions
     at, numbers = _contacts(pair, position, shift, plane)
-    ends = axial_ends(pair.face_width, axial_elements)
-    means = slice_means(ends, np.linspace(-pair.face_width / 2, pair.face_width / 2, slices + 1))
-    common = (patch * module, section_refinement, ends, len(numbers) - 1)
+    along = sign * pair.pinion.hand_sign  # zeta along y
+    common = (patch * module, section_refinement, axial_elements, len(numbers) - 1)
     with threadpool_limits(1), ThreadPoolExecutor(2) as pool:  # the rings are independent of one another
         bodies = [
-            pool.submit(_body, pair.pinion, pair.pinion_material, at.path.pinion_radius, *common),
-            pool.submit(_body, pair.wheel, pair.wheel_material, at.path.wheel_radius, *common),
+            pool.submit(_body, pair.pinion, along, pair.pinion_material, at.path.pinion_radius, *common),
+            pool.submit(_body, pair.wheel, -along, pair.wheel_material, at.path.wheel_radius, *common),
         ]
         pinion, wheel = (body.result() for body in bodies)
     out = np.zeros((positions, len(numbers), slices, len(numbers), slices))
-    _add_ring(out, at, pinion, means, 1)
-    _add_ring(out, at, wheel, means[:, ::-1], -1)
+    _add_ring(out, at, pinion, 1)
+    _add_ring(out, at, wheel, -1)
     slope, offset = plane.contact_terms(pair, at.path)
     _, fine = plane.own_compliance(pair, at.path, plane.rings(pair, 1))
     out[at.cycle, at.pair, at.slice, at.pair, at.slice] += (fine - pinion.plane - wheel.plane) / width
@@ -194,6 +203,7 @@ def contact_compliance(
     offsets[at.cycle, at.pair, at.slice] = offset + 2 * math.log(depth)
     return ContactCompliance(
         hand=pair.pinion.hand_sign,
+        flank=0 if even_about_mid_face(pair) else sign,
         position=position,
         pair=numbers,
         face=zeta,

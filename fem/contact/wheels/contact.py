@@ -72,8 +72,13 @@ def solve(
 
     Raises
     ------
-    ModelError : no contact can carry the force, or the iteration fails
+    ModelError : no contact can carry the force, the iteration fails, or the record is of the other flank
     """
+    if record.flank == -sign:
+        raise ModelError(
+            f"model solid: these compliances are those of the flank {record.flank:+d}, and {sign:+d} is asked for; a "
+            "web that is offset gives every flank its own: compute the record of that flank"
+        )
     count = len(record.position)
     index = np.arange(count) if index is None else np.atleast_1d(np.asarray(index, dtype=int))
     inside, turns = index % count, index // count

@@ -15,21 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from fem.contact.wheels.cut_functions import CUT, CutFunctions, cut_ties, webbed_ties
 from fem.contact.wheels.ring import SectorReduction, ring_response
-from fem.elements.nested_condensation import FIXED, INNER, KEPT, TIED, Prism, Ties
+from fem.elements.nested_condensation import FIXED, INNER, KEPT, TIED, Prism
 from fem.elements.prisms import section_blocks
 from fem.gears.sector import SectorMesh, with_middles
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class CutFunctions:
-    """Number of polynomials on a cut face, by radius and along the face; None takes every node of that direction."""
-
-    radial: int | None = 5
-    axial: int | None = 7
-
-
-CUT = CutFunctions()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,41 +61,49 @@ def node_frames(mesh: SectorMesh) -> np.ndarray:
 
 
 def sector_prism(
-    mesh: SectorMesh, young: float, poisson: float, ends: np.ndarray, rows: np.ndarray, cut: CutFunctions
+    mesh: SectorMesh,
+    young: float,
+    poisson: float,
+    ends: np.ndarray,
+    rows: np.ndarray,
+    cut: CutFunctions = CUT,
+    web: tuple[float, float] | None = None,
 ) -> Prism:
     """The sector of one tooth, ready to be condensed.
 
     Parameters
     ----------
-    mesh, young, poisson, ends, rows, cut : those of `solid_flank`; the unknowns of the rows are kept
+    mesh, young, poisson, ends, rows, cut, web : those of `solid_flank`; the unknowns of the rows are kept
     """
     frames = node_frames(mesh)
     roles = np.full((len(mesh.points), 3), INNER)
     roles[mesh.flank[rows], 0] = KEPT
     roles[np.concatenate([mesh.bore, mesh.cut_bore])] = FIXED
     roles[np.concatenate([mesh.cut_low, mesh.cut_high])] = TIED
-    radius = np.linalg.norm(mesh.points[mesh.cut_low], axis=1)
-    bore = np.linalg.norm(mesh.points[mesh.cut_bore[0]])
-    height = (radius - bore) / (radius[0] - bore)
-    place = 2 * (with_middles(ends) - ends[0]) / (ends[-1] - ends[0]) - 1
-    legendre = np.polynomial.legendre.legvander
-    functions = np.eye(len(radius))
-    if cut.radial is not None and cut.radial < len(radius):
-        functions = height[:, None] * legendre(2 * height - 1, cut.radial - 1)
-    along = np.eye(len(place))
-    if cut.axial is not None and cut.axial < len(place):
-        along = legendre(place, cut.axial - 1)
-    blocks = section_blocks(mesh.points, mesh.elements, young, poisson, mesh.twist, mesh.filling)
-    side, across = np.full(len(mesh.points), -1), np.zeros((len(mesh.points), functions.shape[1]))
+    side, at = np.full(len(mesh.points), -1), np.zeros(len(mesh.points), dtype=int)
     for number, nodes in enumerate((mesh.cut_low, mesh.cut_high)):
-        side[nodes], across[nodes] = number, functions
+        side[nodes], at[nodes] = number, np.arange(len(nodes))
+    radius = np.linalg.norm(mesh.points[mesh.cut_low], axis=1)
+    bore = float(np.linalg.norm(mesh.points[mesh.cut_bore[0]]))
+    filled = np.ones((len(mesh.elements), len(ends) - 1), dtype=bool)
+    if web is None:
+        filling = mesh.filling
+        ties = cut_ties(cut, side, at, radius, bore, with_middles(ends))
+    else:
+        filling = np.ones(len(mesh.elements))
+        middle = (ends[1:] + ends[:-1]) / 2
+        filled[mesh.web] = (middle > web[0]) & (middle < web[1])
+        rim = float(np.linalg.norm(mesh.points[mesh.elements[mesh.web]], axis=2).max())
+        ties = webbed_ties(cut, side, at, radius, bore, with_middles(ends), rim, web)
+    blocks = section_blocks(mesh.points, mesh.elements, young, poisson, mesh.twist, filling)
     return Prism(
         elements=mesh.elements,
         centres=mesh.points[mesh.elements[:, 4]],
         blocks=blocks.turned(frames[mesh.elements]),
         ends=ends,
         roles=roles,
-        ties=Ties(side=side, across=across, along=along),
+        ties=ties,
+        filled=filled,
     )
 
 
@@ -150,6 +148,7 @@ def solid_flank(
     rows: np.ndarray,
     reach: int,
     cut: CutFunctions = CUT,
+    web: tuple[float, float] | None = None,
 ) -> SolidFlank:
     """Compliance between the nodes of some flank rows of a tooth and of its neighbours.
 
@@ -160,7 +159,9 @@ def solid_flank(
     ends : axial element ends, m
     rows : int (rows,), indices into `mesh.flank`
     reach : teeth up to which neighbours count
-    cut : polynomials on the cut faces
+    cut : functions on the cut faces
+    web : where the web stands along the axis, m, both among `ends`; None for a body below the rim that fills the face,
+        or counts as an equivalent ring
     """
-    sector, _ = reduce_prism(mesh, sector_prism(mesh, young, poisson, ends, rows, cut), rows)
+    sector, _ = reduce_prism(mesh, sector_prism(mesh, young, poisson, ends, rows, cut, web), rows)
     return SolidFlank(rows=rows, ends=ends, matrix=ring_response(sector, reach))

@@ -104,10 +104,10 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
                     f"{place}: the {name} is nearly pointed, its tip is {gear.tip_thickness * 1000:.3f} mm thick "
                     f"({gear.tip_thickness / gear.normal_module:.2f} m_n; usual at least {THIN_TIP} m_n)"
                 )
-            if gear.web_offset:
+            if gear.web_offset and not spec.mesh.places_webs:
                 yield (
-                    f"{place}.{name}.web_offset_mm: the mesh models see the web in the section only; its offset "
-                    "changes nothing there"
+                    f"{place}.{name}.web_offset_mm: this mesh model counts a web by its thickness alone, whatever its "
+                    f'offset; take {place}.mesh.model = "solid"'
                 )
         yield from (f"{place}: {text}" for text in spec.mesh.warnings(modification))
     for number, fault in scene.tooth_faults.items():
