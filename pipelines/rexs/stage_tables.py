@@ -18,7 +18,6 @@ from pipelines.rexs.document import RexsError
 from pipelines.rexs.gear_unit import Gear, GearUnit, Note, Shaft, Stage
 
 USUAL_RACK = {"rack_addendum": 1.0, "rack_dedendum": 1.25, "rack_tip_radius": 0.38}  # ISO 53 A
-INTEGRAL_BORE = 0.5  # of the root diameter, where a gear is cut from its shaft
 
 
 @dataclass(frozen=True)
@@ -165,13 +164,11 @@ def _bore(
         raise RexsError(
             f"{unit.source}: {gear.label}: its middle, y = {y:g} mm, is off {shaft.label}. Correct its place."
         )
-    diameter = max(section.outer)
-    if root - diameter >= 2 * THINNEST_RIM * gear.module:
+    diameter, largest = max(section.outer), root - 2 * THINNEST_RIM * gear.module
+    if diameter <= largest:
         return diameter, []
-    reason = (
-        f"half the root circle {root:.4g} mm: cut from its shaft of {diameter:g} mm, the body bends from there outwards"
-    )
-    return INTEGRAL_BORE * root, [Note(kind="assumed", where=path, value=_text(INTEGRAL_BORE * root), reason=reason)]
+    reason = f"{THINNEST_RIM} modules under the root circle: cut from its shaft of {diameter:g} mm, stiff up to there"
+    return largest, [Note(kind="assumed", where=path, value=_text(largest), reason=reason)]
 
 
 def _pair(unit: GearUnit, stage: Stage, values: dict[str, Any]) -> GearPair:
