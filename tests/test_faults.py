@@ -115,7 +115,7 @@ def test_a_crack_softens_its_own_flank_in_its_slices_only(laws):
     assert (cracked[drive.face_coordinate < -2e-3] > 0).all()
     assert (cracked[drive.face_coordinate > -2e-3] == 0).all()
     assert (coast.wheel_variant_compliance == 0).all()
-    alone = crack_compliance(PAIR, "wheel", crack, law_points(drive, PAIR), 0.5)
+    alone = crack_compliance(PAIR, "wheel", crack.depth, crack.angle, law_points(drive, PAIR), 0.5)
     assert cracked[0] == pytest.approx(alone)
     assert alone[0] > 2 * alone[-1]  # the wheel tip comes first on the path and bends most
     teeth = one_variant(55, 0)

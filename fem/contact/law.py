@@ -25,7 +25,14 @@ Shapes along the flank are gaps, positive where material is missing: gap(xi) hol
 gap of the tip edges, lead_gap(y) their lead; the sum of the two is exact for every modification but a twisted flank.
 h_p is what the two teeth of the pair bring of their own, see `fem.contact.teeth`. A damaged tooth is a variant: a table
 over (slice, position) of the compliance and the gap that it adds to its pair; the parts of pinion and wheel add up.
-Variant 0 is the sound tooth, variant v the table v - 1. A variant leaves the compliance between neighbours as it is.
+Variant 0 is the sound tooth, variant v the table v - 1.
+
+A variant may also have modes m_k, which add compliance between all places i = (pair, slice) on the damaged tooth's own
+pair p and on the pairs p - 1 and p + 1 (`near` 0, 1, 2 stands for p - 1, p, p + 1; tables at the xi of that pair):
+
+    x_i loses sum_k m_k(i) q_k,   q_k = sum_j m_k(j) fraction_j f_j width_j
+
+like a displacement of the bodies, by all loads together (`fem.contact.evaluation.damaged_face`).
 """
 
 from __future__ import annotations
@@ -75,13 +82,22 @@ class MeshLaw(Record):
     lead_gap: np.ndarray = _sound("slice", units="m")
     pinion_variant_compliance: np.ndarray = _sound("pinion_variant", "slice", "position", units="m2/N")  # >= 0
     pinion_variant_gap: np.ndarray = _sound("pinion_variant", "slice", "position", units="m", infinite=True)
+    pinion_variant_modes: np.ndarray = _sound(
+        "pinion_variant", "pinion_mode", "near", "slice", "position", units="m(1/2)/N(1/2)"
+    )
     wheel_variant_compliance: np.ndarray = _sound("wheel_variant", "slice", "position", units="m2/N")
     wheel_variant_gap: np.ndarray = _sound("wheel_variant", "slice", "position", units="m", infinite=True)
+    wheel_variant_modes: np.ndarray = _sound(
+        "wheel_variant", "wheel_mode", "near", "slice", "position", units="m(1/2)/N(1/2)"
+    )
 
     def __post_init__(self) -> None:
         slices, positions = np.size(self.face_coordinate), np.size(self.compliance)
         for field in dataclasses.fields(self):
             if field.default is None and getattr(self, field.name) is None:
-                shape = {"lead_gap": (slices,), "spread_compliance": (positions,)}
+                shape: dict[str, tuple[int, ...]] = {"lead_gap": (slices,), "spread_compliance": (positions,)}
+                if field.name.endswith("_modes"):
+                    variants = getattr(self, field.name.replace("modes", "gap"))
+                    shape[field.name] = (len(variants), 0, 3, slices, positions)
                 object.__setattr__(self, field.name, np.zeros(shape.get(field.name, (0, slices, positions))))
         super().__post_init__()

@@ -111,7 +111,9 @@ def least_clearance(law: MeshLaw, pinion: np.ndarray, wheel: np.ndarray) -> floa
     return least
 
 
-def with_variants(law: MeshLaw, gear: str, compliance: np.ndarray | float, gap: np.ndarray | float) -> MeshLaw:
+def with_variants(
+    law: MeshLaw, gear: str, compliance: np.ndarray | float, gap: np.ndarray | float, modes: np.ndarray | None = None
+) -> MeshLaw:
     """The law with one more damaged tooth form of "pinion" or "wheel"; its number is how many there are then.
 
     Parameters
@@ -120,6 +122,8 @@ def with_variants(law: MeshLaw, gear: str, compliance: np.ndarray | float, gap: 
     gear : "pinion" or "wheel"
     compliance : m2/N, >= 0, that the form adds to its pair; broadcasts to (slice, position)
     gap : m, likewise; +inf where the tooth is chipped away
+    modes : (mode, near, slice, position) of compliance that the form adds on its pair and beside it, see
+        `fem.contact.law`; None for none
 
     Raises
     ------
@@ -138,4 +142,10 @@ def with_variants(law: MeshLaw, gear: str, compliance: np.ndarray | float, gap: 
     for name, value in added.items():
         field = f"{gear}_variant_{name}"
         changes[field] = np.concatenate([getattr(law, field), np.broadcast_to(value, shape)])
-    return law.replaced(**changes)
+    field = f"{gear}_variant_modes"
+    there, added_modes = getattr(law, field), np.zeros((0, 3, *shape[1:])) if modes is None else modes
+    count = max(there.shape[1], len(added_modes))
+    both = np.zeros((len(there) + 1, count, 3, *shape[1:]))
+    both[:-1, : there.shape[1]] = there
+    both[-1, : len(added_modes)] = added_modes
+    return law.replaced(**changes, **{field: both})

@@ -64,11 +64,13 @@ class SectorMesh:
 class Slit:
     """A straight slit from the middle of the loaded fillet into the tooth: depth (m), angle to the centre line (rad).
 
-    angle pi/2 runs straight across the tooth, less goes down into the rim.
+    angle pi/2 runs straight across the tooth, less goes down into the rim. Its elements are small at mouth and tip, or
+    of even size where the `spacing` (m, about) is given: there a crack may end anywhere on it.
     """
 
     depth: float
     angle: float
+    spacing: float | None = None
 
 
 @dataclass(frozen=True)
@@ -219,6 +221,9 @@ def _slit_line(radius: float, angle: float, slit: Slit, size: float) -> tuple[np
     on_slit = np.concatenate(
         [_growing(tip, 1.25, largest, half), slit.depth - _growing(min(0.05 * size, half), 1.25, largest, half)[-2::-1]]
     )  # distance from the tip
+    if slit.spacing is not None:
+        tip = slit.spacing
+        on_slit = np.linspace(0.0, slit.depth, _count(slit.depth, tip))
     ends = with_middles(np.concatenate([-_growing(tip, 1.25, largest, rest)[:0:-1], on_slit]))
     ahead = np.clip(ends, 0.0, None)[:, None] / slit.depth
     behind = np.clip(-ends, 0.0, None)[:, None] / rest

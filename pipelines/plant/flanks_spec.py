@@ -28,6 +28,13 @@ class FlanksSpec:
         return (*(fault for tooth in teeth for fault in tooth), *self.pinion_wear, *self.wheel_wear)
 
     @property
+    def surfaces(self) -> tuple[tuple[str, float], ...]:
+        """Gear ("pinion" or "wheel") and angle (rad) of the surfaces on which teeth crack, each once."""
+        teeth = (("pinion", self.pinion_damage), ("wheel", self.wheel_damage))
+        found = ((gear, fault.surface_angle) for gear, damaged in teeth for tooth in damaged for fault in tooth)
+        return tuple(dict.fromkeys((gear, angle) for gear, angle in found if angle is not None))
+
+    @property
     def empty(self) -> bool:
         """True when nothing is added."""
         return self.modifications.none and not self.faults

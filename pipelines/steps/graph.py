@@ -1,6 +1,6 @@
 """The steps of a plant: which part of it each one reads, and what it takes.
 
-    sound_law_i -> law_i                    one per gear pair; equal pairs share one; law_i alone where the flanks are
+    sound_law_i, crack surface -> law_i     one per gear pair; equal pairs share one; law_i alone where the flanks are
                                             neither modified nor damaged (a missing tooth is no damage here)
     casing mesh -> casing modes -> casing   finite elements only for the models static and craig-bampton
     simulate                                a missing tooth, deviations, drive and load enter here
@@ -10,6 +10,7 @@ Plants that are run together (`pipelines.steps.study`) share the steps that do n
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -22,6 +23,8 @@ from pipelines.plant.plant import Plant
 
 if TYPE_CHECKING:
     from fem.casing.reduced.grounded import ForcedPoint
+    from fem.contact.models.mesh_model import LawSpec
+    from pipelines.plant.flanks_spec import FlanksSpec
     from pipelines.steps.casing_modes import CasingModesSpec
 
 _NUMERIC = ("numpy", "scipy", "numba")
@@ -66,17 +69,38 @@ def _law_steps(plant: Plant) -> list[Step]:
             )
         )
         if not added.empty:
+            surfaces = _surface_steps(name, spec, added)
+            steps += surfaces
             steps.append(
                 Step(
                     name=name,
                     kind="flanks",
                     build=modified_laws.build,
                     spec=added,
-                    takes=(sound,),
+                    takes=(sound, *(step.name for step in surfaces)),
                     libraries=("numpy", "scipy"),
                 )
             )
     return steps
+
+
+def _surface_steps(law: str, spec: LawSpec, added: FlanksSpec) -> list[Step]:
+    """The surfaces on which teeth of a pair crack in space, if its model knows them."""
+    from fem.contact.wheels.crack_surface import crack_surface
+
+    specs = {place: spec.mesh.crack_surface(spec.pair, *place) for place in added.surfaces}
+    return [
+        Step(
+            name=f"crack surface of {law}, {gear}, {math.degrees(angle):.4g} deg",
+            kind="crack-surface",
+            build=crack_surface,
+            spec=surface,
+            libraries=("numpy", "scipy", "scikit-fem"),
+            seconds=6.0,
+        )
+        for (gear, angle), surface in specs.items()
+        if surface is not None
+    ]
 
 
 def _casing_steps(plant: Plant) -> list[Step]:

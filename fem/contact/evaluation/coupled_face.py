@@ -103,7 +103,7 @@ def _evaluate(packed, states, pinion, wheel, loads, memory):
         if found > most and most == 2:
             return found
         if good and loads.size > 0:
-            _keep_all_loads(law, own_cycle, memory, loads)
+            keep_all_loads(law, own_cycle, memory, loads)
         if not good and (found > 0 or law.pulls > 0.0):
             sums = _evaluate_exactly(packed, states, which, pinion, wheel, loads)
             for i in range(7):
@@ -113,8 +113,14 @@ def _evaluate(packed, states, pinion, wheel, loads, memory):
 
 
 @njit(**SPREAD)
-def _keep_all_loads(law, own_cycle, memory, loads):
-    """Line loads of all blocks, as in `keep_loads`."""
+def keep_all_loads(law, own_cycle, memory, loads):
+    """Line loads of all blocks, as in `keep_loads`.
+
+    Parameters
+    ----------
+    law, own_cycle, memory : as for `fields.gather_face`
+    loads : (place, slice) out, N/m
+    """
     for block in range(len(law.block)):
         keep_loads(block_rows(memory, block), block, math.floor(own_cycle), loads)
 
@@ -136,7 +142,7 @@ def _evaluate_exactly(packed, states, which, pinion, wheel, loads):
     if found == n:
         _solve_face_exactly(law, alone, (numbers, 0, numbers[:n]), answer)
         if loads.size > 0:
-            _keep_all_loads(law, own_cycle, (numbers, 0, numbers[:n]), loads)
+            keep_all_loads(law, own_cycle, (numbers, 0, numbers[:n]), loads)
         numbers[0] = teeth[0] = 0.0  # views of them were lent
     return answer[0], answer[1], answer[2], answer[3], answer[4], answer[5], answer[6]
 
@@ -150,25 +156,31 @@ def _solve_face_exactly(law, states, memory, answer):
     for step in range(EXACT_STEPS):
         for block in range(len(law.block)):
             rows = block_rows(memory, block)
-            _relieve(d, t, rows, field_rows(memory, block))
+            relieve(d, t, rows, field_rows(memory, block))
             solve_slices(law.slope, True, rows)
         new_d, new_t, stiffness = newton_step(law, memory)
         largest = abs(new_d - d) + abs(new_t - t) * abs(block_rows(memory, 0).y[0])
         for block in range(len(law.block)):
-            largest = max(largest, _largest_move(field_rows(memory, block)))
+            largest = max(largest, largest_move(field_rows(memory, block)))
         scale = max(scale, largest)
         part = 1.0 if step < 8 or largest <= 1e-3 * scale else 0.5
         d, t = d + part * (new_d - d), t + part * (new_t - t)
         for block in range(len(law.block)):
-            _move_fields(part, field_rows(memory, block))
+            move_fields(part, field_rows(memory, block))
         if largest <= EXACT_CLOSE * scale:
             break
     face_sums(law, d, t, stiffness, memory, answer)
 
 
 @inner(**INLINE)
-def _relieve(d, t, rows, fields):
-    """The approaches that fields and body displacements leave to the slices of a block."""
+def relieve(d, t, rows, fields):
+    """The approaches that fields and body displacements leave to the slices of a block.
+
+    Parameters
+    ----------
+    d, t : body displacements, m and rad
+    rows, fields : `Rows`, out, and `FieldRows` of the block
+    """
     for a in range(len(rows.order)):
         for s in range(LANES):
             taken = d + t * rows.y[s] + fields.gain[a, s] * fields.field[a, s]
@@ -177,7 +189,7 @@ def _relieve(d, t, rows, fields):
 
 
 @inner(**INLINE)
-def _largest_move(fields):
+def largest_move(fields):
     """The largest |g dv| of a step of the fields, m."""
     largest = 0.0
     for a in range(len(fields.order)):
@@ -187,7 +199,7 @@ def _largest_move(fields):
 
 
 @inner(**INLINE)
-def _move_fields(part, fields):
+def move_fields(part, fields):
     """Take only a part of the step of the fields."""
     for a in range(len(fields.order)):
         for s in range(LANES):

@@ -39,25 +39,25 @@ def solve_face(law, states, which, cold, memory, answer):
     settled, stiffness = False, (0.0, 0.0, 0.0)
     take_state(law, states, which, memory)
     for block in range(len(law.block) if cold else 0):
-        _guess(law.slope, block_rows(memory, block), field_rows(memory, block))
+        guess(law.slope, block_rows(memory, block), field_rows(memory, block))
     for _ in range(STEPS):
         d, t, stiffness = newton_step(law, memory)
         load = error = square = 0.0
         for block in range(len(law.block)):
-            sums = _advance(law.slope, d, t, block_rows(memory, block), field_rows(memory, block))
+            sums = advance(law.slope, d, t, block_rows(memory, block), field_rows(memory, block))
             load, error, square = load + sums[0], error + sums[1], square + sums[2]
         settled = square < 1.0 and error <= CLOSE * load
         if settled:
             break
     beyond = 0.0
     for block in range(len(law.block)):
-        beyond += _finish(law.slope, block_rows(memory, block))
+        beyond += finish(law.slope, block_rows(memory, block))
     face_sums(law, d, t, stiffness, memory, answer)
     return settled and beyond == 0.0, d, t
 
 
 @inner(**INLINE)
-def _guess(slope, rows, fields):
+def guess(slope, rows, fields):
     """First line loads of a block, from secant compliances without body displacements."""
     bits = rows.load.view(np.int64)
     for s in range(LANES):
@@ -71,11 +71,17 @@ def _guess(slope, rows, fields):
 
 
 @inner(**SUMS)
-def _advance(slope, d, t, rows, fields):
+def advance(slope, d, t, rows, fields):
     """Loads at the fields and body displacements; `approach` takes what is left to the slice.
 
     Returns F, the bound sum w K A f step^2 / 2 of its error, from x'' = -A / f, with the relative steps of the loads,
     and the sum of step^2, 1 for a pair that switches.
+
+    Parameters
+    ----------
+    slope : A of the law, m2/N
+    d, t : body displacements, m and rad
+    rows, fields : `Rows` and `FieldRows` of the block
     """
     n = len(rows.order)
     force = bend = total = 0.0
@@ -112,7 +118,7 @@ def _advance(slope, d, t, rows, fields):
 
 
 @inner(**SUMS)
-def _finish(slope, rows):
+def finish(slope, rows):
     """f = 0 where a pair does not carry; returns the number of loads beyond the range of the Hertz term."""
     beyond = 0.0
     for s in range(LANES):

@@ -47,7 +47,7 @@ def newton_step(law, memory):
     """Fields and body displacements after a step from the loads there are: d, t and the stiffnesses k00, k01, k11."""
     force = moment = k = mixed = tilt = 0.0
     for block in range(len(law.block)):
-        sums = _linearise(law.slope, block_rows(memory, block), field_rows(memory, block))
+        sums = linearise(law.slope, block_rows(memory, block), field_rows(memory, block))
         force, moment, k, mixed, tilt = force + sums[0], moment + sums[1], k + sums[2], mixed + sums[3], tilt + sums[4]
     if law.spread_length > 0.0:
         sums = eliminate(int(law.slices), memory)
@@ -59,7 +59,7 @@ def newton_step(law, memory):
 
 
 @inner(**SUMS)
-def _linearise(slope, rows, fields):
+def linearise(slope, rows, fields):
     """phi l, K and the block's part of the field equations; returns the sums F, M, k, k y, k y^2 without fields."""
     n = len(rows.order)
     force = moment = k = mixed = tilt = 0.0
@@ -113,7 +113,7 @@ def face_sums(law, d, t, stiffness, memory, answer):
     force = moment = energy = rate = 0.0
     for block in range(len(law.block)):
         rows = block_rows(memory, block)
-        sums, (held, along) = block_sums(law.slope, rows), _held(rows, field_rows(memory, block))
+        sums, (held, along) = block_sums(law.slope, rows), held_by_fields(rows, field_rows(memory, block))
         force, moment = force + sums[0], moment + sums[1]
         energy, rate = energy + sums[2] + 0.5 * held, rate + sums[6] - along
     answer[0], answer[1], answer[2] = force, moment, energy + 0.5 * (d * force + t * moment)
@@ -122,7 +122,7 @@ def face_sums(law, d, t, stiffness, memory, answer):
 
 
 @inner(**SUMS)
-def _held(rows, fields):
+def held_by_fields(rows, fields):
     """Sums of w g phi f v and of w g' phi f v."""
     held = along = 0.0
     for a in range(len(rows.order)):

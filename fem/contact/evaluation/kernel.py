@@ -14,6 +14,7 @@ import numpy as np
 from numba import njit
 
 from fem.contact.evaluation.coupled_face import evaluate_coupled
+from fem.contact.evaluation.damaged_face import damaged_teeth, evaluate_damaged
 from fem.contact.evaluation.law_tables import unpacked
 from fem.contact.evaluation.near_pairs import NEAR_ROOM, near_pairs
 from fem.contact.evaluation.slice_loads import move_approach, solve_slices
@@ -90,7 +91,11 @@ def _solve_block(law, block, states, rows, loads, answer):
 @inner(**INLINE)
 def _respond(packed, states, pinion, wheel, loads):
     """Answer at one or two states; the line loads of the last one into loads (place, slice), if that is not empty."""
-    if unpacked(packed).coupled > 0.0:
+    law = unpacked(packed)
+    known, own_cycle = law.pinion_modes + law.wheel_modes > 0.0, law.sign * states.cycle + law.offset
+    if known and damaged_teeth(law, own_cycle, pinion, wheel, np.empty((0, 0))) > 0:
+        return evaluate_damaged(packed, states, pinion, wheel, loads)
+    if law.coupled > 0.0:
         return evaluate_coupled(packed, states, pinion, wheel, loads)
     return _evaluate_independent(packed, states, pinion, wheel, loads)
 

@@ -56,6 +56,8 @@ class LawTables(NamedTuple):
     body: float  # E_0, m/N
     skew: float  # E_01, 1/N
     tilt: float  # E_1, 1/(N m)
+    pinion_modes: float  # modes of a damaged tooth
+    wheel_modes: float
     block: np.ndarray  # (block, field of `Slices`, lane)
     compliance: np.ndarray  # (cell, 2) C, m2/N
     contact_offset: np.ndarray  # (cell, 2) B
@@ -67,15 +69,19 @@ class LawTables(NamedTuple):
     pinion_gap: np.ndarray  # (variant, slice, position) m
     wheel_softening: np.ndarray
     wheel_gap: np.ndarray
+    pinion_mode: np.ndarray  # (variant, near, slice, position, mode), (m/N)^(1/2)
+    wheel_mode: np.ndarray
 
 
 leading: Any = to_fixed_tuple  # the first numbers of a vector as a tuple
 NUMBERS, FIELDS = LawTables._fields.index("block"), len(Slices._fields)
+PINION_MODES = LawTables._fields.index("pinion_modes")
 
 
 def pack(law: MeshLaw) -> np.ndarray:
     """All numbers (n,) of a law that has been checked, in the order of `LawTables`."""
     spread = law.spread_length > 0.0 and law.spread_compliance.max() > 0.0
+    pinion_modes, wheel_modes = law.pinion_variant_modes.shape[1], law.wheel_variant_modes.shape[1]
     closed = ~(np.isfinite(law.gap[:-1]) & np.isfinite(law.gap[1:]))
     fraction = _cells(law.fraction)
     fraction[closed] = 0.0
@@ -94,11 +100,13 @@ def pack(law: MeshLaw) -> np.ndarray:
         wheel_offset=law.wheel_tooth_offset,
         first_shift=law.cycle_shift.min(),
         last_shift=law.cycle_shift.max(),
-        coupled=float(spread or law.body_compliance > 0.0 or law.tilt_compliance > 0.0),
+        coupled=float(spread or max(law.body_compliance, law.tilt_compliance) > 0.0 or pinion_modes + wheel_modes > 0),
         spread_length=law.spread_length if spread else 0.0,
         body=law.body_compliance,
         skew=law.skew_compliance,
         tilt=law.tilt_compliance,
+        pinion_modes=pinion_modes,
+        wheel_modes=wheel_modes,
         block=_blocks(law),
         compliance=_cells(law.compliance),
         contact_offset=_cells(law.contact_offset),
@@ -110,6 +118,8 @@ def pack(law: MeshLaw) -> np.ndarray:
         pinion_gap=law.pinion_variant_gap,
         wheel_softening=law.wheel_variant_compliance,
         wheel_gap=law.wheel_variant_gap,
+        pinion_mode=np.moveaxis(law.pinion_variant_modes, 1, -1),
+        wheel_mode=np.moveaxis(law.wheel_variant_modes, 1, -1),
     )
     return np.concatenate([np.array(tables[:NUMBERS], dtype=float), *(np.ravel(array) for array in tables[NUMBERS:])])
 
@@ -151,8 +161,14 @@ def unpacked(packed):
     neighbour = views(packed, at, 1, (cells, neighbours, 2))
     at += 2 * cells * neighbours
     pinion = views(packed, at, 2, (first, slices, cells + 1))
-    wheel = views(packed, at + 2 * first * slices * (cells + 1), 2, (second, slices, cells + 1))
-    return LawTables(*(numbers + block + tables + neighbour + pinion + wheel))
+    at += 2 * first * slices * (cells + 1)
+    wheel = views(packed, at, 2, (second, slices, cells + 1))
+    at += 2 * second * slices * (cells + 1)
+    of_pinion, of_wheel = int(numbers[PINION_MODES]), int(numbers[PINION_MODES + 1])
+    pinion_mode = views(packed, at, 1, (first, 3, slices, cells + 1, of_pinion))
+    at += first * 3 * slices * (cells + 1) * of_pinion
+    wheel_mode = views(packed, at, 1, (second, 3, slices, cells + 1, of_wheel))
+    return LawTables(*(numbers + block + tables + neighbour + pinion + wheel + pinion_mode + wheel_mode))
 
 
 @inner(**INLINE)

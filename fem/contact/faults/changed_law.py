@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from fem.contact.faults.tooth_fault import ToothFault
 from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import with_variants
+from fem.contact.wheels.crack_surface import CrackSurface
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications, check_modifications, lead_gap, profile_gap
 
@@ -30,7 +31,13 @@ def modified_law(law: MeshLaw, pair: GearPair, modifications: PairModifications)
     )
 
 
-def damaged_law(law: MeshLaw, pair: GearPair, gear: str, faults: Sequence[ToothFault]) -> MeshLaw:
+def damaged_law(
+    law: MeshLaw,
+    pair: GearPair,
+    gear: str,
+    faults: Sequence[ToothFault],
+    surfaces: Mapping[float, CrackSurface] | None = None,
+) -> MeshLaw:
     """The law with a variant of the teeth of "pinion" or "wheel" that carries all of `faults` at once.
 
     Parameters
@@ -39,18 +46,24 @@ def damaged_law(law: MeshLaw, pair: GearPair, gear: str, faults: Sequence[ToothF
     pair : the gears in mesh
     gear : "pinion" or "wheel"
     faults : of one and the same tooth
+    surfaces : on which the teeth of this gear crack in space, by the angle of the crack; a crack at another angle is
+        the plane one in every slice that it covers
 
     Raises
     ------
     GeometryError : a fault that does not fit on the tooth
     """
     compliance = np.zeros((law.face_coordinate.size, law.compliance.size))
-    gap = np.zeros_like(compliance)
+    gap, modes = np.zeros_like(compliance), np.zeros((0, 3, *compliance.shape))
     for fault in faults:
         fault.check(getattr(pair, gear))
-        compliance = compliance + fault.compliance(law, pair, gear)
+        surface = None if fault.surface_angle is None else (surfaces or {}).get(fault.surface_angle)
+        if surface is None:
+            compliance = compliance + fault.compliance(law, pair, gear)
+        else:
+            modes = np.concatenate([modes, fault.modes(law, pair, gear, surface)])
         gap = gap + fault.gap(law, pair, gear)
-    return with_variants(law, gear, compliance, gap)
+    return with_variants(law, gear, compliance, gap, modes)
 
 
 def evenly_damaged_law(law: MeshLaw, pair: GearPair, gear: str, fault: ToothFault) -> MeshLaw:

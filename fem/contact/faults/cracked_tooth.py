@@ -10,9 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.contact.faults.crack_modes import crack_modes
 from fem.contact.faults.tooth_fault import ToothFault, check_end, from_end
 from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
+from fem.contact.wheels.crack_surface import DEEPEST, CrackSurface
 from fem.contact.wheels.ring import FlankCompliance, changed_tooth, flank_loads, reduce_sector, ring_response
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
@@ -21,7 +23,6 @@ from fem.gears.rack import require
 from fem.gears.sector import Slit, root_chord, sector_mesh
 from fem.storage.ledger import count
 
-DEEPEST = 0.8  # of the tooth's root chord
 ANGLES = (math.radians(40.0), math.radians(90.0))
 
 
@@ -29,12 +30,16 @@ ANGLES = (math.radians(40.0), math.radians(90.0))
 class CrackedTooth(ToothFault):
     """A crack in the root fillet of one flank: `depth` (m) along it, `angle` to the tooth's centre line (rad).
 
+    The depth goes evenly over to `far_depth` (m) at the far end of the extent, None: the same depth. 0: a crack across
+    a corner.
+
     It starts where the fillet runs at 45 degrees to the radius; angle pi/2 goes straight across the tooth, less goes
     down into the rim. `extent` (m) of the face from `end`, None: the whole face. flank "drive" or "coast": the side of
     the mouth. Under load on the other flank the crack is pressed shut and does nothing.
     """
 
     depth: float
+    far_depth: float | None = None
     angle: float = math.radians(70.0)
     extent: float | None = None
     end: str = "+y"
@@ -57,9 +62,16 @@ class CrackedTooth(ToothFault):
             f"{label}: depth is {self.depth:.4g} m; give a value in (0, {DEEPEST * chord:.4g}] m, "
             f"{DEEPEST} of the tooth root thickness {chord:.4g} m; cut through, it is a missing tooth",
         )
+        far = self.depth if self.far_depth is None else self.far_depth
+        require(
+            0.0 <= far <= DEEPEST * chord,
+            f"{label}: far_depth is {far:.4g} m; give a value in [0, {DEEPEST * chord:.4g}] m, {DEEPEST} of the tooth "
+            "root thickness, or leave it out",
+        )
+        deepest = max(self.depth, far)
         mouth = math.asin(chord / 2 / radius)
         tip = math.hypot(
-            radius * math.cos(mouth) - self.depth * math.cos(self.angle), chord / 2 - self.depth * math.sin(self.angle)
+            radius * math.cos(mouth) - deepest * math.cos(self.angle), chord / 2 - deepest * math.sin(self.angle)
         )
         floor = gear.rim_inner_radius + 0.3 * (gear.root_radius - gear.rim_inner_radius)
         require(
@@ -72,26 +84,61 @@ class CrackedTooth(ToothFault):
             f"{label}: extent is {self.extent!r} m; give a value in (0, {gear.face_width:.4g}] m or leave it out",
         )
 
-    def covers(self, face: np.ndarray, face_width: float) -> np.ndarray:
-        """Which face coordinates (slice,) lie on the cracked part."""
-        if self.extent is None:
-            return np.ones(np.shape(face), dtype=bool)
-        return np.asarray(from_end(face, face_width, self.end) < self.extent)
+    def reach(self, face_width: float) -> tuple[float, float]:
+        """Both ends (m) of the cracked part of the face, rising."""
+        half = face_width / 2
+        extent = face_width if self.extent is None else self.extent
+        return (half - extent, half) if self.end == "+y" else (-half, extent - half)
+
+    def depth_at(self, face: np.ndarray, face_width: float) -> np.ndarray:
+        """Depth (m) at face coordinates, 0 beyond the cracked part."""
+        extent = face_width if self.extent is None else self.extent
+        far = self.depth if self.far_depth is None else self.far_depth
+        inwards = from_end(face, face_width, self.end)
+        return np.where(inwards <= extent * (1 + 1e-12), self.depth + (far - self.depth) * inwards / extent, 0.0)
 
     def compliance(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
-        """Compliance (slice, position), m2/N, in the slices that the crack reaches, on the flank of its mouth."""
+        """Compliance (slice, position), m2/N, in the slices that the crack reaches, on the flank of its mouth.
+
+        Every slice has that of the plane crack of its own depth: the sound part of the face lends it no support.
+        """
         added = super().compliance(law, pair, gear)
         if self.flank == law.flank:
-            reached = self.covers(law.face_coordinate, pair.face_width)
-            added[reached] += crack_compliance(pair, gear, self, law_points(law, pair))
+            points = law_points(law, pair)
+            depths = self.depth_at(law.face_coordinate, pair.face_width)
+            for depth in np.unique(depths[depths > 0.0]):
+                added[depths == depth] += crack_compliance(pair, gear, depth, self.angle, points)
         return added
+
+    @property
+    def surface_angle(self) -> float:
+        """Its angle."""
+        return self.angle
+
+    def modes(self, law: MeshLaw, pair: GearPair, gear: str, surface: CrackSurface) -> np.ndarray:
+        """Modes of the opening; none on the other flank, which presses the crack shut.
+
+        Parameters
+        ----------
+        law, pair, gear, surface : those of `ToothFault.modes`
+        """
+        if self.flank != law.flank:
+            return super().modes(law, pair, gear, surface)
+        face = pair.face_width
+        return crack_modes(law, pair, gear, lambda y: self.depth_at(y, face), self.reach(face), surface)
 
     def movement(self, pair: GearPair, approach: float, *, alone: bool) -> None:
         """Not estimated: it depends on the depth far from evenly."""
 
 
 def crack_compliance(
-    pair: GearPair, gear: str, crack: CrackedTooth, points: PathPoints, refinement: float = 1.0, patch: float = 0.08
+    pair: GearPair,
+    gear: str,
+    depth: float,
+    angle: float,
+    points: PathPoints,
+    refinement: float = 1.0,
+    patch: float = 0.08,
 ) -> np.ndarray:
     """Compliance (position,), m2/N, that a root crack adds at the contact points, per unit face width.
 
@@ -102,7 +149,7 @@ def crack_compliance(
     ----------
     pair : the gears in mesh
     gear : "pinion" or "wheel"
-    crack : `depth` and `angle` count, at any place along the face
+    depth, angle : of the crack, m and rad
     points : contact points (position,), on the flank of its mouth
     refinement : of the section mesh, see `fem.gears.sector.sector_mesh`
     patch : half-width of the loads in m_n, which cancels
@@ -111,7 +158,7 @@ def crack_compliance(
 
     own, material = getattr(pair, gear), getattr(pair, f"{gear}_material")
     young, poisson = material.elastic_modulus, material.poisson_ratio
-    mesh = sector_mesh(own, refinement, Slit(depth=crack.depth, angle=crack.angle))
+    mesh = sector_mesh(own, refinement, Slit(depth=depth, angle=angle))
     whole = mesh.closed()
     count("gear_meshes")
     with threadpool_limits(1):

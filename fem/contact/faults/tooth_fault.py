@@ -6,7 +6,7 @@ Face coordinates are those of the gear pair: y from mid face, ends "-y" and "+y"
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.rack import require
+
+if TYPE_CHECKING:
+    from fem.contact.wheels.crack_surface import CrackSurface
 
 ENDS = ("-y", "+y")
 
@@ -35,6 +38,21 @@ class ToothFault:
     def compliance(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
         """Compliance (slice, position), m2/N, that the fault of "pinion" or "wheel" adds on the flank of the law."""
         return np.zeros((law.face_coordinate.size, law.compliance.size))
+
+    @property
+    def surface_angle(self) -> float | None:
+        """Angle (rad) of the surface on which it splits the tooth; None: it does not."""
+        return None
+
+    def modes(self, law: MeshLaw, pair: GearPair, gear: str, surface: CrackSurface) -> np.ndarray:
+        """Modes (mode, near, slice, position), (m/N)^(1/2), of what it adds there, see `fem.contact.law`.
+
+        Parameters
+        ----------
+        law, pair, gear : the law of a flank, its gears, and which of them is damaged, "pinion" or "wheel"
+        surface : of that gear, at the angle of the damage
+        """
+        return np.zeros((0, 3, law.face_coordinate.size, law.compliance.size))
 
     def gap(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
         """Gap, m, that the fault adds: (slice, position), or (position,) where it is the same along the face."""

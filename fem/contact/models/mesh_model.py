@@ -5,11 +5,14 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications
+
+if TYPE_CHECKING:
+    from fem.contact.wheels.crack_surface import CrackSurfaceSpec
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +41,10 @@ class MeshModel(ABC):
     def check(self, pair: GearPair) -> None:
         """Refuse what `laws` would refuse, before anything expensive is computed."""
         self.laws(pair)
+
+    def crack_surface(self, pair: GearPair, gear: str, angle: float) -> CrackSurfaceSpec | None:
+        """What cracks of the teeth of "pinion" or "wheel" are computed on; None: the plane crack in every slice."""
+        return None
 
     def warnings(self, modifications: PairModifications) -> Iterable[str]:
         """What a user should know before trusting the model with these flanks; none for most models."""

@@ -22,11 +22,13 @@ from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
 from fem.contact.models.solid_condensation import condense
 from fem.contact.wheels.compliance import ContactCompliance, contact_compliance
+from fem.contact.wheels.crack_surface import CrackSurfaceSpec
 from fem.contact.wheels.plane_section import PlaneSection
 from fem.gears.geometry import GearPair
 
 SECTION = 0.25  # section refinement against that of `sector_mesh`: 0.2 m_n along the flank
 PATCH = 0.2  # half-width of the patches, in m_n
+MOST_ALONG = 16  # elements of a crack surface along the face, times the refinement
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,6 +64,18 @@ class Solid(MeshModel):
         """Elements along the face: 8, and more where one would be longer than 1.25 m_n; times the refinement."""
         longest = 1.25 * pair.pinion.normal_module
         return math.ceil(self.refinement * max(8.0, pair.face_width / longest) - 1e-9)
+
+    def crack_surface(self, pair: GearPair, gear: str, angle: float) -> CrackSurfaceSpec:
+        """The surface in space, with as many elements along the face as the model has, up to `MOST_ALONG`."""
+        most = math.ceil(self.refinement * MOST_ALONG)
+        return CrackSurfaceSpec(
+            gear=getattr(pair, gear),
+            material=getattr(pair, f"{gear}_material"),
+            angle=angle,
+            face_width=pair.face_width,
+            refinement=self.refinement,
+            axial_elements=min(self.axial_elements(pair), most),
+        )
 
     @property
     def plane(self) -> PlaneSection:

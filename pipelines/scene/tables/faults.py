@@ -39,7 +39,11 @@ class CrackedToothTable(FaultBase):
     """A crack in the root fillet, open under load on its own side."""
 
     kind: Annotated[Literal["cracked-tooth"], Field(description="what is wrong with the tooth")]
-    depth_mm: Annotated[Positive, Field(description="length of the crack in the section")]
+    depth_mm: Annotated[Positive, Field(description="length of the crack in the section, at that end of the face")]
+    far_depth_mm: Annotated[
+        Number | None,
+        Field(ge=0, description="its length at the far end of the extent; 0: across a corner; left out: the same"),
+    ] = None
     angle_deg: Annotated[
         Number, Field(ge=40, le=90, description="to the tooth centre line; 90 straight across, less into the rim")
     ] = 70.0

@@ -1,0 +1,71 @@
+"""A crack in space as a few modes of added compliance: how a law holds it for all loads at once.
+
+With the Cholesky factor L of the stiffness that resists the opening (`fem.contact.wheels.crack_surface`), loads i, j
+find the added compliance a_i . a_j, a = L^-1 F. Few directions u_k of the opening hold nearly all of it, the leading
+eigenvectors of the sum of a a^T over all places that can be loaded: tooth pairs before, on and after the cracked tooth,
+slices and positions. Kept fixed, they give modes
+
+    m_k(i) = u_k . a_i,    added displacement at i = sum_k m_k(i) sum_j m_k(j) F_j,
+
+positive semidefinite, smooth in the position, and never more than the crack adds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from fem.contact.frame import law_points
+from fem.contact.law import MeshLaw
+from fem.contact.wheels.crack_surface import CrackSurface, load_weights, opened
+from fem.elements.prisms import slice_means
+from fem.gears.geometry import GearPair
+
+MODES = 5
+
+
+def crack_modes(
+    law: MeshLaw,
+    pair: GearPair,
+    gear: str,
+    depth_at: Callable[[np.ndarray], np.ndarray],
+    reach: tuple[float, float],
+    surface: CrackSurface,
+) -> np.ndarray:
+    """Modes (mode, near, slice, position), (m/N)^(1/2), of a tooth of "pinion" or "wheel", see `fem.contact.law`.
+
+    Parameters
+    ----------
+    law : of the flank of the mouth
+    pair, gear : the gears in mesh, and which of them is cracked
+    depth_at, reach : depth (m) of the crack at face coordinates (n,), and both ends (m) of the cracked part of the face
+    surface : of that gear at the angle of the crack
+    """
+    # the coordinate of the surface runs with the twist of its gear: that of the pinion is zeta, that of the wheel -zeta
+    sense = law.cycle_sign * pair.pinion.hand_sign * (1 if gear == "pinion" else -1)
+    low, high = sorted(sense * y for y in reach)
+    open_, factor = opened(surface, lambda place: depth_at(sense * place), (low, high))
+    bounds = np.append(law.face_coordinate - law.slice_width / 2, law.face_coordinate[-1] + law.slice_width[-1] / 2)
+    means = slice_means(surface.ends, np.sort(sense * bounds))[::sense]
+    points, own = law_points(law, pair), getattr(pair, gear)
+    radius = points.pinion_radius if gear == "pinion" else points.wheel_radius
+    weights = load_weights(surface, (radius**2 - own.base_radius**2).clip(0.0) / (2 * own.base_radius))
+    # pair p + n, which follows, has tooth -n of the pinion and n of the wheel, counted towards the loaded flank
+    force = surface.force[:: -1 if gear == "pinion" else 1][..., open_]
+    held = solve_triangular(factor, force.reshape(-1, len(open_)).T, lower=True).reshape(len(open_), *force.shape[:3])
+    loaded = weights[np.isfinite(law.gap)]
+    seen = np.einsum("onra,rt,ab->ontb", held, _root(loaded.T @ loaded), _root(means.T @ means), optimize=True)
+    seen = seen.reshape(len(open_), -1)
+    kept = np.linalg.svd(seen, full_matrices=False)[0][:, :MODES]
+    modes = np.einsum("ok,onra,xr,sa->knsx", kept, held, weights, means, optimize=True)
+    out = np.zeros((MODES, *modes.shape[1:]))
+    out[: len(modes)] = modes
+    return out
+
+
+def _root(matrix: np.ndarray) -> np.ndarray:
+    """R with R R^T = matrix, positive semidefinite."""
+    size, direction = np.linalg.eigh(matrix)
+    return direction * np.sqrt(size.clip(0.0))

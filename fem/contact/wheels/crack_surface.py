@@ -1,0 +1,233 @@
+"""The surface on which a tooth may crack, in space: what it holds together, and what loads find when it opens.
+
+A sector with a slit as deep as a crack can be, over the whole face, is condensed once
+(`fem.contact.wheels.cracked_ring`). A crack of any depth and extent then opens a part of that surface. Every pair of
+nodes stands for a cell of the surface; where the crack covers the part x of its depth and the part y of its width, the
+pair is held by the springs, alike in all three directions,
+
+    k = E area (THROUGH (1 - x) / x / node spacing + ALONG (1 - y) / y / width),
+
+welded for x = 0 or y = 0, free for x = y = 1, so that the compliance changes continuously with the depth and extent of
+the crack, and never falls as it grows.
+
+The surface has few nodes, and springs are no crack front. What this costs is known in plane deformation, where a fine
+mesh is cheap: the depth at which the coarse section finds what the fine one finds at the true depth. The front is put
+there, at every place along the face; errors of the section then cancel, and so do those of the springs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.linalg import cho_solve
+
+from fem.contact.wheels.compliance import axial_ends
+from fem.contact.wheels.cracked_ring import plane_cracked_ring, solid_cracked_ring
+from fem.contact.wheels.ring import flank_loads
+from fem.elements.materials import Material
+from fem.gears.gear import Gear
+from fem.gears.sector import SectorMesh, Slit, root_chord, sector_mesh
+from fem.storage.records import Record, array, scalar
+
+DEEPEST = 0.8  # of the tooth's root chord: the deepest crack
+MARGIN = 0.05  # of the chord: by which the surface goes on behind the deepest crack
+THROUGH, ALONG = 0.5, 0.4  # of the springs; with CORNER found so that compliance grows evenly while cells open
+CORNER = 0.2  # part of an element that belongs to the cell of each of its ends, the rest to that of its middle
+BACK = 0.16  # of an element: by which the ends of the extent are drawn back, from tetrahedra (`docs/validation.md`)
+COARSE = 0.25  # section refinement and spacing (m_n) of the surface in space, at refinement 1
+SPACING = 0.25
+FINE, FINE_SPACING = 0.5, 0.05  # of the section in plane deformation: within 0.4 % for a fifth of the chord and more
+LOADED_ROWS = 8  # rows of flank nodes that are loaded; a load between them is interpolated
+DEPTHS = 48  # at which both sections are compared
+REACH = 1  # teeth on either side whose loads the surface feels
+_SAMPLES = 16  # of the depth, in the covered part of a cell
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CrackSurface(Record):
+    """Stiffness K of the surface against opening and the forces F that loads put on it, see `cracked_ring`.
+
+    Openings are numbered pair * 3 + component, pairs slit node * axial nodes + axial node.
+    """
+
+    stiffness: np.ndarray = array("opening", "opening_too", units="N/m")  # K
+    force: np.ndarray = array("tooth", "row", "axial_node", "opening", units="1")  # F by loads on tooth -1, 0, 1
+    load_arc: np.ndarray = array("row", units="m")  # arc length of the loaded rows from the base circle
+    ends: np.ndarray = array("axial_end", units="m")  # of the elements along the face, with the twist of the gear
+    slit_node: np.ndarray = array("slit_node", units="m")  # distance from the mouth, the tip is not among them
+    depth: np.ndarray = array("depth", units="m")  # of a crack, from 0
+    front: np.ndarray = array("depth", units="m")  # depth to which the cells are covered then
+    elastic_modulus: float = scalar(units="Pa")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CrackSurfaceSpec:
+    """What a crack surface is made from: the gear, and the angle (rad) of cracks to the centre line of its tooth.
+
+    face_width : common face of the pair, m
+    refinement : divides the element sizes of section and surface
+    axial_elements : along the face, see `axial_ends`
+    """
+
+    gear: Gear
+    material: Material
+    angle: float
+    face_width: float
+    refinement: float
+    axial_elements: int
+
+
+def crack_surface(spec: CrackSurfaceSpec) -> CrackSurface:
+    """Condense a tooth onto its crack surface and its flank; the mouth lies under the loaded flank.
+
+    Raises
+    ------
+    RingError, CondensationError : a stiffness matrix cannot be factorised
+    """
+    from threadpoolctl import threadpool_limits
+
+    gear, material = spec.gear, spec.material
+    young, poisson = material.elastic_modulus, material.poisson_ratio
+    module, chord = gear.normal_module, root_chord(gear)[1]
+    deepest = (DEEPEST + MARGIN) * chord
+
+    def section(refinement: float, spacing: float) -> SectorMesh:
+        return sector_mesh(gear, refinement, Slit(depth=deepest, angle=spec.angle, spacing=spacing * module))
+
+    coarse = section(COARSE * spec.refinement, SPACING / spec.refinement)
+    fine = section(FINE, FINE_SPACING)
+    ends = axial_ends(spec.face_width, spec.axial_elements)
+    rows = _loaded_rows(coarse)
+    depth = chord * DEEPEST * np.linspace(0.0, 1.0, DEPTHS) ** 1.5
+    with threadpool_limits(1):
+        ring = solid_cracked_ring(coarse, young, poisson, ends, rows, REACH)
+        found = [_plane_release(mesh, young, poisson, deepest) for mesh in (coarse, fine)]
+    grid = np.linspace(0.0, deepest, 4 * DEPTHS)
+    reached = np.array([found[0](float(d)) for d in grid])
+    front = np.interp([found[1](float(d)) for d in depth], reached, grid)
+    axial = 2 * len(ends) - 1
+    force = np.stack([ring.force[n].T.reshape(len(rows), axial, -1) for n in range(-REACH, REACH + 1)])
+    return CrackSurface(
+        stiffness=ring.stiffness,
+        force=force,
+        load_arc=coarse.flank_arc[rows],
+        ends=ends,
+        slit_node=_distances(coarse),
+        depth=depth,
+        front=front,
+        elastic_modulus=young,
+    )
+
+
+def _loaded_rows(mesh: SectorMesh) -> np.ndarray:
+    """Flank rows (row,) between elements, spread evenly over the involute."""
+    between = np.arange(2, len(mesh.flank_arc), 2)
+    wanted = np.linspace(mesh.form_arc, mesh.tip_arc, LOADED_ROWS)
+    return np.unique(between[np.abs(mesh.flank_arc[between][:, None] - wanted).argmin(axis=0)])
+
+
+def _distances(mesh: SectorMesh) -> np.ndarray:
+    """Distance (slit node,) from the mouth, m."""
+    return np.linalg.norm(mesh.points[mesh.slit] - mesh.points[mesh.slit[0]], axis=1)
+
+
+def _plane_release(mesh: SectorMesh, young: float, poisson: float, deepest: float) -> Callable[[float], float]:
+    """Function from depth (m) to the compliance (m2/N) that a crack adds in plane deformation, mean over the flank."""
+    loaded = np.flatnonzero(mesh.flank_arc >= mesh.form_arc)
+    ring = plane_cracked_ring(mesh, young, poisson, flank_loads(mesh)[:, loaded])
+    nodes = _distances(mesh)
+    low, high = _slit_cells(nodes)
+    components = len(ring.stiffness) // len(nodes)
+    weight = np.gradient(mesh.flank_arc[loaded])  # nodes lie closer at the tip; all heights count alike
+    weight[[0, -1]] /= 2  # the trapezoidal rule
+
+    def compliance(depth: float) -> float:
+        covered = np.clip((depth - low) / (high - low), 0.0, 1.0)
+        springs = young * (high - low) * THROUGH / nodes[1] * _held(covered)
+        open_, factor = _released(ring.stiffness, springs, components)
+        force = ring.force[0][open_]
+        return float(weight @ np.einsum("gp,gp->p", force, cho_solve((factor, True), force)))
+
+    return compliance
+
+
+def node_cells(ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper bounds (node,), m, of the cells of the nodes and middles of elements with these ends."""
+    low, sizes = np.empty(2 * len(ends) - 1), np.diff(ends)
+    low[0] = ends[0]
+    low[2::2] = ends[1:] - CORNER * sizes
+    low[1::2] = ends[:-1] + CORNER * sizes
+    return low, np.append(low[1:], ends[-1])
+
+
+def _slit_cells(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds of the cells of evenly spaced slit nodes, mouth first, without the tip."""
+    low, high = node_cells(np.append(nodes, nodes[-1] + nodes[1])[::2])
+    return low[:-1], high[:-1]
+
+
+def opened(
+    surface: CrackSurface, depth_at: Callable[[np.ndarray], np.ndarray], extent: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Openings (o,) that a crack frees, and the Cholesky factor (o, o) of K_oo + k, lower.
+
+    Parameters
+    ----------
+    surface : where it is
+    depth_at : depth (m) at axial coordinates (n,), continuous within the extent
+    extent : both of its ends in the axial coordinate, m, rising
+    """
+    low, high = _slit_cells(surface.slit_node)
+    first, last = node_cells(surface.ends)
+    start, end = (np.clip(bound, *_drawn_back(surface, extent)) for bound in (first, last))
+    place = start[:, None] + (end - start)[:, None] * (np.arange(_SAMPLES) + 0.5) / _SAMPLES
+    front = np.interp(depth_at(place), surface.depth, surface.front)
+    through = np.clip((front - low[:, None, None]) / (high - low)[:, None, None], 0.0, 1.0).mean(axis=2)
+    springs = THROUGH / surface.slit_node[1] * _held(through) + ALONG * _held((end - start) / (last - first)) / (
+        last - first
+    )
+    springs = surface.elastic_modulus * np.outer(high - low, last - first) * springs
+    return _released(surface.stiffness, springs.ravel(), 3)
+
+
+def _drawn_back(surface: CrackSurface, extent: tuple[float, float]) -> tuple[float, float]:
+    """The ends of the extent (m), drawn back inside the face, as freed pairs act a little beyond their cells.
+
+    Full a mean element away from the ends of the crack and of the face, nothing on them.
+    """
+    low, high = float(surface.ends[0]), float(surface.ends[-1])
+    size, reach = (high - low) / (len(surface.ends) - 1), extent[1] - extent[0]
+    back = [BACK * min(size, reach / 2, inside) for inside in (extent[0] - low, high - extent[1])]
+    return extent[0] + back[0], extent[1] - back[1]
+
+
+def _held(covered: np.ndarray) -> np.ndarray:
+    """(1 - x) / x, infinite at 0."""
+    with np.errstate(divide="ignore"):
+        return (1.0 - covered) / covered
+
+
+def _released(stiffness: np.ndarray, springs: np.ndarray, components: int) -> tuple[np.ndarray, np.ndarray]:
+    """Free openings (o,) and the lower Cholesky factor of their stiffness with the springs.
+
+    Parameters
+    ----------
+    stiffness : (pairs * components, same), N/m or per unit face width
+    springs : (pair,) likewise; infinite where the pair is welded
+    components : of the displacement
+    """
+    each = np.repeat(springs, components)
+    open_ = np.flatnonzero(np.isfinite(each))
+    matrix = stiffness[np.ix_(open_, open_)]
+    matrix[np.arange(len(open_)), np.arange(len(open_))] += each[open_]
+    return open_, np.linalg.cholesky(matrix)
+
+
+def load_weights(surface: CrackSurface, arc: np.ndarray) -> np.ndarray:
+    """Weights (place, row) of the loaded rows for loads at arc lengths (place,), m, on the flank."""
+    rows = surface.load_arc
+    weights: np.ndarray = CubicSpline(rows, np.eye(len(rows)))(np.clip(arc, rows[0], rows[-1]))
+    return weights

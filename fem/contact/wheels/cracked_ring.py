@@ -1,0 +1,174 @@
+"""A toothed ring with a surface through one of its teeth that may come apart, in the plane or in space.
+
+The sector of the tooth has doubled nodes on the surface. Beside loads and cuts (`fem.contact.wheels.ring`) it keeps the
+relative displacement g of the two sides, g = u(tooth) - u(body). With the surface closed it is the sector of all other
+teeth, so the ring is known: B_n is the motion of the low cut of tooth n by forces on that of tooth 0, R the flexibility
+of the ring at the two cuts of the cracked tooth. What is left are the unknowns g,
+
+    K g = sum_n F_n f_n,    K = K_gg - K_gq R K_qg,    F_0 = H_g - K_gq R H_q,    F_n = -K_gq q_n,
+
+with H the forces that unit loads leave on g and on the cuts q when both are held, and q_n what loads on tooth n do to
+the cuts. F_n are the forces that the closed surface carries. Opened where springs k are finite (0: open), the surface
+lets the loads find the additional compliance
+
+    F_o^T (K_oo + k)^-1 F_o,
+
+positive semidefinite, which grows as springs weaken: exact for the ring, by one small dense solution.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse.linalg import splu
+
+from fem.contact.wheels.ring import RingError, SectorReduction, cut_rotation
+from fem.contact.wheels.solid_ring import CUT, load_size, node_frames, sector_prism
+from fem.elements.nested_condensation import KEPT
+from fem.elements.sections import stiffness
+from fem.gears.sector import SectorMesh
+from fem.storage.ledger import count
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CrackedRing:
+    """Stiffness K (g, g) against opening, N/m, and forces F_n (g, load) by unit loads on tooth n, for n = -reach ..
+
+    reach; in the plane both are per unit face width. Tooth numbers are those of `ring_response`.
+    """
+
+    stiffness: np.ndarray
+    force: dict[int, np.ndarray]
+
+
+def plane_cracked_ring(mesh: SectorMesh, young: float, poisson: float, loads: sparse.spmatrix) -> CrackedRing:
+    """The ring in plane deformation; g by slit node and component.
+
+    Parameters
+    ----------
+    mesh : section of the sector with a slit
+    young, poisson : Pa, 1
+    loads : those of `reduce_sector`
+
+    Raises
+    ------
+    RingError : the factorisation fails
+    """
+    full = stiffness(mesh.points, mesh.elements, young, poisson, mesh.twist, mesh.filling)
+    components, first = full.shape[0] // len(mesh.points), mesh.slit_first
+    turn = cut_rotation(mesh, components)
+    join = sparse.identity(full.shape[0], format="lil")  # the doubles: u(body) = u(tooth) - g
+    on_tooth = (components * mesh.slit[:, None] + np.arange(components)).ravel()
+    opening = components * first + np.arange(len(on_tooth))
+    join[opening, on_tooth] = 1.0
+    join[opening, opening] = -1.0
+    turn = (turn @ join.tocsc()).tocsc()
+    full = (turn.T @ full @ turn).tocsc()
+    nodes = np.concatenate([mesh.cut_low, mesh.cut_high])
+    kept = np.concatenate([opening, (components * nodes[:, None] + np.arange(components)).ravel()])
+    held = np.concatenate([mesh.bore, mesh.cut_bore])
+    inner = np.ones(full.shape[0], dtype=bool)
+    inner[kept] = False
+    inner[(components * held[:, None] + np.arange(components)).ravel()] = False
+    k_ii, k_ic = full[inner][:, inner].tocsc(), full[inner][:, kept]
+    try:
+        factor = splu(k_ii, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError as error:
+        raise RingError(
+            f"gear z={mesh.teeth}: the stiffness matrix of the cracked sector ({k_ii.shape[0]} unknowns) is singular "
+            f"({error}). Check bore radius and material."
+        ) from error
+    count("gear_factorisations")
+    p = loads.tocsr()[inner]
+    answer = factor.solve(sparse.hstack([k_ic, p]).toarray())
+    schur = full[kept][:, kept].toarray() - k_ic.T @ answer[:, : len(kept)]
+    return _closed_to_ring(mesh.teeth, len(opening), schur, -(k_ic.T @ answer[:, len(kept) :]), 0)
+
+
+def solid_cracked_ring(
+    mesh: SectorMesh, young: float, poisson: float, ends: np.ndarray, rows: np.ndarray, reach: int
+) -> CrackedRing:
+    """The ring in space; g by slit node, axial node and component, loads by flank row and axial node.
+
+    Parameters
+    ----------
+    mesh : section of the sector with a slit
+    young, poisson, ends, rows, reach : those of `solid_flank`; no load on the mouth, row 0
+    """
+    prism = sector_prism(mesh, young, poisson, ends, rows, CUT)
+    doubles = mesh.slit_first + np.arange(len(mesh.slit))
+    prism.roles[mesh.slit] = prism.roles[doubles] = KEPT
+    count("gear_meshes")
+    numbers, matrix = prism.condense()
+    count("gear_factorisations")
+    on_mesh = numbers < prism.size
+    unknown = np.where(on_mesh, numbers, -1)
+    node, place, component = unknown // 3 % len(mesh.points), unknown // (3 * len(mesh.points)), unknown % 3
+    place_in_order = np.full(len(mesh.points), -1)
+
+    def found(nodes: np.ndarray, components: int) -> np.ndarray:
+        """Positions of kept unknowns, sorted by the order of the nodes, axial node and component."""
+        place_in_order[:] = -1
+        place_in_order[nodes] = np.arange(len(nodes))
+        these = np.flatnonzero(on_mesh & (place_in_order[node] >= 0) & (component < components))
+        return these[np.lexsort((component[these], place[these], place_in_order[node[these]]))]
+
+    flank, tooth, body = found(mesh.flank[rows], 1), found(mesh.slit, 3), found(doubles, 3)
+    cut = np.flatnonzero(~on_mesh)
+    mouth = tooth[: 3 * (2 * len(ends) - 1)]  # the mouth lies on the flank, where unknowns follow the load's direction
+    turn = np.kron(np.eye(len(mouth) // 3), node_frames(mesh)[mesh.slit[0]])
+    matrix[mouth] = turn @ matrix[mouth]
+    matrix[:, mouth] = matrix[:, mouth] @ turn.T
+    order = np.concatenate([flank, tooth, body, cut])
+    matrix = matrix[np.ix_(order, order)]
+    f, n = len(flank), len(tooth)
+    m, b = slice(f, f + n), slice(f + n, f + 2 * n)
+    matrix[:, m] += matrix[:, b]  # u(tooth) = m, u(body) = m - g
+    matrix[m] += matrix[b]
+    matrix[:, b] *= -1.0
+    matrix[b] *= -1.0
+    out, kept = slice(0, f + n), slice(f + n, None)
+    load = np.zeros((f + n, f))
+    load[np.arange(f), np.arange(f)] = load_size(mesh, rows, f // len(rows))
+    right = matrix[out, kept]
+    factor = cho_factor(matrix[out, out], lower=True, overwrite_a=False)
+    schur = matrix[kept, kept] - right.T @ cho_solve(factor, right)
+    return _closed_to_ring(mesh.teeth, n, schur, -(right.T @ cho_solve(factor, load)), reach)
+
+
+def _closed_to_ring(teeth: int, size: int, schur: np.ndarray, transfer: np.ndarray, reach: int) -> CrackedRing:
+    """K and F_n from the sector's stiffness (g and cuts) and the forces (g and cuts, load) of its loads."""
+    g, q = slice(0, size), slice(size, None)
+    closed = SectorReduction(
+        teeth=teeth, stiffness=(schur[q, q] + schur[q, q].T) / 2, transfer=transfer[q], direct=np.zeros((0, 0))
+    )
+    motion = cut_flexibility(closed, reach + 2)
+    half = len(motion[0])
+    low, high = closed.transfer[:half], closed.transfer[half:]
+    ring = np.block([[motion[0], motion[-1]], [motion[1], motion[0]]])
+    coupling = schur[g, q]
+    matrix = schur[g, g] - coupling @ ring @ coupling.T
+    force = {}
+    for n in range(-reach, reach + 1):
+        moved = [motion[side - n] @ low + motion[side - n - 1] @ high for side in (0, 1)]
+        force[n] = -coupling @ np.vstack(moved)
+    force[0] = force[0] + transfer[g]
+    return CrackedRing(stiffness=(matrix + matrix.T) / 2, force=force)
+
+
+def cut_flexibility(sector: SectorReduction, reach: int) -> dict[int, np.ndarray]:
+    """Motion (cut, cut) of the low cut of tooth n by unit forces on the low cut of tooth 0, n = -reach .. reach."""
+    z, half = sector.teeth, sector.stiffness.shape[0] // 2
+    s, low, high = sector.stiffness, slice(0, half), slice(half, None)
+    same, ahead = s[low, low] + s[high, high], s[low, high]
+    out = {n: np.zeros((half, half)) for n in range(-reach, reach + 1)}
+    for k in range(z // 2 + 1):
+        phase = np.exp(2j * np.pi * k / z)
+        inverse = np.linalg.inv(same + ahead * phase + ahead.T / phase)
+        twice = 1.0 if 2 * k in (0, z) else 2.0
+        for n in out:
+            out[n] += twice / z * (inverse * phase**n).real
+    return out
