@@ -37,7 +37,7 @@ from fem.contact.evaluation.coupled_newton import CLOSE, STEPS, advance, finish,
 from fem.contact.evaluation.coupled_system import face_sums, linearise, take_state
 from fem.contact.evaluation.fields import block_rows, eliminate, face_room, field_rows, gather_face, substitute
 from fem.contact.evaluation.law_tables import LANES, LARGEST_NEAR, slices_of, unpacked
-from fem.contact.evaluation.near_pairs import NEAR_ROOM, near_pairs
+from fem.contact.evaluation.near_pairs import NEAR_ROOM, damaged_teeth, near_pairs
 from fem.contact.evaluation.slice_loads import solve_slices
 from fem.contact.evaluation.slice_rows import NEVER, STATES, States, cell_of, state_of
 from fem.contact.evaluation.slice_sums import ANSWER, totals
@@ -58,29 +58,6 @@ class Modes(NamedTuple):
     stiffness: np.ndarray  # (i, j) k of d, t and the modes
     force: np.ndarray  # (i,) h
     system: np.ndarray  # (i, i + 3)
-
-
-@inner()
-def damaged_teeth(law, own_cycle, pinion, wheel, found):
-    """Number of the teeth with modes on the pairs near mesh and beside them.
-
-    Parameters
-    ----------
-    law, own_cycle, pinion, wheel : as for `near_pairs`
-    found : (n, 3) out: pair, 0 pinion or 1 wheel, variant; (0, 0) if only their number is asked for
-    """
-    sign, count = 1 if law.sign > 0.0 else -1, 0
-    first = math.ceil(own_cycle + law.first_shift - law.start - law.cells / law.per_step) - 1
-    last = min(math.floor(own_cycle + law.last_shift - law.start) + 1, first + LARGEST_NEAR - 1)
-    for p in range(first, last + 1):
-        of_pinion = pinion[(sign * p) % pinion.shape[0], 5] if law.pinion_modes > 0.0 else 0.0
-        of_wheel = wheel[(sign * p + int(law.wheel_offset)) % wheel.shape[0], 5] if law.wheel_modes > 0.0 else 0.0
-        for gear, variant in ((0.0, of_pinion), (1.0, of_wheel)):
-            if variant > 0.0:
-                if found.size > 0:
-                    found[count, 0], found[count, 1], found[count, 2] = p, gear, variant
-                count += 1
-    return count
 
 
 @apart(ANSWER, VECTOR, STATES, MATRIX, MATRIX, MATRIX)

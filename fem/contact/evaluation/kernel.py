@@ -14,9 +14,9 @@ import numpy as np
 from numba import njit
 
 from fem.contact.evaluation.coupled_face import evaluate_coupled
-from fem.contact.evaluation.damaged_face import damaged_teeth, evaluate_damaged
+from fem.contact.evaluation.damaged_face import evaluate_damaged
 from fem.contact.evaluation.law_tables import unpacked
-from fem.contact.evaluation.near_pairs import NEAR_ROOM, near_pairs
+from fem.contact.evaluation.near_pairs import NEAR_ROOM, damaged_teeth, near_pairs
 from fem.contact.evaluation.slice_loads import move_approach, solve_slices
 from fem.contact.evaluation.slice_rows import NEVER, STATES, States, gather, nearest_approach, rows_in, rows_room
 from fem.contact.evaluation.slice_sums import ANSWER, ANSWER_ROOM, add_to, block_sums, keep_loads, totals

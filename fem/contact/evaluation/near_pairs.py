@@ -57,3 +57,26 @@ def near_pairs(law, own_cycle, pinion, wheel, memory):
         i, j = i - z1 if i >= z1 else i, j - z2 if j >= z2 else j
         i, j = i + z1 if i < 0 else i, j + z2 if j < 0 else j
     return NearPairs(n, *table)
+
+
+@inner()
+def damaged_teeth(law, own_cycle, pinion, wheel, found):
+    """Number of the teeth with modes on the pairs near mesh and beside them.
+
+    Parameters
+    ----------
+    law, own_cycle, pinion, wheel : as for `near_pairs`
+    found : (n, 3) out: pair, 0 pinion or 1 wheel, variant; (0, 0) if only their number is asked for
+    """
+    sign, count = 1 if law.sign > 0.0 else -1, 0
+    first = math.ceil(own_cycle + law.first_shift - law.start - law.cells / law.per_step) - 1
+    last = min(math.floor(own_cycle + law.last_shift - law.start) + 1, first + LARGEST_NEAR - 1)
+    for p in range(first, last + 1):
+        of_pinion = pinion[(sign * p) % pinion.shape[0], 5] if law.pinion_modes > 0.0 else 0.0
+        of_wheel = wheel[(sign * p + int(law.wheel_offset)) % wheel.shape[0], 5] if law.wheel_modes > 0.0 else 0.0
+        for gear, variant in ((0.0, of_pinion), (1.0, of_wheel)):
+            if variant > 0.0:
+                if found.size > 0:
+                    found[count, 0], found[count, 1], found[count, 2] = p, gear, variant
+                count += 1
+    return count
