@@ -28,7 +28,7 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.runs.single_results import scene_graph
     from pipelines.scene.presets import load_asked
     from pipelines.steps import reporting
-    from pipelines.steps.pair_curves import pair_laws
+    from pipelines.steps.pair_curves import law_names, pair_laws
 
     folder = writable_folder(options.out)
     loaded, stage = load_asked(options), options.stage
@@ -43,9 +43,9 @@ def main(options: argparse.Namespace) -> int:
         return 0
     meshed = "casing mesh" in graph.steps
     elastic = "casing modes" in graph.steps
-    wanted = [*plant.law_names, *(["casing"] if meshed else [])]
+    wanted = [*law_names(plant), *(["casing"] if meshed else [])]
     if options.screen:
-        wanted = [f"law_{stage}"]
+        wanted = [plant.law_names[stage - 1]]
     elif options.casing_mode:
         wanted = ["casing", *(["casing modes", "casing mesh"] if elastic else [])]
     outcome = work.build(graph, wanted)
@@ -58,7 +58,7 @@ def main(options: argparse.Namespace) -> int:
     if options.screen:
         show_mesh(mesh_view(plant, stage, outcome, options))
         return 0
-    curves = reporting.stiffness_plots(pair_laws(plant, [outcome.value(name) for name in plant.law_names]))
+    curves = reporting.stiffness_plots(pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)}))
     gears = reporting.gear_picture(plant, stage)
     pictures: dict[str, Picture | LeftOut | None] = {f"gears_{stage}.png": gears}
     if meshed:

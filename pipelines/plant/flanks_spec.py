@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fem.contact.faults.tooth_fault import ToothFault
 from fem.gears.geometry import GearPair
@@ -26,6 +26,11 @@ class FlanksSpec:
         """All faults."""
         teeth = (*self.pinion_damage, *self.wheel_damage)
         return (*(fault for tooth in teeth for fault in tooth), *self.pinion_wear, *self.wheel_wear)
+
+    @property
+    def healthy(self) -> FlanksSpec:
+        """The same without any fault."""
+        return replace(self, pinion_damage=(), wheel_damage=(), pinion_wear=(), wheel_wear=())
 
     @property
     def empty(self) -> bool:

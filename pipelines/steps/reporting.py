@@ -19,7 +19,7 @@ from pipelines.plant.plant import Plant
 from pipelines.plant.torques.hoist import Hoist
 from pipelines.signals.motion_warnings import gathered, told
 from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
-from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, pair_laws
+from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, law_names, pair_laws
 
 if TYPE_CHECKING:
     import xarray
@@ -65,8 +65,9 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
     from pipelines.report.run_screen import first_screen
     from pipelines.signals.response import make_response
 
-    plant, count = spec.plant, len(spec.plant.laws)
-    laws, body, rest = taken[:count], taken[count], list(taken[count + 1 :])
+    plant, names = spec.plant, law_names(spec.plant)
+    count = len(names)
+    laws, body, rest = dict(zip(names, taken[:count], strict=True)), taken[count], list(taken[count + 1 :])
     mesh, *rest = rest if spec.meshed else (None, *rest)
     modes, *rest = rest if spec.elastic else (None, *rest)
     labelled = spec.diagnosing.labels if spec.diagnosing else (plant.labels,)
