@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.contact.faults.cracked_beam import cracked_beam_compliance
 from fem.contact.faults.tooth_fault import ToothFault, check_end, from_end
 from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
@@ -83,7 +84,12 @@ class CrackedTooth(ToothFault):
         added = super().compliance(law, pair, gear)
         if self.flank == law.flank:
             reached = self.covers(law.face_coordinate, pair.face_width)
-            added[reached] += crack_compliance(pair, gear, self, law_points(law, pair))
+            points = law_points(law, pair)
+            added[reached] += (
+                cracked_beam_compliance(pair, gear, self.depth, self.angle, points)
+                if law.model == "energy"
+                else crack_compliance(pair, gear, self, points)
+            )
         return added
 
     def movement(self, pair: GearPair, approach: float, *, alone: bool) -> None:
