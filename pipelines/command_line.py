@@ -235,7 +235,7 @@ def _inspect(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--out", metavar="FOLDER", type=path, default=".", help="folder for the pictures (default: here)")
     sub.add_argument("--stage", type=count, metavar="N", default=1, help="gear stage to show (default 1)")
     sub.add_argument("--position", type=number, metavar="C", help="one mesh cycle to show instead of a film")
-    sub.add_argument("--frames", type=count, metavar="N", default=25, help="pictures of the film (25; 1: a still)")
+    sub.add_argument("--frames", type=count, metavar="N", default=17, help="pictures of the film (17; 1: a still)")
     sub.add_argument("--stress", action="store_true", help="instead, von Mises stress of the loaded teeth: PNG")
     sub.add_argument(
         "--mesh",

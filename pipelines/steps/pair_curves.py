@@ -68,9 +68,14 @@ class PairLaws:
         force: float | None = None,
         tilt: float | None = 0.0,
     ) -> StiffnessCurve:
-        """The curves of the drive flank in one state, over 200 positions of one mesh cycle by default.
+        """The curves of the drive flank in one state.
 
-        `tilt` of the gears in the plane of action (rad) along the face coordinate of the law, None: force at mid face.
+        Parameters
+        ----------
+        cycle : float (n,), mesh cycles; 200 of one mesh cycle by default
+        faulty : with the faults
+        force : N, on the line of action; that of the scene by default
+        tilt : of the gears in the plane of action along the face coordinate of the law, rad; None: force at mid face
         """
         from fem.contact.evaluation.curves import stiffness_curve
 
@@ -109,6 +114,15 @@ class PairLaws:
         where = {"state": list(states), "cycle": ("cycle", np.asarray(cycle, float), _words("1", "mesh cycle"))}
         told = {"stage": self.stage, "model": self.drive.model, "force_N": curves[0].force, "faults": self.faults}
         return xarray.Dataset(data, coords=where, attrs=told)
+
+
+def acting(found: PairLaws) -> float:
+    """Mesh cycle at which the faults move the gears most, 0 without faults."""
+    if not found.faults:
+        return 0.0
+    error = found.curve().transmission_error
+    moved = np.abs(error.sel(state="faulty").values - error.sel(state="healthy").values)
+    return float(error.cycle.values[int(moved.argmax())])
 
 
 def law_names(plant: Plant) -> tuple[str, ...]:

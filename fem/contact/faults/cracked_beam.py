@@ -8,7 +8,7 @@ keeps h_q = y_o - q sin(v) at most, and sections of half thickness y > h_q have
 
 The papers let the crack start at the clamped end; here it starts in the fillet, and the wider sections below lose
 q sin(v), so that nothing is lost without a crack. Axial and contact compliance stay: they press the crack shut. Body
-and neighbours stay, too. It is there to be compared with the papers; model `plane` takes the crack from finite elements.
+and neighbours stay, too. It is there to be compared with the papers; other models take cracks from finite elements.
 
 Wu, Zuo & Parey (2008), J. Sound Vib. 317, 608-624; Chaari, Fakhfakh & Haddar (2009), Eur. J. Mech. A/Solids 28,
 461-468.
