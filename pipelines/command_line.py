@@ -20,6 +20,7 @@ from pipelines.border.argument_types import (
     seconds,
     several,
     share,
+    tilt,
 )
 from pipelines.dataset_arguments import dataset_arguments
 from pipelines.finished_arguments import (
@@ -112,6 +113,19 @@ def _work(sub: argparse.ArgumentParser) -> None:
     _scene(sub)
     sub.add_argument("--processes", type=count, metavar="N", help="long steps built side by side (default 2)")
     sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
+
+
+def _gears(sub: argparse.ArgumentParser) -> None:
+    _work(sub)
+    sub.add_argument("--load", metavar="N", type=positive, help="force on the line of action (default: of the scene)")
+    sub.add_argument(
+        "--tilt",
+        metavar="UM",
+        type=tilt,
+        default=0.0,
+        help="approach at the +y end less that at -y; balanced: force at mid face; machine: of the loaded machine (0)",
+    )
+    sub.add_argument("--out", metavar="FILE", type=path, help="write the curves over the position: .csv or .nc")
 
 
 def _casing(sub: argparse.ArgumentParser) -> None:
@@ -221,7 +235,7 @@ def _inspect(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--out", metavar="FOLDER", type=path, default=".", help="folder for the pictures (default: here)")
     sub.add_argument("--stage", type=count, metavar="N", default=1, help="gear stage to show (default 1)")
     sub.add_argument("--position", type=number, metavar="C", help="one mesh cycle to show instead of a film")
-    sub.add_argument("--frames", type=count, metavar="N", default=25, help="pictures of the film (25; 1: a still)")
+    sub.add_argument("--frames", type=count, metavar="N", default=17, help="pictures of the film (17; 1: a still)")
     sub.add_argument("--stress", action="store_true", help="instead, von Mises stress of the loaded teeth: PNG")
     sub.add_argument(
         "--mesh",
@@ -298,7 +312,12 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         "gearcase explain bench --set load.torque_N_m=80",
         _scene,
     ),
-    ("gears", "build the mesh laws and print the stiffness of each pair", "gearcase gears rig-healthy", _work),
+    (
+        "gears",
+        "stiffness and load share of each pair, healthy and faulty",
+        "gearcase gears rig-missing-tooth",
+        _gears,
+    ),
     ("casing", "build the casing and print its check-up", "gearcase casing rig-healthy", _casing),
     (
         "modes",

@@ -15,7 +15,7 @@ from pipelines.scene.file import load_scene
 from pipelines.trade.axes import AXES, AxisError
 from pipelines.trade.convergence import CAUTION, ConvergenceError, study
 from pipelines.trade.refinement import refine
-from pipelines.trade.refinement_page import convergence_figure, verdict
+from pipelines.trade.refinement_page import CASINGS, MESH_MODELS, convergence_figure, not_refined, verdict
 
 
 @given(
@@ -110,3 +110,21 @@ def test_the_command_offers_the_axes_that_exist():
 def _converge_actions():
     (commands,) = [a for a in parser()._actions if isinstance(a, argparse._SubParsersAction)]
     return commands.choices["converge"]._actions
+
+
+def test_a_study_names_what_it_did_not_refine_with_the_size_that_is_known():
+    plane = load_scene("minimal", {"stages.1.mesh.model": "plane"}).scene
+    said = not_refined(plane, "gear-mesh")
+    assert "mesh model plane, 2 to 14 % too stiff" in said
+    assert "slices along the face" in said
+    assert "time step" not in said
+    assert "casing model rigid, its elasticity is left out" in not_refined(plane, "step")
+    assert "mesh model" not in not_refined(plane, "casing-mesh")
+
+
+def test_every_model_of_a_scene_has_words():
+    from fem.casing.models.registry import CASINGS as CASING_MODELS
+    from fem.contact.models.registry import MODELS
+
+    assert set(MESH_MODELS) == set(MODELS)
+    assert set(CASINGS) == {*CASING_MODELS, "none", "rigid"}

@@ -1,6 +1,7 @@
 """Model energy: exact cantilevers, published tooth compliances, limits, and its bias against model plane."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -8,9 +9,11 @@ import pytest
 from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.faults.cracked_tooth import CrackedTooth
 from fem.contact.frame import ModelError
-from fem.contact.models.energy import Energy, cantilever, foundation_factors, tooth_parts
+from fem.contact.models.energy import Energy, foundation_factors, tooth_parts
 from fem.contact.models.plane import Plane
+from fem.contact.wheels.cantilever import cantilever
 from fem.elements.materials import Material
 from fem.gears.path import line_length, path_points
 
@@ -114,3 +117,23 @@ def test_coast_flank_is_the_mirror_image():
 def test_refused_options(options):
     with pytest.raises(ModelError, match=next(iter(options))):
         Energy(**options)
+
+
+def test_a_crack_takes_the_section_of_the_papers_from_a_beam():
+    """Rectangular cantilever with a share of its section cut: bending by (2 y / H)^3, shear by 2 y / H."""
+    u, y = np.linspace(0.0, 4e-3, 2001), np.full(2001, 1e-3)
+    load = (4e-3, 1e-3, 0.0, 206e9, 79e9)
+    sound, cracked = cantilever(u, y, *load), cantilever(u, y, *load, lost=np.full(u.size, 0.5e-3))
+    assert cracked[0] / sound[0] == pytest.approx((2.0 / 1.5) ** 3)
+    assert cracked[1] / sound[1] == pytest.approx(2.0 / 1.5)
+    assert cracked[2] == sound[2]
+
+
+def test_a_cracked_beam_tooth_grows_softer_with_depth_and_towards_the_tip():
+    pair = gear_pair((20, 55), 2, 0, 12, bores_mm=(12.5, 17.5))
+    law = Energy(slices=1).law(pair)
+    added = [CrackedTooth(depth=q).compliance(law, pair, "pinion")[0] for q in (1e-6, 0.5e-3, 1e-3, 1.5e-3)]
+    assert abs(added[0]).max() < 5e-3 * added[-1].max()
+    assert all((deeper >= less).all() for less, deeper in pairwise(added))
+    inside = np.isfinite(law.gap) & (law.gap == 0.0)
+    assert (np.diff(added[-1][inside]) > 0.0).all()  # the pinion is loaded from its root to its tip

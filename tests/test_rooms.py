@@ -47,6 +47,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "pipelines.plant.checks",
     "pipelines.rexs",
     "pipelines.engine",
+    "pipelines.figures.teeth",
     "pipelines.figures",
     "pipelines.orders",
     "pipelines.features",

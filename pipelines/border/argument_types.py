@@ -52,6 +52,11 @@ def positive(text: str) -> float:
     return number(text)
 
 
+def tilt(text: str) -> float | str:
+    """A finite number, or the word "balanced" or "machine"."""
+    return text if text in ("balanced", "machine") else number(text)
+
+
 def picture(text: str) -> str:
     """The file of a picture; without an ending it gets .png."""
     path(text)

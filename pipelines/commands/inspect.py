@@ -10,25 +10,25 @@ from typing import TYPE_CHECKING
 from pipelines.figures.views import LeftOut
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from pipelines.engine.run_graph import Outcome
     from pipelines.engine.step import Graph
-    from pipelines.figures.mesh_pictures import MeshView
+    from pipelines.engine.working import Work
     from pipelines.plant.plant import Plant
+    from pipelines.runs.inspect_gears import InspectedStage
 
 
 def main(options: argparse.Namespace) -> int:
-    """Write gears_<n>.png and, for a meshed casing, casing.png; say what could not be rendered."""
+    """Write the pictures of a stage and, of a meshed casing, casing.png; say what could not be rendered."""
     from pipelines.border.errors import InputError
     from pipelines.border.user_files import writable_folder
     from pipelines.engine.working import Work
-    from pipelines.figures.callouts import casing_figure, gear_figure
-    from pipelines.figures.film import save_figure
-    from pipelines.figures.mesh_pictures import show_mesh, write_mesh
-    from pipelines.figures.views import Picture
+    from pipelines.figures.mesh_pictures import show_mesh
+    from pipelines.runs.inspect_gears import InspectedStage
     from pipelines.runs.single_results import scene_graph
     from pipelines.scene.presets import load_asked
-    from pipelines.steps import reporting
-    from pipelines.steps.pair_curves import pair_laws
+    from pipelines.steps.pair_curves import law_names, pair_laws
 
     folder = writable_folder(options.out)
     loaded, stage = load_asked(options), options.stage
@@ -41,105 +41,83 @@ def main(options: argparse.Namespace) -> int:
         stressed = stress_files(plant, graph, options, work)
         sys.stdout.write(_listed(stressed))
         return 0
-    meshed = "casing mesh" in graph.steps
-    elastic = "casing modes" in graph.steps
-    wanted = [*plant.law_names, *(["casing"] if meshed else [])]
-    if options.screen:
-        wanted = [f"law_{stage}"]
-    elif options.casing_mode:
-        wanted = ["casing", *(["casing modes", "casing mesh"] if elastic else [])]
-    outcome = work.build(graph, wanted)
     folder.mkdir(parents=True, exist_ok=True)
     if options.casing_mode:
-        if not elastic:
-            raise InputError(f"--casing-mode: a {plant.models['casing']} casing has no elastic modes")
-        sys.stdout.write(_listed(_casing_mode_files(outcome, graph, plant.title, options.casing_mode, folder)))
-        return 0
+        return _casing_mode(graph, plant, options.casing_mode, folder, work)
+    outcome = work.build(graph, law_names(plant))
+    pairs = pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})
+    shown = InspectedStage(plant=plant, laws=pairs[stage - 1])
+    frames = options.frames if options.position is None else 1
     if options.screen:
-        show_mesh(mesh_view(plant, stage, outcome, options))
+        show_mesh(shown.mesh_view(_cycles(shown, options)))
         return 0
-    curves = reporting.stiffness_plots(pair_laws(plant, [outcome.value(name) for name in plant.law_names]))
-    gears = reporting.gear_picture(plant, stage)
-    pictures: dict[str, Picture | LeftOut | None] = {f"gears_{stage}.png": gears}
-    if meshed:
-        pictures["casing.png"] = reporting.casing_picture(outcome.value("casing mesh"), outcome.value("casing"))
-    for name, picture in pictures.items():
-        if picture is None or isinstance(picture, LeftOut):
-            sys.stdout.write(f"{name}: {picture.reason if picture else 'nothing to show'}\n")
-            continue
-        if name == "casing.png":
-            figure = casing_figure(picture, f"Casing and key points of {plant.title}")
-        else:
-            title = gears_title(plant, stage)
-            figure = gear_figure(picture, curves[stage - 1], reporting.gear_names(plant, stage), title)
-        save_figure(figure, folder / name, dpi=115)
-        sys.stdout.write(f"{folder / name}\n")
-    mesh = write_mesh(mesh_view(plant, stage, outcome, options), folder / f"mesh_{stage}.png")
-    sys.stdout.write(_listed(mesh))
-    if not meshed:
-        sys.stdout.write(f"casing {plant.models['casing']}: no mesh to show\n")
+    _tell(shown.write_overview(folder / f"gears_{stage}.png"))
+    _write_mesh(shown, folder / f"mesh_{stage}", options, frames)
+    _tell(shown.write_pattern(folder / f"pattern_{stage}.png"))
+    _write_casing(graph, plant, folder, work)
     return 0
+
+
+def _cycles(shown: InspectedStage, options: argparse.Namespace) -> np.ndarray:
+    import numpy as np
+
+    return shown.film_cycles(options.frames) if options.position is None else np.array([options.position])
+
+
+def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, frames: int) -> None:
+    """A still where the damage acts, or at the position asked for; with more than one frame the film, too."""
+    import numpy as np
+
+    from pipelines.figures.mesh_pictures import write_film, write_still
+
+    cycle = shown.still_cycle() if options.position is None else options.position
+    _tell(write_still(shown.mesh_view(np.array([cycle])), stem))
+    if frames == 1:
+        return
+
+    def progress(part: float) -> None:
+        if not options.quiet:
+            sys.stderr.write(f"\rfilm {stem.name}: {100 * part:.0f} %" + "\n" * (part >= 1.0))
+            sys.stderr.flush()
+
+    _tell(write_film(shown.mesh_view(_cycles(shown, options)), stem, progress))
+
+
+def _write_casing(graph: Graph, plant: Plant, folder: Path, work: Work) -> None:
+    from pipelines.figures.callouts import casing_figure
+    from pipelines.figures.film import save_figure
+    from pipelines.steps import reporting
+
+    if "casing mesh" not in graph.steps:
+        sys.stdout.write(f"casing {plant.models['casing']}: no mesh to show\n")
+        return
+    outcome = work.build(graph, ["casing mesh", "casing"])
+    picture = reporting.casing_picture(outcome.value("casing mesh"), outcome.value("casing"))
+    if picture is None or isinstance(picture, LeftOut):
+        sys.stdout.write(f"casing.png: {picture.reason if picture else 'nothing to show'}\n")
+        return
+    save_figure(casing_figure(picture, f"Casing and key points of {plant.title}"), folder / "casing.png", dpi=115)
+    _tell(folder / "casing.png")
+
+
+def _casing_mode(graph: Graph, plant: Plant, number: int, folder: Path, work: Work) -> int:
+    from pipelines.border.errors import InputError
+
+    if "casing modes" not in graph.steps:
+        raise InputError(f"--casing-mode: a {plant.models['casing']} casing has no elastic modes")
+    outcome = work.build(graph, ["casing", "casing modes", "casing mesh"])
+    sys.stdout.write(_listed(_casing_mode_files(outcome, graph, plant.title, number, folder)))
+    return 0
+
+
+def _tell(found: Path | list[Path] | LeftOut) -> None:
+    """Name the files as soon as they are there."""
+    sys.stdout.write(_listed([found] if isinstance(found, Path) else found))
+    sys.stdout.flush()
 
 
 def _listed(found: list[Path] | LeftOut) -> str:
     return f"{found.reason}\n" if isinstance(found, LeftOut) else "".join(f"{path}\n" for path in found)
-
-
-def gears_title(plant: Plant, stage: int) -> str:
-    """Title of the overview of a stage: scene, position, load and size."""
-    from pipelines.figures.shapes import shown_cycle
-    from pipelines.plant.flanks import first_tooth_fault
-
-    pair, fault = plant.layout.pairs[stage - 1], first_tooth_fault(plant.faults, stage)
-    cycle = shown_cycle(pair, None if fault is None else (fault.gear, fault.tooth or 0))
-    meshes = "" if fault is None else f" (damaged tooth in mesh at {fault.tooth})"
-    load = plant.facts.stages[stage - 1].shown_force
-    size = f"centre distance {1000 * pair.axis_distance:.4g} mm, face width {1000 * pair.face_width:.4g} mm"
-    return f"{plant.title}: stage {stage}\nmesh cycle {cycle}{meshes}, load {load:.4g} N; {size}"
-
-
-def mesh_view(plant: Plant, stage: int, outcome: Outcome, options: argparse.Namespace) -> MeshView:
-    """The mesh of a stage at its load, healthy and with its faults, around the passage of the first damaged tooth.
-
-    Parameters
-    ----------
-    plant, outcome : the plant of a scene, and its results with the law of the stage
-    stage : number of the stage, from 1
-    options : of the command line: frames, position
-    """
-    import numpy as np
-
-    from pipelines.figures.mesh_frames import mesh_frames, passage
-    from pipelines.figures.mesh_pictures import MeshView
-    from pipelines.figures.shapes import gear_view
-    from pipelines.plant.assembly import mesh_faults
-    from pipelines.plant.flanks import first_tooth_fault
-
-    pair = plant.layout.pairs[stage - 1]
-    law = outcome.value(f"law_{stage}")[0]
-    load = plant.facts.stages[stage - 1].shown_force
-    faults = plant.faults_of(stage)
-    first = first_tooth_fault(plant.faults, stage)
-    middle = float(first.tooth) if first is not None and first.tooth is not None else 0.0
-    cycles = passage(middle, options.frames) if options.position is None else np.array([options.position])
-    sound = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
-    states = [mesh_frames("healthy", pair, law, load, cycles, *sound)]
-    if faults:
-        teeth = mesh_faults(plant.machine.meshes[stage - 1])
-        words = ", ".join(dict.fromkeys(fault.kind.replace("-", " ") for fault in faults))
-        states.append(mesh_frames(words, pair, law, load, cycles, *teeth))
-    marked = (first.gear, int(middle)) if first is not None else None
-    gone = first is not None and first.kind == "missing-tooth"
-    return MeshView(
-        title=f"{plant.title}: stage {stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
-        gears=gear_view(pair),
-        damaged=None if marked is None else gear_view(pair, marked, missing=gone, in_mesh=True),
-        marked="" if first is None else f"{first.name.replace('-', ' ')} of the {first.gear}",
-        model=law.model,
-        force=load,
-        cycles=cycles,
-        states=tuple(states),
-    )
 
 
 def _casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int, folder: Path) -> list[Path] | LeftOut:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipelines.figures.colours import POINTS
+from pipelines.figures.colours import POINTS, WEAR_COLOURS
 from pipelines.figures.plots import FAULTY, StiffnessPlot, draw_stiffness, new_figure, plain
 from pipelines.figures.render import AXES_PLACES, KINDS, kind_of
+from pipelines.figures.teeth.tooth_shape import DrawnTooth
 from pipelines.figures.views import Picture
 
 if TYPE_CHECKING:
@@ -21,21 +25,30 @@ AXES = ("x", "y", "z")
 LABEL_HEIGHT = 34.0  # picture rows a label takes
 
 
-def gear_figure(picture: Picture, curve: StiffnessPlot | None, names: Mapping[str, str], title: str = "") -> Figure:
-    """The gear pair in three dimensions, its stiffness curve beside it.
+def gear_figure(
+    picture: Picture,
+    curve: StiffnessPlot | None,
+    names: Mapping[str, str],
+    title: str = "",
+    near: Picture | None = None,
+    tooth: DrawnTooth | None = None,
+) -> Figure:
+    """The gear pair in three dimensions, its damaged tooth from near and its stiffness curve beside it.
 
     Parameters
     ----------
     picture, curve : the rendered gears, and their curve or None
     names : words for the places of the picture: "pinion", "wheel" and "marked" (the damaged tooth)
     title : above both, "" for none
+    near, tooth : the rendered damaged tooth, and what it shows, or None
     """
-    figure = new_figure(5.0, 12.5 if curve is not None else 6.5)
-    if curve is None:
-        left = figure.subplots()
-    else:
-        left, right = figure.subplots(1, 2, width_ratios=[1.05, 1])
-        draw_stiffness(right, curve)
+    shown = 1 + (near is not None) + (curve is not None)
+    figure = new_figure(5.0, 6.25 * shown)
+    left, *rest = np.atleast_1d(figure.subplots(1, shown, width_ratios=[1.05, *[1.0] * (shown - 1)]))
+    if near is not None:
+        _draw_tooth(rest.pop(0), near, tooth)
+    if curve is not None:
+        draw_stiffness(rest.pop(0), curve)
     box = show(left, picture)
     for place, name in names.items():
         if place not in picture.places:
@@ -45,8 +58,8 @@ def gear_figure(picture: Picture, curve: StiffnessPlot | None, names: Mapping[st
         left.annotate(
             name,
             (column, row),
-            xytext=(box[0] + 0.04 * (box[1] - box[0]), box[3] - 0.03 * (box[3] - box[2])) if marked else (column, row),
-            ha="left" if marked else "center",
+            xytext=_free_corner(box, column, row) if marked else (column, row),
+            ha=("left" if column < (box[0] + box[1]) / 2 else "right") if marked else "center",
             va="center",
             fontsize=10,
             color=FAULTY if marked else "black",
@@ -57,6 +70,28 @@ def gear_figure(picture: Picture, curve: StiffnessPlot | None, names: Mapping[st
     if title:
         figure.suptitle(plain(title))
     return figure
+
+
+def _free_corner(box: tuple[float, float, float, float], column: float, row: float) -> tuple[float, float]:
+    """The corner of the picture that is nearest to a pixel."""
+    left, right, top, bottom = box
+    across, down = 0.04 * (right - left), 0.03 * (bottom - top)
+    return (
+        left + across if column < (left + right) / 2 else right - across,
+        top + down if row < (top + bottom) / 2 else bottom - down,
+    )
+
+
+def _draw_tooth(axes: Axes, near: Picture, tooth: DrawnTooth | None) -> None:
+    """The damaged tooth with words on its damage, and a scale of depth where it is worn."""
+    show(axes, near, whole=True)
+    corner_axes(axes, near)
+    if tooth is None:
+        return
+    axes.set_title(textwrap.fill(tooth.words, 52), fontsize=11, color=FAULTY, fontweight="bold")
+    if tooth.depth.any():
+        scale = ScalarMappable(Normalize(0.0, 1e6 * float(tooth.depth.max())), cmap=WEAR_COLOURS)
+        axes.figure.colorbar(scale, ax=axes, shrink=0.6, pad=0.01).set_label("depth of the missing material, µm")
 
 
 def casing_figure(picture: Picture, title: str = "Casing and key points") -> Figure:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,8 +12,8 @@ import numpy as np
 
 from pipelines.border.user_files import write_whole
 from pipelines.figures.film import film_page, png, save_figure, write_gif
-from pipelines.figures.mesh_frames import MeshFrames
 from pipelines.figures.render import render_mesh, show_window
+from pipelines.figures.teeth.mesh_frames import MeshFrames
 from pipelines.figures.views import GearPairView, LeftOut, Picture
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MILLISECONDS = 160  # per frame of a film
+STILL_SIZE, FILM_SIZE = (1000, 690), (600, 414)  # pixels of a rendered state
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -39,27 +41,57 @@ class MeshView:
     states: tuple[MeshFrames, ...]
 
 
-def write_mesh(view: MeshView, stem: Path) -> list[Path] | LeftOut:
-    """<stem>.png and, with more than one frame, .gif and .html; the reason if they cannot be rendered."""
-    most = max(float(np.nanmax(state.load)) for state in view.states)
-    rendered: list[list[Picture]] = []
-    for number, state in enumerate(view.states):
-        gears = view.gears if number == 0 or view.damaged is None else view.damaged
-        pictures = render_mesh(gears, view.cycles, state, most)
-        if isinstance(pictures, LeftOut):
-            return pictures
-        rendered.append(pictures)
-    middle, count = len(view.cycles) // 2, len(view.cycles)
-    still = stem.with_suffix(".png")
-    save_figure(mesh_figure(view, [pictures[middle] for pictures in rendered], middle, most), still, dpi=115)
-    if count == 1:
-        return [still]
-    frames = [png(mesh_figure(view, [pictures[n] for pictures in rendered], n, most)) for n in range(count)]
+def write_still(view: MeshView, stem: Path) -> Path | LeftOut:
+    """<stem>.png of the middle frame; the reason if it cannot be rendered."""
+    pictures = _rendered(view)
+    if isinstance(pictures, LeftOut):
+        return pictures
+    middle, still = len(view.cycles) // 2, stem.with_suffix(".png")
+    save_figure(mesh_figure(view, [frames[middle] for frames in pictures], middle, _most(view)), still, dpi=115)
+    return still
+
+
+def write_film(view: MeshView, stem: Path, progress: Callable[[float], None]) -> list[Path] | LeftOut:
+    """<stem>.gif and .html with all frames; the reason if they cannot be rendered.
+
+    Parameters
+    ----------
+    view : what is shown
+    stem : of the files
+    progress : is told the part that is done, from 0 to 1
+    """
+    progress(0.0)
+    pictures = _rendered(view, FILM_SIZE)
+    if isinstance(pictures, LeftOut):
+        return pictures
+    frames, count = [], len(view.cycles)
+    for n in range(count):
+        progress(0.5 + 0.5 * n / count)
+        frames.append(png(mesh_figure(view, [of_state[n] for of_state in pictures], n, _most(view))))
     film, page = stem.with_suffix(".gif"), stem.with_suffix(".html")
     write_gif(frames, film, MILLISECONDS)
     labels = [f"mesh cycle {cycle:.3f}" for cycle in view.cycles]
     write_whole(page, film_page(view.title, frames, "position", labels, MILLISECONDS))
-    return [still, film, page]
+    progress(1.0)
+    return [film, page]
+
+
+def _rendered(view: MeshView, size: tuple[int, int] = STILL_SIZE) -> list[list[Picture]] | LeftOut:
+    """All frames of every state, the states side by side: rendering takes a processor each."""
+    gears = [view.gears if n == 0 or view.damaged is None else view.damaged for n in range(len(view.states))]
+    with ThreadPoolExecutor(len(gears)) as pool:
+        found = list(pool.map(lambda g, s: render_mesh(g, view.cycles, s, _most(view), size), gears, view.states))
+    rendered = []
+    for pictures in found:
+        if isinstance(pictures, LeftOut):
+            return pictures
+        rendered.append(pictures)
+    return rendered
+
+
+def _most(view: MeshView) -> float:
+    """The greatest line load of all states, N/m."""
+    return max(float(np.nanmax(state.load)) for state in view.states)
 
 
 def show_mesh(view: MeshView, image: Path | None = None) -> None:
@@ -120,19 +152,19 @@ def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrame
     show(axes, picture, whole=True)
     corner_axes(axes, picture)
     most = np.nanmax(state.pressure[frame]) / 1e6 if np.isfinite(state.pressure[frame]).any() else 0.0
-    axes.set_title(f"{state.name}: greatest Hertz pressure {most:.0f} MPa", fontsize=10, loc="left")
+    axes.set_title(f"{state.name}: greatest Hertz pressure {most:.0f} MPa\nface width "
+                   f"{1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1", fontsize=9, loc="left")  # fmt: skip
     handles: list[Patch | Line2D] = [
         Patch(color=PINION, alpha=0.6, label="pinion"),
         Patch(color=WHEEL, alpha=0.6, label="wheel"),
-        Line2D([], [], color="#1bcfd4", lw=4, label="contact lines (colour: load)"),
+        Line2D([], [], color="#21918c", lw=4, label="contact lines (colour: load)"),
     ]
     if state is not view.states[0] and view.marked:
         handles.append(
             Patch(color=GONE, alpha=0.5 if view.damaged and view.damaged.missing else 1.0, label=view.marked)
         )
-    axes.legend(handles=handles, loc="lower right", fontsize=8, framealpha=0.9)
-    axes.text(0.0, -0.01, f"face width {1000 * view.gears.face_width:.4g} mm along z; x, y, z 1:1", fontsize=8,
-              transform=axes.transAxes, va="top")  # fmt: skip
+    # below the picture: over it a legend would hide contact lines
+    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2, fontsize=8, frameon=False)
 
 
 def _draw_stiffness(axes: Axes, view: MeshView, cycle: float) -> None:

@@ -19,17 +19,19 @@ import numpy as np
 
 from pipelines.border.errors import InputError
 from pipelines.engine.child import command, environment
-from pipelines.figures.mesh_frames import MeshFrames
 from pipelines.figures.render_failures import Failure, ended, no_picture, too_slow
 from pipelines.figures.solids import gear_surface, prism_surface, without_tooth
+from pipelines.figures.teeth.mesh_frames import MeshFrames
+from pipelines.figures.teeth.scene_frame import placed, turned_away
+from pipelines.figures.teeth.tooth_shape import DrawnTooth, turned_in
 from pipelines.figures.views import CasingView, GearPairView, LeftOut, Picture, Teeth
 
 log = logging.getLogger(__name__)
 
 KINDS = ("ground", "bearing", "sensor")
+UP = (0.0, 0.0, 1.0)
 AXES_PLACES = ("origin", "x", "y", "z")  # which no point may be called
 TIMEOUT = 900.0  # s, against a renderer that hangs; a software renderer on a busy machine takes minutes
-MESH_DIRECTION = (-0.55, -0.35, 1.0)
 RENDERER = "pipelines.figures.view"
 
 
@@ -41,7 +43,38 @@ def kind_of(point: str) -> str:
 def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Picture | LeftOut:
     """The gear pair in three dimensions, the damaged tooth in red; places "pinion", "wheel", "marked"."""
     arrays, places = _gear_arrays(view)
-    return _single(_render("gears", "gear pair", arrays, places, size, (0.25, -0.4, 1.0), (0.0, 1.0, 0.0), 1.3))
+    direction = (0.25, view.seen_from, 0.4)
+    return _single(_render("gears", "gear pair", arrays, _in_scene(places, view), size, direction, UP, 1.3))
+
+
+def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Picture | LeftOut:
+    """The damaged tooth on its gear from near, its mate left out; places "mesh", "x", "y", "z" at the tooth."""
+    arrays, places = _gear_arrays(view)
+    gear, tooth = view.marked_gear, view.tooth
+    mate = "wheel" if gear == "pinion" else "pinion"
+    arrays = {name: value for name, value in arrays.items() if not name.startswith(f"{mate}_")}
+    arrays["near"] = np.array(True)
+    centre = 0.0 if gear == "pinion" else view.centre_distance
+    teeth = view.pinion_teeth if gear == "pinion" else view.wheel_teeth
+    radius = float(np.linalg.norm(places["marked"][:2] - [centre, 0.0]))
+    half = 0.62 * max(view.face_width, 4 * np.pi * radius / teeth)
+    outward, around = turned_in(np.eye(3)[:2], view.marked_angle, 0.0)
+    end = view.sense * view.seen_from
+    toward = 0.7 * outward + 0.6 * (tooth.flank if tooth is not None else 1) * around + 0.55 * end * np.eye(3)[2]
+    direction, up = (tuple(turned_away(vector, view.frame).tolist()) for vector in (toward, outward))
+    middle = placed(turned_in(np.array([radius, 0.0, 0.0]), view.marked_angle, centre), view.frame)
+    named = {"mesh": middle} | _directions(middle, 0.2 * half)
+    return _single(
+        _render("gears", "damaged tooth", arrays, named, size, direction, up, 1.0, focus=(*middle.tolist(), half))
+    )
+
+
+def _in_scene(places: Mapping[str, np.ndarray], view: GearPairView) -> dict[str, np.ndarray]:
+    return {name: placed(np.asarray(place), view.frame) for name, place in places.items()}
+
+
+def _directions(origin: np.ndarray, length: float) -> dict[str, np.ndarray]:
+    return {axis: origin + length * np.eye(3)[i] for i, axis in enumerate("xyz")}
 
 
 def _gear_arrays(view: GearPairView) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
@@ -51,21 +84,39 @@ def _gear_arrays(view: GearPairView) -> tuple[dict[str, Any], dict[str, np.ndarr
     outlines = {"pinion": view.pinion_outline, "wheel": view.wheel_outline}
     twists = {"pinion": view.pinion_twist, "wheel": view.wheel_twist}
     bores = {"pinion": view.pinion_bore, "wheel": view.wheel_bore}
-    front = np.array([0.0, 0.0, view.face_width / 2])
+    front = _front(view)
+    webs = {"pinion": view.pinion_web, "wheel": view.wheel_web}
     arrays: dict[str, Any] = {"marked_gear": np.array(view.marked_gear), "marked_missing": np.array(view.missing)}
+    arrays["frame"] = view.frame
     places = {}
     for gear, outline in outlines.items():
         if gear == view.marked_gear:
             outline, tooth = without_tooth(outline, teeth[gear], view.marked_angle)
             points, quads = prism_surface(tooth, twists[gear], view.face_width)
             arrays["marked_points"], arrays["marked_quads"] = points + shifts[gear], quads
-            angle = view.marked_angle + twists[gear] * view.face_width / 2
+            if view.tooth is not None and not view.tooth.missing:
+                arrays |= _tooth_arrays(view.tooth, view.marked_angle, float(shifts[gear][0]))
+            angle = view.marked_angle + twists[gear] * float(front[2])
             middle = np.hypot(*tooth.T).mean() * np.array([np.cos(angle), np.sin(angle), 0.0])
             places["marked"] = middle + front + shifts[gear]
-        points, quads = gear_surface(outline, bores[gear], twists[gear], view.face_width)
+        points, quads = gear_surface(outline, bores[gear], twists[gear], view.face_width, web=webs[gear])
         arrays[f"{gear}_points"], arrays[f"{gear}_quads"] = points + shifts[gear], quads
         places[gear] = front + shifts[gear]
     return arrays, places
+
+
+def _tooth_arrays(tooth: DrawnTooth, angle: float, centre: float) -> dict[str, Any]:
+    """Surface of a damaged tooth at its place, its faces of fracture, wear, and cracks."""
+    sheets = {f"sheet_{n}": turned_in(sheet, angle, centre) for n, sheet in enumerate(tooth.sheets)}
+    lines = {f"crack_{n}": turned_in(line, angle, centre) for n, line in enumerate(tooth.lines)}
+    return {
+        "marked_points": turned_in(tooth.points, angle, centre),
+        "marked_quads": tooth.quads,
+        "marked_broken": tooth.broken,
+        "marked_depth": tooth.depth,
+        **sheets,
+        **lines,
+    }
 
 
 def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Picture | LeftOut:
@@ -120,7 +171,7 @@ def render_mesh(
     """
     arrays, places, focus = _mesh_arrays(view, cycles, frames, most_load)
     return _render(
-        "mesh", "contact lines", arrays, places, size, MESH_DIRECTION, (0.0, 1.0, 0.0), 1.0,
+        "mesh", "contact lines", arrays, places, size, _mesh_direction(view), UP, 1.0,
         frames=len(cycles), focus=focus,
     )  # fmt: skip
 
@@ -137,14 +188,23 @@ def _mesh_arrays(
         "line_load": frames.load,
         "most_load": np.array(most_load),
         "line_radius": np.array(0.02 * half),
-        "toward": 6 * half * np.array(MESH_DIRECTION),  # in parallel projection nothing hides the lines then
+        "seen": np.array([pitch, 2.5 * half]),
+        "toward": 6 * half * np.array(_mesh_direction(view)) @ view.frame[:3, :3],  # parallel: nothing hides them then
         "centre_distance": np.array(view.centre_distance),
         "pinion_turn": 2 * np.pi * cycles / view.pinion_teeth,
         "wheel_turn": -2 * np.pi * cycles / view.wheel_teeth,
     }
-    places = {"mesh": np.array([pitch, 0.0, 0.0])}
-    places |= {axis: places["mesh"] + 0.2 * half * np.eye(3)[i] for i, axis in enumerate("xyz")}
-    return arrays, places, (pitch, 0.0, 0.0, half)
+    middle = placed(np.array([pitch, 0.0, 0.0]), view.frame)
+    return arrays, {"mesh": middle} | _directions(middle, 0.2 * half), (*middle.tolist(), half)
+
+
+def _front(view: GearPairView) -> np.ndarray:
+    """From mid face to the end that is seen, in the frame of the gears."""
+    return np.array([0.0, 0.0, view.sense * view.seen_from * view.face_width / 2])
+
+
+def _mesh_direction(view: GearPairView) -> tuple[float, float, float]:
+    return -0.5, view.seen_from, 0.45
 
 
 def show_window(
@@ -180,6 +240,7 @@ def show_window(
         own, _, focus = _mesh_arrays(view, cycles, state, most)
         own |= {
             "toward": np.zeros(3),
+            "seen": np.array([0.0, np.inf]),  # a window can be turned and moved
             "curve_cycle": state.curve.cycle,
             "secant": state.curve.secant,
             "share": state.curve.share,
@@ -195,8 +256,8 @@ def show_window(
             "load": load,
             "names": [state.name for state in states],
             "marked": list(marked),
-            "direction": MESH_DIRECTION,
-            "up": (0.0, 1.0, 0.0),
+            "direction": _mesh_direction(gears[-1]),
+            "up": UP,
             "focus": focus,
         }
         np.savez(job["arrays"], **arrays)
@@ -232,19 +293,18 @@ def render_stress(
         "line_points": teeth.line_points,
         "line_load": teeth.line_load,
         "line_radius": np.array(0.011 * half),
-        "toward": 6 * half * np.array(MESH_DIRECTION),
+        "toward": 6 * half * np.array(_mesh_direction(view)) @ view.frame[:3, :3],
         "centre_distance": np.array(view.centre_distance),
         "pinion_turn": np.array([2 * np.pi * cycle / view.pinion_teeth]),
         "wheel_turn": np.array([-2 * np.pi * cycle / view.wheel_teeth]),
     }
-    front = np.array([0.0, 0.0, view.face_width / 2])
-    places = {"mesh": np.array([pitch, 0.0, 0.0])}
-    places |= {axis: places["mesh"] + 0.2 * half * np.eye(3)[i] for i, axis in enumerate("xyz")}
-    places |= {"pinion": [pitch - 3.2 * module, 0.0, 0.0] + front, "wheel": [pitch + 3.2 * module, 0.0, 0.0] + front}
+    middle, front = placed(np.array([pitch, 0.0, 0.0]), view.frame), _front(view)
+    places = _in_scene({name: np.array([pitch + side * 3.2 * module, 0.0, 0.0]) + front
+                        for name, side in (("pinion", -1), ("wheel", 1))}, view)  # fmt: skip
+    places |= {"mesh": middle} | _directions(middle, 0.2 * half)
     return _single(
         _render(
-            "stress", "stress", arrays, places, size, MESH_DIRECTION, (0.0, 1.0, 0.0), 1.0,
-            focus=(pitch, 0.0, 0.0, half),
+            "stress", "stress", arrays, places, size, _mesh_direction(view), UP, 1.0, focus=(*middle.tolist(), half),
         )
     )  # fmt: skip
 

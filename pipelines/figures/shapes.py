@@ -4,20 +4,35 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from fem.contact.faults.tooth_fault import ToothFault
+from fem.contact.law import MeshLaw
 from fem.elements.facets import corner_triangles
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.profile import half_tooth_profile
+from pipelines.figures.teeth.damage import drawn_tooth
+from pipelines.figures.teeth.scene_frame import scene_frame
+from pipelines.figures.teeth.tooth_shape import DrawnTooth
 from pipelines.figures.views import CasingView, GearPairView
+from pipelines.plant.flanks import Fault, first_tooth_fault
+from pipelines.plant.plant import Plant
 
 VISIBLE = 1 / 7  # of a turn before it meshes: there a damaged tooth is not hidden by the other gear
 
 
 def gear_view(
-    pair: GearPair, marked: tuple[str, int] | None = None, *, missing: bool = True, in_mesh: bool = False
+    pair: GearPair,
+    marked: tuple[str, int] | None = None,
+    *,
+    missing: bool = True,
+    in_mesh: bool = False,
+    tooth: DrawnTooth | None = None,
+    frame: np.ndarray | None = None,
+    sense: int = 1,
 ) -> GearPairView:
     """The pair at a whole mesh cycle, tooth pairs touching at the pitch point.
 
@@ -31,6 +46,8 @@ def gear_view(
     marked : gear ("pinion" or "wheel") and number of the damaged tooth, or None
     missing : the marked tooth is not there
     in_mesh : keep the cycle 0 instead
+    tooth : the marked one with its damage, or None: all of it is red
+    frame, sense : place in the scene, see `pipelines.figures.teeth.scene_frame`; None: the pinion's axis along y
     """
     radii = pair.working_radii
     # tooth 0 touches at the pitch point with its upper (pinion) or lower (wheel) flank; its middle lies beside it
@@ -38,10 +55,10 @@ def gear_view(
     wheel_zero = math.pi - pair.wheel.half_thickness_angle(radii[1])
     cycle, angle = 0, 0.0
     if marked is not None:
-        gear, tooth = marked
+        gear, number = marked
         teeth = pair.pinion.teeth if gear == "pinion" else pair.wheel.teeth
         cycle = 0 if in_mesh else shown_cycle(pair, marked)
-        rotation = 2 * math.pi * (cycle - tooth) / teeth
+        rotation = 2 * math.pi * (cycle - number) / teeth
         angle = pinion_zero + rotation if gear == "pinion" else wheel_zero - rotation
     return GearPairView(
         pinion_outline=outline(pair.pinion, pinion_zero),
@@ -50,14 +67,57 @@ def gear_view(
         wheel_teeth=pair.wheel.teeth,
         pinion_bore=pair.pinion.bore_radius,
         wheel_bore=pair.wheel.bore_radius,
-        pinion_twist=_twist(pair.pinion),
-        wheel_twist=_twist(pair.wheel),
+        pinion_twist=twist(pair.pinion),
+        wheel_twist=twist(pair.wheel),
         face_width=pair.face_width,
         centre_distance=pair.axis_distance,
         marked_gear="" if marked is None else marked[0],
         marked_angle=angle,
         missing=missing,
+        tooth=tooth,
+        pinion_web=_web(pair.pinion),
+        wheel_web=_web(pair.wheel),
+        frame=scene_frame((0.0, 0.0), (1.0, 0.0), 0.0, 1) if frame is None else frame,
+        sense=sense,
     )
+
+
+def stage_view(plant: Plant, stage: int, law: MeshLaw, *, in_mesh: bool = False, damaged: bool = True) -> GearPairView:
+    """The pair of a stage at its place in the scene.
+
+    Parameters
+    ----------
+    plant, stage : the plant of a scene, and the number of the stage, from 1
+    law : of the drive flank, which says how deep wear is
+    in_mesh : as for `gear_view`
+    damaged : with the damaged tooth, and all its faults
+    """
+    pair = plant.layout.pairs[stage - 1]
+    pinion, wheel = plant.layout.pair_shafts[stage - 1]
+    sense = plant.layout.pinion_senses[stage - 1]
+    axes = plant.layout.axes
+    frame = scene_frame(axes[pinion], axes[wheel], plant.machine.meshes[stage - 1].y, sense)
+    fault = shown_fault(plant.faults, stage)
+    if fault is None:
+        return replace(gear_view(pair, frame=frame, sense=sense, in_mesh=in_mesh), seen_from=_open_end(pair, sense))
+    gear: Gear = getattr(pair, fault.gear)
+    of_tooth = tooth_damage(plant.faults, fault)
+    tooth = drawn_tooth(pair, law, fault.gear, twist(gear), of_tooth)
+    marked = (fault.gear, fault.tooth or 0)
+    view = gear_view(pair, marked, missing=tooth.missing, in_mesh=in_mesh, tooth=tooth, frame=frame, sense=sense)
+    view = replace(view, seen_from=sense * tooth.end or _open_end(pair, sense))
+    return view if damaged else replace(view, marked_gear="", tooth=None)
+
+
+def shown_fault(faults: Sequence[Fault], stage: int) -> Fault | None:
+    """The fault of a stage (from 1) that is shown: that of a single tooth first, else one of all teeth, on tooth 0."""
+    return first_tooth_fault(faults, stage) or next((fault for fault in faults if fault.stage == stage), None)
+
+
+def tooth_damage(faults: Sequence[Fault], shown: Fault) -> tuple[ToothFault, ...]:
+    """All damage of the tooth that has a fault."""
+    same = (fault for fault in faults if (fault.stage, fault.gear) == (shown.stage, shown.gear))
+    return tuple(fault.damage for fault in same if fault.tooth in (None, shown.tooth or 0))
 
 
 def shown_cycle(pair: GearPair, marked: tuple[str, int] | None) -> int:
@@ -95,6 +155,20 @@ def casing_view(nodes: np.ndarray, facets: np.ndarray, names: Sequence[str], pos
     )
 
 
-def _twist(gear: Gear) -> float:
+def _open_end(pair: GearPair, sense: int) -> int:
+    """The end of the shafts, along the global y, from which an offset web lies deeper; -1 without one."""
+    offset = max((pair.pinion.web_offset, pair.wheel.web_offset), key=abs)
+    return 1 if sense * offset < 0.0 else -1
+
+
+def _web(gear: Gear) -> tuple[float, float, float] | None:
+    """Inner radius of the rim and ends of the web along the face; None for a solid body."""
+    if gear.web_ratio >= 1.0:
+        return None
+    half = gear.web_ratio * gear.face_width / 2
+    return gear.rim_inner_radius, gear.web_offset - half, gear.web_offset + half
+
+
+def twist(gear: Gear) -> float:
     """Rotation of the section per metre along the axis, rad/m: tan(beta) / r, positive for a right hand."""
     return gear.hand_sign * math.tan(abs(gear.helix_angle)) / gear.reference_radius

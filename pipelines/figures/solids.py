@@ -31,9 +31,14 @@ def without_tooth(outline: np.ndarray, teeth: int, centre_angle: float) -> tuple
 
 
 def gear_surface(
-    outline: np.ndarray, bore: float, twist: float, face_width: float, layers: int = 13
+    outline: np.ndarray,
+    bore: float,
+    twist: float,
+    face_width: float,
+    layers: int = 13,
+    web: tuple[float, float, float] | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Closed surface of a gear: outline and bore drawn along the helix, rings of quadrilaterals as end faces.
+    """Closed surface of a gear: outline and bore drawn along the helix, rings of quadrilaterals between them.
 
     Parameters
     ----------
@@ -42,24 +47,34 @@ def gear_surface(
     twist : rad per m of face width, positive for a rotation about +z with growing z
     face_width : m
     layers : sections along the face, the end faces among them
+    web : inner radius of the rim and ends of the web along the face, m; None: a solid body
 
     Returns
     -------
-    points : float (2 n layers, 3), m, axis along z, mid face at z = 0
+    points : float (p, 3), m, axis along z, mid face at z = 0
     quads : int (q, 4), normals outwards
     """
-    count = len(outline)
+    count, half = len(outline), face_width / 2
     angle = np.arctan2(outline[:, 1], outline[:, 0])
-    inner = bore * np.column_stack([np.cos(angle), np.sin(angle)])
-    points = np.concatenate([_drawn(ring, twist, face_width, layers) for ring in (outline, inner)])
-    outside = _walls(count, layers)
-    inside = _walls(count, layers)[:, ::-1] + count * layers
+    corners = [(bore, -half), (bore, half)]  # of the body's section (radius, face), from one end face to the other
+    if web is not None:
+        rim, low, high = web
+        corners = [(rim, -half), (rim, low), (bore, low), (bore, high), (rim, high), (rim, half)]
+    rings = [_ring(radius, angle, twist, face) for radius, face in corners]
+    points = np.concatenate([_drawn(outline, twist, face_width, layers), *rings])
+    first, last = count * layers, count * (layers + len(corners) - 1)
+    inside = _walls(count, len(corners))[:, ::-1] + first
     here = np.arange(count)
     after = np.roll(here, -1)
-    shift, top = count * layers, count * (layers - 1)
-    bottom_face = np.column_stack([here, here + shift, after + shift, after])
-    top_face = np.column_stack([here, after, after + shift, here + shift]) + top
-    return points, np.concatenate([outside, inside, bottom_face, top_face])
+    top = count * (layers - 1)
+    bottom_face = np.column_stack([here, here + first, after + first, after])
+    top_face = np.column_stack([here + top, after + top, after + last, here + last])
+    return points, np.concatenate([_walls(count, layers), inside, bottom_face, top_face])
+
+
+def _ring(radius: float, angle: np.ndarray, twist: float, face: float) -> np.ndarray:
+    turned = angle + twist * face
+    return np.column_stack([radius * np.cos(turned), radius * np.sin(turned), np.full(angle.size, face)])
 
 
 def prism_surface(

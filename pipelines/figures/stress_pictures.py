@@ -15,8 +15,9 @@ from pipelines.border.errors import InputError
 from pipelines.border.shown import shown
 from pipelines.border.user_files import whole_file, writable_file
 from pipelines.figures.film import save_figure
-from pipelines.figures.mesh_frames import contact_places
 from pipelines.figures.render import render_stress
+from pipelines.figures.teeth.mesh_frames import contact_places
+from pipelines.figures.teeth.scene_frame import placed, turned_away
 from pipelines.figures.views import GearPairView, LeftOut, Picture, Teeth
 
 if TYPE_CHECKING:
@@ -91,15 +92,19 @@ def checked_mesh_file(name: str) -> Path:
     return path
 
 
-def write_teeth(teeth: Teeth, path: Path) -> None:
-    """The hexahedra with the groups pinion and wheel; displacement (m) and von Mises stress (Pa) in .vtu and .msh."""
+def write_teeth(teeth: Teeth, path: Path, frame: np.ndarray) -> None:
+    """The hexahedra with the groups pinion and wheel; displacement (m) and von Mises stress (Pa) in .vtu and .msh.
+
+    `frame` (4, 4) takes them to their place in the scene, see `pipelines.figures.teeth.scene_frame`.
+    """
     from fem.casing.meshing.mesh_file import write_hexahedra
 
     used, cells = np.unique(teeth.cells, return_inverse=True)
-    fields = {"displacement, m": teeth.displacement[used], "von Mises stress, Pa": teeth.von_mises[used]}
+    moved = turned_away(teeth.displacement[used], frame)
+    fields = {"displacement, m": moved, "von Mises stress, Pa": teeth.von_mises[used]}
     groups = {"pinion": teeth.gear == 1, "wheel": teeth.gear == 2}
     with whole_file(path) as partial:
-        write_hexahedra(teeth.points[used], cells.reshape(teeth.cells.shape), fields, groups, partial)
+        write_hexahedra(placed(teeth.points[used], frame), cells.reshape(teeth.cells.shape), fields, groups, partial)
 
 
 def write_stress(view: StressView, path: Path) -> Path | LeftOut:
@@ -156,8 +161,8 @@ def _draw(axes: Axes, picture: Picture, view: StressView, number: int) -> None:
     handles: list[Patch | Line2D] = [Line2D([], [], color=CONTACT, lw=3, label="contact lines (drawn in front)")]
     if number and view.marked:
         handles.append(Patch(color=GONE, alpha=0.6, label=view.marked))
-    axes.legend(handles=handles, loc="lower right", fontsize=8, framealpha=0.9)
-    note = f"face width {1000 * view.gears.face_width:.4g} mm along z; x, y, z 1:1, not deformed"
+    axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8, frameon=False)
+    note = f"face width {1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1, not deformed"
     note += "\nwithin 0.3 modules of a contact line stress is smoothed: see the Hertz pressure in mesh_<stage>.png"
     if number and view.note:
         note += f"\n{view.note}"

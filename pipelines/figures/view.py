@@ -18,6 +18,8 @@ import pyvista
 
 from pipelines.figures.colours import (
     CONTACT,
+    CRACK,
+    DAMAGED,
     GONE,
     LOAD_COLOURS,
     PAIR_COLOURS,
@@ -25,6 +27,7 @@ from pipelines.figures.colours import (
     POINTS,
     STATES,
     STRESS_COLOURS,
+    WEAR_COLOURS,
     WHEEL,
 )
 
@@ -51,7 +54,8 @@ def main(job_path: str) -> None:
     }
     moving = draw[job["kind"]](plotter, arrays)
     _look_at(plotter, job["direction"], job["up"], job["zoom"], job["focus"])
-    plotter.enable_anti_aliasing("ssaa")
+    # a film has many frames: smoothing after drawing costs a fraction of drawing several times as large
+    plotter.enable_anti_aliasing("ssaa" if len(job["images"]) == 1 else "fxaa")
     for number, image in enumerate(job["images"]):
         if moving is not None:
             moving(number)
@@ -61,18 +65,70 @@ def main(job_path: str) -> None:
     Path(job["pixels"]).write_text(json.dumps(pixels), encoding="utf-8")
 
 
+class Placed:
+    """A plotter that puts what is drawn in the frame of the gears to its place in the scene."""
+
+    def __init__(self, plotter: Any, frame: np.ndarray) -> None:
+        self.plotter = plotter
+        self.frame = frame
+
+    def add_mesh(self, mesh: Any, **how: Any) -> Any:
+        """The actor of a mesh."""
+        actor = self.plotter.add_mesh(mesh, **how)
+        actor.user_matrix = self.frame
+        return actor
+
+
 def draw_gears(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
-    """Pinion, wheel and the damaged tooth in red, see-through if it is missing."""
-    marked = 0.45 if arrays["marked_missing"] else 1.0
-    for part, colour, opacity in (("pinion", PINION, 1.0), ("wheel", WHEEL, 1.0), ("marked", GONE, marked)):
+    """The gears, those that are given, and the damaged tooth."""
+    there = Placed(plotter, arrays["frame"])
+    for part, colour in (("pinion", PINION), ("wheel", WHEEL)):
         if f"{part}_points" not in arrays:
             continue
         mesh = surface(arrays[f"{part}_points"], arrays[f"{part}_quads"])
-        light = 0.35 if part == "marked" else 0.0
-        plotter.add_mesh(mesh, color=colour, opacity=opacity, smooth_shading=False, specular=0.2, ambient=light)
-        edges = mesh.extract_feature_edges(FEATURE_ANGLE, **SHARP)
-        if edges.n_cells:
-            plotter.add_mesh(edges, color="#303030" if part != "marked" else GONE, line_width=1.0)
+        opacity = 0.35 if "sheet_0" in arrays and "near" in arrays else 1.0  # a crack lies inside
+        there.add_mesh(mesh, color=colour, opacity=opacity, smooth_shading=False, specular=0.2)
+        _draw_edges(there, mesh, "#303030", 1.0)
+    draw_tooth(there, arrays, 0.45 if arrays["marked_missing"] else 1.0)
+
+
+def _draw_edges(plotter: Any, mesh: Any, colour: str, width: float) -> list[Any]:
+    """The sharp edges of a mesh."""
+    edges = mesh.extract_feature_edges(FEATURE_ANGLE, **SHARP)
+    return [plotter.add_mesh(edges, color=colour, line_width=width)] if edges.n_cells else []
+
+
+def draw_tooth(plotter: Any, arrays: dict[str, np.ndarray], opacity: float) -> list[Any]:
+    """The damaged tooth: red where nothing more is known of it, else its shape with faces of fracture and cracks in red
+    and wear by colour; its actors."""
+    if "marked_points" not in arrays:
+        return []
+    points, quads = arrays["marked_points"], arrays["marked_quads"]
+    if "marked_broken" not in arrays:
+        tooth = surface(points, quads)
+        found = [plotter.add_mesh(tooth, color=GONE, opacity=opacity, smooth_shading=False, ambient=0.35)]
+        return [*found, *_draw_edges(plotter, tooth, GONE, 1.0)]
+    torn = arrays["marked_broken"]
+    whole = opacity * (0.35 if "sheet_0" in arrays and "near" in arrays else 1.0)
+    sound = surface(points, quads[~torn])
+    worn, ends = arrays["marked_depth"], quads[:, 0] == quads[:, 1]
+    if worn.any():
+        sound = surface(points, quads[~torn & ~ends], {"depth": worn})
+        found = [plotter.add_mesh(surface(points, quads[ends]), color=DAMAGED, opacity=whole),
+                 plotter.add_mesh(sound, scalars="depth", cmap=WEAR_COLOURS, clim=(0.0, float(worn.max())),
+                                  show_scalar_bar=False, opacity=whole, ambient=0.45)]  # fmt: skip
+    else:
+        found = [plotter.add_mesh(sound, color=DAMAGED, opacity=whole, ambient=0.2)]
+    found += _draw_edges(plotter, surface(points, quads), GONE, 2.0)
+    if torn.any():
+        found.append(plotter.add_mesh(surface(points, quads[torn]), color=GONE, opacity=max(opacity, 0.8), ambient=0.3))
+    for name, sheet in arrays.items():
+        if name.startswith("sheet_"):
+            grid = pyvista.StructuredGrid(*np.moveaxis(sheet[:, :, None], -1, 0))
+            found.append(plotter.add_mesh(grid.extract_surface(algorithm="dataset_surface"), color=GONE, ambient=0.5))
+        elif name.startswith("crack_"):
+            found.append(plotter.add_mesh(pyvista.lines_from_points(sheet), color=CRACK, line_width=8.0))
+    return found
 
 
 def draw_casing(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
@@ -114,15 +170,16 @@ def draw_mode(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], No
 def draw_mesh(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], None]:
     """Two gears seen through, the damaged tooth in red, and the contact lines coloured by their load (N/m)."""
     actors: dict[str, list[Any]] = {"pinion": [], "wheel": []}
-    marked = 0.22 if arrays["marked_missing"] else 0.85
-    for part, colour, opacity in (("pinion", PINION, 0.3), ("wheel", WHEEL, 0.3), ("marked", GONE, marked)):
-        if f"{part}_points" not in arrays:
-            continue
-        mesh = surface(arrays[f"{part}_points"], arrays[f"{part}_quads"])
-        edges = mesh.extract_feature_edges(FEATURE_ANGLE, **SHARP)
-        gear = str(arrays["marked_gear"]) if part == "marked" else part
-        actors[gear].append(plotter.add_mesh(mesh, color=colour, opacity=opacity, specular=0.2))
-        actors[gear].append(plotter.add_mesh(edges, color="#404040" if part != "marked" else GONE, line_width=1.2))
+    frame = arrays["frame"]
+    there = Placed(plotter, frame)
+    for part, colour in (("pinion", PINION), ("wheel", WHEEL)):
+        points, quads = arrays[f"{part}_points"], arrays[f"{part}_quads"]
+        centre = 0.0 if part == "pinion" else float(arrays["centre_distance"])
+        mesh = surface(points, quads[seen(points, quads, arrays[f"{part}_turn"], centre, arrays["seen"])])
+        actors[part].append(there.add_mesh(mesh, color=colour, opacity=0.3, specular=0.2))
+        actors[part] += _draw_edges(there, mesh, "#404040", 1.2)
+    if "marked_points" in arrays:
+        actors[str(arrays["marked_gear"])] += draw_tooth(there, arrays, 0.22 if arrays["marked_missing"] else 0.4)
     most, thickness = float(arrays["most_load"]), float(arrays["line_radius"])
     wheel_axis = float(arrays["centre_distance"])
     name = f"lines {len(plotter.actors)}"  # of this state alone
@@ -130,12 +187,16 @@ def draw_mesh(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], No
     def move(number: int) -> None:
         for gear, centre in (("pinion", 0.0), ("wheel", wheel_axis)):
             for actor in actors[gear]:
-                actor.user_matrix = turned(float(arrays[f"{gear}_turn"][number]), centre)
+                actor.user_matrix = frame @ turned(float(arrays[f"{gear}_turn"][number]), centre)
         lines = contact_lines(arrays["line_points"][number], arrays["line_load"][number], thickness)
-        plotter.remove_actor(name, render=False)
+        plotter.remove_actor([name, f"{name} rim"], render=False)
         if lines is not None:
+            rim = contact_lines(arrays["line_points"][number], arrays["line_load"][number], 1.45 * thickness)
+            assert rim is not None  # of the same lines
+            rim.translate(0.9 * arrays["toward"], inplace=True)
+            there.add_mesh(rim, name=f"{name} rim", color=CONTACT, ambient=1.0, diffuse=0.0, reset_camera=False)
             lines.translate(arrays["toward"], inplace=True)
-            plotter.add_mesh(
+            there.add_mesh(
                 lines, name=name, scalars="load", cmap=LOAD_COLOURS, clim=(0.0, most), show_scalar_bar=False,
                 ambient=1.0, diffuse=0.0, reset_camera=False,
             )  # fmt: skip
@@ -149,6 +210,7 @@ def draw_stress(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
 
     The lines are moved by "toward", in parallel projection towards the eye: nothing hides them.
     """
+    plotter = Placed(plotter, arrays["frame"])
     count = len(arrays["cells"])
     cells = np.column_stack([np.full(count, 8), arrays["cells"]]).ravel()
     kinds = np.full(count, pyvista.CellType.HEXAHEDRON)
@@ -165,14 +227,16 @@ def draw_stress(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
         plotter.add_mesh(lines, color=CONTACT, ambient=1.0, diffuse=0.0)
     if "marked_points" in arrays:
         gear = str(arrays["marked_gear"])
-        tooth = surface(arrays["marked_points"], arrays["marked_quads"])
         centre = 0.0 if gear == "pinion" else float(arrays["centre_distance"])
-        tooth.transform(turned(float(arrays[f"{gear}_turn"][0]), centre), inplace=True)
-        outline = tooth.extract_feature_edges(FEATURE_ANGLE, **SHARP)
-        outline.translate(0.01 * arrays["toward"], inplace=True)
+        turn = turned(float(arrays[f"{gear}_turn"][0]), centre)
+        outline = surface(arrays["marked_points"], arrays["marked_quads"])
         if arrays["marked_missing"]:
-            plotter.add_mesh(tooth, color=GONE, opacity=0.35)
-        plotter.add_mesh(outline, color=GONE, line_width=4.0)
+            plotter.add_mesh(outline.transform(turn, inplace=False), color=GONE, opacity=0.35)
+        edges = outline.extract_feature_edges(FEATURE_ANGLE, **SHARP)
+        cracks = [pyvista.lines_from_points(line) for name, line in arrays.items() if name.startswith("crack_")]
+        for drawn, width in ((edges, 3.0), *((line, 6.0) for line in cracks)):
+            drawn.transform(turn, inplace=True).translate(0.01 * arrays["toward"], inplace=True)
+            plotter.add_mesh(drawn, color=GONE, line_width=width)
 
 
 def show_screen(job: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
@@ -260,6 +324,25 @@ def turned(angle: float, centre: float) -> np.ndarray:
     return matrix
 
 
+def seen(points: np.ndarray, faces: np.ndarray, turns: np.ndarray, centre: float, place: np.ndarray) -> np.ndarray:
+    """Which faces come into the picture at any turn: most of two gears lies outside of it.
+
+    Parameters
+    ----------
+    points, faces : of a gear, float (n, 3), m, and int (f, k)
+    turns : (frame,), rad, about the axis through (centre, 0)
+    centre : m
+    place : x of the pitch point and distance from it, m
+    """
+    near = np.zeros(len(points), dtype=bool)
+    for turn in turns:
+        matrix = turned(float(turn), centre)
+        flat = points[:, :2] @ matrix[:2, :2].T + matrix[:2, 3]
+        near |= np.hypot(flat[:, 0] - place[0], flat[:, 1]) < place[1]
+    found: np.ndarray = near[faces].any(axis=1)
+    return found
+
+
 def contact_lines(points: np.ndarray, load: np.ndarray, radius: float) -> pyvista.PolyData | None:
     """Tubes between neighbouring loaded slices of each pair (pair, slice); None if nothing touches."""
     both = np.isfinite(load[:, :-1]) & np.isfinite(load[:, 1:])
@@ -273,10 +356,13 @@ def contact_lines(points: np.ndarray, load: np.ndarray, radius: float) -> pyvist
     return lines.tube(radius=radius, n_sides=10)
 
 
-def surface(points: np.ndarray, faces: np.ndarray) -> pyvista.PolyData:
-    """A surface of faces with a fixed number of corners, double points merged."""
+def surface(points: np.ndarray, faces: np.ndarray, values: dict[str, np.ndarray] | None = None) -> pyvista.PolyData:
+    """A surface of faces with a fixed number of corners and values at the points, double points merged."""
     cells = np.column_stack([np.full(len(faces), faces.shape[1]), faces]).ravel()
-    return pyvista.PolyData(points, cells).triangulate().clean()
+    made = pyvista.PolyData(points, cells)
+    for name, of_points in (values or {}).items():
+        made[name] = of_points
+    return made.triangulate().clean()
 
 
 def _look_at(plotter: Any, direction: list[float], up: list[float], zoom: float, focus: list[float] | None) -> None:

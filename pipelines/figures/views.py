@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+
+from pipelines.figures.teeth.scene_frame import scene_frame
+from pipelines.figures.teeth.tooth_shape import DrawnTooth
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -15,7 +18,8 @@ class GearPairView:
     The wheel's centre lies at (centre_distance, 0) from the pinion's. Outlines float (n, 2), counter-clockwise, m,
     with all teeth; twists rad per m of face width. `marked_gear` "pinion" | "wheel" | "" and `marked_angle` (rad,
     polar angle of the middle of the tooth about its own centre) draw one tooth red, see-through if it is
-    `missing`.
+    `missing`, or as the `tooth` with its damage. Webs are (inner radius of the rim, end, end along the face), m.
+    `frame` (4, 4) takes points to the scene, `sense` is +1 where the face coordinate runs along the global y.
     """
 
     pinion_outline: np.ndarray
@@ -31,6 +35,12 @@ class GearPairView:
     marked_gear: str = ""
     marked_angle: float = 0.0
     missing: bool = True
+    tooth: DrawnTooth | None = None
+    pinion_web: tuple[float, float, float] | None = None
+    wheel_web: tuple[float, float, float] | None = None
+    frame: np.ndarray = field(default_factory=lambda: scene_frame((0.0, 0.0), (1.0, 0.0), 0.0, 1))
+    sense: int = 1
+    seen_from: int = -1  # the end of the shafts, along the global y
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fem.contact.faults.tooth_fault import ToothFault
 from fem.gears.geometry import GearPair
@@ -33,6 +33,11 @@ class FlanksSpec:
         teeth = (("pinion", self.pinion_damage), ("wheel", self.wheel_damage))
         found = ((gear, fault.surface_angle) for gear, damaged in teeth for tooth in damaged for fault in tooth)
         return tuple(dict.fromkeys((gear, angle) for gear, angle in found if angle is not None))
+
+    @property
+    def healthy(self) -> FlanksSpec:
+        """The same without any fault."""
+        return replace(self, pinion_damage=(), wheel_damage=(), pinion_wear=(), wheel_wear=())
 
     @property
     def empty(self) -> bool:

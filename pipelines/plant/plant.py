@@ -61,6 +61,12 @@ class Drivetrain:
         return tuple(f"law_{number}" for number in range(1, len(self.laws) + 1))
 
     @property
+    def sound_law_names(self) -> tuple[str, ...]:
+        """Names of the steps that hold the laws of sound, unmodified pairs, by stage."""
+        pairs = zip(self.law_names, self.flanks, strict=True)
+        return tuple(name if added.empty else f"sound_{name}" for name, added in pairs)
+
+    @property
     def facts(self) -> Facts:
         """What follows from it before anything is computed."""
         return derive(self.layout, self.hoist)

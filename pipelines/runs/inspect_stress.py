@@ -33,7 +33,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     InputError : unknown ending of the mesh file
     """
     from pipelines.engine.step import Graph
-    from pipelines.figures.shapes import gear_view
+    from pipelines.figures.shapes import shown_fault, stage_view
     from pipelines.figures.stress_pictures import (
         StressView,
         checked_mesh_file,
@@ -41,14 +41,14 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
         write_stress,
         write_teeth,
     )
-    from pipelines.plant.flanks import first_tooth_fault
+    from pipelines.steps.pair_curves import acting, law_names, pair_laws
 
     stage = options.stage
     target = None if options.mesh is None else checked_mesh_file(options.mesh)
     pair, model = plant.layout.pairs[stage - 1], stress_model(plant.laws[stage - 1])
-    first = first_tooth_fault(plant.faults, stage)
-    cycle = float(first.tooth or 0) if first is not None else 0.0
-    index = round((cycle if options.position is None else options.position) * model.positions)
+    outcome = work.build(graph, law_names(plant))
+    found = pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})[stage - 1]
+    index = round((acting(found) if options.position is None else options.position) * model.positions)
     force = plant.facts.stages[stage - 1].shown_force
     added = _stress_steps(plant, stage, index, force)
     full = Graph([*graph.needed([f"law_{stage}"]), *added])
@@ -56,20 +56,21 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     outcome = work.build(full, wanted)
     states = tuple(teeth_in_mesh(pair, outcome.value(name)) for name in wanted)
     folder, written = Path(options.out), []
+    damaged = stage_view(plant, stage, found.healthy, in_mesh=True)
+    healthy = stage_view(plant, stage, found.healthy, in_mesh=True, damaged=False)
     if target is not None:
         target.parent.mkdir(parents=True, exist_ok=True)
-        write_teeth(states[-1], target)
+        write_teeth(states[-1], target, healthy.frame)
         written.append(target)
     if not options.stress:
         return written
     folder.mkdir(parents=True, exist_ok=True)
     kinds = list(dict.fromkeys(fault.kind for fault in plant.faults_of(stage)))
-    gone = first is not None and first.kind == "missing-tooth"
     view = StressView(
         title=f"{plant.title}: stage {stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
-        gears=gear_view(pair),
-        damaged=None if first is None else gear_view(pair, (first.gear, first.tooth or 0), missing=gone, in_mesh=True),
-        marked="" if first is None else f"{first.name.replace('-', ' ')} of the {first.gear}",
+        gears=healthy,
+        damaged=None if shown_fault(plant.faults, stage) is None else damaged,
+        marked=found.passages[0].name if found.passages else "",
         note="the crack itself is not in the finite elements" if "cracked-tooth" in kinds else "",
         model=f"model solid, refinement {model.refinement:g}, {model.slices} slices along the face",
         force=force,

@@ -22,6 +22,7 @@ from pipelines.runs.claims import claimed
 from pipelines.runs.judging import feature_steps, judged, verdict_words, write_verdict
 from pipelines.scene.file import LoadedScene, control_differences
 from pipelines.signals.motion_warnings import log_warnings
+from pipelines.steps.pair_curves import law_names
 from pipelines.steps.study import Study, plan_study
 
 if TYPE_CHECKING:
@@ -207,7 +208,7 @@ def _report_step(
 
     plant = study.plant
     casing = [name for name in ("casing mesh", "casing modes") if name in study.graph.steps]
-    takes = [*plant.law_names, "casing", *casing]
+    takes = [*law_names(plant), "casing", *casing]
     takes += diagnosing.takes if diagnosing else (study.cases[0].faulty,)
     kinds = [*(fault.kind for fault in plant.faults), *("bearing-spall" for _ in plant.spalls)]
     kinds += [*(fault.kind for fault in plant.shaft_faults), "healthy"]

@@ -62,11 +62,11 @@ def scene_graph(loaded: LoadedScene) -> tuple[Graph, Plant]:
 
 def build_pairs(loaded: LoadedScene, work: Work) -> tuple[PairLaws, ...]:
     """The mesh laws of every gear pair."""
-    from pipelines.steps.pair_curves import pair_laws
+    from pipelines.steps.pair_curves import law_names, pair_laws
 
     graph, plant = scene_graph(loaded)
-    outcome = work.build(graph, plant.law_names)
-    return pair_laws(plant, [outcome.value(name) for name in plant.law_names])
+    outcome = work.build(graph, law_names(plant))
+    return pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})
 
 
 def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) -> Casing:

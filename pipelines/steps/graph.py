@@ -56,8 +56,8 @@ def _law_steps(plant: Plant) -> list[Step]:
     from pipelines.steps import laws, modified_laws
 
     steps = []
-    for name, spec, added in zip(plant.law_names, plant.laws, plant.flanks, strict=True):
-        sound = name if added.empty else f"sound_{name}"
+    names = zip(plant.law_names, plant.sound_law_names, strict=True)
+    for (name, sound), spec, added in zip(names, plant.laws, plant.flanks, strict=True):
         steps.append(
             Step(
                 name=sound,

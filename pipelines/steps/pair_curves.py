@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.gears.geometry import GearPair
 from pipelines.plant.assembly import mesh_faults
+from pipelines.plant.flanks import Fault, first_tooth_fault
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping
 
     import xarray
 
     from fem.contact.evaluation.curves import StiffnessCurve
     from fem.contact.law import MeshLaw
-    from fem.gears.geometry import GearPair
     from pipelines.plant.plant import Plant
 
 PITCHES_SHOWN = 3.0  # to each side of a damaged tooth
@@ -29,6 +31,14 @@ _COLUMNS = {
 }
 
 
+@dataclass(frozen=True, kw_only=True)
+class Passage:
+    """A damaged tooth on its way through the mesh; it touches at the pitch point at mid face at the mesh cycle."""
+
+    name: str  # "missing tooth 3 of the wheel"
+    cycle: float
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PairLaws:
     """The mesh laws of a gear pair with its load and its faults; deviations are left out."""
@@ -37,22 +47,43 @@ class PairLaws:
     pair: GearPair
     drive: MeshLaw
     coast: MeshLaw
+    healthy: MeshLaw  # drive flank without any fault
+    sense: int  # +1 where the face coordinate of the laws runs along the global y, else -1
     force: float  # N, on the line of action, at the load of the scene
     pinion_faults: np.ndarray  # (tooth,) m or (tooth, 6), see `fem.contact.teeth`
     wheel_faults: np.ndarray
     faults: str  # "missing tooth", "" for a healthy pair
-    cycle: float  # mesh cycle at which the first damaged tooth meshes
+    passages: tuple[Passage, ...]  # of all damaged teeth, the one that pictures show first
+
+    @property
+    def cycle(self) -> float:
+        """Mesh cycle at which the first damaged tooth meshes, 0 without one."""
+        return self.passages[0].cycle if self.passages else 0.0
 
     def stiffness(
-        self, cycle: np.ndarray | None = None, *, faulty: bool = False, force: float | None = None
+        self,
+        cycle: np.ndarray | None = None,
+        *,
+        faulty: bool = False,
+        force: float | None = None,
+        tilt: float | None = 0.0,
     ) -> StiffnessCurve:
-        """The curves of the drive flank in one state, over 200 positions of one mesh cycle by default."""
+        """The curves of the drive flank in one state.
+
+        Parameters
+        ----------
+        cycle : float (n,), mesh cycles; 200 of one mesh cycle by default
+        faulty : with the faults
+        force : N, on the line of action; that of the scene by default
+        tilt : of the gears in the plane of action along the face coordinate of the law, rad; None: force at mid face
+        """
         from fem.contact.evaluation.curves import stiffness_curve
 
         return stiffness_curve(
-            self.drive,
+            self.drive if faulty else self.healthy,
             self.force if force is None else force,
             cycle,
+            psi=tilt,
             clearance_pinion=self.pinion_faults if faulty else None,
             clearance_wheel=self.wheel_faults if faulty else None,
         )
@@ -85,12 +116,28 @@ class PairLaws:
         return xarray.Dataset(data, coords=where, attrs=told)
 
 
-def pair_laws(plant: Plant, laws: Sequence[tuple[MeshLaw, MeshLaw]]) -> tuple[PairLaws, ...]:
-    """The pairs of a plant by stage; `laws` of drive and coast flank."""
+def acting(found: PairLaws) -> float:
+    """Mesh cycle at which the faults move the gears most, 0 without faults."""
+    if not found.faults:
+        return 0.0
+    error = found.curve().transmission_error
+    moved = np.abs(error.sel(state="faulty").values - error.sel(state="healthy").values)
+    return float(error.cycle.values[int(moved.argmax())])
+
+
+def law_names(plant: Plant) -> tuple[str, ...]:
+    """Names of the steps that `pair_laws` takes."""
+    return tuple(dict.fromkeys([*plant.law_names, *plant.sound_law_names]))
+
+
+def pair_laws(plant: Plant, laws: Mapping[str, tuple[MeshLaw, MeshLaw]]) -> tuple[PairLaws, ...]:
+    """The pairs of a plant by stage; `laws` of drive and coast flank by the names of `law_names`."""
+    from pipelines.steps import modified_laws
+
     found = []
-    for number, (flanks, mesh, facts) in enumerate(zip(laws, plant.machine.meshes, plant.facts.stages, strict=True), 1):
-        faults = plant.faults_of(number)
-        single = [fault.tooth for fault in faults if fault.tooth is not None]
+    for number, (mesh, facts) in enumerate(zip(plant.machine.meshes, plant.facts.stages, strict=True), 1):
+        flanks, faults = laws[plant.law_names[number - 1]], plant.faults_of(number)
+        healthy = modified_laws.build(plant.flanks[number - 1].healthy, laws[plant.sound_law_names[number - 1]])
         pinion, wheel = mesh_faults(mesh)
         found.append(
             PairLaws(
@@ -98,14 +145,39 @@ def pair_laws(plant: Plant, laws: Sequence[tuple[MeshLaw, MeshLaw]]) -> tuple[Pa
                 pair=mesh.pair,
                 drive=flanks[0],
                 coast=flanks[1],
+                healthy=healthy[0],
+                sense=plant.layout.pinion_senses[number - 1],
                 force=facts.shown_force,
                 pinion_faults=pinion,
                 wheel_faults=wheel,
                 faults=", ".join(dict.fromkeys(fault.kind.replace("-", " ") for fault in faults)),
-                cycle=float(single[0]) if single else 0.0,
+                passages=passages(faults, number),
             )
         )
     return tuple(found)
+
+
+def passages(faults: tuple[Fault, ...], stage: int) -> tuple[Passage, ...]:
+    """One for every damaged tooth of a stage (from 1), all its faults named; all teeth of a gear count as tooth 0."""
+    first = first_tooth_fault(faults, stage)
+    ordered = sorted(faults, key=lambda fault: fault != first)
+    teeth: dict[tuple[str, int | None], list[str]] = {}
+    for fault in ordered:
+        teeth.setdefault((fault.gear, fault.tooth), []).append(fault.kind.replace("-", " "))
+    return tuple(
+        Passage(
+            name=f"{' and '.join(kinds)} {f'of the {gear}, all teeth' if tooth is None else f'{tooth} of the {gear}'}",
+            cycle=float(tooth or 0),
+        )
+        for (gear, tooth), kinds in teeth.items()
+    )
+
+
+def engagement(pair: GearPair) -> tuple[float, float]:
+    """First and last mesh cycle of the whole pitches in which a tooth pair is in mesh, from its contact at the pitch
+    point at mid face."""
+    middle, half = (pair.xi_start + pair.xi_end) / 2, math.ceil(pair.total_contact_ratio) / 2
+    return middle - half, middle + half
 
 
 def _words(units: str, text: str) -> dict[str, str]:

@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipelines.engine.step import CountedResult
-from pipelines.plant.flanks import first_tooth_fault
 from pipelines.plant.looked_for import pass_rates, shaft_lines
 from pipelines.plant.plant import Plant
 from pipelines.plant.torques.hoist import Hoist
 from pipelines.signals.motion_warnings import gathered, told
 from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
-from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, pair_laws
+from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, law_names, pair_laws
 
 if TYPE_CHECKING:
     import xarray
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.modes import CasingModes
+    from fem.contact.law import MeshLaw
     from pipelines.diagnosis.verdict import Verdict
     from pipelines.figures.plots import StiffnessPlot
     from pipelines.figures.views import LeftOut, Picture
@@ -65,8 +65,9 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
     from pipelines.report.run_screen import first_screen
     from pipelines.signals.response import make_response
 
-    plant, count = spec.plant, len(spec.plant.laws)
-    laws, body, rest = taken[:count], taken[count], list(taken[count + 1 :])
+    plant, names = spec.plant, law_names(spec.plant)
+    count = len(names)
+    laws, body, rest = dict(zip(names, taken[:count], strict=True)), taken[count], list(taken[count + 1 :])
     mesh, *rest = rest if spec.meshed else (None, *rest)
     modes, *rest = rest if spec.elastic else (None, *rest)
     labelled = spec.diagnosing.labels if spec.diagnosing else (plant.labels,)
@@ -75,8 +76,10 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
     found = diagnoses(spec.diagnosing.cases, responses) if spec.diagnosing and possible else []
     shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing and possible else []
     asked = plant.looked_for
-    gears, casing = gear_picture(plant, asked.stage), casing_picture(mesh, body)
-    curves = stiffness_plots(pair_laws(plant, laws))
+    pairs = pair_laws(plant, laws)
+    curves = stiffness_plots(pairs)
+    gears = gear_picture(plant, asked.stage, pairs[asked.stage - 1].healthy)
+    casing = casing_picture(mesh, body)
     settings, failure = _settings(plant, found, responses[0], spec.failure)
     runs = _runs(spec, responses)
     contents = ReportContents(
@@ -222,22 +225,21 @@ def stiffness_plots(pairs: Sequence[PairLaws]) -> list[StiffnessPlot]:
     return plots
 
 
-def gear_picture(plant: Plant, stage: int) -> Picture | LeftOut:
-    """The pair of a stage, its first damaged tooth shown."""
+def gear_picture(plant: Plant, stage: int, law: MeshLaw) -> Picture | LeftOut:
+    """The pair of a stage with its first damaged tooth; `law` of its drive flank."""
     from pipelines.figures.render import render_gears
-    from pipelines.figures.shapes import gear_view
+    from pipelines.figures.shapes import stage_view
 
-    fault = first_tooth_fault(plant.faults, stage)
-    marked = None if fault is None else (fault.gear, fault.tooth or 0)
-    missing = fault is not None and fault.kind == "missing-tooth"
-    return render_gears(gear_view(plant.layout.pairs[stage - 1], marked, missing=missing))
+    return render_gears(stage_view(plant, stage, law))
 
 
 def gear_names(plant: Plant, stage: int) -> dict[str, str]:
     """Words for the places of that picture."""
+    from pipelines.figures.shapes import shown_fault
+
     pair = plant.layout.pairs[stage - 1]
     names = {"pinion": f"pinion, {pair.pinion.teeth} teeth", "wheel": f"wheel, {pair.wheel.teeth} teeth"}
-    fault = first_tooth_fault(plant.faults, stage)
+    fault = shown_fault(plant.faults, stage)
     return names | ({"marked": fault.name.replace("-", " ")} if fault else {})
 
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from pipelines.engine.run_graph import Outcome
 from pipelines.plant.plant import Plant
+from pipelines.steps.pair_curves import law_names, pair_laws
 
 FREQUENCIES = 10  # lowest ones that are compared
 OCTAVE_POINTS = 8  # frequencies per third octave
@@ -45,10 +46,8 @@ class Probe:
 
 
 def _gears(plant: Plant, outcome: Outcome) -> list[Value]:
-    from pipelines.steps.pair_curves import pair_laws
-
     values = []
-    for found in pair_laws(plant, [outcome.value(name) for name in plant.law_names]):
+    for found in pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)}):
         number, curve = found.stage, found.stiffness()
         ripple = float(np.ptp(curve.transmission_error))
         values.append(Value(name=f"stage {number} stiffness", unit="N/um", value=float(curve.secant.mean()) / 1e6))
@@ -149,7 +148,7 @@ def _lines(plant: Plant, outcome: Outcome) -> list[Value]:
 
 
 PROBES = {
-    "gears": Probe(lambda plant: plant.law_names, _gears),
+    "gears": Probe(law_names, _gears),
     "casing": Probe(lambda _: ["casing"], _casing),
     "frf": Probe(lambda _: ["casing"], _frf),
     "machine": Probe(lambda plant: [*plant.law_names, "casing"], _machine),

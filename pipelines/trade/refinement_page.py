@@ -12,6 +12,27 @@ from pipelines.trade.refinement import RefinementStudy
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from pipelines.scene.scene import Scene
+
+MESH_MODELS = {  # distance from converged contact in space, docs/choosing-a-model.md
+    "iso": "about 10 % softer than plane, with a shape of its own",
+    "energy": "within 10 % in single contact, up to half too stiff in double contact",
+    "plane": "2 to 14 % too stiff by the pair: 2 to 3 % wide, 5 % narrow spur, 7 to 14 % narrow helical",
+    "solid": "within 0.6 % of converged contact in space",
+}
+CASINGS = {
+    "rigid": "its elasticity is left out",
+    "none": "it is left out",
+    "static": "its inertia is that of the static shapes alone",
+    "craig-bampton": "3 % in frequency on the shipped mesh of the rig",
+}
+REACH = {  # probes whose settings move what a study looks at
+    "gears": ("gears",),
+    "casing": ("casing",),
+    "machine": ("gears", "casing", "machine"),
+    "signals": ("gears", "casing", "machine", "signals"),
+}
+
 
 def convergence_table(name: str, found: RefinementStudy) -> Grid:
     """One row per quantity: its value at every level, order, limit, and the error and band of the setting in use."""
@@ -43,6 +64,17 @@ def verdict(found: RefinementStudy, wanted: float) -> str:
         f"The setting in use is not shown to be fine enough for {100 * wanted:g} %: {len(outside)} of {len(bands)} "
         f"quantities have a wider error band, {widest}. Refine the {AXES[found.axis].words}, or accept the band."
     )
+
+
+def not_refined(scene: Scene, axis: str) -> str:
+    """What a study over `axis` leaves as it is, so that no error band holds it, with the sizes that are known."""
+    probe = AXES[axis].probe
+    models = list(dict.fromkeys(stage.mesh.model for stage in scene.stages)) if probe != "casing" else []
+    known = [f"mesh model {model}, {MESH_MODELS[model]}" for model in models]
+    if probe != "gears" and scene.casing.model in CASINGS:
+        known.append(f"casing model {scene.casing.model}, {CASINGS[scene.casing.model]}")
+    others = ", ".join(AXES[other].words for other in AXES if other != axis and AXES[other].probe in REACH[probe])
+    return f"Not refined, and in no error band: {'; '.join(known)}; the other settings ({others}), each by its --over."
 
 
 def convergence_figure(name: str, found: RefinementStudy) -> Figure:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.contact.faults.crack_modes import crack_modes
+from fem.contact.faults.cracked_beam import cracked_beam_compliance
 from fem.contact.faults.tooth_fault import ToothFault, check_end, from_end
 from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
@@ -105,9 +106,10 @@ class CrackedTooth(ToothFault):
         added = super().compliance(law, pair, gear)
         if self.flank == law.flank:
             points = law_points(law, pair)
+            plane = cracked_beam_compliance if law.model == "energy" else crack_compliance
             depths = self.depth_at(law.face_coordinate, pair.face_width)
             for depth in np.unique(depths[depths > 0.0]):
-                added[depths == depth] += crack_compliance(pair, gear, depth, self.angle, points)
+                added[depths == depth] += plane(pair, gear, depth, self.angle, points)
         return added
 
     @property

@@ -19,7 +19,7 @@ in model `plane`.
 Known bias, measured in tests: neighbouring teeth do not feel each other, each brings its own foundation, so that a
 double contact counts the body twice apart; the root circle is taken as clamping line although the fillet yields
 with it; the contact does not stiffen with load; teeth bend in plane stress; slices are independent and have no
-axial bending.
+axial bending. Root cracks are those of the method, too: `fem.contact.faults.cracked_beam`.
 
 Weber & Banaschek (1953); Yang & Lin (1987), J. Mech. Trans. Autom. Des. 109(2), 189-196; Tian (2004), thesis,
 University of Alberta; Sainsot, Velex & Duverger (2004), J. Mech. Des. 126(4), 748-752.
@@ -37,11 +37,12 @@ import numpy as np
 from fem.contact.frame import FLANKS, ModelError, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
+from fem.contact.wheels.cantilever import beam_contour, cantilever
 from fem.elements.materials import Material
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.path import contact_window, path_points
-from fem.gears.profile import flank_at_roll, half_tooth_profile
+from fem.gears.profile import flank_at_roll
 
 logger = logging.getLogger(__name__)
 
@@ -56,8 +57,6 @@ FOUNDATION = np.array(
 )
 BORE_RANGE = (1.4, 7.0)  # r_f / r_bore of the fit
 ROOT_RANGE = (0.01, 0.12)  # theta_f of the fit, rad
-SHEAR_FACTOR = 1.2
-_POINTS = 400  # on the fillet and on the involute
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,31 +72,6 @@ class ToothParts:
     def total(self) -> np.ndarray:
         """Their sum."""
         return self.bending + self.shear + self.axial + self.foundation
-
-
-def cantilever(
-    height: np.ndarray, half_thickness: np.ndarray, load_height: float, load_offset: float, alpha: float,
-    elastic_modulus: float, shear_modulus: float,
-) -> tuple[float, float, float]:  # fmt: skip
-    """Bending, shear and axial compliance of a symmetric cantilever of unit width (m2/N).
-
-    Parameters
-    ----------
-    height, half_thickness : (n,) m, contour from the clamped end to the load
-    load_height, load_offset : m, where the force acts: along the axis, and from it
-    alpha : rad, inclination of the force to the normal of the axis, pressing towards the clamped end
-    elastic_modulus, shear_modulus : Pa
-    """
-    from scipy.integrate import trapezoid
-
-    arm = math.cos(alpha) * (load_height - height) - load_offset * math.sin(alpha)
-    bending = trapezoid(arm**2 / (elastic_modulus * 2.0 / 3.0 * half_thickness**3), height)
-    along = trapezoid(1.0 / (2.0 * half_thickness), height)
-    return (
-        float(bending),
-        float(SHEAR_FACTOR * math.cos(alpha) ** 2 / shear_modulus * along),
-        float(math.sin(alpha) ** 2 / elastic_modulus * along),
-    )
 
 
 def foundation_factors(bore_ratio: float, root_angle: float) -> np.ndarray:
@@ -118,11 +92,8 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
         raise ModelError(
             f"model energy, gear z={gear.teeth}: the fitted body is a solid disc; use model 'plane' for a web"
         )
-    half = half_tooth_profile(gear, _POINTS, _POINTS, 1)
-    width, height = half.points[: half.tip_index + 1].T
-    angle = np.arctan2(width, height)
-    first = int(np.flatnonzero(np.hypot(width, height) > gear.root_radius * (1.0 + 1e-9))[0]) - 1
-    root_angle, ratio = float(angle[first]), gear.root_radius / gear.bore_radius
+    contour = beam_contour(gear)
+    root_angle, ratio = math.atan2(contour[1][0], contour[0][0]), gear.root_radius / gear.bore_radius
     inside = BORE_RANGE[0] <= ratio <= BORE_RANGE[1] and ROOT_RANGE[0] <= root_angle <= ROOT_RANGE[1]
     if not inside:
         logger.warning(
@@ -134,8 +105,6 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
     root_arc = 2.0 * gear.root_radius * root_angle
     place, _, normal = flank_at_roll(gear, roll)
     young, shear = material.elastic_modulus, material.shear_modulus
-    order = np.argsort(height[first:], kind="stable")
-    contour = height[first:][order], width[first:][order]
     rows = []
     for (y_load, u_load), (across, up) in zip(place, normal, strict=True):
         alpha = math.atan2(up, across)

@@ -13,14 +13,14 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.figures.film import save_figure
     from pipelines.scene.presets import load_asked
     from pipelines.trade.refinement import refine
-    from pipelines.trade.refinement_page import convergence_figure, convergence_table, verdict
+    from pipelines.trade.refinement_page import convergence_figure, convergence_table, not_refined, verdict
 
     loaded = load_asked(options)
     path = writable_file(options.out or f"convergence-{loaded.name}-{options.over}.png")
     work = Work(processes=options.processes, quiet=options.quiet)
     found = refine(loaded, options.over, options.levels, work)
     sys.stdout.write(convergence_table(loaded.name, found).to_text() + "\n")
-    sys.stdout.write(verdict(found, options.error) + "\n")
+    sys.stdout.write(f"{verdict(found, options.error)}\n{not_refined(loaded.scene, options.over)}\n")
     save_figure(convergence_figure(loaded.name, found), path, dpi=130)
     sys.stdout.write(f"plot: {path}\n")
     return 0

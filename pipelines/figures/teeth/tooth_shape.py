@@ -1,0 +1,142 @@
+"""A tooth as a surface: its transverse section at stations along the face, and what damage makes of it.
+
+The tooth's own frame: centre line of the section at mid face along x, y towards its drive flank, z along the face. The
+section runs counter-clockwise, from the middle of one space over the coast flank, tip and drive flank to the next.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem.gears.gear import Gear
+from fem.gears.profile import half_tooth_profile
+
+WALL = 1e-5  # of the face width
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DrawnTooth:
+    """A damaged tooth in its own frame; lengths in m."""
+
+    points: np.ndarray  # (n, 3)
+    quads: np.ndarray  # (q, 4)
+    broken: np.ndarray  # (q,), faces of fracture
+    depth: np.ndarray  # (n,), of material worn off, 0 where the tooth is sound
+    sheets: tuple[np.ndarray, ...] = ()  # surfaces inside the tooth, each (row, column, 3)
+    lines: tuple[np.ndarray, ...] = ()  # edges of cracks that an eye can see, each (point, 3)
+    scale: float = 1.0  # how many times deeper wear is drawn
+    missing: bool = False
+    end: int = 0  # end of the face to look from: +1, -1, 0 either
+    flank: int = 1  # to look at: +1 drive, -1 coast
+    words: str = ""  # what is seen, for the legend
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Section:
+    """The transverse section of a tooth without damage."""
+
+    gear: Gear
+    twist: float  # rad per m along z
+    flank_points: int = 24
+    points: np.ndarray = field(init=False)  # (k, 2)
+
+    def __post_init__(self) -> None:
+        half = half_tooth_profile(self.gear, n_fillet=10, n_flank=self.flank_points, n_tip=4).points
+        tooth = np.vstack([half[:-1], half[::-1] * [-1.0, 1.0]])
+        object.__setattr__(self, "points", np.column_stack([tooth[:, 1], -tooth[:, 0]]))
+
+    @property
+    def radius(self) -> np.ndarray:
+        """Distance (k,) of its points from the axis."""
+        return np.hypot(*self.points.T)
+
+    def at(self, flat: np.ndarray, face: np.ndarray | float) -> np.ndarray:
+        """Points (..., 3) of points (..., 2) of the section that have gone along the helix to the face coordinates."""
+        angle = self.twist * np.broadcast_to(face, flat.shape[:-1])
+        x = np.cos(angle) * flat[..., 0] - np.sin(angle) * flat[..., 1]
+        y = np.sin(angle) * flat[..., 0] + np.cos(angle) * flat[..., 1]
+        return np.stack([x, y, np.broadcast_to(face, x.shape)], axis=-1)
+
+
+def stations(face_width: float, edges: Sequence[float] = (), count: int = 25) -> np.ndarray:
+    """Face coordinates of `count` sections and more; at each of `edges` two that nearly coincide."""
+    half, close = face_width / 2, 1e-6 * face_width
+    inside = [edge + step for edge in edges for step in (-close, close) if abs(edge) < half - 2 * close]
+    return np.unique(np.concatenate([np.linspace(-half, half, count), inside]))
+
+
+def surface_of(
+    section: Section, face: np.ndarray, flat: np.ndarray, broken: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Closed surface of a tooth; its end faces are fans about the middle of its base.
+
+    Parameters
+    ----------
+    section, face : the tooth and its stations (s,)
+    flat : (s, k, 2), points of the section at every station
+    broken : (s, k), points that fracture has moved
+
+    Returns
+    -------
+    points (n, 3), quads (q, 4), and which of them are faces of fracture (q,)
+    """
+    rows, columns = flat.shape[:2]
+    walls = section.at(flat, face[:, None])
+    base = flat[0, [0, -1]].mean(axis=0)
+    ends = np.stack([section.at(base, face[row]) for row in (0, -1)])
+    number = np.arange(rows * columns).reshape(rows, columns)
+    low, high = number[:-1], number[1:]
+    after = np.roll(np.arange(columns), -1)
+    quads = np.stack([low, low[:, after], high[:, after], high], axis=-1).reshape(-1, 4)
+    step = np.diff(face)[:, None] < WALL * np.ptp(face)  # between stations that nearly coincide stands a wall
+    torn = np.where(step, broken[:-1] | broken[1:], broken[:-1] & broken[1:])
+    torn = (torn & torn[:, after]).ravel()
+    centre = np.full(columns, rows * columns)
+    bottom = np.column_stack([centre, centre, number[0, after], number[0]])
+    top = np.column_stack([centre + 1, centre + 1, number[-1], number[-1, after]])
+    return (
+        np.vstack([walls.reshape(-1, 3), ends]),
+        np.vstack([quads, bottom, top]),
+        np.concatenate([torn, np.zeros(2 * columns, dtype=bool)]),
+    )
+
+
+def cut_down(section: Section, height: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The section with what stands above a radius gone, at stations.
+
+    Parameters
+    ----------
+    section : the tooth
+    height : (s,), radius that is left, m
+
+    Returns
+    -------
+    points (s, k, 2), and which of them lie on the fracture (s, k)
+    """
+    sound, radius = section.points, section.radius
+    flat = np.repeat(sound[None], len(height), axis=0)
+    broken = np.zeros(flat.shape[:2], dtype=bool)
+    peak = int(np.argmax(radius))
+    for row, left in enumerate(height):
+        gone = np.flatnonzero(radius > left * (1 + 1e-9))
+        if gone.size == 0:
+            continue
+        rising = slice(0, peak + 1)
+        angle = np.arctan2(sound[:, 1], sound[:, 0])
+        corner = abs(float(np.interp(left, radius[rising], angle[rising])))
+        side = np.linspace(-corner, corner, gone.size)
+        chord = left * math.cos(corner) * np.tan(side)
+        flat[row, gone] = np.column_stack([np.full(gone.size, left * math.cos(corner)), chord])
+        broken[row, gone] = True
+    return flat, broken
+
+
+def turned_in(points: np.ndarray, angle: float, centre: float) -> np.ndarray:
+    """Points (..., 3) of a tooth whose centre line has turned to a polar angle about the axis through (centre, 0)."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    matrix = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    return points @ matrix.T + [centre, 0.0, 0.0]

@@ -1,0 +1,233 @@
+"""Gear pairs in numbers: curves over the passage of every damaged tooth beside the healthy ones, and their summary.
+
+Positions count mesh cycles from the instant at which the tooth touches at the pitch point at mid face; pair 0 is that
+of the tooth, pair 1 the next to come.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.contact.contact_pressure import contact_pressure
+from fem.contact.evaluation.curves import StiffnessCurve
+from fem.contact.evaluation.evaluator import LawEvaluator
+from pipelines.border.errors import InputError
+from pipelines.border.shown import shown
+from pipelines.border.user_files import whole_file, writable_file
+from pipelines.steps.pair_curves import PITCHES_SHOWN, PairLaws, Passage, engagement
+
+if TYPE_CHECKING:
+    import xarray
+
+    from pipelines.engine.working import Work
+    from pipelines.scene.file import LoadedScene
+
+PER_CYCLE = 40  # positions
+FORMATS = (".csv", ".nc")
+_CURVES = {
+    "secant": ("N/m", "secant stiffness: force over the approach since first touch"),
+    "tangent": ("N/m", "tangent stiffness: slope of the force over the approach"),
+    "transmission_error": ("m", "approach at the force"),
+    "no_load_error": ("m", "approach at first touch"),
+    "tilt": ("rad", "tilt of the gears in the plane of action"),
+}
+_BY_PAIR = {
+    "share": ("1", "part of the force that a tooth pair carries"),
+    "pressure": ("Pa", "greatest Hertz pressure along the contact line of a tooth pair"),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeshState:
+    """Force (N) and tilt (rad, in the face coordinate of the law; None: force at mid face) at which a pair is shown."""
+
+    force: float
+    tilt: float | None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Case:
+    laws: PairLaws
+    state: str
+    faulty: bool
+    passage: Passage
+
+
+def machine_states(loaded: LoadedScene, work: Work) -> list[MeshState]:
+    """Forces and tilts of all stages where the loaded machine rests at the start of its motion.
+
+    Raises
+    ------
+    InputError : a mesh that carries nothing there
+    EquilibriumError : the load cannot be carried
+    """
+    from mbd.forces.flank import flank_name
+    from mbd.system.statics import equilibrium
+    from pipelines.plant.assembly import assemble_machine, assemble_system
+    from pipelines.runs.single_results import scene_graph
+
+    graph, plant = scene_graph(loaded)
+    outcome = work.build(graph, [*plant.law_names, "casing"])
+    machine = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
+    system = assemble_system(machine, outcome.value("casing"), plant.recorded)
+    rest = equilibrium(system)
+    rows = system.rows @ rest.displacement
+    found = []
+    for number, (mesh, force) in enumerate(zip(machine.meshes, rest.mesh_force, strict=True), 1):
+        if force <= 0.0:
+            raise InputError(
+                f"--tilt machine: the drive flank of stage {number} carries {force:.4g} N at the start of the motion. "
+                "Give --load and --tilt as numbers."
+            )
+        found.append(MeshState(force=float(force), tilt=float(rows[system.at(flank_name(mesh.name, 0)).start + 1])))
+    return found
+
+
+def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarray.Dataset:
+    """Curves of every pair, healthy and while each of its damaged teeth passes.
+
+    Parameters
+    ----------
+    pairs, states : by stage
+
+    Returns
+    -------
+    secant, tangent (N/m), transmission_error, no_load_error (m), tilt (rad): (case, position); share (1), pressure
+    (Pa): (case, position, pair). Coordinates of a case: stage, state, cycle (mesh cycle at position 0), force (N).
+
+    Raises
+    ------
+    LawError : a force is not reached
+    """
+    import xarray
+
+    reach = round(max(PITCHES_SHOWN, *(np.ceil(max(np.abs(engagement(p.pair)))) + 1 for p in pairs)) * PER_CYCLE)
+    position = np.arange(-reach, reach + 1) / PER_CYCLE
+    cases, curves, by_pair = [], [], []
+    for found, state in zip(pairs, states, strict=True):
+        for case in _cases(found):
+            cycle = case.passage.cycle + position
+            curve = found.stiffness(cycle, faulty=case.faulty, force=state.force, tilt=state.tilt)
+            cases.append(case)
+            curves.append(curve)
+            by_pair.append(_pressures(case, curve))
+    numbers = np.unique(np.concatenate([pair for pair, _, _ in by_pair]))
+    spread = np.zeros((2, len(cases), position.size, numbers.size))
+    for i, (pair, share, pressure) in enumerate(by_pair):
+        at = np.searchsorted(numbers, pair)
+        spread[0, i, :, at], spread[1, i, :, at] = share.T, pressure.T
+    data: dict[str, Any] = {
+        name: (("case", "position"), np.array([getattr(c, name) for c in curves])) for name in _CURVES
+    }
+    data |= {name: (("case", "position", "pair"), spread[i]) for i, name in enumerate(_BY_PAIR)}
+    coords: dict[str, Any] = {
+        "position": position,
+        "pair": numbers,
+        "stage": ("case", [case.laws.stage for case in cases]),
+        "state": ("case", [case.state for case in cases]),
+        "cycle": ("case", [case.passage.cycle for case in cases]),
+        "force": ("case", [curve.force for curve in curves]),
+    }
+    found_set = xarray.Dataset(data, coords=coords)
+    for name, (units, words) in (_CURVES | _BY_PAIR).items():
+        found_set[name].attrs.update(units=units, long_name=words)
+    found_set["position"].attrs.update(units="1", long_name="mesh cycles from contact of the tooth at the pitch point")
+    found_set["cycle"].attrs.update(units="1", long_name="mesh cycle at position 0")
+    found_set["force"].attrs.update(units="N", long_name="on the transverse line of action")
+    return found_set
+
+
+def _cases(found: PairLaws) -> list[_Case]:
+    first = Passage(name="healthy", cycle=found.cycle)
+    return [
+        _Case(laws=found, state=passage.name, faulty=passage is not first, passage=passage)
+        for passage in (first, *found.passages)
+    ]
+
+
+def _pressures(case: _Case, curve: StiffnessCurve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Numbers (pair,) of the loaded pairs from that of the tooth, their shares and pressures (position, pair)."""
+    found = case.laws
+    law = found.drive if case.faulty else found.healthy
+    teeth = (found.pinion_faults, found.wheel_faults) if case.faulty else (None, None)
+    evaluator = LawEvaluator(law)
+    pressure = np.zeros(curve.share.shape)
+    for row, c, delta, psi in zip(pressure, curve.cycle, curve.transmission_error, curve.tilt, strict=True):
+        pairs, loads = evaluator.line_loads(float(c), float(delta), float(psi), *teeth)
+        row[np.searchsorted(curve.pair, pairs)] = contact_pressure(found.pair, law, float(c), pairs, loads).max(axis=1)
+    return curve.pair - round(case.passage.cycle), curve.share, pressure
+
+
+def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[str, Any]]:
+    """The summary: one row per case; means over the whole pitches in which the tooth is in mesh.
+
+    A sound pair has the same mean over any whole pitches. Least stiffness and `TE p-p` are those of the same stretch,
+    `share` and `pressure` the greatest of the pair of the tooth.
+    """
+    rows = []
+    for case in range(curves.sizes["case"]):
+        one = curves.isel(case=case)
+        found = pairs[int(one.stage) - 1]
+        own = one.sel(pair=0)
+        first, last = engagement(found.pair)
+        at = np.searchsorted(one.position.values, first - 1e-9)
+        one = one.isel(position=slice(at, at + round((last - first) * PER_CYCLE)))
+        softest = int(np.argmin(one.secant.values))
+        rows.append(
+            {
+                "stage": found.stage,
+                "pair": f"{found.pair.pinion.teeth}/{found.pair.wheel.teeth}",
+                "state": str(one.state.values),
+                "load N": float(one.force),
+                "secant N/um": float(one.secant.mean()) / 1e6,
+                "tangent N/um": float(one.tangent.mean()) / 1e6,
+                "least N/um": float(one.secant[softest]) / 1e6,
+                "at": f"{float(one.position[softest]):+.2f}",
+                "TE um": float(one.transmission_error.mean()) * 1e6,
+                "TE p-p um": float(np.ptp(one.transmission_error.values)) * 1e6,
+                "share %": 100 * float(own.share.max()),
+                "pressure MPa": float(own.pressure.max()) / 1e6,
+            }
+        )
+    return rows
+
+
+def checked_curve_file(name: str) -> Path:
+    """The path of a file of curves; InputError for an ending that is not known."""
+    path = writable_file(name)
+    if path.suffix.lower() not in FORMATS:
+        raise InputError(f"--out {shown(name)}: the ending must be one of {', '.join(FORMATS)}")
+    return path
+
+
+def write_curves(curves: xarray.Dataset, path: Path) -> None:
+    """The curves as netCDF, or as CSV with a row per case and position and the units in the header."""
+    with whole_file(path) as partial:
+        if path.suffix.lower() == ".nc":
+            partial.write_bytes(curves.to_netcdf(engine="h5netcdf"))
+            return
+        _table(curves).to_csv(partial, index=False, float_format="%.9g")
+
+
+def _table(curves: xarray.Dataset) -> Any:
+    """A data frame with a row per case and position; columns of pairs are named by their numbers."""
+    import pandas as pd
+
+    count = curves.sizes["position"]
+    columns: dict[str, Any] = {
+        "stage": np.repeat(curves.stage.values, count),
+        "state": np.repeat(curves.state.values, count),
+        "force [N]": np.repeat(curves.force.values, count),
+        "position [mesh cycles]": np.tile(curves.position.values, curves.sizes["case"]),
+        "mesh cycle": (curves.cycle + curves.position).transpose("case", "position").values.ravel(),
+    }
+    columns |= {f"{name} [{units}]": curves[name].values.ravel() for name, (units, _) in _CURVES.items()}
+    for name, (units, _) in _BY_PAIR.items():
+        for pair in curves.pair.values:
+            columns[f"{name} of pair {pair:+d} [{units}]"] = curves[name].sel(pair=pair).values.ravel()
+    return pd.DataFrame(columns)

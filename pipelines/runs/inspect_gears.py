@@ -1,0 +1,135 @@
+"""`gearcase inspect`: pictures of a gear pair, of its mesh and of the contact pattern, healthy and with its faults."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.contact.faults.cracked_tooth import CrackedTooth
+from pipelines.figures.mesh_pictures import MeshView
+from pipelines.figures.pattern_pictures import PatternView, write_pattern
+from pipelines.figures.shapes import shown_cycle, shown_fault, stage_view, tooth_damage
+from pipelines.figures.teeth.damage import crack_depth
+from pipelines.figures.teeth.mesh_frames import mesh_frames, passage
+from pipelines.figures.teeth.pattern import contact_pattern, damaged_part
+from pipelines.figures.views import LeftOut
+from pipelines.steps.pair_curves import PairLaws, acting
+
+if TYPE_CHECKING:
+    from pipelines.plant.flanks import Fault
+    from pipelines.plant.plant import Plant
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class InspectedStage:
+    """A stage of a plant with its laws."""
+
+    plant: Plant
+    laws: PairLaws
+
+    @property
+    def title(self) -> str:
+        """Scene, stage and teeth."""
+        pair = self.laws.pair
+        return f"{self.plant.title}: stage {self.laws.stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth"
+
+    @property
+    def fault(self) -> Fault | None:
+        """The one that is shown."""
+        return shown_fault(self.plant.faults, self.laws.stage)
+
+    @property
+    def marked(self) -> str:
+        """The damaged tooth in words, "" without one."""
+        return self.laws.passages[0].name if self.laws.passages else ""
+
+    def mesh_view(self, cycles: np.ndarray) -> MeshView:
+        """The mesh at its load at the cycles (frame,), healthy and with its faults."""
+        found, pair = self.laws, self.laws.pair
+        sound = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
+        states = [mesh_frames("healthy", pair, found.healthy, found.force, cycles, *sound)]
+        if found.faults:
+            teeth = found.pinion_faults, found.wheel_faults
+            states.append(mesh_frames(found.faults, pair, found.drive, found.force, cycles, *teeth))
+        view = stage_view(self.plant, found.stage, found.healthy, in_mesh=True)
+        return MeshView(
+            title=self.title,
+            gears=stage_view(self.plant, found.stage, found.healthy, in_mesh=True, damaged=False),
+            damaged=view if self.fault is not None else None,
+            marked=self.marked,
+            model=found.drive.model,
+            force=found.force,
+            cycles=cycles,
+            states=tuple(states),
+        )
+
+    def still_cycle(self) -> float:
+        """Where the damage acts."""
+        return acting(self.laws)
+
+    def film_cycles(self, frames: int) -> np.ndarray:
+        """Mesh cycles (frame,) around the passage of the damaged tooth."""
+        return passage(self.laws.cycle, frames)
+
+    def gears_title(self) -> str:
+        """Title of the overview: scene, position, load and size."""
+        pair, fault = self.laws.pair, self.fault
+        cycle = shown_cycle(pair, None if fault is None else (fault.gear, fault.tooth or 0))
+        meshes = "" if fault is None else f" (damaged tooth in mesh at {fault.tooth or 0})"
+        size = f"centre distance {1000 * pair.axis_distance:.4g} mm, face width {1000 * pair.face_width:.4g} mm"
+        webs = [
+            f"; {name}: web {1000 * gear.web_ratio * gear.face_width:.3g} mm thick, its middle at y "
+            f"{1000 * self.laws.sense * gear.web_offset:+.3g} mm"
+            for name, gear in (("pinion", pair.pinion), ("wheel", pair.wheel))
+            if gear.web_ratio < 1.0
+        ]
+        return f"{self.title}\nmesh cycle {cycle}{meshes}, load {self.laws.force:.4g} N; {size}{''.join(webs)}"
+
+    def write_overview(self, path: Path) -> Path | LeftOut:
+        """The pair, the damaged tooth from near, and the stiffness; the reason if it cannot be rendered."""
+        from pipelines.figures.callouts import gear_figure
+        from pipelines.figures.film import save_figure
+        from pipelines.figures.render import render_gears, render_tooth
+        from pipelines.steps.reporting import gear_names, stiffness_plots
+
+        view = stage_view(self.plant, self.laws.stage, self.laws.healthy)
+        picture = render_gears(view)
+        near = render_tooth(view) if view.tooth is not None else None
+        for drawn in (picture, near):
+            if isinstance(drawn, LeftOut):
+                return drawn
+        assert not isinstance(picture, LeftOut)
+        assert not isinstance(near, LeftOut)
+        curve = stiffness_plots([self.laws])[0]
+        names = gear_names(self.plant, self.laws.stage)
+        save_figure(gear_figure(picture, curve, names, self.gears_title(), near, view.tooth), path, dpi=115)
+        return path
+
+    def write_pattern(self, path: Path) -> Path:
+        """The contact pattern of the damaged tooth, or of tooth 0 of the pinion."""
+        found, pair, fault = self.laws, self.laws.pair, self.fault
+        gear, tooth = ("pinion", 0) if fault is None else (fault.gear, fault.tooth or 0)
+        sound = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
+        patterns = [contact_pattern("healthy", pair, found.healthy, gear, tooth, found.force, sound)]
+        damage = () if fault is None else tooth_damage(self.plant.faults, fault)
+        if fault is not None:
+            teeth = found.pinion_faults, found.wheel_faults
+            patterns.append(contact_pattern(self.marked, pair, found.drive, gear, tooth, found.force, teeth))
+        cracks = [crack_depth(one, pair.face_width)[0] for one in damage if isinstance(one, CrackedTooth)]
+        radius = pair.working_radii[0 if gear == "pinion" else 1]
+        view = PatternView(
+            title=f"{self.title}, tooth {tooth} of the {gear}",
+            model=found.drive.model,
+            force=found.force,
+            gear=gear,
+            patterns=patterns,
+            damaged=damaged_part(pair, found.healthy, gear, damage),
+            crack=(float(cracks[0][0]), float(cracks[0][-1])) if cracks else None,
+            pitch_diameter=2 * radius,
+            face_width=pair.face_width,
+            sense=found.sense,
+        )
+        return write_pattern(view, path)

@@ -1,0 +1,103 @@
+"""`gearcase gears` in numbers: curves while a damaged tooth passes, beside those of sound teeth."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray
+
+import gearcase
+from pipelines.engine.working import Work
+from pipelines.runs.gear_numbers import MeshState, gear_curves, gear_rows, machine_states, write_curves
+from pipelines.steps.pair_curves import engagement
+
+CHIP = {"kind": "chipped-tooth", "stage": 1, "gear": "wheel", "tooth": 7, "depth_mm": 2.0, "extent_mm": 6.0}
+WEAR = {"kind": "worn-tooth", "stage": 1, "gear": "wheel", "depth_um": 20.0, "place": "root", "width_mm": 4.0}
+CRACK = {"kind": "cracked-tooth", "stage": 1, "gear": "pinion", "tooth": 3, "depth_mm": 2.0}
+
+
+def scene(*faults):
+    return gearcase.Scene.from_file("minimal").changed(faults=list(faults), deviations={"enabled": False})
+
+
+def found(*faults, tilt=0.0):
+    pairs = gearcase.laws(scene(*faults))
+    curves = gear_curves(pairs, [MeshState(force=pair.force, tilt=tilt) for pair in pairs])
+    return curves, gear_rows(pairs, curves), pairs
+
+
+def test_a_damaged_tooth_is_softer_while_it_is_in_mesh_and_the_curves_agree_outside():
+    curves, (healthy, faulty), (pair,) = found(CHIP)
+    first, last = pair.pair.xi_start - pair.pair.overlap_ratio / 2, pair.pair.xi_end + pair.pair.overlap_ratio / 2
+    outside = (curves.position < first - 0.1) | (curves.position > last + 0.1)
+    sound, chipped = curves.secant
+    assert np.allclose(sound[outside], chipped[outside], rtol=1e-9)
+    assert (chipped <= sound * (1 + 1e-9)).all()
+    assert faulty["least N/um"] < 0.98 * healthy["least N/um"]
+    assert faulty["TE p-p um"] > healthy["TE p-p um"]
+    assert faulty["share %"] < healthy["share %"]
+    assert float(curves.cycle[1]) == 7.0
+
+
+def test_a_crack_shows_on_the_flank_of_its_mouth_alone():
+    _, (healthy, drive), _ = found(CRACK)
+    assert drive["secant N/um"] < 0.99 * healthy["secant N/um"]
+    _, (healthy, coast), _ = found(CRACK | {"flank": "coast"})
+    assert coast["secant N/um"] == pytest.approx(healthy["secant N/um"], rel=1e-9)
+
+
+def test_wear_of_all_teeth_is_not_in_the_healthy_curve():
+    worn, _, _ = found(WEAR)
+    sound, _, _ = found()
+    assert np.allclose(worn.secant.sel(case=0), sound.secant.sel(case=0), rtol=1e-12)
+    assert float(worn.secant[1].mean()) < 0.95 * float(worn.secant[0].mean())
+
+
+def test_every_damaged_tooth_passes_in_a_case_of_its_own():
+    curves, rows, _ = found(CHIP, CRACK, {**WEAR, "tooth": 7})
+    assert [row["state"] for row in rows] == [
+        "healthy",
+        "chipped tooth and worn tooth 7 of the wheel",
+        "cracked tooth 3 of the pinion",
+    ]
+    assert curves.cycle.values.tolist() == [7.0, 7.0, 3.0]
+
+
+def test_means_are_those_of_a_mesh_cycle_and_shares_sum_to_one():
+    curves, (row,), (pair,) = found()
+    assert row["secant N/um"] == pytest.approx(pair.stiffness().secant.mean() / 1e6, rel=1e-3)
+    assert np.allclose(curves.share.sum("pair"), 1.0)
+    first, last = engagement(pair.pair)
+    assert last - first >= pair.pair.total_contact_ratio
+    assert first <= pair.pair.xi_start
+    assert last >= pair.pair.xi_end
+
+
+def test_a_tilt_moves_the_pressure_and_the_force_stays():
+    straight, _, (pair,) = found()
+    tilted, _, _ = found(tilt=20e-6 / pair.pair.face_width)
+    assert (tilted.pressure.max(["position", "pair"]) > 1.1 * straight.pressure.max(["position", "pair"])).all()
+    assert (tilted.force == straight.force).all()
+
+
+def test_the_machine_gives_its_own_force_and_tilt():
+    given = scene().changed(shaft_model={"model": "timoshenko"})
+    (state,) = machine_states(given.loaded, Work(quiet=True))
+    (pair,) = gearcase.laws(given)
+    assert state.force == pytest.approx(pair.force, rel=1e-6)
+    assert state.tilt is not None
+    assert 0 < abs(state.tilt) * pair.pair.face_width < 20e-6
+
+
+def test_files_hold_the_curves(tmp_path):
+    curves, _, _ = found(CHIP)
+    write_curves(curves, tmp_path / "curves.nc")
+    with xarray.open_dataset(tmp_path / "curves.nc", engine="h5netcdf") as back:
+        assert np.array_equal(back.secant.values, curves.secant.values)
+        assert back.pressure.attrs["units"] == "Pa"
+        assert back.state.values.tolist() == ["healthy", "chipped tooth 7 of the wheel"]
+    write_curves(curves, tmp_path / "curves.csv")
+    table = pd.read_csv(tmp_path / "curves.csv")
+    assert len(table) == 2 * curves.sizes["position"]
+    shares = table.filter(like="share of pair").sum(axis=1)
+    assert np.allclose(shares, 1.0)
+    assert np.allclose(table["mesh cycle"], table["position [mesh cycles]"] + 7)
