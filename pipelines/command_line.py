@@ -312,12 +312,7 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         "gearcase explain bench --set load.torque_N_m=80",
         _scene,
     ),
-    (
-        "gears",
-        "stiffness and load share of each pair, healthy and faulty",
-        "gearcase gears rig-missing-tooth",
-        _gears,
-    ),
+    ("gears", "stiffness and load share of each pair, healthy and faulty", "gearcase gears bench", _gears),
     ("casing", "build the casing and print its check-up", "gearcase casing rig-healthy", _casing),
     (
         "modes",

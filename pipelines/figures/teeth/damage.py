@@ -102,7 +102,8 @@ def _with_crack(tooth: DrawnTooth, section: Section, pair: GearPair, fault: Crac
     sheet = section.at(flat, inside[:, None])
     ends = [sheet[row] for row in (0, -1) if abs(abs(inside[row]) - pair.face_width / 2) < 1e-9]
     extent = pair.face_width if fault.extent is None else fault.extent
-    words = f"crack {1000 * fault.depth:.3g} mm deep from the fillet, {1000 * extent:.3g} mm long"
+    falling = "" if fault.far_depth is None else f" to {1000 * fault.far_depth:.3g}"
+    words = f"crack {1000 * fault.depth:.3g}{falling} mm deep from the fillet, {1000 * extent:.3g} mm long"
     return replace(
         _told(tooth, words),
         sheets=(*tooth.sheets, sheet),
@@ -130,7 +131,7 @@ def crack_depth(fault: CrackedTooth, face_width: float) -> tuple[np.ndarray, np.
     extent = face_width if fault.extent is None else fault.extent
     inside = face_width / 2 - np.linspace(0.0, extent, 15)
     inside = inside[::-1] if fault.end == "+y" else -inside
-    return inside, np.full(inside.size, fault.depth)
+    return inside, fault.depth_at(inside, face_width)
 
 
 def patch_depth(section: Section, face: np.ndarray, patches: Sequence[Patch], flank: str) -> np.ndarray:
