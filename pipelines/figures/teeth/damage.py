@@ -70,17 +70,17 @@ def drawn_tooth(pair: GearPair, law: MeshLaw, gear: str, twist: float, faults: S
 
 def _with_wear(tooth: DrawnTooth, section: Section, pair: GearPair, fault: ToothFault) -> DrawnTooth:
     deepest = 1e6 * tooth.depth.max()
-    return _told(tooth, f"up to {deepest:.3g} µm gone from the flank, drawn {tooth.scale:g} times as deep")
+    return _told(tooth, f"up to {deepest:.3g} µm gone from the flank{_scaled(tooth)}")
 
 
 def _with_spall(tooth: DrawnTooth, section: Section, pair: GearPair, fault: SpalledTooth) -> DrawnTooth:
     size = f"{1000 * fault.height:.3g} x {1000 * fault.length:.3g} mm, {1e6 * fault.depth:.3g} µm deep"
-    words = f"spall on the {fault.flank} flank: {size}, drawn {tooth.scale:g} times as deep"
+    words = f"spall on the {fault.flank} flank: {size}{_scaled(tooth)}"
     return replace(_told(tooth, words), flank=1 if fault.flank == "drive" else -1)
 
 
 def _with_pits(tooth: DrawnTooth, section: Section, pair: GearPair, fault: PittedTooth) -> DrawnTooth:
-    words = f"{len(fault.pits(section.gear))} pits on the {fault.flank} flank, drawn {tooth.scale:g} times as deep"
+    words = f"{len(fault.pits(section.gear))} pits on the {fault.flank} flank{_scaled(tooth)}"
     return replace(_told(tooth, words), flank=1 if fault.flank == "drive" else -1)
 
 
@@ -124,6 +124,11 @@ DRAWN: dict[type[ToothFault], Callable[..., DrawnTooth]] = {
     SpalledTooth: _with_spall,
     PittedTooth: _with_pits,
 }
+
+
+def _scaled(tooth: DrawnTooth) -> str:
+    """How much deeper than it is damage is drawn, in words."""
+    return "" if tooth.scale == 1.0 else f", drawn {tooth.scale:g} times as deep"
 
 
 def crack_depth(fault: CrackedTooth, face_width: float) -> tuple[np.ndarray, np.ndarray]:
