@@ -32,7 +32,8 @@ GEAR = {
 FAULTS = [
     {"kind": "missing-tooth", "stage": 1, "gear": "wheel", "tooth": 3},
     {"kind": "chipped-tooth", "stage": 1, "gear": "wheel", "tooth": 7, "extent_mm": 4.0, "depth_mm": 1.0},
-    {"kind": "cracked-tooth", "stage": 1, "gear": "wheel", "tooth": 9, "depth_mm": 1.0, "extent_mm": 5.0},
+    {"kind": "cracked-tooth", "stage": 1, "gear": "wheel", "tooth": 9, "depth_mm": 1.0, "far_depth_mm": 0.5,
+     "extent_mm": 5.0},
     {"kind": "worn-tooth", "stage": 1, "gear": "wheel", "tooth": 11, "depth_um": 3.0, "place": "profile",
      "diameters_mm": [108.0, 110.0, 112.0], "parts": [0.0, 1.0, 0.5], "extent_mm": 4.0, "fading": True},
     {"kind": "spalled-tooth", "stage": 1, "gear": "wheel", "tooth": 13, "height_mm": 1.0, "length_mm": 3.0,
