@@ -113,13 +113,12 @@ def _converge_actions():
 
 
 def test_a_study_names_what_it_did_not_refine_with_the_size_that_is_known():
-    plane = load_scene("minimal", {"stages.1.mesh.model": "plane"}).scene
-    said = not_refined(plane, "gear-mesh")
+    said = not_refined(["plane", "plane"], "rigid", "gear-mesh")
     assert "mesh model plane, 2 to 14 % too stiff" in said
     assert "slices along the face" in said
     assert "time step" not in said
-    assert "casing model rigid, its elasticity is left out" in not_refined(plane, "step")
-    assert "mesh model" not in not_refined(plane, "casing-mesh")
+    assert "casing model rigid, its elasticity is left out" in not_refined(["plane"], "rigid", "step")
+    assert "mesh model" not in not_refined(["plane"], "rigid", "casing-mesh")
 
 
 def test_every_model_of_a_scene_has_words():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from pipelines.border.grid import Grid
@@ -11,8 +12,6 @@ from pipelines.trade.refinement import RefinementStudy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from pipelines.scene.scene import Scene
 
 MESH_MODELS = {  # distance from converged contact in space, docs/choosing-a-model.md
     "iso": "about 10 % softer than plane, with a shape of its own",
@@ -66,13 +65,20 @@ def verdict(found: RefinementStudy, wanted: float) -> str:
     )
 
 
-def not_refined(scene: Scene, axis: str) -> str:
-    """What a study over `axis` leaves as it is, so that no error band holds it, with the sizes that are known."""
+def not_refined(mesh_models: Sequence[str], casing: str, axis: str) -> str:
+    """What a study over `axis` leaves as it is, so that no error band holds it, with the sizes that are known.
+
+    Parameters
+    ----------
+    mesh_models : of the stages
+    casing : model of the casing
+    axis : one of AXES
+    """
     probe = AXES[axis].probe
-    models = list(dict.fromkeys(stage.mesh.model for stage in scene.stages)) if probe != "casing" else []
+    models = dict.fromkeys(mesh_models) if probe != "casing" else ()
     known = [f"mesh model {model}, {MESH_MODELS[model]}" for model in models]
-    if probe != "gears" and scene.casing.model in CASINGS:
-        known.append(f"casing model {scene.casing.model}, {CASINGS[scene.casing.model]}")
+    if probe != "gears" and casing in CASINGS:
+        known.append(f"casing model {casing}, {CASINGS[casing]}")
     others = ", ".join(AXES[other].words for other in AXES if other != axis and AXES[other].probe in REACH[probe])
     return f"Not refined, and in no error band: {'; '.join(known)}; the other settings ({others}), each by its --over."
 

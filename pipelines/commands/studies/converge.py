@@ -20,7 +20,9 @@ def main(options: argparse.Namespace) -> int:
     work = Work(processes=options.processes, quiet=options.quiet)
     found = refine(loaded, options.over, options.levels, work)
     sys.stdout.write(convergence_table(loaded.name, found).to_text() + "\n")
-    sys.stdout.write(f"{verdict(found, options.error)}\n{not_refined(loaded.scene, options.over)}\n")
+    models = [stage.mesh.model for stage in loaded.scene.stages]
+    left = not_refined(models, loaded.scene.casing.model, options.over)
+    sys.stdout.write(f"{verdict(found, options.error)}\n{left}\n")
     save_figure(convergence_figure(loaded.name, found), path, dpi=130)
     sys.stdout.write(f"plot: {path}\n")
     return 0
