@@ -13,7 +13,7 @@ from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.faults.changed_law import damaged_law
 from fem.contact.faults.worn_tooth import WornTooth
 from fem.contact.models.iso import Iso
-from fem.contact.teeth import tooth_terms
+from fem.contact.teeth import tooth_terms, with_variants
 from fem.gears.flank_deviations import sample_flank_deviations
 from fem.gears.gear import GeometryError
 from fem.gears.path import path_points
@@ -308,3 +308,15 @@ def test_what_no_gear_has_is_refused_or_questioned_with_its_place():
         checked_plant(load_scene("minimal", ('stages.1.pinion.deviations.flanks.file="none.csv"',)).scene, "minimal")
     rough = load_scene("minimal", ("stages.1.wheel.deviations.eccentricity_um=190",)).scene
     assert any("is the unit right" in text for text in design_warnings(rough, lay_out(rough)))
+
+
+def test_a_cracked_tooth_of_an_eccentric_gear_keeps_the_modes_of_its_crack(laws):
+    pair, law = PAIRS["right"], laws["right"][0]
+    modes = np.random.default_rng(2).uniform(0.0, 1e-6, (2, 3, law.face_coordinate.size, law.compliance.size))
+    cracked = with_variants(law, "wheel", 0.0, 0.0, modes)
+    given = PrescribedDeviations(eccentricity=Eccentricity(amount=5e-6))
+    terms = tooth_terms(pair.wheel.teeth, variant=np.arange(pair.wheel.teeth) == 7)
+    deviating, terms = deviating_law(cracked, pair, "wheel", terms, given)
+    of_teeth = deviating.wheel_variant_modes[terms[:, -1].astype(int) - 1]
+    np.testing.assert_array_equal(of_teeth[7], modes)
+    assert not np.delete(of_teeth, 7, axis=0).any()
