@@ -23,9 +23,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 from scipy.linalg import cho_factor, cho_solve
-from scipy.sparse.linalg import splu
 
-from fem.contact.wheels.ring import RingError, SectorReduction, cut_rotation
+from fem.contact.wheels.ring import SectorReduction, condensed, cut_rotation, degrees_of
 from fem.contact.wheels.solid_ring import CUT, load_size, node_frames, sector_prism
 from fem.elements.nested_condensation import KEPT
 from fem.elements.sections import stiffness
@@ -61,31 +60,15 @@ def plane_cracked_ring(mesh: SectorMesh, young: float, poisson: float, loads: sp
     components, first = full.shape[0] // len(mesh.points), mesh.slit_first
     turn = cut_rotation(mesh, components)
     join = sparse.identity(full.shape[0], format="lil")  # the doubles: u(body) = u(tooth) - g
-    on_tooth = (components * mesh.slit[:, None] + np.arange(components)).ravel()
+    on_tooth = degrees_of(mesh.slit, components)
     opening = components * first + np.arange(len(on_tooth))
     join[opening, on_tooth] = 1.0
     join[opening, opening] = -1.0
     turn = (turn @ join.tocsc()).tocsc()
     full = (turn.T @ full @ turn).tocsc()
-    nodes = np.concatenate([mesh.cut_low, mesh.cut_high])
-    kept = np.concatenate([opening, (components * nodes[:, None] + np.arange(components)).ravel()])
-    held = np.concatenate([mesh.bore, mesh.cut_bore])
-    inner = np.ones(full.shape[0], dtype=bool)
-    inner[kept] = False
-    inner[(components * held[:, None] + np.arange(components)).ravel()] = False
-    k_ii, k_ic = full[inner][:, inner].tocsc(), full[inner][:, kept]
-    try:
-        factor = splu(k_ii, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    except RuntimeError as error:
-        raise RingError(
-            f"gear z={mesh.teeth}: the stiffness matrix of the cracked sector ({k_ii.shape[0]} unknowns) is singular "
-            f"({error}). Check bore radius and material."
-        ) from error
-    count("gear_factorisations")
-    p = loads.tocsr()[inner]
-    answer = factor.solve(sparse.hstack([k_ic, p]).toarray())
-    schur = full[kept][:, kept].toarray() - k_ic.T @ answer[:, : len(kept)]
-    return _closed_to_ring(mesh.teeth, len(opening), schur, -(k_ic.T @ answer[:, len(kept) :]), 0)
+    cut = degrees_of(np.concatenate([mesh.cut_low, mesh.cut_high]), components)
+    schur, transfer, _ = condensed(mesh, full, np.concatenate([opening, cut]), loads)
+    return _closed_to_ring(mesh.teeth, len(opening), schur, transfer, 0)
 
 
 def solid_cracked_ring(

@@ -117,12 +117,33 @@ def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.
     full = stiffness(mesh.points, mesh.elements, young, poisson, mesh.twist, mesh.filling)
     components = full.shape[0] // len(mesh.points)
     turn = cut_rotation(mesh, components)
-    full = (turn.T @ full @ turn).tocsc()
-    cut = _dofs(np.concatenate([mesh.cut_low, mesh.cut_high]), components)
+    cut = degrees_of(np.concatenate([mesh.cut_low, mesh.cut_high]), components)
+    schur, transfer, direct = condensed(mesh, (turn.T @ full @ turn).tocsc(), cut, loads)
+    return SectorReduction(
+        teeth=mesh.teeth, stiffness=(schur + schur.T) / 2, transfer=transfer, direct=(direct + direct.T) / 2
+    )
+
+
+def condensed(
+    mesh: SectorMesh, full: sparse.csc_matrix, kept: np.ndarray, loads: sparse.spmatrix
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Stiffness (kept, kept), the forces (kept, p) that loads put on what is kept, and their own compliance (p, p).
+
+    Parameters
+    ----------
+    mesh : its bore is held
+    full : (dofs, dofs) stiffness of the sector
+    kept : numbers of the unknowns that stay
+    loads : sparse (dofs, p), away from what is kept or held
+
+    Raises
+    ------
+    RingError : the factorisation fails
+    """
     inner = np.ones(full.shape[0], dtype=bool)
-    inner[cut] = False
-    inner[_dofs(np.concatenate([mesh.bore, mesh.cut_bore]), components)] = False
-    k_ii, k_ic, k_cc = full[inner][:, inner].tocsc(), full[inner][:, cut], full[cut][:, cut]
+    inner[kept] = False
+    inner[degrees_of(np.concatenate([mesh.bore, mesh.cut_bore]), full.shape[0] // len(mesh.points))] = False
+    k_ii, k_ic = full[inner][:, inner].tocsc(), full[inner][:, kept]
     try:
         factor = splu(k_ii, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:
@@ -133,15 +154,9 @@ def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.
     count("gear_factorisations")
     p = loads.tocsr()[inner]
     answer = factor.solve(sparse.hstack([k_ic, p]).toarray())
-    by_cut, by_load = answer[:, : len(cut)], answer[:, len(cut) :]
-    schur = k_cc.toarray() - k_ic.T @ by_cut
-    direct = p.T @ by_load
-    return SectorReduction(
-        teeth=mesh.teeth,
-        stiffness=(schur + schur.T) / 2,
-        transfer=-(k_ic.T @ by_load),
-        direct=(direct + direct.T) / 2,
-    )
+    by_kept, by_load = answer[:, : len(kept)], answer[:, len(kept) :]
+    schur = full[kept][:, kept].toarray() - k_ic.T @ by_kept
+    return schur, -(k_ic.T @ by_load), p.T @ by_load
 
 
 def ring_response(sector: SectorReduction, reach: int = 2) -> dict[int, np.ndarray]:
@@ -213,5 +228,6 @@ def cut_rotation(mesh: SectorMesh, components: int) -> sparse.csc_matrix:
     return sparse.csc_matrix((np.concatenate([diagonal, -y, y]), (rows, cols)), shape=(size, size))
 
 
-def _dofs(nodes: np.ndarray, components: int) -> np.ndarray:
+def degrees_of(nodes: np.ndarray, components: int) -> np.ndarray:
+    """Numbers of the unknowns of nodes, node by node."""
     return (components * nodes[:, None] + np.arange(components)).ravel()
