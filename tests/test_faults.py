@@ -1,6 +1,7 @@
 """Damaged teeth: crack compliance against the whole ring and beam theory, chips and wear as gaps, refusals."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -152,6 +153,19 @@ def test_a_chip_cuts_the_path_short_where_the_tip_is_lost():
     shorter = path_points(SPUR, xi, 1e-3, (edge, np.inf)).gap
     place = (xi > end) & (xi < SPUR.xi_end)
     assert gap[lost][0, place] == pytest.approx(shorter[place])
+
+
+def test_the_material_that_a_chip_takes_away_hardly_supported_what_is_left():
+    """A chip keeps the compliance of the whole tooth. Against a wheel that is made half a module shorter."""
+    short = replace(SPUR, wheel=replace(SPUR.wheel, tip_alteration=-1e-3))
+    whole, cut = (Plane(refinement=0.7, slices=1).laws(pair)[0] for pair in (SPUR, short))
+    below = short.wheel.tip_radius - law_points(cut, short).wheel_radius
+    xi = [law.position_start + law.position_step * np.arange(law.compliance.size) for law in (whole, cut)]
+    added = cut.compliance / np.interp(xi[1], xi[0], whole.compliance) - 1.0
+    flank = np.isfinite(cut.gap) & (cut.gap == 0.0)
+    assert 0.005 < added[flank].max() < 0.04
+    assert np.abs(added[flank & (below > 0.3e-3)]).max() < 6e-3
+    assert np.abs(added[flank & (below > 0.7e-3)]).max() < 2e-3
 
 
 def test_a_broken_corner_is_deepest_at_its_end():
