@@ -1,9 +1,9 @@
 """Added deflection of cracked teeth by ten-node tetrahedra: `python -m benchmarks.cracked_teeth [OUTPUT.json]`.
 
-A segment of three teeth is meshed by gmsh around the crack front, held at the bore and at its two cuts, and solved by
+A segment of a few teeth is meshed by gmsh around the crack front, held at the bore and at its two cuts, and solved by
 scikit-fem with the crack open (doubled nodes) and closed, on one mesh. Loads and displacements are means over patches
 of a flank, 0.4 m_n across, at three heights on both halves of the face: six places, and the change of compliance
-between all of them, to be held against `fem.contact.wheels.crack_surface`.
+between all of them, to be held against `fem.contact.wheels.crack_surface` by `benchmarks.added_by_cracks`.
 """
 
 from __future__ import annotations
@@ -66,6 +66,7 @@ CASES: dict[str, dict[str, Any]] = {
     for helix in (0.0, 12.0)
 }
 SIZES = (0.16, 0.11)  # of the elements at the crack front, in m_n
+BESIDE = 2  # teeth on either side; with one, held cuts take 2.7 % of what is added at the root of the sound half
 
 
 def places(gear: Gear) -> list[tuple[float, float, float]]:
@@ -104,7 +105,7 @@ def _slit(gear: Gear, crack: Crack) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def _outline(gear: Gear) -> list[np.ndarray]:
-    """Pieces of the outline of three teeth from low to high angle, the middle tooth cut at both mid fillets."""
+    """Pieces of the outline of the teeth from low to high angle, the middle tooth cut at both mid fillets."""
     half = half_tooth_profile(gear, 24, 16, 4)
     points = half.points[:, ::-1]  # centre line along +x
     radius, _ = root_chord(gear)
@@ -118,7 +119,7 @@ def _outline(gear: Gear) -> list[np.ndarray]:
     mirrored = [piece * (1.0, -1.0) for piece in pieces]
     tooth = [*mirrored, *(piece[::-1] for piece in pieces[::-1])]
     out = []
-    for turn in (-1, 0, 1):
+    for turn in range(-BESIDE, BESIDE + 1):
         a = 2 * math.pi * turn / gear.teeth
         matrix = np.array([[math.cos(a), -math.sin(a)], [math.sin(a), math.cos(a)]])
         out += [piece @ matrix.T for piece in tooth]
@@ -145,16 +146,18 @@ def _mesh(gear: Gear, crack: Crack, size: float) -> tuple[np.ndarray, np.ndarray
             return made[key]
 
         curves = [occ.addSpline([point(p) for p in piece]) for piece in _outline(gear)]
-        first, last = curves[:9], curves[15:]  # up to the low mid fillet of the middle tooth, from its high one on
+        per_tooth = len(curves) // (2 * BESIDE + 1)
+        low, high = BESIDE * per_tooth + 1, (BESIDE + 1) * per_tooth - 1  # mid fillets of the middle tooth
+        first, middle, last = curves[:low], curves[low:high], curves[high:]
         body_start, body_end = _outline(gear)[0][0], _outline(gear)[-1][-1]
         inner = [p * gear.bore_radius / np.hypot(*p) for p in (body_start, body_end)]
-        angles = np.linspace(math.atan2(*inner[1][::-1]), math.atan2(*inner[0][::-1]), 12)
+        angles = np.linspace(math.atan2(*inner[1][::-1]), math.atan2(*inner[0][::-1]), 12 * BESIDE)
         ring = [gear.bore_radius * np.array([math.cos(a), math.sin(a)]) for a in angles]
         bore = occ.addSpline([point(inner[1]), *(point(p) for p in ring[1:-1]), point(inner[0])])
         sides = [occ.addLine(point(body_end), point(inner[1])), occ.addLine(point(inner[0]), point(body_start))]
         slit = [occ.addLine(point(other), point(tip)), occ.addLine(point(tip), point(mouth))]
         body_loop = occ.addCurveLoop([*first, *slit, *last, sides[0], bore, sides[1]])
-        tooth_loop = occ.addCurveLoop([*curves[9:15], -slit[1], -slit[0]])
+        tooth_loop = occ.addCurveLoop([*middle, -slit[1], -slit[0]])
         faces = [occ.addPlaneSurface([loop]) for loop in (body_loop, tooth_loop)]
         volumes = [next(tag for d, tag in occ.extrude([(2, face)], 0, 0, b) if d == 3) for face in faces]
         corners = [
@@ -238,7 +241,7 @@ def _compliance(gear: Gear, straight: Any) -> np.ndarray:
     element = skfem.ElementVector(skfem.ElementTetP2())
     basis = skfem.CellBasis(mesh, element, intorder=4)
     matrix = linear_elasticity(*lame_parameters(YOUNG, POISSON)).assemble(basis)
-    end = 3 * math.pi / gear.teeth
+    end = (2 * BESIDE + 1) * math.pi / gear.teeth
 
     def is_held(p: np.ndarray) -> np.ndarray:
         theta, r = np.arctan2(p[1], p[0]), np.hypot(p[0], p[1])

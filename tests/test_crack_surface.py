@@ -1,16 +1,15 @@
 """Cracks in space: plane limit, continuity, support of the sound part of the face, mirror images, modes, contact."""
 
-import json
 import math
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.linalg import cho_solve
 
-from benchmarks.cracked_teeth import CASES, case_gear, places
+from benchmarks.added_by_cracks import added, by_surface, reference, seen
+from benchmarks.cracked_teeth import CASES, places
 from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.faults.changed_law import damaged_law
@@ -49,15 +48,6 @@ def surface(pair, gear="pinion", refinement=0.6, elements=5, poisson=0.3):
     )
 
 
-def added(found, gear, crack, where):
-    """Added compliance (place, place), m/N, between loads at arc lengths over parts of the face."""
-    open_, factor = opened(found, lambda z: crack.depth_at(z, FACE), crack.reach(FACE))
-    weights = load_weights(found, np.array([arc for arc, _, _ in where]))
-    means = np.concatenate([slice_means(found.ends, np.array(ends)) for _, *ends in where])
-    force = np.einsum("rag,pr,pa->gp", found.force[1], weights, means)[open_]
-    return force.T @ cho_solve((factor, True), force)
-
-
 def test_an_even_load_on_a_crack_over_the_whole_face_is_plane():
     """Straight teeth without lateral contraction."""
     found = surface(SPUR, poisson=0.0)
@@ -72,7 +62,7 @@ def test_an_even_load_on_a_crack_over_the_whole_face_is_plane():
     for part in (0.25, 0.5, 0.7):
         crack = CrackedTooth(depth=part * CHORD, angle=ANGLE)
         plane = crack_compliance(pair, "pinion", crack.depth, ANGLE, points)[inside]
-        even = added(found, pair.pinion, crack, [(arc, -FACE / 2, FACE / 2) for arc in arcs])
+        even = added(found, crack, [(arc, -FACE / 2, FACE / 2) for arc in arcs])
         assert np.diag(even) * FACE == pytest.approx(plane, rel=0.02)
         assert (np.diag(even) * FACE).mean() == pytest.approx(plane.mean(), rel=0.01)
 
@@ -87,9 +77,9 @@ def test_compliance_grows_evenly_with_the_crack_from_nothing(series):
         cracks = [CrackedTooth(depth=deep, angle=ANGLE, extent=e) for e in np.arange(step / 2, FACE, 2 * step)]
     else:
         cracks = [CrackedTooth(depth=deep, far_depth=d, angle=ANGLE) for d in np.arange(0.0, deep, step)]
-    grown = np.array([np.diag(added(found, HELICAL.pinion, crack, where)).sum() for crack in cracks])
+    grown = np.array([np.diag(added(found, crack, where)).sum() for crack in cracks])
     assert (np.diff(grown) > -1e-9 * grown[-1]).all()
-    whole = np.diag(added(found, HELICAL.pinion, CrackedTooth(depth=0.8 * CHORD, angle=ANGLE), where)).sum()
+    whole = np.diag(added(found, CrackedTooth(depth=0.8 * CHORD, angle=ANGLE), where)).sum()
     jump = np.abs(np.diff(grown, n=2)).max()  # what is left of a step when the one before is taken off
     assert jump < 0.02 * whole
     if series != "far depth":
@@ -98,8 +88,8 @@ def test_compliance_grows_evenly_with_the_crack_from_nothing(series):
 
 def test_the_sound_half_of_the_face_supports_the_cracked_half():
     found, where = surface(SPUR), places(SPUR.pinion)
-    half = added(found, SPUR.pinion, CrackedTooth(depth=0.4 * CHORD, angle=ANGLE, extent=FACE / 2), where)
-    full = added(found, SPUR.pinion, CrackedTooth(depth=0.4 * CHORD, angle=ANGLE), where)
+    half = added(found, CrackedTooth(depth=0.4 * CHORD, angle=ANGLE, extent=FACE / 2), where)
+    full = added(found, CrackedTooth(depth=0.4 * CHORD, angle=ANGLE), where)
     cracked, sound = slice(1, None, 2), slice(0, None, 2)
     assert (np.diag(half)[cracked] < 0.9 * np.diag(full)[cracked]).all()
     assert (np.diag(half)[sound] < 0.25 * np.diag(half)[cracked]).all()
@@ -180,23 +170,13 @@ def test_few_modes_hold_the_added_compliance(gear, far_depth):
     assert np.linalg.eigvalsh(left.reshape(size, size))[0] > -1e-9 * np.abs(exact).max()
 
 
-STORED = json.loads((Path(__file__).parents[1] / "benchmarks/results/cracked-teeth.json").read_text(encoding="utf-8"))
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("name", STORED)
+@pytest.mark.parametrize("name", CASES)
 def test_added_deflection_is_that_of_tetrahedra(name):
-    """Loads on six places of the flank; the tetrahedra are those of `benchmarks.cracked_teeth`."""
-    gear, crack = case_gear(name), CASES[name]["crack"]
-    pair = replace(PAIRS[CASES[name]["helix_deg"]], pinion=gear)
-    found = added(
-        surface(pair, refinement=0.7, elements=6),
-        gear,
-        CrackedTooth(depth=crack.depth, far_depth=crack.far_depth, extent=crack.extent, angle=crack.angle),
-        places(gear),
-    )
-    exact = np.array(STORED[name]["meshes"][-1]["added_m_per_N"])
-    assert found.sum() == pytest.approx(exact.sum(), rel=0.05)
+    """Loads on six places of the flank; the little that is added on a sound half is up to 9 % too much."""
+    found, exact = by_surface(name), reference(name)
+    assert seen(found) == pytest.approx(seen(exact), rel=0.05)
+    assert np.diag(found) == pytest.approx(np.diag(exact), rel=0.1)
     assert np.abs(found - exact).max() < 0.05 * exact.max()
 
 

@@ -8,9 +8,10 @@ from functools import cache
 
 import numpy as np
 
-from benchmarks import gear_bodies
+from benchmarks import added_by_cracks, gear_bodies
 from benchmarks.checks.plane import PLANE_CONTACT, helical_checks
 from benchmarks.checks.record import Check, Subject
+from benchmarks.cracked_teeth import CASES
 from benchmarks.gear_pairs import pair_of_17_and_43, thick_rimmed_pair
 from benchmarks.peers.calculix_contact import POSITIONS_PER_CYCLE, RESULTS
 from benchmarks.rig import read
@@ -84,6 +85,18 @@ def _body_check(body: gear_bodies.Body) -> Check:
     )
 
 
+def _crack_check(name: str) -> Check:
+    return Check(
+        f"deflection that a crack adds, even load and three places on its half, z 20, m_n 2 mm, b 12 mm, {name}",
+        "ten-node tetrahedra of five teeth, two meshes extrapolated (`python -m benchmarks.cracked_teeth`)",
+        "nm/N",
+        tuple(added_by_cracks.seen(added_by_cracks.reference(name))),
+        5e-2,
+        lambda: added_by_cracks.seen(added_by_cracks.by_surface(name)),
+        "test_crack_surface.py::test_added_deflection_is_that_of_tetrahedra",
+    )
+
+
 SUBJECT = Subject(
     "Mesh stiffness, model solid",
     (
@@ -103,6 +116,7 @@ SUBJECT = Subject(
         ),
         *(_calculix_check(*position) for position in calculix_positions()),
         *(_body_check(body) for body in gear_bodies.BODIES),
+        *(_crack_check(name) for name in CASES),
     ),
     cheap=False,
 )
