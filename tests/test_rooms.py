@@ -21,6 +21,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "fem.contact.faults",
     "fem.contact.models",
     "fem.casing.geometry",
+    "fem.casing.hexahedra",
     "fem.casing.meshing",
     "fem.casing.reduced",
     "fem.casing.models",

@@ -135,5 +135,6 @@ def element_sizes(table: FlexibleBase, box: Geometry, iron: Material, source: st
             problem = "is needed for casing.elements_per_wavelength of a housing from a file"
             raise SceneError(source, [Problem("casing.housing.wall_thickness_mm", problem, "Give its thinnest wall.")])
         size = min(size, bending_wavelength(iron, wall, table.band_Hz) / table.elements_per_wavelength)
-    bore, foot = table.bore_element_size_mm, table.foot_element_size_mm
-    return Sizes(element=size, bore=None if bore is None else bore / 1000, foot=None if foot is None else foot / 1000)
+    local = (table.bore_element_size_mm, table.foot_element_size_mm, table.edge_element_size_mm)
+    bore, foot, edge = (None if one is None else one / 1000 for one in local)
+    return Sizes(element=size, bore=bore, foot=foot, edge=edge)

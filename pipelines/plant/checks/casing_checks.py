@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fem.casing.geometry.dimensions import HousingError
 from fem.casing.geometry.housing import Housing
 from fem.casing.meshing.imported import ALONG_Y, OFF_AXIS, ImportedHousing
 from fem.casing.meshing.locate import ByCylinder, ByGroup, ByPlane
@@ -60,6 +61,9 @@ def bad_casing(scene: Scene, layout: Layout, made: Geometry, source: str) -> Ite
         except MeshError as error:
             yield Problem("casing.element_size_mm", str(error), "", f"{table.element_size_mm:g}")
             return
+        if table.element.startswith("hexahedron"):
+            yield from _no_hexahedra(made, sizes.element, table.element)
+            return
         count = _elements(made, sizes.element)
         if count > MOST_ELEMENTS:
             least = sizes.element * (count / MOST_ELEMENTS) ** (1 / 3)
@@ -70,6 +74,16 @@ def bad_casing(scene: Scene, layout: Layout, made: Geometry, source: str) -> Ite
                 f"Give {1000 * least:.2g} mm or more, or a lower casing.band_Hz if elements_per_wavelength is set",
                 f"{table.element_size_mm:g}",
             )
+
+
+def _no_hexahedra(made: Housing, size: float, element: str) -> Iterator[Problem]:
+    """Why a housing cannot be meshed with hexahedra of a size (m)."""
+    from fem.casing.hexahedra.section import shaft_places
+
+    try:
+        shaft_places(made, size)
+    except HousingError as error:
+        yield Problem("casing.element", str(error), "", element)
 
 
 def _elements(made: Housing, size: float) -> float:

@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, field_validator, model_validator
 
 from pipelines.scene.tables.base import MaterialTable, NotNegative, Number, Positive, Table
-from pipelines.scene.tables.housing import Axes, HousingModel, MeshHousingTable
+from pipelines.scene.tables.housing import Axes, HousingModel, HousingTable, MeshHousingTable
 
 Damping = Annotated[Number, Field(ge=0, lt=1)]
 Spring = Annotated[Number, Field(gt=0, le=1e7)]
@@ -35,22 +35,38 @@ class FlexibleBase(Table):
     element: Annotated[
         Literal["tetrahedron-4", "tetrahedron-10", "hexahedron-20", "hexahedron-27"],
         Field(
-            description="tetrahedron-4 is too stiff in thin walls: to compare with; hexahedra need a mesh file of them"
+            description="tetrahedron-4 is too stiff in thin walls: to compare with; hexahedra: of a parametric housing "
+            "without flange, ribs, fillets and pads, or from a mesh file"
         ),
     ] = "tetrahedron-10"
     bore_element_size_mm: Annotated[Positive | None, Field(description="at the bearing seats, where smaller")] = None
     foot_element_size_mm: Annotated[Positive | None, Field(description="at the ground faces, where smaller")] = None
+    edge_element_size_mm: Annotated[
+        Positive | None,
+        Field(description="hexahedra of a parametric housing: thickness of thin ones along its inner edges; none"),
+    ] = None
     damping_ratio: Annotated[
         Damping | tuple[tuple[NotNegative, Damping], ...],
         Field(description="modal damping: one number, or rows [Hz, ratio] with rising frequencies, linear in between"),
     ] = 0.01
 
     @model_validator(mode="after")
-    def _hexahedra_from_files(self) -> FlexibleBase:
-        if self.element.startswith("hexahedron") and not isinstance(self.housing, MeshHousingTable):
+    def _hexahedra(self) -> FlexibleBase:
+        of_hexahedra, parametric = self.element.startswith("hexahedron"), isinstance(self.housing, HousingTable)
+        if of_hexahedra and not parametric and not isinstance(self.housing, MeshHousingTable):
             raise ValueError(
-                f"element: the housing is meshed with tetrahedra, {self.element} elements come from a mesh file only; "
-                'set element to "tetrahedron-10"'
+                f"element: a STEP file is meshed with tetrahedra, {self.element} elements are made of a parametric "
+                'housing or come from a mesh file; set element to "tetrahedron-10"'
+            )
+        if self.edge_element_size_mm is not None and not (of_hexahedra and parametric):
+            raise ValueError(
+                f"edge_element_size_mm: only hexahedra of a parametric housing have layers at its edges, not "
+                f"{self.element} elements of this one; leave it out"
+            )
+        if of_hexahedra and parametric and (self.bore_element_size_mm or self.foot_element_size_mm):
+            raise ValueError(
+                f"bore_element_size_mm, foot_element_size_mm: {self.element} elements of a parametric housing are no "
+                "smaller at seats and feet; give element_size_mm alone"
             )
         return self
 

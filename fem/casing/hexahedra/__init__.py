@@ -1,0 +1,1 @@
+"""Hexahedra of plain parametric housings."""
