@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from fem.casing.reduced.frequency_limits import FrequencyLimits
     from fem.casing.reduced.modes import CasingModes, NaturalModes
 
 
@@ -31,6 +33,8 @@ def main(options: argparse.Namespace) -> int:
         extrapolated = f"stiffness times {factor:.4f}, extrapolated to elements of size zero\n" if factor != 1.0 else ""
         table = mode_table(casing.natural, options.modes)
         sys.stdout.write(f"{describe(casing.modes)}\n{extrapolated}{casing.checkup.report(0)}\n{table}\n")
+        if casing.limits is not None:
+            sys.stdout.write(f"{limit_table(casing.limits, options.modes)}\n")
     if casing.error is not None:
         sys.stdout.write(f"{casing.error.report()}\n")
     sys.stdout.write(f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} rows\n")
@@ -43,6 +47,28 @@ def main(options: argparse.Namespace) -> int:
         write_casing(casing, plant.title, target)
         sys.stdout.write(f"{target}\n")
     return 0
+
+
+def limit_table(limits: FrequencyLimits, count: int) -> str:
+    """Limits of the natural frequencies at elements of size zero, with their bands; rigid motions are left out."""
+    from pipelines.border.grid import Grid
+
+    rows = [
+        (str(i + 1), f"{f:.2f}", f"{limit:.2f}", f"{band:.2f}", f"{100 * band / limit:.2f}", _order(order))
+        for i, (f, limit, band, order) in enumerate(
+            zip(limits.frequencies, limits.limits, limits.bands, limits.orders, strict=True)
+        )
+    ]
+    title = (
+        f"Elements of size zero, from three meshes: common order {limits.order:.2f}; bands of {len(rows)} modes: "
+        f"{100 * limits.median_band:.2f} % in the median, {100 * limits.widest_band:.2f} % at most"
+    )
+    headers = ("mode", "Hz on its mesh", "limit, Hz", "+- Hz", "+- %", "order alone")
+    return Grid(title=title, headers=headers, rows=tuple(rows[:count])).to_text()
+
+
+def _order(order: float) -> str:
+    return "not monotone" if math.isnan(order) else f"{order:.1f}"
 
 
 def describe(modes: CasingModes) -> str:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from fem.casing.reduced.accuracy import ErrorStatement
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
+    from fem.casing.reduced.frequency_limits import FrequencyLimits
     from fem.casing.reduced.modes import CasingModes, NaturalModes
     from mbd.system.linearised import LinearModes
     from pipelines.engine.step import Graph, StepRecord
@@ -38,6 +39,7 @@ class Casing:
     modes: CasingModes | None
     natural: NaturalModes | None  # frequencies in Hz, effective masses
     checkup: CheckUp | None
+    limits: FrequencyLimits | None  # of its frequencies at elements of size zero, if it is extrapolated
     error: ErrorStatement | None  # against the full model, if it was asked for
     records: tuple[StepRecord, ...]  # seconds and memory of its steps
     band: float  # Hz
@@ -78,32 +80,38 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
     """
     from pipelines.engine.step import Graph
     from pipelines.plant.casing import ElasticPart
-    from pipelines.steps.graph import casing_error_step
+    from pipelines.steps.graph import COARSER, casing_error_step
 
     graph, plant = scene_graph(loaded)
     limit = plant.casing.model.limit if isinstance(plant.casing, ElasticPart) else None
     band = STATIC_BAND if limit is None else limit / MODES_OVER_BAND
     elastic = "casing modes" in graph.steps
-    wanted = ["casing", *(["casing mesh", "casing modes"] if elastic else [])]
+    extrapolated = all(name in graph.steps for name in COARSER)
+    wanted = ["casing", *(["casing mesh", "casing modes"] if elastic else []), *(COARSER if extrapolated else ())]
     if error_check:
         if not elastic:
             raise InputError(no_full_model(plant))
         graph = Graph([*graph, casing_error_step(graph, band)])
         wanted.append("casing error")
     outcome = work.build(graph, wanted)
-    body, modes, checkup, natural = outcome.value("casing"), None, None, None
+    body, modes, checkup, natural, limits = outcome.value("casing"), None, None, None, None
     if elastic:
         from fem.casing.reduced.modes import natural_modes
 
         modes, checkup = outcome.value("casing modes")
         mounts = graph.steps["casing"].spec.mounts
         natural = natural_modes(modes, mounts, limit=limit, stiffness_factor=body.stiffness_factor)
+        if extrapolated:
+            from fem.casing.reduced.extrapolation import measured_limits
+
+            limits = measured_limits(modes, [outcome.value(name) for name in COARSER])
     return Casing(
         body=body,
         mesh=outcome.value("casing mesh") if elastic else None,
         modes=modes,
         natural=natural,
         checkup=checkup,
+        limits=limits,
         error=outcome.value("casing error") if error_check else None,
         records=tuple(record for record in outcome.records if "casing" in record.name),
         band=band,

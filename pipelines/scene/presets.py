@@ -8,7 +8,7 @@ What decides, on the shipped rig: `plane` shifts the lines of the fault by 5 dB,
 presets take `solid`. Each slice of the face enters the mesh as a whole and so adds a tone at its own passing
 frequency, n f_m / eps_beta, among the modes of the casing; the tones fall with n^2. The flexibility of the bearing
 seats moves the lines of the fault more than the rest of the casing does, so elements are finest at the bores. The
-stiffness of the casing is extrapolated from two meshes: without it, twice as fine elements move these lines by 3.4 dB.
+casing is extrapolated from three meshes: without that, twice as fine elements move these lines by 3.4 dB.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.damping import DampingRatio
-    from fem.casing.reduced.extrapolation import LowestFrequencies
+    from fem.casing.reduced.extrapolation import LowestModes
     from fem.casing.reduced.modes import CasingModes
 
 
@@ -93,15 +93,13 @@ def build_rigid_mesh(spec: RigidMeshSpec, mesh: CasingMesh) -> CountedResult:
     )
 
 
-def build_elastic(
-    spec: ElasticSpec, modes: tuple[CasingModes, CheckUp], coarser: LowestFrequencies | None = None
-) -> CountedResult:
-    """Bearing coordinates and modes; the stiffness is extrapolated where there is a coarser mesh."""
-    from fem.casing.reduced.extrapolation import ExtrapolationError, stiffness_factor
+def build_elastic(spec: ElasticSpec, modes: tuple[CasingModes, CheckUp], *coarser: LowestModes) -> CountedResult:
+    """Bearing coordinates and modes; the stiffness is extrapolated where there are coarser meshes."""
+    from fem.casing.reduced.extrapolation import ExtrapolationError, measured_limits, stiffness_factor
     from fem.casing.reduced.modes import reduced_body
 
     try:
-        factor = 1.0 if coarser is None else stiffness_factor(modes[0], coarser)
+        factor = stiffness_factor(measured_limits(modes[0], coarser)) if coarser else 1.0
     except ExtrapolationError as error:
         raise WorkError(str(error)) from error
 

@@ -1,4 +1,4 @@
-"""Step `coarser casing`: natural frequencies on a mesh with larger elements, to extrapolate the stiffness from."""
+"""Steps `coarser casing`, `coarsest casing`: natural modes on meshes with larger elements, to extrapolate from."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from fem.elements.materials import Material
 
 if TYPE_CHECKING:
     from fem.casing.meshing.mesh import CasingMesh
-    from fem.casing.reduced.extrapolation import LowestFrequencies
+    from fem.casing.reduced.extrapolation import LowestModes
     from fem.casing.reduced.grounded import Attachment, Ground
 
 
@@ -25,11 +25,11 @@ class CoarserSpec:
     attachment: Attachment
 
 
-def build(spec: CoarserSpec, mesh: CasingMesh) -> LowestFrequencies:
-    """The lowest frequencies."""
-    from fem.casing.reduced.extrapolation import lowest_frequencies
+def build(spec: CoarserSpec, mesh: CasingMesh) -> LowestModes:
+    """The lowest modes."""
+    from fem.casing.reduced.extrapolation import lowest_modes
 
-    return lowest_frequencies(
+    return lowest_modes(
         mesh,
         spec.material,
         static=spec.static,

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pipelines.plant.flanks_spec import FlanksSpec
     from pipelines.steps.casing_modes import CasingModesSpec
 
+COARSER = ("coarser casing", "coarsest casing")  # steps with the modes that a casing is extrapolated from
 _NUMERIC = ("numpy", "scipy", "numba")
 
 
@@ -167,35 +168,38 @@ def _casing_steps(plant: Plant) -> list[Step]:
                 limit=part.model.limit,
                 frequency_error=part.frequency_error,
             ),
-            takes=("casing modes", *(step.name for step in coarser[1:])),
+            takes=("casing modes", *(COARSER if coarser else ())),
         ),
     ]
 
 
 def _coarser_steps(mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str, tuple[str, ...]]) -> list[Step]:
-    """A second mesh with larger elements, and its lowest frequencies."""
-    from fem.casing.reduced.extrapolation import RATIO
+    """Two more meshes with larger elements, and their lowest modes."""
+    from fem.casing.reduced.extrapolation import RATIOS
     from pipelines.steps import coarser_casing
 
-    spec = replace(mesh.spec, sizes=mesh.spec.sizes.times(RATIO))
-    return [
-        replace(mesh, name="coarser casing mesh", spec=spec, seconds=mesh.seconds / 2),
-        Step(
-            name="coarser casing",
-            kind="casing-coarser",
-            build=coarser_casing.build,
-            spec=coarser_casing.CoarserSpec(
-                material=reduced.material,
-                static=reduced.model.limit is None,
-                interfaces=interfaces,
-                ground=reduced.model.ground,
-                attachment=reduced.model.attachment,
+    steps = []
+    for name, ratio in zip(COARSER, RATIOS, strict=True):
+        larger = replace(mesh.spec, sizes=mesh.spec.sizes.times(ratio))
+        steps += [
+            replace(mesh, name=f"{name} mesh", spec=larger, seconds=mesh.seconds / ratio**2),
+            Step(
+                name=name,
+                kind="casing-coarser",
+                build=coarser_casing.build,
+                spec=coarser_casing.CoarserSpec(
+                    material=reduced.material,
+                    static=reduced.model.limit is None,
+                    interfaces=interfaces,
+                    ground=reduced.model.ground,
+                    attachment=reduced.model.attachment,
+                ),
+                takes=(f"{name} mesh",),
+                libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
+                seconds=16.0 / ratio**2,
             ),
-            takes=("coarser casing mesh",),
-            libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
-            seconds=8.0,
-        ),
-    ]
+        ]
+    return steps
 
 
 def casing_error_step(graph: Graph, band: float) -> Step:

@@ -103,14 +103,16 @@ class ElasticBase(FlexibleBase):
         Field(description="of bearing and mount points to their faces: mean motion (RBE3) or rigid (RBE2)"),
     ] = "mean"
     extrapolated: Annotated[
-        bool, Field(description="stiffness extrapolated to elements of size zero, by a mesh of 1.5 times their size")
+        bool,
+        Field(description="stiffness extrapolated to elements of size zero, by meshes of 1.3 and 1.7 times their size"),
     ] = False
 
     @model_validator(mode="after")
-    def _meshed_twice(self) -> ElasticBase:
-        if self.extrapolated and self.element != "tetrahedron-10":
+    def _meshed_again(self) -> ElasticBase:
+        if self.extrapolated and self.element not in ("tetrahedron-10", "hexahedron-27"):
             raise ValueError(
-                f"extrapolated: its order was measured with tetrahedron-10, not with {self.element}; leave one out"
+                f"extrapolated: it was measured with tetrahedron-10 and hexahedron-27, not with {self.element}; leave "
+                "one out"
             )
         if self.extrapolated and isinstance(self.housing, MeshHousingTable):
             raise ValueError("extrapolated: a mesh file has one element size only; give a STEP file, or leave this out")

@@ -1,0 +1,102 @@
+"""Limits of natural frequencies from three meshes: what is known is found, and the truth lies in the bands."""
+
+import numpy as np
+import pytest
+
+from fem.casing.reduced.frequency_limits import LimitError, frequency_limits
+from fem.casing.reduced.pairing import counterparts
+
+SIZES = np.array([1.0, 1.3, 1.7])
+EXACT = 300.0 * 1.06 ** np.arange(60)  # Hz
+
+
+def on_meshes(order, amplitude, noise=0.0, seed=0):
+    """Frequencies (3, mode) of known truth; noise is relative."""
+    clean = EXACT * (1.0 + amplitude * SIZES[:, None] ** order)
+    return clean * (1.0 + noise * np.random.default_rng(seed).standard_normal(clean.shape))
+
+
+def amplitudes(seed=1):
+    return 0.01 * np.random.default_rng(seed).lognormal(0.0, 0.4, len(EXACT))
+
+
+@pytest.mark.parametrize("order", [1.2, 2.0, 3.4])
+def test_an_order_that_all_modes_share_is_found_with_their_limits(order):
+    found = frequency_limits(SIZES, on_meshes(order, amplitudes()))
+    assert found.order == pytest.approx(order, rel=1e-6)
+    assert found.orders == pytest.approx(order, rel=1e-4)
+    assert found.limits == pytest.approx(EXACT, rel=1e-9)
+    assert (found.bands < 1e-6 * EXACT).all()
+
+
+@pytest.mark.parametrize("noise", [1e-4, 5e-4])
+def test_limits_of_noisy_meshes_lie_in_their_bands(noise):
+    inside = []
+    for seed in range(20):
+        found = frequency_limits(SIZES, on_meshes(2.2, amplitudes(seed), noise, seed))
+        inside += (abs(found.limits - EXACT) < found.bands).tolist()
+    assert np.mean(inside) > 0.95
+
+
+def test_limits_of_modes_with_orders_of_their_own_lie_in_their_bands():
+    inside, width = [], []
+    for seed in range(20):
+        orders = 2.2 + 0.25 * np.random.default_rng(seed).standard_normal(len(EXACT))
+        found = frequency_limits(SIZES, on_meshes(orders, amplitudes(seed)))
+        inside += (abs(found.limits - EXACT) < found.bands).tolist()
+        width += (found.bands / EXACT).tolist()
+    assert np.mean(inside) > 0.93
+    assert np.median(width) < 0.01  # as wide as the correction itself would say nothing
+
+
+def test_the_common_order_is_not_moved_by_a_few_modes_that_are_paired_wrongly():
+    f = on_meshes(2.0, amplitudes())
+    f[2, :5] *= 1.2
+    assert frequency_limits(SIZES, f).order == pytest.approx(2.0, abs=0.01)
+
+
+def test_a_mode_that_oscillates_has_at_least_its_spread_as_band_and_no_order():
+    f = on_meshes(2.0, amplitudes())
+    f[1, 7] = 0.99 * f[0, 7]
+    found = frequency_limits(SIZES, f)
+    assert np.isnan(found.orders[7])
+    assert found.bands[7] >= np.ptp(f[:, 7])
+
+
+def test_a_mode_without_counterpart_takes_the_mean_correction():
+    f = on_meshes(2.0, np.full(len(EXACT), 0.01))
+    f[1, 4] = np.nan
+    found = frequency_limits(SIZES, f)
+    assert found.limits[4] == pytest.approx(EXACT[4], rel=1e-6)
+    assert np.isnan(found.orders[4])
+
+
+def test_no_order_beyond_what_theory_allows_is_believed():
+    assert frequency_limits(SIZES, on_meshes(7.0, amplitudes()), formal_order=4.0).order == 4.0
+    assert frequency_limits(SIZES, on_meshes(0.3, amplitudes())).order == 1.0
+
+
+def test_meshes_that_tell_nothing_are_refused():
+    f = on_meshes(2.0, amplitudes())
+    for sizes, frequencies, message in (
+        (SIZES[::-1], f, "three rising sizes"),
+        (SIZES, f[:2], "three rising sizes"),
+        (SIZES, np.where(np.arange(60) < 58, np.nan, f), "2 modes of the finest mesh"),
+        (SIZES, np.stack([f[0]] * 3), "60 modes of the finest mesh"),
+    ):
+        with pytest.raises(LimitError, match=message):
+            frequency_limits(sizes, frequencies)
+
+
+def test_modes_that_cross_between_two_meshes_find_their_counterparts():
+    """Sines on a line; another amplitude, another sign, another order, slightly moved places."""
+    x, order = np.linspace(0.0, 1.0, 60)[:, None], np.array([2, 0, 1, 4, 3])
+    numbers = np.arange(1, 6)
+    shapes, others = np.sin(np.pi * numbers * x), -3.0 * np.sin(np.pi * (order + 1) * (x + 0.004))
+    assert counterparts(shapes, others).tolist() == np.argsort(order).tolist()
+
+
+def test_a_mode_that_the_other_mesh_does_not_have_stays_alone():
+    x = np.linspace(0.0, 1.0, 60)[:, None]
+    shapes = np.sin(np.pi * np.array([1, 2, 3]) * x)
+    assert counterparts(shapes, shapes[:, [0, 2]]).tolist() == [0, -1, 1]
