@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,8 +15,10 @@ from pipelines.engine.working import Work
 from pipelines.scene.file import load_scene
 from pipelines.trade.axes import AXES, AxisError
 from pipelines.trade.convergence import CAUTION, ConvergenceError, study
-from pipelines.trade.refinement import refine
+from pipelines.trade.probes import Value
+from pipelines.trade.refinement import modes_of_common_order, refine
 from pipelines.trade.refinement_page import CASINGS, MESH_MODELS, convergence_figure, not_refined, verdict
+from pipelines.trade.variants import Measured
 
 
 @given(
@@ -127,3 +130,29 @@ def test_every_model_of_a_scene_has_words():
 
     assert set(MESH_MODELS) == set(MODELS)
     assert set(CASINGS) == {*CASING_MODELS, "none", "rigid"}
+
+
+def level(frequencies, order):
+    """A level of a study over casing meshes whose modes stand in another order."""
+    x = np.linspace(0.0, 1.0, 40)
+    values = [
+        Value(name=f"casing mode {n}", unit="Hz", value=frequencies[k], shape=tuple(np.sin((k + 1) * np.pi * x)))
+        for n, k in enumerate(order, 1)
+    ]
+    return Measured(by_probe={"modes": tuple(values)}, seconds={}, peak_bytes=0)
+
+
+def test_casing_modes_share_an_order_though_they_cross_from_mesh_to_mesh():
+    exact, order = np.array([300.0, 400.0, 410.0, 600.0]), 2.2
+    sizes = (1 / 1.3, 1.0, 1.3)
+    meshes = [exact * (1.0 + np.array([0.01, 0.02, 0.01, 0.015]) * size**order) for size in sizes]
+    levels = [
+        level(found, places) for found, places in zip(meshes, ([0, 1, 2, 3], [0, 1, 2, 3], [0, 2, 1, 3]), strict=True)
+    ]
+    found = modes_of_common_order(sizes, levels, 4.0)
+    assert list(found) == [f"casing mode {n}" for n in (1, 2, 3, 4)]
+    for quantity, limit, mesh in zip(found.values(), exact, np.array(meshes).T, strict=True):
+        assert quantity.order == pytest.approx(order, rel=1e-6)
+        assert quantity.limit == pytest.approx(limit, rel=1e-9)
+        assert quantity.values == pytest.approx(mesh)
+        assert quantity.bands == pytest.approx(mesh - limit, rel=1e-4)

@@ -113,7 +113,7 @@ AXES = {
         words="positions per pitch", probe="gears", formal_order=_always(2.0), ratio=2.0, settings=_positions
     ),
     "casing-mesh": Axis(
-        words="elements of the casing", probe="casing", formal_order=_casing_order, ratio=1.3, settings=_casing_mesh
+        words="elements of the casing", probe="modes", formal_order=_casing_order, ratio=1.3, settings=_casing_mesh
     ),
     "modes": Axis(
         words="band of the casing modes", probe="machine", formal_order=_always(None), ratio=1.5, settings=_modes

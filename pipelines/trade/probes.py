@@ -2,6 +2,7 @@
 
 gears     mean secant stiffness and peak-to-peak transmission error of each pair at its load
 casing    natural frequencies of the casing in its ground
+modes     more of them, each with its shape at bearings and sensors: modes that change their order are told apart
 frf       level of the transfer function from the first bearing to the diagnosed sensor, by third octave
 machine   natural frequencies of small motion about the loaded rest
 signals   rms of each sensor in each constant-speed window
@@ -20,6 +21,7 @@ from pipelines.plant.plant import Plant
 from pipelines.steps.pair_curves import law_names, pair_laws
 
 FREQUENCIES = 10  # lowest ones that are compared
+MODES = 30  # lowest ones that tell a common order
 OCTAVE_POINTS = 8  # frequencies per third octave
 DECIBEL = "dB"
 
@@ -28,13 +30,15 @@ DECIBEL = "dB"
 class Value:
     """One number of a scene; levels in dB are compared by difference, everything else by ratio.
 
-    `firm` is False where the number is not worth comparing with: a line that does not rise over its floor.
+    `firm` is False where the number is not worth comparing with: a line that does not rise over its floor. `shape`
+    holds the displacements of a mode.
     """
 
     name: str
     unit: str
     value: float
     firm: bool = True
+    shape: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -56,16 +60,31 @@ def _gears(plant: Plant, outcome: Outcome) -> list[Value]:
 
 
 def _casing(plant: Plant, outcome: Outcome) -> list[Value]:
+    return _natural_modes(outcome, FREQUENCIES)
+
+
+def _modes(plant: Plant, outcome: Outcome) -> list[Value]:
+    return _natural_modes(outcome, MODES)
+
+
+def _natural_modes(outcome: Outcome, count: int) -> list[Value]:
     from scipy.linalg import eigh
 
     body = outcome.value("casing")
-    last = min(FREQUENCIES, len(body.mass)) - 1
+    last = min(count, len(body.mass)) - 1
     if last < 0:
         return []
-    squares = eigh(body.stiffness, body.mass, eigvals_only=True, subset_by_index=(0, last))
+    squares, vectors = eigh(body.stiffness, body.mass, subset_by_index=(0, last))
+    moving = [name.endswith((":ux", ":uy", ":uz")) for name in body.row_names]
+    shapes = body.rows[moving] @ vectors
     return [
-        Value(name=f"casing mode {number}", unit="Hz", value=float(np.sqrt(max(square, 0.0))) / (2 * np.pi))
-        for number, square in enumerate(squares, 1)
+        Value(
+            name=f"casing mode {number}",
+            unit="Hz",
+            value=float(np.sqrt(max(square, 0.0))) / (2 * np.pi),
+            shape=tuple(shape.tolist()),
+        )
+        for number, (square, shape) in enumerate(zip(squares, shapes.T, strict=True), 1)
     ]
 
 
@@ -150,6 +169,7 @@ def _lines(plant: Plant, outcome: Outcome) -> list[Value]:
 PROBES = {
     "gears": Probe(law_names, _gears),
     "casing": Probe(lambda _: ["casing"], _casing),
+    "modes": Probe(lambda _: ["casing"], _modes),
     "frf": Probe(lambda _: ["casing"], _frf),
     "machine": Probe(lambda plant: [*plant.law_names, "casing"], _machine),
     "signals": Probe(lambda _: ["simulate"], _signals),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pipelines.engine.working import Work
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.trade.axes import AXES
-from pipelines.trade.convergence import Convergence, study
+from pipelines.trade.convergence import Convergence, ConvergenceError, study
 from pipelines.trade.variants import Measured, measure
 
 
@@ -52,18 +52,62 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     fineness = fineness_levels(chosen.ratio, count)
     scenes = {_level_name(f): changed(loaded, chosen.settings(loaded.scene, f)) for f in fineness}
     levels = list(measure(scenes, [chosen.probe], work).values())
-    names = [v.name for v in levels[0].values]
-    columns: dict[str, Sequence[float]] = {
-        name: [next(v.value for v in level.values if v.name == name) for level in levels] for name in names
-    }
     sizes, order = [1 / f for f in fineness], chosen.formal_order(loaded.scene)
+    if chosen.probe == "modes":
+        quantities = modes_of_common_order(sizes, levels, order)
+    else:
+        names = [v.name for v in levels[0].values]
+        columns: dict[str, Sequence[float]] = {
+            name: [next(v.value for v in level.values if v.name == name) for level in levels] for name in names
+        }
+        quantities = {name: study(sizes, column, order) for name, column in columns.items()}
     return RefinementStudy(
         axis=axis,
         fineness=fineness,
         levels=tuple(levels),
-        quantities={name: study(sizes, column, order) for name, column in columns.items()},
+        quantities=quantities,
         units={v.name: v.unit for v in levels[0].values},
     )
+
+
+def modes_of_common_order(
+    sizes: Sequence[float], levels: Sequence[Measured], formal_order: float | None
+) -> dict[str, Convergence]:
+    """Modes of the finest level that have counterparts on all others; limits and bands from the three finest levels.
+
+    The band of a value is its distance from the limit and the band of the limit.
+    """
+    import numpy as np
+
+    from fem.casing.reduced.frequency_limits import LimitError, frequency_limits
+    from fem.casing.reduced.pairing import counterparts
+
+    if len(levels) < 3:
+        raise ConvergenceError(f"{len(levels)} levels; give three or more")
+    shapes = [np.array([v.shape for v in level.values]).T for level in levels]
+    number = np.array([counterparts(shapes[0], other) for other in shapes])
+    kept = (number >= 0).all(axis=0)
+    frequencies = np.array(
+        [np.array([v.value for v in level.values])[of[kept]] for level, of in zip(levels, number, strict=True)]
+    )
+    try:
+        found = frequency_limits(sizes[:3], frequencies[:3], formal_order=formal_order or 4.0)
+    except LimitError as error:
+        raise ConvergenceError(str(error)) from error
+    names = [v.name for v, whole in zip(levels[0].values, kept, strict=True) if whole]
+    return {
+        name: Convergence(
+            sizes=tuple(sizes),
+            values=tuple(values.tolist()),
+            kind="monotone" if np.isfinite(alone) else "oscillating",
+            order=found.order if np.isfinite(alone) else None,
+            limit=float(limit),
+            bands=tuple((abs(values - limit) + band).tolist()),
+        )
+        for name, values, limit, band, alone in zip(
+            names, frequencies.T, found.limits, found.bands, found.orders, strict=True
+        )
+    }
 
 
 def _level_name(fineness: float) -> str:

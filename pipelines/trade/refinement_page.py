@@ -27,9 +27,9 @@ CASINGS = {
 }
 REACH = {  # probes whose settings move what a study looks at
     "gears": ("gears",),
-    "casing": ("casing",),
-    "machine": ("gears", "casing", "machine"),
-    "signals": ("gears", "casing", "machine", "signals"),
+    "modes": ("modes",),
+    "machine": ("gears", "modes", "machine"),
+    "signals": ("gears", "modes", "machine", "signals"),
 }
 
 
@@ -75,7 +75,7 @@ def not_refined(mesh_models: Sequence[str], casing: str, axis: str) -> str:
     axis : one of AXES
     """
     probe = AXES[axis].probe
-    models = dict.fromkeys(mesh_models) if probe != "casing" else ()
+    models = dict.fromkeys(mesh_models) if probe != "modes" else ()
     known = [f"mesh model {model}, {MESH_MODELS[model]}" for model in models]
     if probe != "gears" and casing in CASINGS:
         known.append(f"casing model {casing}, {CASINGS[casing]}")
