@@ -154,6 +154,9 @@ SCENES = {
         "diagnosis.windows_s": {},
     }),
     "rope": ("rig-missing-tooth", {"casing.model": "static", "bearings": LINEAR}),
+    "hexahedra": ("minimal", {
+        "casing.model": "static", "casing.element": "hexahedron-27", "casing.edge_element_size_mm": 4.0,
+    }),
 }  # fmt: skip
 AFTER_THE_STEPS = {  # words, what is looked for in finished signals, and what only its own choice reads
     "Scene.title", "Scene.control", "TorqueDrive.highest_rpm",
