@@ -10,7 +10,7 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from pipelines.scene.presets import PRESETS, preset_settings
+from pipelines.scene.presets import EDGE_SIZE, PRESETS, preset_settings
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import CraigBamptonCasingTable, NoCasingTable, RigidCasingTable
 
@@ -54,7 +54,7 @@ def choices(scene: Scene) -> Iterator[Choice]:
             settings = preset_settings(scene, preset)
             yield Choice(effect=PRESET, label=preset, settings=settings)
             yield Choice(effect=PRESET, label=f"{preset}, laws of {REFERENCE}", settings=settings | meshes)
-    for effect, label, change in _single(scene):
+    for effect, label, change in _single(scene, best):
         kept = {key: value for key, value in best.items() if not key.startswith(_replaced(change))}
         yield Choice(effect=effect, label=label, settings=kept | change)
     yield from _combinations(scene)
@@ -65,7 +65,7 @@ def _replaced(change: Settings) -> tuple[str, ...]:
     return tuple(f"{key.removesuffix('.model')}." for key in change if key.endswith((".mesh", ".model")))
 
 
-def _single(scene: Scene) -> Iterator[tuple[str, str, Settings]]:
+def _single(scene: Scene, best: Settings) -> Iterator[tuple[str, str, Settings]]:
     stages = range(1, len(scene.stages) + 1)
     for label, table in MESHES.items():
         yield "mesh law", label, {f"stages.{n}.mesh": table for n in stages}
@@ -74,9 +74,13 @@ def _single(scene: Scene) -> Iterator[tuple[str, str, Settings]]:
         for size, band in CASINGS:
             length, highest = casing.element_size_mm * size, casing.band_Hz * band
             settings: Settings = {"casing.element_size_mm": length, "casing.band_Hz": highest}
-            settings["casing.bore_element_size_mm"] = 0.5 * length
+            extruded = "casing.edge_element_size_mm" in best
+            local = {"edge": EDGE_SIZE} if extruded else {"bore": 0.5}
+            settings |= {f"casing.{place}_element_size_mm": share * length for place, share in local.items()}
             yield "casing", f"{length:.3g} mm, {highest:g} Hz", settings
-        yield "casing", "not extrapolated", {"casing.extrapolated": False}
+        extrapolated = bool(best.get("casing.extrapolated"))
+        label = "not extrapolated" if extrapolated else "extrapolated"
+        yield "casing", label, {"casing.extrapolated": not extrapolated}
         yield "casing", "static", {"casing.model": "static", "casing.element_size_mm": casing.element_size_mm}
     if not isinstance(casing, NoCasingTable | RigidCasingTable):
         yield "casing", "rigid", {"casing.model": "rigid"}

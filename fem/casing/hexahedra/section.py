@@ -186,6 +186,9 @@ def _apart(
                 "rectangles must lie apart); take element tetrahedron-10"
             )
     limits = [low, *[0.5 * (end + start) for end, start in zip(ends[:-1], starts[1:], strict=True)], high]
+    rooms = [start - limit for start, limit in zip([*starts, np.inf], limits, strict=True)]
+    rooms = [min(room, limit - end) for room, limit, end in zip(rooms, limits, [-np.inf, *ends], strict=True)]
+    limits = [_moved(limit, lines, min(0.5 * margin, 0.6 * room)) for limit, room in zip(limits, rooms, strict=True)]
     out = []
     for start, end, before, after in zip(starts, ends, limits[:-1], limits[1:], strict=True):
         left = before if start - before < 1.6 * margin else _moved(start - margin, lines, 0.5 * margin)

@@ -70,6 +70,12 @@ class HousingTable(Table):
     flange: FlangeTable | None = None
     ribs: RibTable | None = None
 
+    @property
+    def plain(self) -> bool:
+        """Whether the body is made of boxes and of cylinders along y alone."""
+        more = (self.flange, self.ribs, self.foot_fillet_mm, self.inner_fillet_mm, self.pad_diameter_mm)
+        return not any(more)
+
 
 class _PlaceTable(Table, ABC):
     """A place on the surface of an imported housing: exactly one way to find it."""
