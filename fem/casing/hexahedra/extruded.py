@@ -36,7 +36,7 @@ def extruded_hexahedra(housing: Housing, size: float, layer: float | None = None
     HousingError : see `shaft_places`
     """
     (low, high), (inner_low, inner_high) = housing.box, housing.cavity
-    places = shaft_places(housing, size)
+    places = shaft_places(housing, size, layer)
     feet = list(housing.foot_boxes().values())
     corners = np.array([low, high, inner_low, inner_high, *[corner for foot in feet for corner in foot]])
     ends = [end for bore in housing.bores for end in housing.bore_span(bore)]

@@ -22,7 +22,6 @@ from fem.casing.geometry.dimensions import Bore, HousingError
 from fem.casing.geometry.housing import Housing
 
 _SAME = 1e-9  # m: lines and nodes closer than this are one
-_NO_LINES = np.zeros(0)
 _LEAST = 3  # cells along a side of a shaft's rectangle, at least
 _MARGIN = 0.6  # wanted distance from the largest circle to the rectangle, in element sizes
 
@@ -69,11 +68,17 @@ def with_middles(lines: np.ndarray) -> np.ndarray:
     return out
 
 
-def shaft_places(housing: Housing, size: float) -> list[ShaftPlace]:
+def shaft_places(housing: Housing, size: float, layer: float | None = None) -> list[ShaftPlace]:
     """A rectangle around the bosses of every axis, apart from all others and inside the cavity.
 
     Axes whose bosses share a range of z stand in one row, and their rectangles have the height of the row. Sides that
-    may lie where they like take the x of a foot that is near.
+    may lie where they like end on the side of a foot, or on a layer beside the cavity's faces, that is near.
+
+    Parameters
+    ----------
+    housing : to be plain
+    size : m, largest side of an element
+    layer : m, thickness of the layers; None: none
 
     Raises
     ------
@@ -103,8 +108,10 @@ def shaft_places(housing: Housing, size: float) -> list[ShaftPlace]:
     low, high = housing.cavity
     bottoms = [min(z - _radius(axes[x, z]) for x, z in row) for row in rows]
     tops = [max(z + _radius(axes[x, z]) for x, z in row) for row in rows]
-    spans = _apart(bottoms, tops, float(low[2]), float(high[2]), _MARGIN * size)
-    edges = np.unique([corner[0] for foot in housing.foot_boxes().values() for corner in foot])
+    beside = np.array([] if layer is None else [low + layer, high - layer]).reshape(-1, 3)
+    spans = _apart(bottoms, tops, float(low[2]), float(high[2]), _MARGIN * size, beside[:, 2])
+    feet = [corner[0] for foot in housing.foot_boxes().values() for corner in foot]
+    edges = np.array([*feet, *beside[:, 0]])
     places = []
     for row, (bottom, top) in zip(rows, spans, strict=True):
         row.sort()
@@ -173,7 +180,7 @@ def _apart(
     low: float,
     high: float,
     margin: float,
-    lines: np.ndarray = _NO_LINES,
+    lines: np.ndarray,
 ) -> list[tuple[float, float]]:
     """Intervals around those given, wider by the margin where there is room; close neighbours share the middle.
 

@@ -13,6 +13,7 @@ from fem.casing.geometry.housing import Housing
 from fem.casing.meshing.imported import ALONG_Y, OFF_AXIS, ImportedHousing
 from fem.casing.meshing.locate import ByCylinder, ByGroup, ByPlane
 from fem.casing.meshing.mesh import MeshError
+from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.source import Geometry
 from mbd.coordinates.layout import BEARING_PLACE_TOLERANCE
 from pipelines.border.errors import Problem, SceneError
@@ -62,7 +63,7 @@ def bad_casing(scene: Scene, layout: Layout, made: Geometry, source: str) -> Ite
             yield Problem("casing.element_size_mm", str(error), "", f"{table.element_size_mm:g}")
             return
         if table.element.startswith("hexahedron"):
-            yield from _no_hexahedra(made, sizes.element, table.element)
+            yield from _no_hexahedra(made, sizes, table.element)
             return
         count = _elements(made, sizes.element)
         if count > MOST_ELEMENTS:
@@ -76,12 +77,12 @@ def bad_casing(scene: Scene, layout: Layout, made: Geometry, source: str) -> Ite
             )
 
 
-def _no_hexahedra(made: Housing, size: float, element: str) -> Iterator[Problem]:
-    """Why a housing cannot be meshed with hexahedra of a size (m)."""
+def _no_hexahedra(made: Housing, sizes: Sizes, element: str) -> Iterator[Problem]:
+    """Why a housing cannot be meshed with hexahedra."""
     from fem.casing.hexahedra.section import shaft_places
 
     try:
-        shaft_places(made, size)
+        shaft_places(made, sizes.element, sizes.edge)
     except HousingError as error:
         yield Problem("casing.element", str(error), "", element)
 
