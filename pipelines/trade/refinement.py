@@ -86,7 +86,7 @@ def modes_of_common_order(
         raise ConvergenceError(f"{len(levels)} levels; give three or more")
     shapes = [np.array([v.shape for v in level.values]).T for level in levels]
     number = np.array([counterparts(shapes[0], other) for other in shapes])
-    kept = (number >= 0).all(axis=0)
+    kept = np.asarray((number >= 0).all(axis=0))
     frequencies = np.array(
         [np.array([v.value for v in level.values])[of[kept]] for level, of in zip(levels, number, strict=True)]
     )
