@@ -31,6 +31,11 @@ def main(options: argparse.Namespace) -> int:
         extrapolated = f"stiffness times {factor:.4f}, extrapolated to elements of size zero\n" if factor != 1.0 else ""
         table = mode_table(casing.natural, options.modes)
         sys.stdout.write(f"{describe(casing.modes)}\n{extrapolated}{casing.checkup.report(0)}\n{table}\n")
+    if casing.mesh is not None and casing.mesh.straightened:
+        sys.stdout.write(
+            f"{casing.mesh.straightened} of {len(casing.mesh.elements)} curved elements of the file were folded or "
+            "nearly so and have lost curvature, with those that share their mid-side nodes\n"
+        )
     if casing.error is not None:
         sys.stdout.write(f"{casing.error.report()}\n")
     sys.stdout.write(f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} rows\n")
