@@ -146,6 +146,14 @@ def _casing(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--modes", metavar="N", type=count, default=20, help="rows of the table of modes (default 20)")
 
 
+def _housing(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("file", metavar="FILE", type=path, help="STEP, BREP, IGES, STL or a mesh")
+    sub.add_argument("--scene", metavar="SCENE", type=path, help="propose the seats of its shafts, write the block for it")
+    sub.add_argument("--unit", choices=("m", "cm", "mm", "um", "inch"), help="of the file (default: as it declares, or mm)")
+    sub.add_argument("--solids", metavar="N", type=count, nargs="+", default=[], help="look for seats in these solids only")
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="for picture, page and block (default ./<file>-housing)")
+
+
 def _out(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder instead of ./runs/<scene>/<timestamp>")
 
@@ -313,6 +321,12 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         _scene,
     ),
     ("gears", "stiffness and load share of each pair, healthy and faulty", "gearcase gears bench", _gears),
+    (
+        "housing",
+        "what a housing in a CAD or mesh file holds: bores, seats of a scene, the block for it",
+        "gearcase housing box.step --scene my.toml",
+        _housing,
+    ),
     ("casing", "build the casing and print its check-up", "gearcase casing rig-healthy", _casing),
     (
         "modes",

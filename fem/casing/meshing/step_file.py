@@ -322,7 +322,10 @@ def _first_surface(gmsh: Any, housing: ImportedHousing, sizes: Sizes) -> tuple[S
         for corners in gmsh.model.mesh.getElements(2, tag)[2]:
             triangles.append(number[corners.reshape(-1, 3)])
             face.append(np.full(len(triangles[-1]), tag))
-    gmsh.model.mesh.clear()
+    if Path(housing.path).suffix.lower() in STL_SUFFIXES:
+        gmsh.model.mesh.generate(1)  # begins anew; clearing would take the triangles away that are the geometry
+    else:
+        gmsh.model.mesh.clear()
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0)
     points = housing.placed(coordinates.reshape(-1, 3), 1 / MM)
     return Surface(points, np.vstack(triangles)), np.concatenate(face)
