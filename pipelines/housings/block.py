@@ -13,7 +13,7 @@ from mbd.coordinates.layout import BEARING_PLACE_TOLERANCE
 from pipelines.border.toml_text import format_value
 from pipelines.scene.scene import Scene
 
-_DOWN = -0.9998  # largest z of the normal of a face that stands on the ground
+_DOWN, _SLOPING = -0.9998, -0.8  # largest z of the normal of a face that stands on the ground
 _NOT_SMALL = 0.002  # of the largest flat face: all faces in the plane of the feet together are larger
 _LEVEL = 1e-4  # m, of one plane
 
@@ -88,15 +88,16 @@ def _grounds(contents: Contents, fit: ShaftFit) -> list[str]:
     flats = [flat for flat in contents.flats if flat.solid in chosen]
     if not flats:
         return ["# no flat face was found: name what the ground holds", "grounds = []"]
-    down = sorted(
-        (float(fit.placed(one.centre)[2]), one.number, one) for one in flats if (one.normal @ fit.axes)[2] < _DOWN
-    )
-    for level, _, one in down:
-        area = sum(other.area for height, _, other in down if abs(height - level) < _LEVEL)
-        if area > _NOT_SMALL * flats[0].area:
-            return [f"grounds = [{_plane(one, fit)}]   # every flat face in this plane"]
+    for least, remark in ((_DOWN, ""), (_SLOPING, "# no flat face looks down (-z), this one slopes\n")):
+        down = sorted(
+            (float(fit.placed(one.centre)[2]), one.number, one) for one in flats if (one.normal @ fit.axes)[2] < least
+        )
+        for level, _, one in down:
+            area = sum(other.area for height, _, other in down if abs(height - level) < _LEVEL)
+            if area > _NOT_SMALL * flats[0].area:
+                return [f"{remark}grounds = [{_plane(one, fit)}]   # every flat face in this plane"]
     return [
-        f"# no flat face looks down (-z): the largest one, face {flats[0].number}, stands here; name what the ground holds",
+        f"# no flat face looks down: the largest one, face {flats[0].number}, stands here; name what the ground holds",
         f"grounds = [{_plane(flats[0], fit)}]",
     ]
 

@@ -125,7 +125,9 @@ def fitted(fit: ShaftFit) -> str:
         for one in fit.seats
     )
     headers = ("bearing", "shaft", "bore", "diameter mm", "off axis mm", "bearing at y mm", "middle of seat y mm")
-    return Grid(title="Seats of the scene's bearings", headers=headers, rows=rows).to_text()
+    turn = float(np.degrees(np.arccos(np.clip((np.trace(fit.axes) - 1.0) / 2.0, -1.0, 1.0))))
+    title = f"Seats of the scene's bearings, the file turned by {turn:.3f} deg"
+    return Grid(title=title, headers=headers, rows=rows).to_text()
 
 
 def _more(count: int, most: int = MOST_ROWS) -> str:

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.casing.survey.contents import Bore, Contents
+from fem.casing.survey.contents import Contents
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MOST_LABELS = 40
+MOST_LABELS = 60
+_HEIGHT = 25.0  # deg above the horizon
 _LIGHT = np.array([0.35, -0.75, 0.56])
 _WALL, _SEAT, _OTHER = "#b9c2cc", "#c0392b", "#1f4e79"
 
@@ -34,7 +35,9 @@ def housing_picture(contents: Contents, seats: dict[int, str]) -> Figure:
             name, colour = str(bore.number), _OTHER
             if bore.number in seats:
                 name, colour = f"{bore.number}: {seats[bore.number]}", _SEAT
-            x, y, z = 1000 * _label_place(bore, azimuth)
+            if (bore.centre - contents.box.mean(axis=0)) @ _eye(azimuth) < 0.0:
+                continue  # the other view shows it
+            x, y, z = 1000 * bore.ends[int((bore.ends @ _eye(azimuth)).argmax())]
             axes.text(x, y, z, name, color=colour, fontsize=8, ha="center", zorder=10)
     figure.suptitle(f"{contents.name}: bores by number, the widest first (mm)")
     return figure
@@ -47,21 +50,20 @@ def _draw(axes: object, contents: Contents, azimuth: float) -> None:
     corners = 1000 * contents.points[contents.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal = normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+    seen = normal @ _eye(azimuth) > 0.0
+    corners, normal = corners[seen], normal[seen]
     turn = np.radians(azimuth + 60.0)
     light = np.array([[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]]) @ _LIGHT
     bright = 0.45 + 0.55 * np.clip(normal @ light, 0.0, 1.0)
     colours = np.outer(bright, to_rgb(_WALL))
     axes.add_collection3d(Poly3DCollection(corners, facecolors=colours, edgecolors=colours, linewidths=0.1))  # type: ignore[attr-defined]
-    low, high = corners.reshape(-1, 3).min(axis=0), corners.reshape(-1, 3).max(axis=0)
+    low, high = 1000 * contents.box
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))  # type: ignore[attr-defined]
     axes.set(xlabel="x", ylabel="y", zlabel="z")  # type: ignore[attr-defined]
     axes.set_box_aspect(np.maximum(high - low, 1e-3 * (high - low).max()))  # type: ignore[attr-defined]
-    axes.view_init(elev=25.0, azim=azimuth)  # type: ignore[attr-defined]
+    axes.view_init(elev=_HEIGHT, azim=azimuth)  # type: ignore[attr-defined]
 
 
-def _label_place(bore: Bore, azimuth: float) -> np.ndarray:
-    """The end of the bore that is nearer to the eye."""
-    eye = np.array([np.cos(np.radians(azimuth)), np.sin(np.radians(azimuth)), 0.45])
-    ends = bore.ends
-    nearer: np.ndarray = ends[int((ends @ eye).argmax())]
-    return nearer
+def _eye(azimuth: float) -> np.ndarray:
+    """Direction (3,) to the eye."""
+    return np.array([np.cos(np.radians(azimuth)), np.sin(np.radians(azimuth)), np.tan(np.radians(_HEIGHT))])

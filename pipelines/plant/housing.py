@@ -148,6 +148,8 @@ def _imported(table: ImportedTable, points: Sequence[Point], placed: tuple[Senso
         sha256=content_hash(path),
         unit=table.unit,
         upgrade=getattr(table, "upgrade", False),
+        solids=getattr(table, "solids", ()),
+        glue=getattr(table, "glue", False),
         origin=_metres(table.origin_mm),
         axes=_frame("casing.housing.axes", table.axes),
         seats=tuple(

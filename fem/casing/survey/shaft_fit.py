@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import permutations
 
 import numpy as np
@@ -21,6 +21,7 @@ from fem.casing.survey.contents import Bore
 OFF = 0.002  # m, or
 OFF_SHARE = 0.03  # of the distance: how far centre distances of file and machine may differ to be offered
 _ONE_LINE = 1e-4  # m
+_IN_PLACE = 1e-4  # m: seats farther from their bearings are all moved, to the middle of what they are off
 _PARALLEL = math.cos(math.radians(0.5))
 
 
@@ -197,7 +198,14 @@ def _along(
             best = score, float(shift), found
     if best is None:
         return None
-    return ShaftFit(origin=place + [0.0, best[1], 0.0], axes=turn, seats=tuple(best[2]))
+    _, shift, seats_there = best
+    past = [seat.y - seat.middle for seat in seats_there]
+    between = 0.5 * (min(past) + max(past)) if max(map(abs, past)) > _IN_PLACE else 0.0
+    return ShaftFit(
+        origin=place + [0.0, shift + between, 0.0],
+        axes=turn,
+        seats=tuple(replace(seat, middle=seat.middle + between) for seat in seats_there),
+    )
 
 
 def tilt(bores: Sequence[Bore]) -> tuple[np.ndarray, float]:

@@ -144,13 +144,18 @@ class ImportedTable(Table):
 
 
 class StepHousingTable(ImportedTable):
-    """A solid from a STEP file, meshed here."""
+    """Solids from a STEP, BREP, IGES or closed STL file, meshed here."""
 
     model: Literal["step"] = "step"
+    solids: Annotated[
+        tuple[Annotated[Whole, Field(ge=1)], ...],
+        Field(description="numbers of those of the housing, see gearcase housing; left out: all"),
+    ] = ()
+    glue: Annotated[Flag, Field(description="bond several solids where they touch")] = False
 
 
 class MeshHousingTable(ImportedTable):
-    """An existing mesh of tetrahedra or hexahedra, best with mid-side nodes: .msh, .inp, .bdf, .nas or .vtu."""
+    """An existing mesh of tetrahedra or hexahedra, best with mid-side nodes: .msh, .inp, .bdf, .unv, .med, .vtu, ..."""
 
     model: Literal["mesh"] = "mesh"
     upgrade: Annotated[Flag, Field(description="give linear elements mid-side nodes on straight edges")] = False
