@@ -21,7 +21,7 @@ def main(options: argparse.Namespace) -> int:
     targets = [checked_target(name) for name in options.export]
     loaded = load_asked(options)
     graph, plant = scene_graph(loaded)
-    if "casing modes" not in graph.steps and any(t.suffix == ".vtu" for t in targets):
+    if "casing mesh" not in graph.steps and any(t.suffix == ".vtu" for t in targets):
         raise InputError(no_full_model(plant))
     work = Work(processes=options.processes, quiet=options.quiet)
     casing = build_casing(loaded, work, error_check=options.error_check)

@@ -1,4 +1,4 @@
-"""The block [casing.housing] of a scene for a file, with what has to be changed before its shafts run in their seats."""
+"""The block [casing.housing] of a scene for a file, and what else to change before its shafts run in their seats."""
 
 from __future__ import annotations
 
@@ -72,14 +72,14 @@ def changes(fit: ShaftFit, scene: Scene) -> Iterator[str]:
                 f"{np.degrees(np.arctan2(z, x)):.4f} deg"
             )
     missing = sum(len(shaft.bearing_positions_mm) for shaft in scene.shafts) - len(fit.seats)
-    for number, shaft in enumerate(scene.shafts):
+    for number, table in enumerate(scene.shafts):
         seats = [seat for seat in fit.seats if seat.shaft == number]
         moved = [seat for seat in seats if abs(seat.middle - seat.y) > BEARING_PLACE_TOLERANCE]
-        if moved and len(seats) == len(shaft.bearing_positions_mm):
+        if moved and len(seats) == len(table.bearing_positions_mm):
             places = [_round(1000 * seat.middle, 4) for seat in seats]
             yield f"shaft {number + 1}: set bearing_positions_mm = {places}, the middles of its seats"
     if missing > 0:
-        yield f"{missing} bearings of the scene have no bore: move them, or let the ground carry them (bearing_supports)"
+        yield f"{missing} bearings of the scene have no bore: move them, or let the ground carry them"
 
 
 def _grounds(contents: Contents, fit: ShaftFit) -> list[str]:

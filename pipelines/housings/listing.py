@@ -44,10 +44,7 @@ def _head(contents: Contents) -> Iterator[str]:
     )
     longest = float(size.max())
     if not _USUAL_SIZE[0] <= longest <= _USUAL_SIZE[1]:
-        yield (
-            f"  a housing {longest:.4g} m long is unusual: give --unit, or --scene to find the unit in which the shafts "
-            "fit"
-        )
+        yield (f"  a housing {longest:.4g} m long is unusual: give --unit, or --scene to find the unit of the shafts")
 
 
 def _solids(contents: Contents) -> str:

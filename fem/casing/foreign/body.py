@@ -93,7 +93,9 @@ def foreign_body(
         numbers = np.unique(node[axis != MODAL])
         places = np.full((len(numbers), 3), np.nan)
     if len(unknown := np.setdiff1d(node[axis != MODAL], numbers)):
-        raise ForeignError(f"{name}: equations belong to nodes without a place: {_some(unknown)}. Give a file of all nodes")
+        raise ForeignError(
+            f"{name}: equations belong to nodes without a place: {_some(unknown)}. Give a file of all nodes"
+        )
     scale = sp.diags_array(np.where((axis >= 0) & (axis < 3), 1.0 / length, 1.0))
     energy = unit_mass * length**2
     used = (abs(K).sum(axis=1) + abs(M).sum(axis=1) > 0.0).ravel()
@@ -131,7 +133,7 @@ def _nodes(name: str, nodes: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]
     if nodes.shape[1] == 3:
         nodes = np.column_stack([np.arange(1, len(nodes) + 1), nodes])
     if nodes.shape[1] != 4 or not np.isfinite(nodes).all():
-        raise ForeignError(f"{name}: nodes are rows of number, x, y, z (or x, y, z); these have the shape {nodes.shape}")
+        raise ForeignError(f"{name}: nodes are rows of number, x, y, z (or x, y, z); the shape is {nodes.shape}")
     return nodes[:, 0].astype(int), nodes[:, 1:]
 
 
@@ -150,7 +152,9 @@ def _equations(
         return np.repeat(numbers, per_node), np.tile(np.arange(per_node), len(numbers))
     rows = np.asarray(equations).astype(int)
     if rows.shape != (count, 2):
-        raise ForeignError(f"{name}: the map of equations has the shape {rows.shape}; {count} rows of node and axis fit")
+        raise ForeignError(
+            f"{name}: the map of equations has the shape {rows.shape}; {count} rows of node and axis fit"
+        )
     if ((rows[:, 1] < 0) | (rows[:, 1] > 6)).any():
         raise ForeignError(f"{name}: the map of equations has axes outside 1 to 6 (0 for a modal coordinate)")
     return np.where(rows[:, 1] > 0, rows[:, 0], 0), rows[:, 1] - 1

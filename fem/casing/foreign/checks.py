@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +36,7 @@ class ForeignCheck:
     frequencies: np.ndarray  # Hz, the lowest, of the body as it was exported
     rigid_modes: int  # of these, that are zero
     wrong: tuple[str, ...]
+    doubtful: tuple[str, ...]
 
     def report(self, count: int = 20) -> str:
         """The check-up as text."""
@@ -50,8 +52,11 @@ class ForeignCheck:
             lines.append("  places of the nodes are not known: no mass, no test of the ground")
         lines.append(f"  {self.rigid_modes} modes without stiffness; frequencies as exported, Hz:")
         shown = self.frequencies[:count]
-        lines += ["    " + "  ".join(f"{f:12.6g}" for f in row) for row in np.array_split(shown, -(-len(shown) // 5) or 1)]
-        lines += [f"  WRONG: {words}" for words in self.wrong] or ["  nothing is wrong"]
+        lines += [
+            "    " + "  ".join(f"{f:12.6g}" for f in row) for row in np.array_split(shown, -(-len(shown) // 5) or 1)
+        ]
+        lines += [f"  WRONG: {words}" for words in self.wrong] + [f"  doubtful: {words}" for words in self.doubtful]
+        lines += [] if self.wrong or self.doubtful else ["  nothing is wrong"]
         return "\n".join(lines)
 
 
@@ -79,7 +84,7 @@ def check_foreign(body: ForeignBody, count: int = 30) -> ForeignCheck:
             inertia = (about.T @ (M @ about))[3:, 3:]
             scale = abs(K).max() * np.maximum(abs(about).max(axis=0), 1e-300)
             grounding = float((abs(K @ about) / scale).max())
-    wrong = _wrong(body, asymmetry, mass, grounding, elastic, rigid, negative)
+    wrong = _wrong(asymmetry, mass, grounding, rigid, negative)
     return ForeignCheck(
         equations=K.shape[0],
         nodes=len(body.numbers),
@@ -93,6 +98,7 @@ def check_foreign(body: ForeignBody, count: int = 30) -> ForeignCheck:
         frequencies=frequencies,
         rigid_modes=rigid,
         wrong=tuple(wrong),
+        doubtful=tuple(_doubtful(body, mass, elastic)),
     )
 
 
@@ -147,39 +153,29 @@ def _dense(K: np.ndarray, M: np.ndarray) -> np.ndarray:
     return la.eigvalsh(inside / np.outer(root, root))
 
 
-def _wrong(
-    body: ForeignBody,
-    asymmetry: list[float],
-    mass: float,
-    grounding: float,
-    elastic: np.ndarray,
-    rigid: int,
-    negative: int,
-) -> list[str]:
-    found = []
+def _wrong(asymmetry: list[float], mass: float, grounding: float, rigid: int, negative: int) -> Iterator[str]:
     for name, value in zip(("stiffness", "mass"), asymmetry, strict=True):
         if value > _SYMMETRIC:
-            found.append(f"the {name} matrix is not symmetric ({value:.1e}, limit {_SYMMETRIC:.0e}); gyroscopic or cut off")
+            yield f"the {name} matrix is not symmetric ({value:.1e}, limit {_SYMMETRIC:.0e}); gyroscopic, or cut off"
     if negative:
-        found.append(f"{negative} modes have negative stiffness: the matrices are those of a loaded or damaged model")
+        yield f"{negative} modes have negative stiffness: the matrices are those of a loaded or damaged model"
     if np.isfinite(grounding) and grounding > _FREE:
-        found.append(
+        yield (
             f"a rigid motion needs force ({grounding:.1e} of the largest stiffness, limit {_FREE:.0e}): the body is "
             "grounded in its own program, or the places of the nodes are wrong. Export it free, and name its feet here"
         )
     elif np.isfinite(grounding) and rigid > 6:
-        found.append(f"{rigid} modes have no stiffness, 6 are those of a free body: a part hangs loose")
-    if np.isfinite(mass):
-        if not mass > 0.0:
-            found.append("its mass is zero: no densities in the model, or a mass matrix of other equations")
-        else:
-            size = np.maximum(np.ptp(body.places, axis=0), 1e-6)
-            if not _USUAL_MASS[0] <= mass <= _USUAL_MASS[1] or mass / size.prod() > _USUAL_DENSITY and (size > 1e-5).all():
-                found.append(f"a mass of {mass:.4g} kg is unusual for a housing of {_size(size)} mm: check the units")
+        yield f"{rigid} modes have no stiffness, 6 are those of a free body: a part hangs loose"
+    if np.isfinite(mass) and not mass > 0.0:
+        yield "its mass is zero: no densities in the model, or a mass matrix of other equations"
+
+
+def _doubtful(body: ForeignBody, mass: float, elastic: np.ndarray) -> Iterator[str]:
+    if np.isfinite(mass) and mass > 0.0:
+        size = np.ptp(body.places, axis=0)
+        heavy = size.min() > 0.0 and mass / size.prod() > _USUAL_DENSITY
+        if heavy or not _USUAL_MASS[0] <= mass <= _USUAL_MASS[1]:
+            words = " x ".join(f"{1000 * side:.4g}" for side in size)
+            yield f"a mass of {mass:.4g} kg is unusual for a housing of {words} mm: check the units"
     if len(elastic) and not _USUAL_FIRST[0] <= elastic[0] <= _USUAL_FIRST[1]:
-        found.append(f"the first elastic mode at {elastic[0]:.4g} Hz is unusual for a housing: check the units")
-    return found
-
-
-def _size(size: np.ndarray) -> str:
-    return " x ".join(f"{1000 * side:.4g}" for side in size)
+        yield f"the first elastic mode at {elastic[0]:.4g} Hz is unusual for a housing: check the units"

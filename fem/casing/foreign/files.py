@@ -25,7 +25,10 @@ import scipy.sparse as sp
 from fem.casing.foreign.body import ForeignBody, ForeignError, foreign_body
 
 SUFFIXES = (".op4", ".pch", ".mtx", ".sti", ".npz", ".h5", ".hdf5")
-_STIFFNESS, _MASS = ("stiffness", "k", "kaa", "kgg", "kxx", "kbb", "kaax"), ("mass", "m", "maa", "mgg", "mxx", "mbb", "maax")
+_STIFFNESS, _MASS = (
+    ("stiffness", "k", "kaa", "kgg", "kxx", "kbb", "kaax"),
+    ("mass", "m", "maa", "mgg", "mxx", "mbb", "maax"),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +96,9 @@ def read_matrices(path: Path) -> Found:
         raise ForeignError(f"{error.filename}: no such file") from error
     except (Exception, SystemExit) as error:  # whatever a reader meets in a damaged file
         words = " ".join(f"{error} {said.getvalue()}".split())[:200] or type(error).__name__
-        raise ForeignError(f"{path.name} cannot be read ({words}); it is cut off or damaged. Export it again") from error
+        raise ForeignError(
+            f"{path.name} cannot be read ({words}); it is cut off or damaged. Export it again"
+        ) from error
 
 
 def _chosen(path: Path, found: Found, names: tuple[str, ...], what: str, *, alone: bool) -> sp.spmatrix:
@@ -167,7 +172,7 @@ def _npz(path: Path) -> Found:
         return Found({"matrix": sp.load_npz(path)})
     with np.load(path, allow_pickle=False) as stored:
         arrays = {name.lower(): stored[name] for name in stored.files}
-    return _of_arrays({name: array for name, array in arrays.items()})
+    return _of_arrays(arrays)
 
 
 def _hdf5(path: Path) -> Found:
@@ -199,7 +204,9 @@ def _table(path: Path, what: str, columns: int) -> np.ndarray:
             if grids is None:
                 raise ForeignError(f"{path.name} has no GRID cards")
             if grids[:, 1].any():
-                raise ForeignError(f"{path.name}: nodes in coordinate systems of their own; give places in the basic one")
+                raise ForeignError(
+                    f"{path.name}: nodes in coordinate systems of their own; give places in the basic one"
+                )
             return np.asarray(grids[:, [0, 2, 3, 4]])
         text = path.read_text(encoding="latin-1").replace(",", " ").replace(";", " ")
         rows = [line.split() for line in text.splitlines() if line.strip() and line.strip()[0] in "-+.0123456789"]

@@ -56,7 +56,7 @@ def reduce_foreign(
     *,
     held: Sequence[int] = (),
     sprung: Sequence[str] = (),
-    band: float,
+    band: float | None,
 ) -> ReducedForeign:
     """Reduce a body to its points and every fixed-interface mode up to `band`.
 
@@ -66,7 +66,7 @@ def reduce_foreign(
     points : by name; they become the interface
     held : numbers of nodes that the ground holds
     sprung : names of points under which springs stand while factorising; together with `held` they hold the body
-    band : Hz
+    band : Hz; None: static condensation, no modes
 
     Raises
     ------
@@ -81,7 +81,10 @@ def reduce_foreign(
     reference = float(np.median(abs(K.diagonal())[K.diagonal() > 0]))
     springs = np.array([reference if name.split(":")[0] in sprung else 0.0 for name in names])
     interface = held_interface(K, rows, penalty=springs if springs.any() else None, solver="superlu")
-    reduction = reduce_body(interface, K, M, highest=band)
+    if band is None:
+        reduction = reduce_body(interface, K, M, count=0, enrich=False)
+    else:
+        reduction = reduce_body(interface, K, M, highest=band)
     return ReducedForeign(body, reduction, tuple(names), places, expansion, springs, K, M)
 
 
@@ -103,7 +106,9 @@ def _coupled(
             raise ForeignError(f"{name} shares nodes with the ground; choose others for one of the two")
         if point.coupling == "rigid":
             if (own & taken).any():
-                raise ForeignError(f"{name} shares nodes with another rigid point; take the mean motion for one of them")
+                raise ForeignError(
+                    f"{name} shares nodes with another rigid point; take the mean motion for one of them"
+                )
             taken |= own
             rigid.append((name, own))
     free = np.flatnonzero(~taken)
@@ -143,14 +148,18 @@ def _mean_rows(body: ForeignBody, name: str, point: Point, place: np.ndarray) ->
     if len(point.nodes) == 1:  # its own motion; axes that it does not have carry nothing
         known = sorted({int(axis) for axis in body.axis[members]})
         if missing := [AXES[axis] for axis in wanted if axis not in known]:
-            raise ForeignError(f"{name}: node {point.nodes[0]} has no {', '.join(missing)}; name more nodes, or fewer axes")
+            raise ForeignError(
+                f"{name}: node {point.nodes[0]} has no {', '.join(missing)}; name more nodes, or fewer axes"
+            )
         rows = np.zeros((6, len(members)))
         rows[body.axis[members], np.arange(len(members))] = 1.0
     else:
         size = math.sqrt(max(float(np.trace(gram[3:, 3:]) / gram[0, 0]), 1e-300))
         scale = np.array([1.0, 1.0, 1.0, size, size, size])
         if not np.linalg.cond(gram / np.outer(scale, scale)) < _WELL:
-            raise ForeignError(f"{name}: its {len(point.nodes)} nodes lie on a line and define no rotation; name others")
+            raise ForeignError(
+                f"{name}: its {len(point.nodes)} nodes lie on a line and define no rotation; name others"
+            )
         rows = np.linalg.solve(gram, motion.T)
     at = np.repeat(np.arange(6), len(members)), np.tile(members, 6)
     return sp.csr_matrix((rows.ravel(), at), shape=(6, len(body.node)))

@@ -14,10 +14,10 @@ import numpy as np
 
 from fem.casing.geometry.housing import Housing
 from fem.casing.meshing.finished import RawMesh, finished_mesh
+from fem.casing.meshing.gmsh_session import session
 from fem.casing.meshing.imported import ImportedHousing, finish
 from fem.casing.meshing.mesh import CasingMesh, MeshError
 from fem.casing.meshing.quality import GOOD_QUALITY, straightened
-from fem.casing.meshing.gmsh_session import session
 from fem.casing.meshing.seats import seat_points
 from fem.casing.meshing.sizes import MM, Refinement, Sizes, set_sizes
 from fem.casing.meshing.solid import build_solid, find_patches

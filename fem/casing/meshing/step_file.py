@@ -112,7 +112,9 @@ def import_solids(gmsh: Any, path: Path, unit: str | None) -> list[int]:
     """
     kind = _KINDS[path.suffix.lower()]
     if not re.search(_ENDS[kind], path.read_text(encoding="latin-1")[-2000:].rstrip(), re.MULTILINE):
-        raise MeshError(f"{path.name} is no {kind.upper()} file, or it is cut off: its last line is missing. Export it again")
+        raise MeshError(
+            f"{path.name} is no {kind.upper()} file or is cut off: its last line is missing. Export it again"
+        )
     declared = declared_unit(path) if kind == "step" else ""
     if declared and unit is not None and declared != unit:
         raise MeshError(
@@ -196,7 +198,9 @@ def check_touching(gmsh: Any, name: str, solids: Sequence[int], numbers: Sequenc
     label, gaps = touching(gmsh, solids)
     if not label.any():
         return
-    parts = [" and ".join(str(numbers[i]) for i in np.flatnonzero(label == part)) for part in range(label.max() + 1)]
+    parts = [
+        " and ".join(str(numbers[int(i)]) for i in np.flatnonzero(label == part)) for part in range(label.max() + 1)
+    ]
     between = {pair: gap for pair, gap in gaps.items() if label[pair[0]] != label[pair[1]]}
     where = ""
     if between:

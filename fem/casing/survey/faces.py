@@ -64,7 +64,9 @@ def _flat_parts(
     for side in (one, two):
         np.add.at(around, part[side[border]], length[border])
         np.add.at(cut, part[side[sharp]], length[sharp])
-    vectors = np.cross(points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]])
+    vectors = np.cross(
+        points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]]
+    )
     area = np.bincount(part, weights=0.5 * np.linalg.norm(vectors, axis=1), minlength=count)
     width = 2.0 * area / np.maximum(around, 1e-300)  # of a long strip
     edge = float(np.median(length))

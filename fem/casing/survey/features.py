@@ -9,7 +9,7 @@ from itertools import groupby
 import numpy as np
 
 from fem.casing.meshing.nearest_candidates import fitted_circle
-from fem.casing.survey.contents import Bore, BoltPattern, FlatFace
+from fem.casing.survey.contents import BoltPattern, Bore, FlatFace
 from fem.casing.survey.cylinders import Cylinder, fitted_cylinder, is_flat, turn
 
 _SAME_AXIS = 2e-5  # m, and
@@ -51,9 +51,7 @@ def _flat(corners: np.ndarray, vectors: np.ndarray, solid: int) -> FlatFace:
     area = np.linalg.norm(vectors, axis=1)
     total = vectors.sum(axis=0)
     centre = np.average(corners.mean(axis=1), axis=0, weights=area)
-    return FlatFace(
-        number=0, solid=solid, area=float(area.sum()), centre=centre, normal=total / np.linalg.norm(total)
-    )
+    return FlatFace(number=0, solid=solid, area=float(area.sum()), centre=centre, normal=total / np.linalg.norm(total))
 
 
 def _bores(cylinders: Sequence[tuple[Cylinder, int]]) -> list[Bore]:
@@ -104,6 +102,7 @@ def bolt_patterns(bores: Sequence[Bore]) -> tuple[BoltPattern, ...]:
 
     Circles about a wider parallel bore come first, then one circle through all that is left of a group.
     """
+
     def kind(bore: Bore) -> tuple:
         return tuple(np.round(bore.axis, 3)), round(bore.diameter, 5), round(bore.length, 4)
 

@@ -1,4 +1,4 @@
-"""From a file to what it holds: CAD through gmsh (faces as in the file), meshes and STL by the angles at their edges."""
+"""From a file to what it holds: CAD through gmsh (faces as in the file), meshes and STL by their edges."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def _of_triangles(path: Path, unit: str) -> Contents:
         x, y, z = MM * points[hole].mean(axis=0)
         raise MeshError(
             f"{path.name} is open: {len(hole) // 2} edges belong to one triangle only, around ({x:.5g}, {y:.5g}, "
-            f"{z:.5g}) mm if it is in {unit}. Close the hole in the program that wrote it; a volume needs a closed surface"
+            f"{z:.5g}) mm if it is in {unit}. Close the hole in the program that wrote it: a volume needs that"
         )
     solid = 1 + _connected(triangles, len(points))
     triangles = np.vstack([outward(points, triangles[solid == n]) for n in range(1, solid.max() + 1)])

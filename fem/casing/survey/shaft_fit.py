@@ -3,8 +3,8 @@
     x = origin + x_file @ axes
 
 Bores about one line are what a shaft can run in. Two lines laid on the axes of two shafts give the turn about y and the
-place; the other shafts and the bearings along y tell how good that is. Every pair of lines whose distance is that of the
-two shafts, within a tolerance, is tried, with y along the bores and against them.
+place; the other shafts and the bearings along y tell how good that is. Every pair of lines whose distance is that of
+the two shafts, within a tolerance, is tried, with y along the bores and against them.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _PARALLEL = math.cos(math.radians(0.5))
 
 @dataclass(frozen=True, kw_only=True)
 class ShaftPlace:
-    """A shaft: its axis at (x, z), y of its bearings in the casing (m) and the diameter there, which the seat exceeds."""
+    """A shaft: its axis at (x, z), y of its bearings in the casing, its diameter there, which a seat exceeds (m)."""
 
     x: float
     z: float
@@ -172,16 +172,18 @@ def _along(
     of_shaft: list[tuple[float, list[tuple[Bore, float]]]] = []
     for shaft in shafts:
         at = np.array([line.point @ turn + place for line in lines])
-        off = np.hypot(at[:, 0] - shaft.x, at[:, 2] - shaft.z)
-        for number in np.argsort(off):
+        distance = np.hypot(at[:, 0] - shaft.x, at[:, 2] - shaft.z)
+        for number in np.argsort(distance):
             seats = [bore for bore in lines[number].bores if bore.diameter > shaft.diameter]
             if seats:
                 break
-        if not seats or off[number] > OFF + OFF_SHARE * math.hypot(shaft.x, shaft.z):
+        if not seats or distance[number] > OFF + OFF_SHARE * math.hypot(shaft.x, shaft.z):
             return None
-        of_shaft.append((float(off[number]), [(bore, float((bore.centre @ turn)[1])) for bore in seats]))
+        of_shaft.append((float(distance[number]), [(bore, float((bore.centre @ turn)[1])) for bore in seats]))
     shifts = [
-        y - middle for shaft, (_, seats) in zip(shafts, of_shaft, strict=True) for _, y in shaft.bearings
+        y - middle
+        for shaft, (_, seats) in zip(shafts, of_shaft, strict=True)
+        for _, y in shaft.bearings
         for _, middle in seats
     ]
     best: tuple[tuple[int, float], float, list[SeatFit]] | None = None
