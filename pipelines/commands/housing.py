@@ -127,5 +127,5 @@ def no_fit(contents: Contents, shafts: tuple) -> str:
     distances = ", ".join(f"{one:.4g}" for one in wanted) or "none"
     return (
         f"no bores lie as the shafts of the scene do (centre distances {distances} mm; bores wider than the shafts, "
-        f"of {1000 * min(s.diameter for s in shafts):.4g} mm and more). Correct the gears or shafts of the scene, or --unit"
+        f"of {1000 * min(s.diameter for s in shafts):.4g} mm). Correct the gears or shafts of the scene, or --unit"
     )

@@ -144,8 +144,8 @@ def _equations(
         per_node = next((k for k in (3, 6) if len(numbers) * k == count), 0)
         if len(numbers) and not per_node:
             raise ForeignError(
-                f"{name}: {count} equations of {len(numbers)} nodes are neither three nor six per node; give the map of "
-                "equations, a row of node and axis (1 to 6, 0 for a modal coordinate) for each"
+                f"{name}: {count} equations of {len(numbers)} nodes are neither three nor six per node; give the map "
+                "of equations, a row of node and axis (1 to 6, 0 for a modal coordinate) for each"
             )
         if not per_node:  # nothing is known: coordinates without a place
             return np.zeros(count, int), np.full(count, MODAL)

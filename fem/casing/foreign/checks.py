@@ -126,6 +126,8 @@ def lowest_frequencies(K: sp.csr_matrix, M: sp.csr_matrix, count: int) -> tuple[
     """
     K, M = 0.5 * (K + K.T), 0.5 * (M + M.T)
     n = K.shape[0]
+    if not abs(M).max() > 0.0:
+        return np.zeros(0), 0
     if n <= _DENSE:
         squares = _dense(K.toarray(), M.toarray())
     else:

@@ -15,6 +15,7 @@ import io
 import logging
 import re
 import tempfile
+import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -28,6 +29,7 @@ from fem.elements.solid_elements import SOLIDS, solid_element
 _log = logging.getLogger(__name__)
 SUFFIXES = (".msh", ".inp", ".bdf", ".nas", ".vtu", ".vtk", ".unv", ".med", ".mesh", ".xdmf", ".cgns", ".e")
 _SWAPPED = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
+_MIRRORED = [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]
 _IDENTIFIERS = ("gmsh:physical", "nastran:ref")
 _OFF_MIDDLE = 0.3  # of the edge length: a mid-side node farther from the middle belongs to another edge
 
@@ -68,7 +70,7 @@ def read_mesh_file(path: Path) -> RawMesh:
     facets, node_sets = _groups(mesh)
     return RawMesh(
         nodes=nodes,
-        elements=_ordered(path.name, nodes, elements[:, np.argsort(kind.in_vtk)]),
+        elements=_ordered(path.name, nodes, _turned(nodes, elements[:, np.argsort(kind.in_vtk)])),
         facets=facets,
         node_sets=node_sets,
     )
@@ -85,7 +87,11 @@ def read_quietly(path: Path) -> Any:
 
     said = io.StringIO()
     try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        with (
+            contextlib.redirect_stdout(said),
+            contextlib.redirect_stderr(said),
+            warnings.catch_warnings(action="ignore"),
+        ):
             found = _READERS.get(path.suffix.lower(), meshio.read)(path)
     except (Exception, SystemExit) as error:  # meshio leaves the interpreter on some damaged files
         words = str(error) if isinstance(error, MeshError) or str(error) not in ("", "1") else said.getvalue()
@@ -114,7 +120,7 @@ def _nastran(path: Path) -> Any:
 
 
 def _abaqus(path: Path) -> Any:
-    """An input deck; plane elements, which gmsh writes on the faces of a body, are read as the shells they stand for."""
+    """An input deck; plane elements, which gmsh writes on the faces of a body, are read as shells."""
     import meshio
 
     text = path.read_text(encoding="latin-1")
@@ -148,6 +154,16 @@ def _through_gmsh(path: Path) -> Any:
 
 
 _READERS = {".bdf": _nastran, ".nas": _nastran, ".inp": _abaqus, ".unv": _through_gmsh, ".mesh": _through_gmsh}
+
+
+def _turned(nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
+    """Tetrahedra that are all inside out, as MED numbers them, turned over."""
+    if solid_element(elements).corners != 4:
+        return elements
+    corners = nodes[elements[:, :4]]
+    if (np.linalg.det(corners[:, 1:] - corners[:, :1]) >= 0.0).any():
+        return elements
+    return elements[:, _MIRRORED[: elements.shape[1]]]
 
 
 def _ordered(name: str, nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:

@@ -170,7 +170,7 @@ def touching(gmsh: Any, solids: Sequence[int]) -> tuple[np.ndarray, dict[tuple[i
     gaps : (mm, place (3,) in mm) of pairs of places in `solids` that do not touch but are near each other
     """
     boxes = np.array([gmsh.model.getBoundingBox(3, tag) for tag in solids]).reshape(-1, 2, 3)
-    near = 0.01 * float(np.linalg.norm(boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)))
+    near = 0.1 * float(np.linalg.norm(boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)))
     pairs, gaps = [], {}
     for one, two in combinations(range(len(solids)), 2):
         apart = np.maximum(boxes[one, 0] - boxes[two, 1], boxes[two, 0] - boxes[one, 1]).max()
@@ -208,8 +208,8 @@ def check_touching(gmsh: Any, name: str, solids: Sequence[int], numbers: Sequenc
         x, y, z = place
         where = f"; solids {numbers[one]} and {numbers[two]} are {gap:.3g} mm apart at ({x:.5g}, {y:.5g}, {z:.5g}) mm"
     raise MeshError(
-        f"{name} falls into {len(parts)} parts that do not touch: solids {'; '.join(parts)}{where}. Choose those of one "
-        "part by solids = [...], or close the gap in the CAD program"
+        f"{name} falls into {len(parts)} parts that do not touch: solids {'; '.join(parts)}{where}. Choose those of "
+        "one part by solids = [...], or close the gap in the CAD program"
     )
 
 
