@@ -134,7 +134,7 @@ def _modes(
         places.setdefault(name, np.mean([body.place(number) for number in nodes], axis=0))
     return CasingModes(
         model=model,
-        solver="superlu",
+        solver=reduced.solver,
         ground=ground,
         attachment=attachment,
         mass=reduction.mass,

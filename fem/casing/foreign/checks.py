@@ -131,10 +131,16 @@ def lowest_frequencies(K: sp.csr_matrix, M: sp.csr_matrix, count: int) -> tuple[
     if n <= _DENSE:
         squares = _dense(K.toarray(), M.toarray())
     else:
-        from scipy.sparse.linalg import eigsh
+        from scipy.sparse.linalg import LinearOperator, eigsh
+
+        from fem.numerics.linear_solver import SingularMatrixError, factorize
 
         shift = -1e-6 * float(abs(K.diagonal()).max() / abs(M.diagonal()).max())
-        squares = np.sort(eigsh(K.tocsc(), k=min(count, n - 2), M=M.tocsc(), sigma=shift, return_eigenvectors=False))
+        try:
+            solve = LinearOperator((n, n), factorize(K - shift * M).solve)
+        except SingularMatrixError:  # not definite below its modes either: wrong, and told as such
+            solve = None
+        squares = eigsh(K, k=min(count, n - 2), M=M, sigma=shift, OPinv=solve, return_eigenvectors=False)
     squares = np.sort(squares)[:count]
     noise = 1e-9 * float(abs(squares).max(initial=0.0))
     return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi), int((squares < -max(noise, 1.0)).sum())

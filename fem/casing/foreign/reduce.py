@@ -46,6 +46,7 @@ class ReducedForeign:
     places: Mapping[str, np.ndarray]  # (3,) m, of the points
     expansion: sp.csr_matrix  # E (n, q)
     springs: np.ndarray  # (interface,) N/m, reference springs while factorising
+    solver: str  # that factorised
     free_stiffness: sp.csr_matrix  # (q, q)
     free_mass: sp.csr_matrix
 
@@ -80,12 +81,12 @@ def reduce_foreign(
     K, M = (sp.csr_matrix(expansion.T @ A @ expansion) for A in (body.stiffness, body.mass))
     reference = float(np.median(abs(K.diagonal())[K.diagonal() > 0]))
     springs = np.array([reference if name.split(":")[0] in sprung else 0.0 for name in names])
-    interface = held_interface(K, rows, penalty=springs if springs.any() else None, solver="superlu")
+    interface = held_interface(K, rows, penalty=springs if springs.any() else None)
     if band is None:
         reduction = reduce_body(interface, K, M, count=0, enrich=False)
     else:
         reduction = reduce_body(interface, K, M, highest=band)
-    return ReducedForeign(body, reduction, tuple(names), places, expansion, springs, K, M)
+    return ReducedForeign(body, reduction, tuple(names), places, expansion, springs, interface.factor.name, K, M)
 
 
 def _coupled(

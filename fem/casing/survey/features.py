@@ -123,7 +123,7 @@ def _circles(holes: list[Bore], bores: Sequence[Bore]) -> list[BoltPattern]:
     axis = left[0].axis
     across = np.linalg.svd(axis[None])[2][1:]
     for wide in bores:
-        if wide.diameter < 1.5 * left[0].diameter or abs(wide.axis @ axis) < _PARALLEL:
+        if wide.diameter < 1.5 * holes[0].diameter or abs(wide.axis @ axis) < _PARALLEL:
             continue
         middle = wide.centre @ across.T
         distance = {one.number: float(np.linalg.norm(one.centre @ across.T - middle)) for one in left}
