@@ -314,12 +314,7 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         _scene,
     ),
     ("gears", "stiffness and load share of each pair, healthy and faulty", "gearcase gears bench", _gears),
-    (
-        "housing",
-        "bores and seats in a CAD or mesh file",
-        "gearcase housing box.step --scene my.toml",
-        housing_arguments,
-    ),
+    ("housing", "bores and seats in a housing's file", "gearcase housing box.step --scene bench", housing_arguments),
     ("casing", "build the casing and print its check-up", "gearcase casing rig-healthy", _casing),
     (
         "modes",

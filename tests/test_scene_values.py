@@ -173,7 +173,8 @@ ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one w
     "CasingForceTable.point", "ColumnTable.file", "ColumnTable.column", "ImportedTable.file",
     "GearDeviationsTable.flanks", "MeasuredFlanksTable.file",
     "MatricesHousingTable.equations_file", "MatricesHousingTable.file", "MatricesHousingTable.mass_file",
-    "MatricesHousingTable.nodes_file", "NodeSeatTable.name", "SeatTable.name", "StageTable.pinion_shaft", "StageTable.wheel_shaft",
+    "MatricesHousingTable.nodes_file", "NodeSeatTable.name",
+    "SeatTable.name", "StageTable.pinion_shaft", "StageTable.wheel_shaft",
 }  # fmt: skip
 
 
