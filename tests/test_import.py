@@ -315,7 +315,7 @@ def test_other_files_are_refused(native, small, tmp_path):
     with pytest.raises(MeshError, match="cannot be read as a mesh"):
         mesh_geometry(imported(broken, small), SIZES)
     with pytest.raises(HousingError, match=r"the file is none of \.step"):
-        imported(write(tmp_path / "housing.ply", native, elements=native.elements[:, :4]), small)
+        imported(write(tmp_path / "housing.obj.vtu", native).rename(tmp_path / "housing.xyz"), small)
     changed = imported(broken, small)
     broken.write_text("changed", encoding="utf-8")
     with pytest.raises(MeshError, match="was changed"):
