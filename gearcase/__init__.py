@@ -1,6 +1,7 @@
 """gearcase in Python: a `Scene`, and functions that compute from it.
 
     scene = gearcase.Scene.from_file("minimal")    check laws casing modes simulate run tradeoff converge
+    gearcase.reduce(K, M, points, nodes=...)       a body of another program; Point
     gearcase.open_run("minimal")                   a finished run; diagnose spectrum
     gearcase.open_recording("r.csv", "bench.toml") a measured one; judge compare
     gearcase.open_dataset("campaigns/plan")        a data set of many runs; pieces
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
     from gearcase.machines import LinearModes as LinearModes
     from gearcase.machines import modes as modes
     from gearcase.machines import simulate as simulate
+    from gearcase.matrices import Point as Point
+    from gearcase.matrices import ReducedMatrices as ReducedMatrices
+    from gearcase.matrices import reduce as reduce
     from gearcase.recordings import Verdict as Verdict
     from gearcase.recordings import compare as compare
     from gearcase.recordings import judge as judge
@@ -55,6 +59,7 @@ _PLACES = {
     "errors": ("InputError", "SceneError", "WorkError"),
     "gears": ("PairLaws", "laws"),
     "machines": ("LinearModes", "modes", "simulate"),
+    "matrices": ("Point", "ReducedMatrices", "reduce"),
     "recordings": ("Verdict", "compare", "judge", "open_recording"),
     "results": ("Diagnosis", "diagnose", "open_run", "run", "spectrum"),
     "scenes": ("Checked", "Scene", "check"),

@@ -29,6 +29,7 @@ from pipelines.finished_arguments import (
     export_arguments,
     orders_arguments,
 )
+from pipelines.housing_arguments import housing_arguments
 from pipelines.scene.presets import PRESETS
 from pipelines.trade.axes import AXES
 
@@ -313,6 +314,7 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         _scene,
     ),
     ("gears", "stiffness and load share of each pair, healthy and faulty", "gearcase gears bench", _gears),
+    ("housing", "bores and seats in a housing's file", "gearcase housing box.step --scene bench", housing_arguments),
     ("casing", "build the casing and print its check-up", "gearcase casing rig-healthy", _casing),
     (
         "modes",

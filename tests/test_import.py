@@ -273,7 +273,7 @@ def test_two_solids_that_touch_are_bonded(tmp_path, small):
         gmsh.write(str(path))
     seats = (Seat(name="bearing_1", locator=ByCylinder(through=(0.0, 0.0, 0.02), diameter=0.02)),)
     ground = ByPlane(through=(0.0, 0.0, 0.0), normal=(0.0, 0.0, 1.0))
-    mesh = mesh_geometry(imported(path, small, seats=seats, grounds=(ground,)), Sizes(element=0.03))
+    mesh = mesh_geometry(imported(path, small, seats=seats, grounds=(ground,), glue=True), Sizes(element=0.03))
     assert body(mesh)[0] == pytest.approx(7200 * (0.1**2 * 0.06 - np.pi * 0.01**2 * 0.1), rel=1e-4)
     assert np.abs(mesh.nodes[mesh.facets[:, :3]].mean(axis=1)[:, 2] - 0.04).min() > 1e-4
 
@@ -315,7 +315,7 @@ def test_other_files_are_refused(native, small, tmp_path):
     with pytest.raises(MeshError, match="cannot be read as a mesh"):
         mesh_geometry(imported(broken, small), SIZES)
     with pytest.raises(HousingError, match=r"the file is none of \.step"):
-        imported(write(tmp_path / "housing.vtk", native), small)
+        imported(write(tmp_path / "housing.obj.vtu", native).rename(tmp_path / "housing.xyz"), small)
     changed = imported(broken, small)
     broken.write_text("changed", encoding="utf-8")
     with pytest.raises(MeshError, match="was changed"):

@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 FILES = sorted(path for package in ("fem", "mbd", "pipelines", "gearcase") for path in (ROOT / package).rglob("*.py"))
 ONLY_IN = {  # package: modules or packages that may import it
-    "gmsh": {"fem.casing.meshing.mesher"},
+    "gmsh": {"fem.casing.meshing.gmsh_session"},
     "pyvista": {"pipelines.figures.view"},
     "vtk": {"pipelines.figures.view"},
     "sksparse": {"fem.numerics.linear_solver"},

@@ -107,6 +107,11 @@ ELASTIC = {
 }  # fmt: skip
 GROUNDS = [{"group": "B"}, {"point_mm": [0.0, 0.0, -144.0]}, {"box_mm": [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]]}]
 
+MATRICES = {  # any file that is there: it is read by a step
+    "model": "matrices", "file": "rig-housing.step", "units": "t-mm-s", "grounds": [{"nodes": [1, 2]}],
+    "bearings": [{"name": f"bearing_{n}", "nodes": [10 * n, 10 * n + 1]} for n in range(1, 5)],
+}  # fmt: skip
+
 
 def dotted(path, table):
     return {f"{path}.{key}": value for key, value in table.items()}
@@ -129,11 +134,14 @@ SCENES = {
         "faults": [SPALL], "bearings": {"model": "hertz", "designation": "6208"},
         "sensors": [], "stages.1.mesh": {"model": "solid"}, "losses": {"model": "efficiency"},
     }),
-    "imported": ("rig-step", {"casing.elements_per_wavelength": 30.0, "stages.1.mesh": {"model": "energy"}}),
+    "imported": ("rig-step", {
+        "casing.elements_per_wavelength": 30.0, "stages.1.mesh": {"model": "energy"}, "casing.housing.solids": [1],
+    }),
     "mesh file": ("rig-step", {
         "casing.housing.model": "mesh", "casing.housing.bearings.1": {"name": "bearing_1", "group": "A"},
         "casing.housing.grounds": GROUNDS,
     }),
+    "matrices": ("minimal", {"casing.model": "static", "casing.housing": MATRICES}),
     "rigid": ("minimal", {
         "load.model": "rope-pendulum", "casing.housing.foot_fillet_mm": 3.0, "casing.housing.inner_fillet_mm": 3.0,
         "stages.1.pinion.tip_relief": {"amount_um": 5.0, "diameter_mm": 43.0, "shape": "linear"},
@@ -167,6 +175,8 @@ ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one w
     # a file there is none of
     "CasingForceTable.point", "ColumnTable.file", "ColumnTable.column", "ImportedTable.file",
     "GearDeviationsTable.flanks", "MeasuredFlanksTable.file",
+    "MatricesHousingTable.equations_file", "MatricesHousingTable.file", "MatricesHousingTable.mass_file",
+    "MatricesHousingTable.nodes_file", "NodeSeatTable.name",
     "SeatTable.name", "StageTable.pinion_shaft", "StageTable.wheel_shaft",
 }  # fmt: skip
 

@@ -23,7 +23,7 @@ def main(options: argparse.Namespace) -> int:
     targets = [checked_target(name) for name in options.export]
     loaded = load_asked(options)
     graph, plant = scene_graph(loaded)
-    if "casing modes" not in graph.steps and any(t.suffix == ".vtu" for t in targets):
+    if "casing mesh" not in graph.steps and any(t.suffix == ".vtu" for t in targets):
         raise InputError(no_full_model(plant))
     work = Work(processes=options.processes, quiet=options.quiet)
     casing = build_casing(loaded, work, error_check=options.error_check)
@@ -35,6 +35,11 @@ def main(options: argparse.Namespace) -> int:
         sys.stdout.write(f"{describe(casing.modes)}\n{extrapolated}{casing.checkup.report(0)}\n{table}\n")
         if casing.limits is not None:
             sys.stdout.write(f"{limit_table(casing.limits, options.modes)}\n")
+    if casing.mesh is not None and casing.mesh.straightened:
+        sys.stdout.write(
+            f"{casing.mesh.straightened} of {len(casing.mesh.elements)} curved elements of the file were folded or "
+            "nearly so and have lost curvature, with those that share their mid-side nodes\n"
+        )
     if casing.error is not None:
         sys.stdout.write(f"{casing.error.report()}\n")
     sys.stdout.write(f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} rows\n")

@@ -103,8 +103,8 @@ def _write_casing(graph: Graph, plant: Plant, folder: Path, work: Work) -> None:
 def _casing_mode(graph: Graph, plant: Plant, number: int, folder: Path, work: Work) -> int:
     from pipelines.border.errors import InputError
 
-    if "casing modes" not in graph.steps:
-        raise InputError(f"--casing-mode: a {plant.models['casing']} casing has no elastic modes")
+    if "casing mesh" not in graph.steps or "casing modes" not in graph.steps:
+        raise InputError(f"--casing-mode: a {plant.models['casing']} casing has no mesh with elastic modes")
     outcome = work.build(graph, ["casing", "casing modes", "casing mesh"])
     sys.stdout.write(_listed(_casing_mode_files(outcome, graph, plant.title, number, folder)))
     return 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from fem.casing.foreign.casing import ForeignHousing
 from fem.casing.geometry.housing import Housing
 from fem.casing.meshing.sizes import Sizes, bending_wavelength
 from fem.casing.meshing.source import Geometry
@@ -13,6 +14,7 @@ from fem.casing.models.registry import elastic_casing
 from fem.elements.materials import Material
 from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.bearings import bearing_points
+from pipelines.plant.foreign_housing import foreign_housing
 from pipelines.plant.housing import housing
 from pipelines.plant.layout import Layout, material
 from pipelines.plant.units import si_options
@@ -23,7 +25,9 @@ from pipelines.scene.tables.casing import (
     FlexibleBase,
     NoCasingTable,
     RigidCasingTable,
+    StaticCasingTable,
 )
+from pipelines.scene.tables.housing import ImportedTable, MatricesHousingTable
 
 if TYPE_CHECKING:
     from fem.casing.reduced.damping import DampingRatio
@@ -71,7 +75,18 @@ class ElasticPart:
     extrapolated: bool
 
 
-CasingPart = RigidBox | RigidMeshed | ElasticPart
+@dataclass(frozen=True, kw_only=True)
+class MatricesPart:
+    """A casing of matrices of another program, reduced by its `model`; `mounts` as those of `ElasticPart`."""
+
+    model: ElasticCasing
+    geometry: ForeignHousing
+    damping: DampingRatio
+    mounts: tuple[tuple[float, float, float], ...] | None
+    frequency_error: float | None
+
+
+CasingPart = RigidBox | RigidMeshed | ElasticPart | MatricesPart
 
 
 def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
@@ -79,6 +94,9 @@ def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
     table = scene.casing
     if isinstance(table, NoCasingTable):
         return None
+    if isinstance(table.housing, MatricesHousingTable):
+        assert not isinstance(table, RigidCasingTable), "its table refuses matrices"
+        return _of_matrices(table, table.housing, scene, layout, source)
     box = housing(table.housing, scene.sensors, layout, bearing_points(scene.shafts, layout), source)
     iron = material("casing", table.material)
     if isinstance(table, RigidCasingTable):
@@ -94,7 +112,6 @@ def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
             mount_stiffness=mount,
             damping=table.damping_ratio,
         )
-    fixed = table.ground == "fixed"
     return ElasticPart(
         model=elastic_casing(table.model, ground=table.ground, attachment=table.attachment, **_options(table)),
         geometry=box,
@@ -102,9 +119,31 @@ def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
         sizes=element_sizes(table, box, iron, source),
         element=table.element,
         damping=table.damping_ratio,
-        mounts=None if fixed else tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um),
+        mounts=_mounts(table),
         frequency_error=getattr(table, "frequency_error", None),
         extrapolated=table.extrapolated,
+    )
+
+
+def _mounts(table: ElasticBase) -> tuple[tuple[float, float, float], ...] | None:
+    if table.ground == "fixed":
+        return None
+    return tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um)
+
+
+def _of_matrices(
+    table: StaticCasingTable | CraigBamptonCasingTable,
+    matrices: MatricesHousingTable,
+    scene: Scene,
+    layout: Layout,
+    source: str,
+) -> MatricesPart:
+    return MatricesPart(
+        model=elastic_casing(table.model, ground=table.ground, attachment=table.attachment, **_options(table)),
+        geometry=foreign_housing(matrices, scene.sensors, bearing_points(scene.shafts, layout), source),
+        damping=table.damping_ratio,
+        mounts=_mounts(table),
+        frequency_error=getattr(table, "frequency_error", None),
     )
 
 
@@ -129,7 +168,7 @@ def element_sizes(table: FlexibleBase, box: Geometry, iron: Material, source: st
     if isinstance(table, CraigBamptonCasingTable) and table.elements_per_wavelength is not None:
         if isinstance(box, Housing):
             wall = box.thinnest_wall
-        elif table.housing.wall_thickness_mm is not None:
+        elif isinstance(table.housing, ImportedTable) and table.housing.wall_thickness_mm is not None:
             wall = table.housing.wall_thickness_mm / 1000
         else:
             problem = "is needed for casing.elements_per_wavelength of a housing from a file"

@@ -87,7 +87,7 @@ def housing(
         placed = sensors(on_it)
         if isinstance(table, HousingTable):
             return _parametric(table, layout, placed)
-        if problems := list(_seat_problems(table, len(points))):
+        if problems := list(seat_problems([seat.name for seat in table.bearings], len(points))):
             raise SceneError(source, problems)
         return _imported(table, points, placed)
     except (HousingError, InputError) as error:
@@ -148,6 +148,8 @@ def _imported(table: ImportedTable, points: Sequence[Point], placed: tuple[Senso
         sha256=content_hash(path),
         unit=table.unit,
         upgrade=getattr(table, "upgrade", False),
+        solids=getattr(table, "solids", ()),
+        glue=getattr(table, "glue", False),
         origin=_metres(table.origin_mm),
         axes=_frame("casing.housing.axes", table.axes),
         seats=tuple(
@@ -161,9 +163,9 @@ def _imported(table: ImportedTable, points: Sequence[Point], placed: tuple[Senso
     )
 
 
-def _seat_problems(table: ImportedTable, bearings: int) -> Iterator[Problem]:
+def seat_problems(given: Sequence[str], bearings: int) -> Iterator[Problem]:
+    """What is wrong with the names of the seats given for so many bearings."""
     wanted = [f"bearing_{number}" for number in range(1, bearings + 1)]
-    given = [seat.name for seat in table.bearings]
     if missing := [name for name in wanted if name not in given]:
         yield Problem("casing.housing.bearings", f"{', '.join(missing)} not located", "Give the seat of every bearing")
     if unknown := [name for name in given if name not in wanted]:

@@ -79,17 +79,19 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
     InputError : an error check of a casing that has no full model
     """
     from pipelines.engine.step import Graph
-    from pipelines.plant.casing import ElasticPart
+    from pipelines.plant.casing import ElasticPart, MatricesPart
     from pipelines.steps.graph import COARSER, casing_error_step
 
     graph, plant = scene_graph(loaded)
-    limit = plant.casing.model.limit if isinstance(plant.casing, ElasticPart) else None
+    limit = plant.casing.model.limit if isinstance(plant.casing, ElasticPart | MatricesPart) else None
     band = STATIC_BAND if limit is None else limit / MODES_OVER_BAND
     elastic = "casing modes" in graph.steps
+    meshed = elastic and "casing mesh" in graph.steps
     extrapolated = all(name in graph.steps for name in COARSER)
-    wanted = ["casing", *(["casing mesh", "casing modes"] if elastic else []), *(COARSER if extrapolated else ())]
+    wanted = ["casing", *(["casing mesh"] if meshed else []), *(["casing modes"] if elastic else [])]
+    wanted += COARSER if extrapolated else ()
     if error_check:
-        if not elastic:
+        if not meshed:
             raise InputError(no_full_model(plant))
         graph = Graph([*graph, casing_error_step(graph, band)])
         wanted.append("casing error")
@@ -107,7 +109,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
             limits = measured_limits(modes, [outcome.value(name) for name in COARSER])
     return Casing(
         body=body,
-        mesh=outcome.value("casing mesh") if elastic else None,
+        mesh=outcome.value("casing mesh") if meshed else None,
         modes=modes,
         natural=natural,
         checkup=checkup,

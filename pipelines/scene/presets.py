@@ -77,9 +77,11 @@ def preset_settings(scene: Scene, preset: str) -> Settings:
 
 def _casing_mesh(casing: ElasticBase, level: Level) -> Settings:
     """Hexahedra of a plain parametric housing whose scene leaves the element open, else finer seats of what it asks."""
-    from pipelines.scene.tables.housing import HousingTable, MeshHousingTable
+    from pipelines.scene.tables.housing import HousingTable, MatricesHousingTable, MeshHousingTable
 
     size, housing = casing.element_size_mm, casing.housing
+    if isinstance(housing, MatricesHousingTable):
+        return {}
     open_to_hexahedra = isinstance(housing, HousingTable) and housing.plain and "element" not in casing.model_fields_set
     if open_to_hexahedra or (isinstance(housing, HousingTable) and casing.element.startswith("hexahedron")):
         element = "hexahedron-27" if open_to_hexahedra else casing.element

@@ -11,14 +11,14 @@ Plants that are run together (`pipelines.steps.study`) share the steps that do n
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mbd.integrators.methods import METHODS
 from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from pipelines.engine.step import Graph, Step
-from pipelines.plant.casing import RigidBox, RigidMeshed
+from pipelines.plant.casing import ElasticPart, MatricesPart, RigidBox, RigidMeshed
 from pipelines.plant.plant import Plant
 
 if TYPE_CHECKING:
@@ -119,6 +119,21 @@ def _casing_steps(plant: Plant) -> list[Step]:
             damping_ratio=part.damping,
         )
         return [Step(name="casing", kind="casing", build=body.build_rigid, spec=rigid)]
+    if isinstance(part, MatricesPart):
+        from pipelines.steps import casing_modes
+
+        loaded = replace(part.model, interfaces=loaded_axes(plant.machine.bearings), forced=forced_points(plant))
+        return [
+            Step(
+                name="casing modes",
+                kind="casing-matrices",
+                build=casing_modes.build_foreign,
+                spec=casing_modes.ForeignCasingSpec(housing=replace(part.geometry, sensors=()), model=loaded),
+                libraries=("numpy", "scipy", "pyyeti"),
+                seconds=10.0,
+            ),
+            _elastic_step(plant, part, ()),
+        ]
     from pipelines.steps import casing_mesh, casing_modes
 
     mesh = Step(
@@ -157,20 +172,27 @@ def _casing_steps(plant: Plant) -> list[Step]:
             seconds=30.0,
             enough="model.band" if part.model.limit else "",
         ),
-        Step(
-            name="casing",
-            kind="casing",
-            build=body.build_elastic,
-            spec=body.ElasticSpec(
-                sensors=plant.sensors,
-                damping=part.damping,
-                mounts=part.mounts,
-                limit=part.model.limit,
-                frequency_error=part.frequency_error,
-            ),
-            takes=("casing modes", *(COARSER if coarser else ())),
-        ),
+        _elastic_step(plant, part, COARSER if coarser else ()),
     ]
+
+
+def _elastic_step(plant: Plant, part: ElasticPart | MatricesPart, coarser: Sequence[str]) -> Step:
+    """What follows the modes of a casing, and of coarser ones if there are any."""
+    from pipelines.steps import casing_body as body
+
+    return Step(
+        name="casing",
+        kind="casing",
+        build=body.build_elastic,
+        spec=body.ElasticSpec(
+            sensors=plant.sensors,
+            damping=part.damping,
+            mounts=part.mounts,
+            limit=part.model.limit,
+            frequency_error=part.frequency_error,
+        ),
+        takes=("casing modes", *coarser),
+    )
 
 
 def _coarser_steps(mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str, tuple[str, ...]]) -> list[Step]:

@@ -31,11 +31,13 @@ from fem.casing.meshing.locate import (
 from fem.casing.meshing.mesh import CasingMesh, MeshError
 from fem.casing.meshing.mesh_file import SUFFIXES, read_mesh_file
 from fem.casing.meshing.nearest_candidates import fitted_circle
+from fem.casing.meshing.quality import straightened
 from fem.casing.meshing.surface import Surface
 from fem.elements.solid_elements import CHOICES, SOLIDS, solid_element
 
 UNITS = {"m": 1.0, "cm": 1 / 100, "mm": 1 / 1000, "um": 1 / 1_000_000, "inch": 127 / 5000}  # m
-STEP_SUFFIXES = (".step", ".stp")
+STL_SUFFIXES = (".stl",)
+STEP_SUFFIXES = (".step", ".stp", ".brep", ".brp", ".iges", ".igs", *STL_SUFFIXES)  # that are meshed here
 OFF_AXIS = 0.0005  # m: how far the axis of a bore may lie off the axis of its shaft
 ALONG_Y = 0.9999  # least cosine between the axis of a bore and that of its shaft
 
@@ -59,6 +61,8 @@ class ImportedHousing:
     seats: tuple[Seat, ...]
     grounds: tuple[Locator, ...]  # ground_1, ground_2, ... in this order; a plane gives one for each of its parts
     upgrade: bool = False  # linear elements to quadratic ones
+    solids: tuple[int, ...] = ()  # numbers of those that belong to the housing, from 1; all by default
+    glue: bool = False  # several solids are bonded where they touch
     origin: Point = (0.0, 0.0, 0.0)  # where the origin of the file lies, m
     axes: tuple[Point, Point, Point] = GLOBAL_AXES  # directions of the file's x, y and z
     sensors: tuple[Sensor, ...] = ()
@@ -79,6 +83,8 @@ class ImportedHousing:
         for name in dict.fromkeys(names):
             if names.count(name) > 1:
                 yield f"the name {name!r} is given {names.count(name)} times"
+        if any(number < 1 for number in self.solids):
+            yield f"solids {list(self.solids)}: they are numbered from 1"
         if not self.grounds:
             yield "no ground face; name at least one foot"
 
@@ -132,7 +138,17 @@ def mesh_from_file(housing: ImportedHousing, element: str) -> CasingMesh:
             f"{path.name} has linear {shape} ({len(raw.elements)}): far too stiff in bending. Set upgrade = true "
             f"for mid-side nodes on straight edges, or export {element} elements, which follow the bores"
         )
-    return finish(housing, raw, element=element, element_size=None)
+    mended, count = _unfolded(raw)
+    return replace(finish(housing, mended, element=element, element_size=None), straightened=count)
+
+
+def _unfolded(raw: RawMesh) -> tuple[RawMesh, int]:
+    """Ten-node tetrahedra that curving folds lose their curvature, as those that are made here do; how many."""
+    if solid_element(raw.elements).name != "tetrahedron-10":
+        return raw, 0
+    nodes = straightened(raw.nodes, raw.elements)
+    moved = (nodes != raw.nodes).any(axis=1)
+    return replace(raw, nodes=nodes), int(moved[raw.elements].any(axis=1).sum())
 
 
 def finish(housing: ImportedHousing, raw: RawMesh, *, element: str, element_size: float | None) -> CasingMesh:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,7 @@ class CasingMesh(Record):
     element_size: float = scalar(units="m")
     quality: float = scalar(units="1")  # worst signed inverse condition number, 1 is equilateral
     curved: int = integer()  # 1: nodes lie off the straight lines between corners, on the curved surfaces
+    straightened: int = dataclasses.field(default=0, metadata=integer().metadata)  # elements of a file that were folded
 
     def patch(self, name: str) -> np.ndarray:
         """Facets (f, k) of a patch; `MeshError` with the known names if absent or empty."""

@@ -1,7 +1,8 @@
-"""Read a mesh file through meshio: solid elements and named groups, as they stand in the file.
+"""Read a mesh file through meshio or gmsh: solid elements and named groups, as they stand in the file.
 
 Groups are named as in the file: physical groups of Gmsh (or the number of an unnamed one), node and element sets of
-Abaqus, property numbers of Nastran shells, and the point or cell arrays of VTK, whose entries other than 0 belong.
+Abaqus, property numbers of Nastran shells, groups of universal files and of MED, and the point or cell arrays of VTK,
+whose entries other than 0 belong.
 A group is held by its facets, or by its nodes where it has no facets. Nodes come in the order of
 `fem.elements.solid_elements`; a file that stores 13 and 23 of tetrahedra the other way round is recognised by their
 places.
@@ -9,7 +10,12 @@ places.
 
 from __future__ import annotations
 
+import contextlib
+import io
 import logging
+import re
+import tempfile
+import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -21,8 +27,9 @@ from fem.casing.meshing.mesh import CasingMesh, MeshError
 from fem.elements.solid_elements import SOLIDS, solid_element
 
 _log = logging.getLogger(__name__)
-SUFFIXES = (".msh", ".inp", ".bdf", ".nas", ".vtu")
+SUFFIXES = (".msh", ".inp", ".bdf", ".nas", ".vtu", ".vtk", ".unv", ".med", ".mesh", ".xdmf", ".cgns", ".e")
 _SWAPPED = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
+_MIRRORED = [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]
 _IDENTIFIERS = ("gmsh:physical", "nastran:ref")
 _OFF_MIDDLE = 0.3  # of the edge length: a mid-side node farther from the middle belongs to another edge
 
@@ -36,12 +43,7 @@ def read_mesh_file(path: Path) -> RawMesh:
     """
     if path.suffix.lower() not in SUFFIXES:
         raise MeshError(f"{path.name}: meshes are read from {', '.join(SUFFIXES)}; convert it, or give a STEP file")
-    import meshio
-
-    try:
-        mesh = meshio.read(path)
-    except (Exception, SystemExit) as error:  # meshio leaves the interpreter on some damaged files
-        raise MeshError(f"{path.name} cannot be read as a mesh ({error}); export it again") from error
+    mesh = read_quietly(path)
     solids = {one.meshio: one for one in SOLIDS.values()}
     kinds = {block.type: len(block.data) for block in mesh.cells}
     others = [k for k in kinds if k.startswith(("hexa", "wedge", "pyramid", "tetra")) and k not in solids]
@@ -68,10 +70,100 @@ def read_mesh_file(path: Path) -> RawMesh:
     facets, node_sets = _groups(mesh)
     return RawMesh(
         nodes=nodes,
-        elements=_ordered(path.name, nodes, elements[:, np.argsort(kind.in_vtk)]),
+        elements=_ordered(path.name, nodes, _turned(nodes, elements[:, np.argsort(kind.in_vtk)])),
         facets=facets,
         node_sets=node_sets,
     )
+
+
+def read_quietly(path: Path) -> Any:
+    """The mesh of meshio; what it writes to the terminal goes to the log, or into the message when it fails.
+
+    Raises
+    ------
+    MeshError : unreadable
+    """
+    import meshio
+
+    said = io.StringIO()
+    try:
+        with (
+            contextlib.redirect_stdout(said),
+            contextlib.redirect_stderr(said),
+            warnings.catch_warnings(action="ignore"),
+        ):
+            found = _READERS.get(path.suffix.lower(), meshio.read)(path)
+    except (Exception, SystemExit) as error:  # meshio leaves the interpreter on some damaged files
+        words = str(error) if isinstance(error, MeshError) or str(error) not in ("", "1") else said.getvalue()
+        words = " ".join(re.sub(r"\x1b\[[0-9;]*m", "", words).split())[:200] or type(error).__name__
+        raise MeshError(
+            f"{path.name} cannot be read as a mesh ({words}); it is cut off or damaged. Export it again"
+        ) from error
+    for line in said.getvalue().splitlines():
+        _log.info("meshio: %s", line)
+    return found
+
+
+def _nastran(path: Path) -> Any:
+    """A bulk data file, also one that holds nothing but cards, as gmsh writes it, without BEGIN BULK and ENDDATA."""
+    import meshio
+
+    text = path.read_text(encoding="latin-1")
+    begins = re.search(r"^\s*BEGIN\s+BULK", text, re.IGNORECASE | re.MULTILINE)
+    ends = re.search(r"^\s*ENDDATA", text, re.IGNORECASE | re.MULTILINE)
+    if begins and ends:
+        return meshio.read(path, "nastran")
+    with tempfile.TemporaryDirectory() as folder:
+        whole = Path(folder) / "whole.bdf"
+        whole.write_text(f"{'' if begins else 'BEGIN BULK'}\n{text}\n{'' if ends else 'ENDDATA'}\n", encoding="latin-1")
+        return meshio.read(whole, "nastran")
+
+
+def _abaqus(path: Path) -> Any:
+    """An input deck; plane elements, which gmsh writes on the faces of a body, are read as shells."""
+    import meshio
+
+    text = path.read_text(encoding="latin-1")
+    shells = {"3": "S3", "4": "S4", "6": "STRI65", "8": "S8R"}
+    known = re.sub(
+        r"(TYPE\s*=\s*)(?:CPS|CPE|M3D)([3468])R?(?=\s*(?:,|$))",
+        lambda found: found[1] + shells[found[2]],
+        text,
+        flags=re.IGNORECASE | re.MULTILINE,
+    )
+    if known == text:
+        return meshio.read(path, "abaqus")
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "deck.inp"
+        copy.write_text(known, encoding="latin-1")
+        return meshio.read(copy, "abaqus")
+
+
+def _through_gmsh(path: Path) -> Any:
+    """A mesh that gmsh reads and meshio does not, or not as gmsh writes it: with its groups as physical groups."""
+    import meshio
+
+    from fem.casing.meshing.gmsh_session import session
+
+    with session() as gmsh, tempfile.TemporaryDirectory() as folder:
+        gmsh.merge(str(path))
+        copy = Path(folder) / "mesh.msh"
+        gmsh.option.setNumber("Mesh.SaveAll", 1)
+        gmsh.write(str(copy))
+        return meshio.read(copy)
+
+
+_READERS = {".bdf": _nastran, ".nas": _nastran, ".inp": _abaqus, ".unv": _through_gmsh, ".mesh": _through_gmsh}
+
+
+def _turned(nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
+    """Tetrahedra that are all inside out, as MED numbers them, turned over."""
+    if solid_element(elements).corners != 4:
+        return elements
+    corners = nodes[elements[:, :4]]
+    if (np.linalg.det(corners[:, 1:] - corners[:, :1]) >= 0.0).any():
+        return elements
+    return elements[:, _MIRRORED[: elements.shape[1]]]
 
 
 def _ordered(name: str, nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
@@ -122,9 +214,14 @@ def _groups(mesh: Any) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
 def _named_cells(mesh: Any) -> Iterator[tuple[str, int, np.ndarray]]:
     """Name, block and cells of every group of cells."""
     titles = {(int(tag), int(dim)): name for name, (tag, dim) in mesh.field_data.items()}
+    families = getattr(mesh, "cell_tags", {})  # of MED: names of every family, whose numbers are 0 or negative
     for key, blocks in mesh.cell_data.items():
         for number, values in enumerate(blocks):
             if np.ndim(values) != 1:
+                continue
+            if key == "cell_tags":
+                for tag in set(families) & set(np.unique(values).tolist()):
+                    yield from ((name, number, np.flatnonzero(values == tag)) for name in families[tag])
                 continue
             if key not in _IDENTIFIERS:
                 yield key, number, np.flatnonzero(values)

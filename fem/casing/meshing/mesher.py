@@ -1,4 +1,4 @@
-"""Geometry -> CasingMesh through gmsh and OpenCASCADE: the one module that imports gmsh.
+"""Geometry -> CasingMesh through gmsh and OpenCASCADE.
 
 Geometry is built in millimetres (the tolerances of OpenCASCADE are absolute) and returned in metres. One thread and a
 fixed seed: the same input gives the same mesh. Mid-side nodes lie on the curved surfaces unless `curved=False`.
@@ -6,10 +6,7 @@ fixed seed: the same input gives the same mesh. Mid-side nodes lie on the curved
 
 from __future__ import annotations
 
-import signal
-import threading
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +14,7 @@ import numpy as np
 
 from fem.casing.geometry.housing import Housing
 from fem.casing.meshing.finished import RawMesh, finished_mesh
+from fem.casing.meshing.gmsh_session import session
 from fem.casing.meshing.imported import ImportedHousing, finish
 from fem.casing.meshing.mesh import CasingMesh, MeshError
 from fem.casing.meshing.quality import GOOD_QUALITY, straightened
@@ -25,7 +23,6 @@ from fem.casing.meshing.sizes import MM, Refinement, Sizes, set_sizes
 from fem.casing.meshing.solid import build_solid, find_patches
 from fem.casing.meshing.step_file import named, read_step, refinements
 
-_lock = threading.Lock()  # gmsh keeps one global model
 _TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # gmsh stores the mid-sides 23 and 13 the other way round
 
 
@@ -118,52 +115,6 @@ def write_step(housing: Housing, path: Path) -> None:
         gmsh.write(str(path))
     text = named(path.read_text(encoding="latin-1"), "housing")
     path.write_text(text, encoding="latin-1", newline="\n")
-
-
-@contextmanager
-def session() -> Iterator[Any]:
-    """A fresh gmsh, alone in this process, closed whatever happens; works outside the main thread."""
-    import gmsh
-
-    with _lock:
-        with _broken_pipes_kept():
-            gmsh.initialize(["gearcase", "-v", "0"], readConfigFiles=False, interruptible=False)
-        try:
-            for option, value in {
-                "General.Terminal": 0,
-                "General.NumThreads": 1,
-                "Mesh.MaxNumThreads3D": 1,
-                "Mesh.RandomSeed": 1,
-                "Mesh.Algorithm": 6,
-                "Mesh.Algorithm3D": 10,  # HXT: of gmsh's algorithms the one with the best worst element here
-                "Mesh.Optimize": 1,
-                "Mesh.ElementOrder": 1,
-                "Mesh.MeshSizeFromPoints": 0,
-                "Mesh.MeshSizeExtendFromBoundary": 0,
-                "Mesh.LcIntegrationPrecision": 1e-6,  # of element counts along edges; 1e-9 by default takes 1.4 s here
-            }.items():
-                gmsh.option.setNumber(option, value)
-            gmsh.option.setString("Geometry.OCCTargetUnit", "MM")  # OpenCASCADE keeps the unit of an earlier session
-            gmsh.model.add("housing")
-            yield gmsh
-        except Exception as error:
-            if isinstance(error, MeshError):
-                raise
-            raise MeshError(f"gmsh could not mesh the housing: {error}. Try another element size") from error
-        finally:
-            gmsh.finalize()
-
-
-@contextmanager
-def _broken_pipes_kept() -> Iterator[None]:
-    """gmsh lets a write to a closed pipe end the process; put back what held before (the main thread alone may)."""
-    main = threading.current_thread() is threading.main_thread()
-    before = signal.getsignal(signal.SIGPIPE) if main and hasattr(signal, "SIGPIPE") else None
-    try:
-        yield
-    finally:
-        if before is not None:
-            signal.signal(signal.SIGPIPE, before)
 
 
 def tetrahedra(

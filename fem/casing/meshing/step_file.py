@@ -1,4 +1,4 @@
-"""A STEP file -> tetrahedra, in an open gmsh session: read, locate the key points, refine there, mesh.
+"""A CAD file -> tetrahedra, in an open gmsh session: read, choose solids, locate the key points, refine there.
 
 And what names the content of a file that was written.
 """
@@ -6,19 +6,35 @@ And what names the content of a file that was written.
 from __future__ import annotations
 
 import logging
+import math
 import re
+from collections.abc import Sequence
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
-from fem.casing.meshing.imported import UNITS, ImportedHousing, check_extent, find_key_points
+from fem.casing.meshing.imported import (
+    STL_SUFFIXES,
+    UNITS,
+    ImportedHousing,
+    check_extent,
+    find_key_points,
+)
 from fem.casing.meshing.locate import ByCylinder
 from fem.casing.meshing.mesh import MeshError
 from fem.casing.meshing.sizes import MM, Refinement, Sizes
 from fem.casing.meshing.surface import Surface
 
 _log = logging.getLogger(__name__)
+_KINDS = {".step": "step", ".stp": "step", ".brep": "brep", ".brp": "brep", ".iges": "iges", ".igs": "iges"}
+_TOUCHING = 1e-3  # mm
+_SEWING = (1e-4, 1e-2)  # mm, between the edges of loose faces
+_ENDS = {"step": r"END-ISO-10303-21\s*;", "brep": r"^[+-]\d+ \d+\s*\Z", "iges": r"^.{72}T.*\Z"}
 _DECLARED = {"": "m", ".MILLI.": "mm", ".CENTI.": "cm", ".MICRO.": "um"}
 
 
@@ -47,40 +63,222 @@ def named(text: str, name: str) -> str:
 
 
 def read_step(gmsh: Any, housing: ImportedHousing) -> None:
-    """Bring the solids of the file into the current model, in millimetres; several solids are bonded where they touch.
+    """Bring the chosen solids of the file into the current model, in millimetres; several are bonded where they touch.
 
     Raises
     ------
-    MeshError : unreadable, no solid, or a unit other than the one stated
+    MeshError : unreadable, no solid, a unit other than the one stated, several solids without `glue`, or solids that do
+        not touch
     """
     path = housing.file
-    declared = declared_unit(path)
-    if declared and declared != housing.unit:
+    if path.suffix.lower() in STL_SUFFIXES:
+        fill_surface(gmsh, path, MM * UNITS[housing.unit])
+        return
+    solids = import_solids(gmsh, path, housing.unit)
+    if housing.solids:
+        if unknown := [number for number in housing.solids if number > len(solids)]:
+            raise MeshError(
+                f"{path.name} has {len(solids)} solids, there is no solid {unknown[0]}; `gearcase housing` numbers them"
+            )
+        chosen = [solids[number - 1] for number in sorted(set(housing.solids))]
+        gmsh.model.occ.remove([(3, tag) for tag in solids if tag not in chosen], recursive=True)
+        gmsh.model.occ.synchronize()
+        solids = chosen
+    if len(solids) == 1:
+        return
+    if not housing.glue:
         raise MeshError(
-            f'{path.name} declares its unit of length as {declared}, the scene states unit = "{housing.unit}". Set '
-            f'unit = "{declared}", or export the file in {housing.unit}'
+            f"{path.name} has {len(solids)} solids that belong to the housing; set glue = true to bond them where they "
+            "touch, or choose some by solids = [1]. `gearcase housing` numbers them and says which touch"
         )
-    gmsh.option.setString("Geometry.OCCTargetUnit", "MM" if declared else "")
-    try:
-        gmsh.model.occ.importShapes(str(path), format="step")
-    except Exception as error:  # gmsh raises this class itself
-        raise MeshError(f"{path.name} cannot be read as STEP ({error}); export it again, as AP214 or AP242") from error
+    check_touching(gmsh, path.name, solids, housing.solids or range(1, len(solids) + 1))
+    gmsh.model.occ.fragment([(3, solids[0])], [(3, tag) for tag in solids[1:]])
     gmsh.model.occ.synchronize()
-    if not declared and housing.unit != "mm":
-        factor = MM * UNITS[housing.unit]
+    _log.info("%s: %d solids, bonded where they touch", path.name, len(solids))
+
+
+def import_solids(gmsh: Any, path: Path, unit: str | None) -> list[int]:
+    """Tags of the solids of a STEP, IGES or BREP file in the current model, in millimetres.
+
+    Parameters
+    ----------
+    gmsh : an open session
+    path : the file; loose faces, as IGES has them, are sewn to solids
+    unit : that is stated, refused if the file declares another one; None: that of the file, mm if it declares none
+
+    Raises
+    ------
+    MeshError : unreadable, no solid, or another unit
+    """
+    kind = _KINDS[path.suffix.lower()]
+    if not re.search(_ENDS[kind], path.read_text(encoding="latin-1")[-2000:].rstrip(), re.MULTILINE):
+        raise MeshError(
+            f"{path.name} is no {kind.upper()} file or is cut off: its last line is missing. Export it again"
+        )
+    declared = declared_unit(path) if kind == "step" else ""
+    if declared and unit is not None and declared != unit:
+        raise MeshError(
+            f'{path.name} declares its unit of length as {declared}, the scene states unit = "{unit}". Set '
+            f'unit = "{declared}", or export the file in {unit}'
+        )
+    converts = bool(declared) or kind == "iges"  # OpenCASCADE reads the unit of these
+    gmsh.option.setString("Geometry.OCCTargetUnit", "MM" if kind == "step" and declared else "")  # IGES cannot set it
+    try:
+        gmsh.model.occ.importShapes(str(path), highestDimOnly=False, format=kind)
+        gmsh.model.occ.synchronize()
+        for tolerance in _SEWING if kind == "iges" else ():
+            if gmsh.model.getEntities(3):
+                break
+            gmsh.model.occ.healShapes(tolerance=tolerance, sewFaces=True, makeSolids=True)
+            gmsh.model.occ.synchronize()
+    except Exception as error:  # gmsh raises this class itself
+        raise MeshError(
+            f"{path.name} cannot be read as {kind.upper()} ({error}); it is damaged or cut off. Export it again"
+            + (", as AP214 or AP242" if kind == "step" else "")
+        ) from error
+    if not converts and unit not in (None, "mm"):
+        factor = MM * UNITS[unit]
         gmsh.model.occ.dilate(gmsh.model.getEntities(3), 0, 0, 0, factor, factor, factor)
         gmsh.model.occ.synchronize()
-    solids = gmsh.model.getEntities(3)
+    solids = [tag for _, tag in gmsh.model.getEntities(3)]
     if not solids:
         surfaces, curves = len(gmsh.model.getEntities(2)), len(gmsh.model.getEntities(1))
+        sewn = ", which do not close when they are sewn" if kind == "iges" and surfaces else ""
         raise MeshError(
-            f"{path.name} has no volume: it holds {surfaces} surfaces and {curves} curves. Sew the surfaces to a "
+            f"{path.name} has no volume: it holds {surfaces} surfaces and {curves} curves{sewn}. Sew the surfaces to a "
             "closed solid in the CAD program and export that"
         )
-    if len(solids) > 1:
-        gmsh.model.occ.fragment(solids[:1], solids[1:])
-        gmsh.model.occ.synchronize()
-        _log.info("%s: %d solids, bonded where they touch", path.name, len(solids))
+    if empty := [number for number, tag in enumerate(solids, 1) if not gmsh.model.occ.getMass(3, tag) > 0.0]:
+        raise MeshError(
+            f"{path.name}: solid {empty[0]} has no volume (its faces are inside out or open). Repair it in the CAD "
+            "program, or leave it out by solids = [...]"
+        )
+    return solids
+
+
+def touching(gmsh: Any, solids: Sequence[int]) -> tuple[np.ndarray, dict[tuple[int, int], tuple[float, np.ndarray]]]:
+    """Which solids hang together, and how far the others are apart.
+
+    Parameters
+    ----------
+    gmsh : an open session with the solids in mm
+    solids : their tags
+
+    Returns
+    -------
+    label : int (solid,), the same for solids that touch, also through others
+    gaps : (mm, place (3,) in mm) of pairs of places in `solids` that do not touch but are near each other
+    """
+    boxes = np.array([gmsh.model.getBoundingBox(3, tag) for tag in solids]).reshape(-1, 2, 3)
+    near = 0.1 * float(np.linalg.norm(boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)))
+    pairs, gaps = [], {}
+    for one, two in combinations(range(len(solids)), 2):
+        apart = np.maximum(boxes[one, 0] - boxes[two, 1], boxes[two, 0] - boxes[one, 1]).max()
+        if apart > near:
+            continue
+        gap, *ends = gmsh.model.occ.getDistance(3, solids[one], 3, solids[two])
+        if gap < _TOUCHING:
+            pairs.append((one, two))
+        else:
+            gaps[one, two] = (gap, np.array(ends).reshape(2, 3).mean(axis=0))
+    rows, columns = np.array(pairs, int).reshape(-1, 2).T
+    graph = sp.coo_matrix((np.ones(len(pairs)), (rows, columns)), shape=(len(solids),) * 2)
+    return connected_components(graph, directed=False)[1], gaps
+
+
+def check_touching(gmsh: Any, name: str, solids: Sequence[int], numbers: Sequence[int]) -> None:
+    """MeshError unless all solids hang together; names the parts and the place of the narrowest gap.
+
+    Parameters
+    ----------
+    gmsh : an open session with the solids in mm
+    name : of the file
+    solids, numbers : tags of the solids, and the numbers by which the user knows them
+    """
+    label, gaps = touching(gmsh, solids)
+    if not label.any():
+        return
+    parts = [
+        " and ".join(str(numbers[int(i)]) for i in np.flatnonzero(label == part)) for part in range(label.max() + 1)
+    ]
+    between = {pair: gap for pair, gap in gaps.items() if label[pair[0]] != label[pair[1]]}
+    where = ""
+    if between:
+        (one, two), (gap, place) = min(between.items(), key=lambda item: item[1][0])
+        x, y, z = place
+        where = f"; solids {numbers[one]} and {numbers[two]} are {gap:.3g} mm apart at ({x:.5g}, {y:.5g}, {z:.5g}) mm"
+    raise MeshError(
+        f"{name} falls into {len(parts)} parts that do not touch: solids {'; '.join(parts)}{where}. Choose those of "
+        "one part by solids = [...], or close the gap in the CAD program"
+    )
+
+
+def fill_surface(gmsh: Any, path: Path, scale: float) -> None:
+    """Make the volume inside a closed surface of triangles (STL) the solid of the current model, in millimetres.
+
+    Its faces are cut along edges of more than 40 degrees and may be meshed anew.
+
+    Parameters
+    ----------
+    gmsh : an open session
+    path : the STL file
+    scale : mm per unit of the file
+
+    Raises
+    ------
+    MeshError : unreadable, or open, with the place of the hole
+    """
+    points, triangles = read_triangles(path)
+    if (hole := open_place(triangles)) is not None:
+        x, y, z = scale * points[hole].mean(axis=0)
+        raise MeshError(
+            f"{path.name} is open: {len(hole) // 2} edges belong to one triangle only, around ({x:.5g}, {y:.5g}, "
+            f"{z:.5g}) mm. Close the hole in the program that wrote it; a volume needs a closed surface"
+        )
+    try:
+        tag = gmsh.model.addDiscreteEntity(2)
+        gmsh.model.mesh.addNodes(2, tag, range(1, len(points) + 1), (scale * points).ravel())
+        gmsh.model.mesh.addElementsByType(tag, 2, [], 1 + triangles.ravel())
+        angle = math.radians(40.0)
+        gmsh.model.mesh.classifySurfaces(angle, True, True, math.pi)
+        gmsh.model.mesh.createGeometry()
+        loop = gmsh.model.geo.addSurfaceLoop([tag for _, tag in gmsh.model.getEntities(2)])
+        gmsh.model.geo.addVolume([loop])
+        gmsh.model.geo.synchronize()
+    except Exception as error:  # gmsh raises this class itself
+        raise MeshError(f"{path.name} cannot be filled ({error}); repair the surface, or give a STEP file") from error
+
+
+def read_triangles(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, 3) in the unit of the file, those at the same place once, and triangles (t, 3) of an STL file.
+
+    Raises
+    ------
+    MeshError : unreadable, or without triangles
+    """
+    from fem.casing.meshing.mesh_file import read_quietly
+
+    mesh = read_quietly(path)
+    found = [block.data for block in mesh.cells if block.type == "triangle"]
+    if not found or not sum(map(len, found)):
+        raise MeshError(f"{path.name} holds no triangles; export the part again")
+    places = np.asarray(mesh.points, float)
+    same = cKDTree(places).query_pairs(1e-6 * float(np.ptp(places, axis=0).max()), output_type="ndarray")
+    graph = sp.coo_matrix((np.ones(len(same)), (same[:, 0], same[:, 1])), shape=(len(places),) * 2)
+    number = connected_components(graph, directed=False)[1]
+    first = np.unique(number, return_index=True)[1]
+    triangles = number[np.vstack(found)]
+    flat = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
+    once = np.unique(np.sort(triangles[~flat], axis=1), axis=0, return_index=True)[1]
+    return places[first], triangles[~flat][np.sort(once)]
+
+
+def open_place(triangles: np.ndarray) -> np.ndarray | None:
+    """Points (2 n,) of the edges that belong to one triangle only; None for a closed surface."""
+    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
+    unique, uses = np.unique(edges, axis=0, return_counts=True)
+    loose = unique[uses % 2 == 1]
+    return loose.ravel() if len(loose) else None
 
 
 def refinements(gmsh: Any, housing: ImportedHousing, sizes: Sizes) -> list[Refinement]:
@@ -128,7 +326,10 @@ def _first_surface(gmsh: Any, housing: ImportedHousing, sizes: Sizes) -> tuple[S
         for corners in gmsh.model.mesh.getElements(2, tag)[2]:
             triangles.append(number[corners.reshape(-1, 3)])
             face.append(np.full(len(triangles[-1]), tag))
-    gmsh.model.mesh.clear()
+    if Path(housing.path).suffix.lower() in STL_SUFFIXES:
+        gmsh.model.mesh.generate(1)  # begins anew; clearing would take the triangles away that are the geometry
+    else:
+        gmsh.model.mesh.clear()
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0)
     points = housing.placed(coordinates.reshape(-1, 3), 1 / MM)
     return Surface(points, np.vstack(triangles)), np.concatenate(face)

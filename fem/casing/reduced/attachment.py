@@ -58,7 +58,7 @@ def mean_motion_rows(nodes: np.ndarray, facets: np.ndarray, centre: np.ndarray) 
 def nearest_surface_point(
     nodes: np.ndarray, facets: np.ndarray, position: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The point of the surface nearest to `position`.
+    """The point of the surface nearest to `position`; the nearest node of a body that is known by its nodes alone.
 
     Returns
     -------
@@ -71,7 +71,11 @@ def nearest_surface_point(
     AttachmentError : the surface is farther away than `FARTHEST_SENSOR`
     """
     position = np.asarray(position, float)
-    values = nearest_on_facets(nodes, facets, position)
+    if not len(facets):
+        facets = np.arange(len(nodes))[:, None]
+        values = np.ones((len(nodes), 1))
+    else:
+        values = nearest_on_facets(nodes, facets, position)
     points = np.einsum("fa,fad->fd", values, nodes[facets])
     distance = np.linalg.norm(points - position, axis=1)
     best = int(distance.argmin())

@@ -18,7 +18,7 @@ from pipelines.plant.layout import Layout, lay_out
 from pipelines.plant.plant import Plant, make_plant
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import FlexibleBase
-from pipelines.scene.tables.housing import HousingTable, ImportedTable
+from pipelines.scene.tables.housing import HousingModel, HousingTable, MatricesHousingTable
 
 FARTHEST_SENSOR_MM = 50.0  # a sensor farther from the housing is a mistake in the scene
 
@@ -49,14 +49,18 @@ def checked_plant(scene: Scene, source: str) -> Plant:
     return make_plant(scene, source, layout)
 
 
-def _bad_housing(scene: Scene, table: HousingTable | ImportedTable, layout: Layout, source: str) -> Iterator[Problem]:
+def _bad_housing(scene: Scene, table: HousingModel, layout: Layout, source: str) -> Iterator[Problem]:
     from pipelines.plant.checks.casing_checks import bad_casing
+    from pipelines.plant.foreign_housing import foreign_housing
     from pipelines.plant.housing import housing
 
     if isinstance(table, HousingTable):
         yield from _far_sensors(scene, table)
     try:
         points = bearing_points(scene.shafts, layout)
+        if isinstance(table, MatricesHousingTable):
+            foreign_housing(table, scene.sensors, points, source)
+            return
         made = housing(table, scene.sensors, layout, points, source)
     except SceneError as error:
         yield from error.problems

@@ -8,7 +8,13 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, field_validator, model_validator
 
 from pipelines.scene.tables.base import MaterialTable, NotNegative, Number, Positive, Table
-from pipelines.scene.tables.housing import Axes, HousingModel, HousingTable, MeshHousingTable
+from pipelines.scene.tables.housing import (
+    Axes,
+    HousingModel,
+    HousingTable,
+    MatricesHousingTable,
+    MeshHousingTable,
+)
 
 Damping = Annotated[Number, Field(ge=0, lt=1)]
 Spring = Annotated[Number, Field(gt=0, le=1e7)]
@@ -82,6 +88,12 @@ class FlexibleBase(Table):
 class RigidCasingTable(FlexibleBase):
     """A rigid body on six mount springs, one per foot: 6 coordinates, no finite elements."""
 
+    @model_validator(mode="after")
+    def _with_shape(self) -> RigidCasingTable:
+        if isinstance(self.housing, MatricesHousingTable):
+            raise ValueError("housing: matrices have no shape to be rigid; set casing.model to craig-bampton or static")
+        return self
+
     modes: ClassVar[int] = 6
     model: Literal["rigid"] = "rigid"
     mount_stiffness_N_per_um: Annotated[Number, Field(gt=0, le=1e7, description="of each foot, in x, y and z")] = 200.0
@@ -114,8 +126,8 @@ class ElasticBase(FlexibleBase):
                 f"extrapolated: it was measured with tetrahedron-10 and hexahedron-27, not with {self.element}; leave "
                 "one out"
             )
-        if self.extrapolated and isinstance(self.housing, MeshHousingTable):
-            raise ValueError("extrapolated: a mesh file has one element size only; give a STEP file, or leave this out")
+        if self.extrapolated and isinstance(self.housing, MeshHousingTable | MatricesHousingTable):
+            raise ValueError("extrapolated: the file has one element size only; give a STEP file, or leave this out")
         return self
 
 

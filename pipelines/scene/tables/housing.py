@@ -150,16 +150,59 @@ class ImportedTable(Table):
 
 
 class StepHousingTable(ImportedTable):
-    """A solid from a STEP file, meshed here."""
+    """Solids from a STEP, BREP, IGES or closed STL file, meshed here."""
 
     model: Literal["step"] = "step"
+    solids: Annotated[
+        tuple[Annotated[Whole, Field(ge=1)], ...],
+        Field(description="numbers of those of the housing, see gearcase housing; left out: all"),
+    ] = ()
+    glue: Annotated[Flag, Field(description="bond several solids where they touch")] = False
 
 
 class MeshHousingTable(ImportedTable):
-    """An existing mesh of tetrahedra or hexahedra, best with mid-side nodes: .msh, .inp, .bdf, .nas or .vtu."""
+    """An existing mesh of tetrahedra or hexahedra, best with mid-side nodes: .msh, .inp, .bdf, .unv, .med, .vtu, ..."""
 
     model: Literal["mesh"] = "mesh"
     upgrade: Annotated[Flag, Field(description="give linear elements mid-side nodes on straight edges")] = False
+
+
+Nodes = Annotated[tuple[Whole, ...], Field(min_length=1, description="numbers of its nodes; their mean motion or RBE2")]
+
+
+class NodeSeatTable(Table):
+    """A bearing of a housing of matrices: the nodes of its seat, or the one node of the bearing itself."""
+
+    name: Annotated[str, Field(pattern=r"^bearing_[1-9][0-9]*$", description="two per shaft, odd numbers at -y")]
+    nodes: Nodes
+
+
+class NodeGroundTable(Table):
+    """A foot of a housing of matrices."""
+
+    nodes: Nodes
+
+
+class MatricesHousingTable(Table):
+    """Stiffness and mass that another program assembled or reduced, of the free body, in the axes of the scene."""
+
+    model: Literal["matrices"] = "matrices"
+    file: Annotated[str, Field(min_length=1, description="of both, or of the stiffness: .op4 .pch .mtx .sti .npz .h5")]
+    mass_file: Annotated[str | None, Field(description="of the mass, where file holds the stiffness alone")] = None
+    nodes_file: Annotated[
+        str | None, Field(description="rows of number, x, y, z; or a Nastran file with GRID cards")
+    ] = None
+    equations_file: Annotated[
+        str | None,
+        Field(description="rows of node and axis (1 to 6, 0 modal), one per equation; left out: 3 or 6 per node"),
+    ] = None
+    units: Annotated[
+        Literal["kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s"],
+        Field(description="mass (lbf: the force), length and time of the file"),
+    ]
+    origin_mm: Annotated[Vector, Field(description="where the origin of the file lies")] = (0.0, 0.0, 0.0)
+    bearings: Annotated[tuple[NodeSeatTable, ...], Field(min_length=1, description="the bearing seats")]
+    grounds: Annotated[tuple[NodeGroundTable, ...], Field(min_length=1, description="the feet")]
 
 
 def _model_of(value: Any) -> str:
@@ -170,6 +213,7 @@ def _model_of(value: Any) -> str:
 HousingModel = Annotated[
     Annotated[HousingTable, Tag("parametric")]
     | Annotated[StepHousingTable, Tag("step")]
-    | Annotated[MeshHousingTable, Tag("mesh")],
+    | Annotated[MeshHousingTable, Tag("mesh")]
+    | Annotated[MatricesHousingTable, Tag("matrices")],
     Discriminator(_model_of),
 ]

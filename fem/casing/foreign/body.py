@@ -1,0 +1,164 @@
+"""ForeignBody: stiffness and mass of another program in SI, and what every equation means.
+
+Matrices in a system of units with length L, mass m and time t (in m, kg, s) become SI by what a unit of energy is:
+
+    A_SI = S A S m L^2 / t^2 (stiffness),  S A S m L^2 (mass),   S = diag(1 / L of translations, 1 of all others)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+MODAL = -1  # axis of a coordinate that is no motion of a node
+POUND_FORCE_INCH = 175.12683524647636  # kg: 1 lbf s2/in, by 1 lbf = 4.4482216152605 N, 1 in = 0.0254 m
+SYSTEMS = {  # length m, mass kg, time s
+    "kg-m-s": (1.0, 1.0, 1.0),
+    "t-mm-s": (1 / 1000, 1000.0, 1.0),
+    "kg-mm-ms": (1 / 1000, 1.0, 1 / 1000),
+    "kg-mm-s": (1 / 1000, 1.0, 1.0),
+    "lbf-in-s": (127 / 5000, POUND_FORCE_INCH, 1.0),
+}
+
+
+class ForeignError(ValueError):
+    """Matrices of another program cannot be used: a file, its equations, its units, or the body itself."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ForeignBody:
+    """K and M with the meaning of their equations; SI."""
+
+    name: str
+    stiffness: sp.csr_matrix  # (n, n)
+    mass: sp.csr_matrix
+    node: np.ndarray  # int (n,), number of the node of every equation; of modal coordinates 0
+    axis: np.ndarray  # int (n,), 0..5 for ux uy uz rx ry rz, MODAL
+    numbers: np.ndarray  # int (k,), of the nodes
+    places: np.ndarray  # (k, 3), m; nan where no file tells them
+    dropped: int = 0  # equations without stiffness and mass that were left out
+
+    @property
+    def located(self) -> bool:
+        """Whether the places of all nodes are known."""
+        return bool(len(self.numbers) and np.isfinite(self.places).all())
+
+    def place(self, number: int) -> np.ndarray:
+        """Place (3,) of a node. ForeignError if there is no such node."""
+        found = np.flatnonzero(self.numbers == number)
+        if not len(found):
+            raise ForeignError(f"{self.name} has no node {number}; it has {_some(self.numbers)}")
+        return np.asarray(self.places[found[0]])
+
+    def equation(self, number: int, axis: int) -> int:
+        """Equation of a node's motion along an axis, -1 if there is none."""
+        found = np.flatnonzero((self.node == number) & (self.axis == axis))
+        return int(found[0]) if len(found) else -1
+
+
+def foreign_body(
+    name: str,
+    stiffness: sp.spmatrix,
+    mass: sp.spmatrix,
+    *,
+    equations: np.ndarray | None = None,
+    nodes: np.ndarray | None = None,
+    system: str = "kg-m-s",
+) -> ForeignBody:
+    """A body from what files hold.
+
+    Parameters
+    ----------
+    name : of the file, in messages
+    stiffness, mass : (n, n), symmetric or one triangle
+    equations : int (n, 2), node and axis (1 to 6, 0 modal) of each; by default three or six per node in their order
+    nodes : (k, 4), number and place; or (k, 3), numbered from 1
+    system : one of `SYSTEMS`
+
+    Raises
+    ------
+    ForeignError : shapes that do not fit, entries that are not finite, equations of unknown nodes
+    """
+    if system not in SYSTEMS:
+        raise ForeignError(f"units {system!r} are not one of {', '.join(SYSTEMS)}")
+    K, M = (_whole(name, what, matrix) for what, matrix in (("stiffness", stiffness), ("mass", mass)))
+    if K.shape != M.shape:
+        raise ForeignError(f"{name}: stiffness has {K.shape[0]} equations, mass {M.shape[0]}; export both of one set")
+    length, unit_mass, time = SYSTEMS[system]
+    numbers, places = _nodes(name, nodes)
+    node, axis = _equations(name, equations, K.shape[0], numbers)
+    if not len(numbers):
+        numbers = np.unique(node[axis != MODAL])
+        places = np.full((len(numbers), 3), np.nan)
+    if len(unknown := np.setdiff1d(node[axis != MODAL], numbers)):
+        raise ForeignError(
+            f"{name}: equations belong to nodes without a place: {_some(unknown)}. Give a file of all nodes"
+        )
+    scale = sp.diags_array(np.where((axis >= 0) & (axis < 3), 1.0 / length, 1.0))
+    energy = unit_mass * length**2
+    used = (abs(K).sum(axis=1) + abs(M).sum(axis=1) > 0.0).ravel()
+    keep = np.flatnonzero(np.asarray(used).ravel())
+    return ForeignBody(
+        name=name,
+        stiffness=sp.csr_matrix((scale @ K @ scale) * (energy / time**2))[keep][:, keep],
+        mass=sp.csr_matrix((scale @ M @ scale) * energy)[keep][:, keep],
+        node=node[keep],
+        axis=axis[keep],
+        numbers=numbers,
+        places=length * places,
+        dropped=K.shape[0] - len(keep),
+    )
+
+
+def _whole(name: str, what: str, matrix: sp.spmatrix) -> sp.csr_matrix:
+    """The matrix with both triangles."""
+    found = sp.csr_matrix(matrix, dtype=float)
+    if found.shape[0] != found.shape[1] or not found.shape[0]:
+        raise ForeignError(f"{name}: the {what} matrix has the shape {found.shape}; it must be square and not empty")
+    if not np.isfinite(found.data).all():
+        raise ForeignError(f"{name}: the {what} matrix has entries that are not finite; export it again")
+    upper, lower = sp.triu(found, 1), sp.tril(found, -1)
+    if bool(upper.nnz) != bool(lower.nnz):
+        found = sp.csr_matrix(found + upper.T + lower.T)
+    found.sum_duplicates()
+    return found
+
+
+def _nodes(name: str, nodes: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+    if nodes is None:
+        return np.zeros(0, int), np.zeros((0, 3))
+    nodes = np.atleast_2d(np.asarray(nodes, float))
+    if nodes.shape[1] == 3:
+        nodes = np.column_stack([np.arange(1, len(nodes) + 1), nodes])
+    if nodes.shape[1] != 4 or not np.isfinite(nodes).all():
+        raise ForeignError(f"{name}: nodes are rows of number, x, y, z (or x, y, z); the shape is {nodes.shape}")
+    return nodes[:, 0].astype(int), nodes[:, 1:]
+
+
+def _equations(
+    name: str, equations: np.ndarray | None, count: int, numbers: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    if equations is None:
+        per_node = next((k for k in (3, 6) if len(numbers) * k == count), 0)
+        if len(numbers) and not per_node:
+            raise ForeignError(
+                f"{name}: {count} equations of {len(numbers)} nodes are neither three nor six per node; give the map "
+                "of equations, a row of node and axis (1 to 6, 0 for a modal coordinate) for each"
+            )
+        if not per_node:  # nothing is known: coordinates without a place
+            return np.zeros(count, int), np.full(count, MODAL)
+        return np.repeat(numbers, per_node), np.tile(np.arange(per_node), len(numbers))
+    rows = np.asarray(equations).astype(int)
+    if rows.shape != (count, 2):
+        raise ForeignError(
+            f"{name}: the map of equations has the shape {rows.shape}; {count} rows of node and axis fit"
+        )
+    if ((rows[:, 1] < 0) | (rows[:, 1] > 6)).any():
+        raise ForeignError(f"{name}: the map of equations has axes outside 1 to 6 (0 for a modal coordinate)")
+    return np.where(rows[:, 1] > 0, rows[:, 0], 0), rows[:, 1] - 1
+
+
+def _some(numbers: np.ndarray) -> str:
+    return ", ".join(map(str, numbers[:6].tolist())) + (f", ... ({len(numbers)} in all)" if len(numbers) > 6 else "")

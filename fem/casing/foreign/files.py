@@ -1,0 +1,235 @@
+"""Read matrices of other programs; what the endings mean:
+
+.op4   Nastran OUTPUT4, ASCII or binary (package pyyeti); no map of equations
+.pch   Nastran punch file of DMIG, which names node and axis of each equation (package pyyeti)
+.mtx   Matrix Market; or Abaqus *MATRIX GENERATE, rows of node, axis, node, axis, value
+.sti   CalculiX (with .mas and .dof beside it)
+.npz   NumPy: arrays stiffness and mass, or one sparse matrix of scipy.sparse.save_npz; nodes, equations if there
+.h5    HDF5: datasets stiffness and mass, or groups of data, indices and indptr; nodes, equations if there
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Mapping
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.io
+import scipy.sparse as sp
+
+from fem.casing.foreign.body import ForeignBody, ForeignError, foreign_body
+
+SUFFIXES = (".op4", ".pch", ".mtx", ".sti", ".npz", ".h5", ".hdf5")
+_STIFFNESS, _MASS = (
+    ("stiffness", "k", "kaa", "kgg", "kxx", "kbb", "kaax"),
+    ("mass", "m", "maa", "mgg", "mxx", "mbb", "maax"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Matrices of a file by their names in lower case, and what it tells of nodes and equations."""
+
+    matrices: Mapping[str, sp.spmatrix]
+    equations: np.ndarray | None = None  # (n, 2)
+    nodes: np.ndarray | None = None  # (k, 4) or (k, 3)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MatrixFiles:
+    """Where a body stands: the matrices in one file or in two, nodes and equations where these do not tell them."""
+
+    stiffness: str
+    mass: str | None = None
+    nodes: str | None = None  # rows of number, x, y, z; or a Nastran file with GRID cards
+    equations: str | None = None  # rows of node, axis
+    system: str = "kg-m-s"
+    digests: tuple[str, ...] = field(default=())  # of the files, in this order
+
+
+def read_body(files: MatrixFiles) -> ForeignBody:
+    """The body in SI.
+
+    Raises
+    ------
+    ForeignError : unreadable, of unknown kind, matrices not told apart, or see `foreign_body`
+    """
+    path = Path(files.stiffness)
+    first = read_matrices(path)
+    second = first if files.mass is None else read_matrices(Path(files.mass))
+    nodes = first.nodes if files.nodes is None else _table(Path(files.nodes), "nodes", 4)
+    equations = first.equations if files.equations is None else _table(Path(files.equations), "equations", 2)
+    return foreign_body(
+        path.name,
+        _chosen(path, first, _STIFFNESS, "stiffness", alone=files.mass is not None),
+        _chosen(Path(files.mass or path), second, _MASS, "mass", alone=files.mass is not None),
+        equations=equations,
+        nodes=nodes,
+        system=files.system,
+    )
+
+
+def read_matrices(path: Path) -> Found:
+    """All matrices of a file.
+
+    Raises
+    ------
+    ForeignError : unreadable, or of unknown kind; ImportError becomes one, too, naming the package
+    """
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None:
+        raise ForeignError(f"{path.name}: matrices are read from {', '.join(SUFFIXES)}; convert it")
+    said = io.StringIO()
+    try:
+        with redirect_stdout(said), redirect_stderr(said):
+            return reader(path)
+    except ForeignError:
+        raise
+    except ImportError as error:
+        raise ForeignError(f"{path.name} needs the package pyyeti: pip install 'gearcase[nastran]'") from error
+    except FileNotFoundError as error:
+        raise ForeignError(f"{error.filename}: no such file") from error
+    except (Exception, SystemExit) as error:  # whatever a reader meets in a damaged file
+        words = " ".join(f"{error} {said.getvalue()}".split())[:200] or type(error).__name__
+        raise ForeignError(
+            f"{path.name} cannot be read ({words}); it is cut off or damaged. Export it again"
+        ) from error
+
+
+def _chosen(path: Path, found: Found, names: tuple[str, ...], what: str, *, alone: bool) -> sp.spmatrix:
+    """The matrix by its name; the only one of a file that holds one kind alone."""
+    if alone and len(found.matrices) == 1:
+        return next(iter(found.matrices.values()))
+    if not (known := [name for name in names if name in found.matrices]):
+        raise ForeignError(
+            f"{path.name} has no {what} matrix under the names {', '.join(names)}; it holds "
+            f"{', '.join(found.matrices) or 'nothing'}. Give it in a file of its own"
+        )
+    return found.matrices[known[0]]
+
+
+def _op4(path: Path) -> Found:
+    from pyyeti.nastran import op4
+
+    return Found({name.lower(): sp.csr_matrix(m) for name, m in op4.read(str(path), sparse=None).items()})
+
+
+def _punch(path: Path) -> Found:
+    from pyyeti.nastran import bulk
+
+    tables = bulk.rddmig(str(path), expanded=False, square=True)
+    square = {name.lower(): table for name, table in tables.items() if table.shape[0] == table.shape[1]}
+    if not square:
+        raise ForeignError(f"{path.name} holds no square DMIG matrix; export KAAX and MAAX (PARAM,EXTOUT,DMIGPCH)")
+    every = sorted(set().union(*(set(table.index) for table in square.values())))
+    place = {label: number for number, label in enumerate(every)}
+    matrices = {}
+    for name, table in square.items():
+        where = np.array([place[label] for label in table.index])
+        values = sp.coo_matrix(table.to_numpy())
+        shape = (len(every), len(every))
+        matrices[name] = sp.coo_matrix((values.data, (where[values.row], where[values.col])), shape=shape)
+    return Found(matrices, np.array(every, int).reshape(-1, 2))
+
+
+def _matrix_text(path: Path) -> Found:
+    with path.open(encoding="latin-1") as file:
+        head = file.readline()
+    if head.startswith("%%MatrixMarket"):
+        return Found({"matrix": sp.coo_matrix(scipy.io.mmread(path))})
+    rows = np.loadtxt(path, delimiter=",", comments="*", ndmin=2)
+    if rows.shape[1] != 5:
+        raise ForeignError(
+            f"{path.name}: rows have {rows.shape[1]} numbers; Matrix Market begins with %%MatrixMarket, Abaqus writes "
+            "node, axis, node, axis, value (*MATRIX OUTPUT, FORMAT=MATRIX INPUT)"
+        )
+    labels = rows[:, :4].astype(int)
+    pairs, number = np.unique(np.vstack([labels[:, :2], labels[:, 2:]]), axis=0, return_inverse=True)
+    one, two = number.ravel().reshape(2, -1)
+    return Found({"matrix": sp.coo_matrix((rows[:, 4], (one, two)), shape=(len(pairs),) * 2)}, pairs)
+
+
+def _calculix(path: Path) -> Found:
+    labels = [line.split(".") for line in path.with_suffix(".dof").read_text(encoding="latin-1").split()]
+    equations = np.array(labels, int)
+    matrices = {}
+    for name, file in (("stiffness", path), ("mass", path.with_suffix(".mas"))):
+        rows = np.loadtxt(file, ndmin=2)
+        one, two = rows[:, :2].astype(int).T - 1
+        matrices[name] = sp.coo_matrix((rows[:, 2], (one, two)), shape=(len(equations),) * 2)
+    return Found(matrices, equations)
+
+
+def _npz(path: Path) -> Found:
+    with zipfile.ZipFile(path) as archive:
+        names = {name.removesuffix(".npy") for name in archive.namelist()}
+    if {"data", "shape", "format"} <= names:
+        return Found({"matrix": sp.load_npz(path)})
+    with np.load(path, allow_pickle=False) as stored:
+        arrays = {name.lower(): stored[name] for name in stored.files}
+    return _of_arrays(arrays)
+
+
+def _hdf5(path: Path) -> Found:
+    import h5py
+
+    arrays: dict[str, Any] = {}
+    with h5py.File(path, "r") as file:
+        for name, item in file.items():
+            if isinstance(item, h5py.Group):
+                if {"data", "indices", "indptr"} <= set(item):
+                    arrays[name.lower()] = sp.csr_matrix(tuple(item[part][:] for part in ("data", "indices", "indptr")))
+            elif item.ndim == 2:
+                arrays[name.lower()] = item[:]
+    return _of_arrays(arrays)
+
+
+def _of_arrays(arrays: Mapping[str, Any]) -> Found:
+    square = {n: sp.csr_matrix(a) for n, a in arrays.items() if n not in ("nodes", "equations") and np.ndim(a) == 2}
+    return Found(square, arrays.get("equations"), arrays.get("nodes"))
+
+
+def _table(path: Path, what: str, columns: int) -> np.ndarray:
+    """Rows of numbers of a text file, or the GRID cards of a Nastran file."""
+    try:
+        if path.suffix.lower() in (".bdf", ".dat", ".nas", ".blk"):
+            from pyyeti.nastran import bulk
+
+            grids = bulk.rdgrids(str(path))
+            if grids is None:
+                raise ForeignError(f"{path.name} has no GRID cards")
+            if grids[:, 1].any():
+                raise ForeignError(
+                    f"{path.name}: nodes in coordinate systems of their own; give places in the basic one"
+                )
+            return np.asarray(grids[:, [0, 2, 3, 4]])
+        text = path.read_text(encoding="latin-1").replace(",", " ").replace(";", " ")
+        rows = [line.split() for line in text.splitlines() if line.strip() and line.strip()[0] in "-+.0123456789"]
+        found = np.array(rows, float)
+    except ForeignError:
+        raise
+    except ImportError as error:
+        raise ForeignError(f"{path.name} needs the package pyyeti: pip install 'gearcase[nastran]'") from error
+    except OSError as error:
+        raise ForeignError(f"{path}: cannot be read ({error.strerror})") from error
+    except ValueError as error:
+        raise ForeignError(f"{path.name}: the rows of the {what} do not all have the same count of numbers") from error
+    if found.ndim != 2 or found.shape[1] not in {columns, 3 if columns == 4 else columns}:
+        raise ForeignError(f"{path.name}: {what} are rows of {columns} numbers; these have the shape {found.shape}")
+    return found
+
+
+_READERS = {
+    ".op4": _op4,
+    ".pch": _punch,
+    ".mtx": _matrix_text,
+    ".sti": _calculix,
+    ".npz": _npz,
+    ".h5": _hdf5,
+    ".hdf5": _hdf5,
+}

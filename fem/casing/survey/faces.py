@@ -1,0 +1,73 @@
+"""Faces of a surface of triangles: those of a CAD file are known, those of a mesh are found by the angles at its edges.
+
+Triangles in one plane form flat faces where they reach farther than an element; the others hang together over edges of
+less than 40 degrees and form the curved faces.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+_PLANE = np.cos(np.radians(0.5))
+_SMOOTH = np.cos(np.radians(40.0))
+_REACH = 2.5  # mean edges: a set of coplanar triangles as wide as that is a flat face
+_SHARP_BORDER = 0.5  # of its border: a narrower one is a flat face if so much of it is sharp
+
+
+def split(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Number (t,) of the face of every triangle of a closed surface: points (n, 3), triangles (t, 3)."""
+    corners = points[triangles]
+    vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-300)[:, None]
+    one, two, length = _neighbours(points, triangles)
+    cosine = np.einsum("kd,kd->k", normals[one], normals[two])
+    coplanar = _parts(one, two, cosine > _PLANE, len(triangles))
+    flat = _flat_parts(points, triangles, coplanar, one, two, length, cosine)
+    is_flat = flat[coplanar]
+    joined = (cosine > _SMOOTH) & ~is_flat[one] & ~is_flat[two] | (coplanar[one] == coplanar[two])
+    return _parts(one, two, joined, len(triangles))
+
+
+def _neighbours(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Pairs of triangles that share an edge, and its length."""
+    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
+    edges, number = np.unique(sides, axis=0, return_inverse=True)
+    number = number.ravel()
+    order = np.argsort(number, kind="stable")
+    owner = np.repeat(np.arange(len(triangles)), 3)[order]
+    pair = np.flatnonzero(np.diff(number[order]) == 0)
+    length = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+    return owner[pair], owner[pair + 1], length[number[order][pair]]
+
+
+def _parts(one: np.ndarray, two: np.ndarray, joined: np.ndarray, count: int) -> np.ndarray:
+    graph = sp.coo_matrix((np.ones(int(joined.sum())), (one[joined], two[joined])), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1])
+
+
+def _flat_parts(
+    points: np.ndarray,
+    triangles: np.ndarray,
+    part: np.ndarray,
+    one: np.ndarray,
+    two: np.ndarray,
+    length: np.ndarray,
+    cosine: np.ndarray,
+) -> np.ndarray:
+    """Bool (part,): coplanar triangles that are a flat face, not a strip of a curved one."""
+    count = part.max() + 1
+    border = part[one] != part[two]
+    sharp = border & (cosine < _SMOOTH)
+    around, cut = np.zeros(count), np.zeros(count)
+    for side in (one, two):
+        np.add.at(around, part[side[border]], length[border])
+        np.add.at(cut, part[side[sharp]], length[sharp])
+    vectors = np.cross(
+        points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]]
+    )
+    area = np.bincount(part, weights=0.5 * np.linalg.norm(vectors, axis=1), minlength=count)
+    width = 2.0 * area / np.maximum(around, 1e-300)  # of a long strip
+    edge = float(np.median(length))
+    return (width > _REACH * edge) | (cut > _SHARP_BORDER * around) & (np.bincount(part, minlength=count) > 1)

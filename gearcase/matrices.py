@@ -1,0 +1,77 @@
+"""Bodies whose stiffness and mass another program assembled."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem.casing.foreign.reduce import Point as Point
+from gearcase.errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+    import scipy.sparse as sp
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedMatrices:
+    """A reduced body: SI, physical coordinates "<point>:<axis>" first, then "mode_1", ... and "inertia_1", ..."""
+
+    stiffness: np.ndarray  # (coordinate, coordinate)
+    mass: np.ndarray
+    basis: (
+        np.ndarray
+    )  # (equation, coordinate): the motion of the whole body, of the equations that have stiffness or mass
+    coordinate_names: tuple[str, ...]
+    report: str  # the check-up of the matrices
+
+
+def reduce(
+    stiffness: sp.spmatrix,
+    mass: sp.spmatrix,
+    points: Mapping[str, Point],
+    *,
+    nodes: np.ndarray,
+    equations: np.ndarray | None = None,
+    units: str = "kg-m-s",
+    held: Sequence[int] = (),
+    band: float,
+) -> ReducedMatrices:
+    """Reduce a body to points by Craig-Bampton; RBE2 and RBE3 are made from the nodes of each point.
+
+    Parameters
+    ----------
+    stiffness, mass : (n, n), symmetric or one triangle, of the free body
+    points : by name: their nodes, place (m), axes that carry loads, and coupling "mean" (RBE3) or "rigid" (RBE2)
+    nodes : (k, 4) number and place, or (k, 3), numbered from 1; in the unit of length of the matrices
+    equations : (n, 2) node and axis (1 to 6, 0 for a modal coordinate); by default three or six per node
+    units : "kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s" or "lbf-in-s"
+    held : numbers of nodes that the ground holds; without any, springs under the points hold it while it is factorised
+    band : Hz, to which fixed-interface modes are kept
+
+    Raises
+    ------
+    InputError : matrices, nodes or points that do not fit together, or a body that is not held
+    """
+    from fem.casing.foreign.body import ForeignError, foreign_body
+    from fem.casing.foreign.checks import check_foreign
+    from fem.casing.foreign.reduce import reduce_foreign
+    from fem.casing.reduced.reduction import ReductionError
+    from fem.numerics.linear_solver import SingularMatrixError
+
+    try:
+        body = foreign_body("matrices", stiffness, mass, equations=equations, nodes=nodes, system=units)
+        made = reduce_foreign(body, points, held=held, sprung=() if held else tuple(points), band=band)
+    except (ForeignError, ReductionError, SingularMatrixError) as error:
+        raise InputError(str(error)) from error
+    reduction = made.reduction
+    modes, all_modes = reduction.n_fixed, len(reduction.frequencies)
+    names = [f"mode_{i + 1}" for i in range(modes)] + [f"inertia_{i + 1}" for i in range(all_modes - modes)]
+    return ReducedMatrices(
+        stiffness=reduction.stiffness,
+        mass=reduction.mass,
+        basis=made.expansion @ reduction.basis,
+        coordinate_names=(*made.coordinate_names, *names),
+        report=check_foreign(body).report(),
+    )

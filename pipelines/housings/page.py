@@ -1,0 +1,51 @@
+"""A page on which a housing from a file can be turned, with the numbers of its bores: one file, nothing else needed."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+from importlib.resources import files
+
+import numpy as np
+
+from fem.casing.survey.contents import Contents
+
+MOST_LABELS = 200
+
+
+def housing_page(contents: Contents, seats: dict[int, str], text: str) -> str:
+    """The HTML.
+
+    Parameters
+    ----------
+    contents : what the file holds
+    seats : name of the bearing by number of the bore
+    text : the listing, below the picture
+    """
+    corners = (1000 * contents.points[contents.triangles]).astype("<f4")
+    labels = [
+        {
+            "text": f"{bore.number}: {seats[bore.number]}" if bore.number in seats else str(bore.number),
+            "seat": bore.number in seats,
+            "place": np.round(1000 * bore.centre, 4).tolist(),
+        }
+        for bore in contents.bores[:MOST_LABELS]
+    ]
+    box = np.round(1000 * contents.box, 4).tolist()
+    script = files("pipelines.report").joinpath("assets", "turn.js").read_text(encoding="utf-8")
+    data = json.dumps({"box": box, "labels": labels, "corners": base64.b64encode(corners.tobytes()).decode()})
+    return f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>{html.escape(contents.name)}</title>
+<style>body{{font:14px sans-serif;margin:1em}}#view{{position:relative;width:100%;height:70vh;overflow:hidden;
+border:1px solid #ccc}}canvas{{width:100%;height:100%;display:block;cursor:grab}}.bore{{position:absolute;
+transform:translate(-50%,-50%);color:#1f4e79;font-weight:bold;pointer-events:none;text-shadow:0 0 3px #fff}}
+.seat{{color:#c0392b}}</style></head><body>
+<h1 style="font-size:1.2em">{html.escape(contents.name)}: bores by number</h1>
+<p>Drag to turn, wheel to zoom. Millimetres, in the frame of the file.</p>
+<div id="view"><canvas></canvas></div>
+<pre>{html.escape(text)}</pre>
+<script id="data" type="application/json">{data}</script>
+<script>{script}</script>
+</body></html>
+"""

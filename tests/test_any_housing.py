@@ -1,0 +1,224 @@
+"""`gearcase housing`: bores, seats, tilt and unit are found in a file; the block it writes makes the scene fit."""
+
+import math
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from housings import small_housing
+
+from fem.casing.foreign.body import foreign_body
+from fem.casing.foreign.reduce import Point, reduce_foreign
+from fem.casing.meshing.gmsh_session import session
+from fem.casing.meshing.mesher import mesh_housing, write_step
+from fem.casing.meshing.sizes import Sizes
+from fem.casing.meshing.step_file import import_solids
+from fem.casing.reduced.grounded import ground_casing
+from fem.casing.survey.features import bolt_patterns
+from fem.casing.survey.read import survey
+from fem.casing.survey.shaft_fit import ShaftPlace, fit_shafts
+from fem.elements.materials import Material
+from fem.elements.solids import assemble
+from pipelines.cli import main
+from pipelines.plant.housing_file import main as write_housing
+from pipelines.runs.checked import check_scene
+from pipelines.scene.file import load_scene
+
+IRON = Material(name="iron", elastic_modulus=1.1e11, poisson_ratio=0.26, density=7200.0)
+TILT = math.radians(4.3)
+
+
+@pytest.fixture(scope="module")
+def small():
+    return small_housing()
+
+
+@pytest.fixture(scope="module")
+def step(small, tmp_path_factory):
+    path = tmp_path_factory.mktemp("survey") / "housing.step"
+    write_step(small, path)
+    return path
+
+
+def shafts(small, **changes):
+    """The shafts that run in the bores of a housing."""
+    pairs = zip(small.bores[::2], small.bores[1::2], strict=True)
+    return [
+        ShaftPlace(
+            x=one.x + changes.get("x", {}).get(one.name, 0.0),
+            z=one.z,
+            bearings=tuple((bore.name, float(small.bore_centre(bore)[1])) for bore in (one, two)),
+            diameter=0.02,
+        )
+        for one, two in pairs
+    ]
+
+
+def test_a_survey_finds_every_bore_and_no_boss(small, step):
+    contents = survey(step)
+    wanted = sorted(bore.diameter for bore in small.bores)
+    assert sorted(bore.diameter for bore in contents.bores) == pytest.approx(wanted, rel=1e-6)
+    for bore in small.bores:
+        nearest = min(contents.bores, key=lambda one, bore=bore: np.linalg.norm(one.centre - small.bore_centre(bore)))
+        assert np.abs(nearest.centre - small.bore_centre(bore)).max() < 1e-6
+        assert nearest.length == pytest.approx(bore.boss_length, rel=1e-6)
+        assert abs(nearest.axis[1]) == pytest.approx(1.0)
+    assert contents.parts == len(contents.solids) == 1
+    assert contents.declared == "mm"
+    low, high = small.box
+    assert contents.flats[0].area == pytest.approx((high - low)[0] * (high - low)[1])
+
+
+def test_a_mesh_shows_the_same_bores_as_its_solid(small, tmp_path):
+    import meshio
+
+    mesh = mesh_housing(small, sizes=Sizes(element=0.03))
+    path = tmp_path / "housing.vtu"
+    meshio.write(path, meshio.Mesh(1000 * mesh.nodes, [("tetra10", mesh.elements)]))
+    found = survey(path)
+    diameters = sorted(bore.diameter for bore in found.bores)
+    assert diameters == pytest.approx(sorted(bore.diameter for bore in small.bores), rel=1e-6)
+    assert fit_shafts(found.bores, shafts(small)).off < 1e-6
+
+
+def test_a_file_that_was_turned_and_moved_is_put_back(small, step, tmp_path):
+    """Turned by 4.3 degrees about the shafts and moved: the fit undoes it, and every bearing gets its own bore."""
+    path = tmp_path / "turned.step"
+    with session() as gmsh:
+        solids = [(3, tag) for tag in import_solids(gmsh, step, "mm")]
+        gmsh.model.occ.rotate(solids, 0, 0, 0, 0, 1, 0, TILT)
+        gmsh.model.occ.translate(solids, 12.0, -7.0, 30.0)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(path))
+    fit = fit_shafts(survey(path).bores, shafts(small))
+    back = np.array([[np.cos(TILT), 0.0, np.sin(TILT)], [0.0, 1.0, 0.0], [-np.sin(TILT), 0.0, np.cos(TILT)]])
+    assert np.abs(fit.axes - back).max() < 1e-6
+    assert np.abs(fit.placed(np.array([[0.012, -0.007, 0.030]]))).max() < 1e-6
+    assert {seat.bearing for seat in fit.seats} == {bore.name for bore in small.bores}
+    for seat in fit.seats:
+        assert seat.bore.diameter == pytest.approx(small.bore(seat.bearing).diameter)
+        assert seat.middle == pytest.approx(seat.y, abs=1e-6)
+
+
+def test_a_bore_a_little_off_its_shaft_is_offered_with_the_distance(small, step):
+    """0.65 mm: too far to run, near enough to be meant; half of it at each end of the centre distance."""
+    fit = fit_shafts(survey(step).bores, shafts(small, x={"bearing_3": 0.00065}))
+    assert len(fit.seats) == 4
+    assert fit.off == pytest.approx(0.00065 / 2, rel=1e-3)
+    assert fit_shafts(survey(step).bores, shafts(small, x={"bearing_3": 0.03})) is None
+
+
+def test_a_bolt_circle_is_known_by_its_bore(tmp_path):
+    path = tmp_path / "flange.step"
+    with session() as gmsh:
+        occ = gmsh.model.occ
+        occ.addBox(-50, -50, 0, 100, 100, 10)
+        holes = [occ.addCylinder(0, 0, -1, 0, 0, 12, 15)]
+        for k in range(6):
+            x, y = 32 * math.cos(math.pi * k / 3), 32 * math.sin(math.pi * k / 3)
+            holes.append(occ.addCylinder(x, y, -1, 0, 0, 12, 3))
+        occ.cut([(3, 1)], [(3, tag) for tag in holes])
+        occ.synchronize()
+        gmsh.write(str(path))
+    contents = survey(path)
+    (pattern,) = bolt_patterns(contents.bores)
+    assert len(pattern.bores) == 6
+    assert pattern.hole_diameter == pytest.approx(0.006)
+    assert pattern.circle_diameter == pytest.approx(0.064)
+    assert pattern.around == contents.bores[0].number
+
+
+def test_the_block_of_a_file_makes_the_scene_fit(tmp_path, monkeypatch, capsys):
+    """A housing written by a scene, read back by one command and one paste: the seats are where the bearings are."""
+    monkeypatch.chdir(tmp_path)
+    assert write_housing(["minimal", "box.step"]) == 0
+    assert main(["housing", "box.step", "--scene", "minimal", "--out", "found"]) == 0
+    told = capsys.readouterr().out
+    assert "4 bores, the widest first" in told
+    assert "units of length in which bores lie at the shafts of the scene: mm" in told
+    block = (tmp_path / "found" / "housing.toml").read_text(encoding="utf-8")
+    assert block in told
+    (tmp_path / "mine.toml").write_text(f'extends = "minimal"\n{block}', encoding="utf-8")
+    assert check_scene(load_scene("mine.toml")).plant.casing.geometry.is_step
+    page = (tmp_path / "found" / "box.html").read_text(encoding="utf-8")
+    assert "bearing_1" in page
+    assert (tmp_path / "found" / "box.png").stat().st_size > 10_000
+
+
+def test_what_is_no_housing_is_refused_in_a_sentence(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.step").write_text("nothing", encoding="utf-8")
+    (tmp_path / "a.op4").write_text("nothing", encoding="utf-8")
+    (tmp_path / "a.txt").write_text("nothing", encoding="utf-8")
+    for name, words in (
+        ("a.step", "is no STEP file or is cut off"),
+        ("a.op4", "cannot be read"),
+        ("a.txt", "are read from"),
+    ):
+        assert main(["housing", name]) == 2
+        assert words in capsys.readouterr().err
+    assert main(["housing", "none.step"]) == 2
+
+
+def test_rbe2_and_rbe3_of_foreign_matrices_are_those_of_the_mesh(small):
+    """The interface stiffness of the rigid coupling is the same; that of the mean motion is a little softer."""
+    mesh = mesh_housing(small, sizes=Sizes(element=0.05))
+    K, M = assemble(mesh.nodes, mesh.elements, elastic_modulus=1.1e11, poisson_ratio=0.26, density=7200.0)
+    axes = ("ux", "uy", "uz", "rx", "rz")
+    numbers = {name: tuple((np.unique(mesh.patch(name)) + 1).tolist()) for name in mesh.patch_names}
+    held = sorted({number for name, own in numbers.items() if name.startswith("ground_") for number in own})
+    body = foreign_body("small", K, M, nodes=mesh.nodes)
+    found = {}
+    for coupling in ("rigid", "mean"):
+        points = {
+            name: Point(nodes=numbers[name], place=tuple(mesh.point(name)), axes=axes, coupling=coupling)
+            for name in mesh.patches("bearing_")
+        }
+        found[coupling] = reduce_foreign(body, points, held=held, band=None).reduction.stiffness
+    wanted = ground_casing(mesh, IRON, interfaces=dict.fromkeys(mesh.patches("bearing_"), axes), attachment="rigid")
+    stiff = wanted.interface.stiffness
+    size = np.sqrt(np.outer(np.diag(stiff), np.diag(stiff)))
+    assert (np.abs(found["rigid"] - stiff) / size).max() < 1e-6
+    assert (np.diag(found["mean"]) < np.diag(found["rigid"])).all()
+    assert (np.diag(found["mean"]) > 0.2 * np.diag(found["rigid"])).all()
+
+
+@pytest.mark.slow
+def test_matrices_as_the_housing_of_a_scene_give_the_casing_of_its_mesh(tmp_path, monkeypatch):
+    """The mesh of a scene, assembled and written as another program would: the same natural frequencies."""
+    import gearcase
+
+    monkeypatch.setenv("GEARCASE_CACHE", str(tmp_path / "cache"))
+    table = {"model": "craig-bampton", "element_size_mm": 40.0, "band_Hz": 4000.0, "attachment": "rigid"}
+    meshed = gearcase.Scene.from_file("minimal").changed(casing=table, sensors=[])
+    native = gearcase.casing(meshed, processes=1)
+    mesh, iron = native.mesh, meshed.loaded.scene.casing.material
+    K, M = assemble(
+        mesh.nodes,
+        mesh.elements,
+        elastic_modulus=1e9 * iron.elastic_modulus_GPa,
+        poisson_ratio=iron.poisson_ratio,
+        density=iron.density_kg_m3,
+    )
+    for name, matrix in (("K", K), ("M", M)):
+        sp.save_npz(tmp_path / f"{name}.npz", sp.csr_matrix(matrix))
+    np.savetxt(tmp_path / "nodes.csv", np.column_stack([np.arange(1, len(mesh.nodes) + 1), mesh.nodes]), delimiter=",")
+
+    def numbered(prefix):
+        return [(name, (np.unique(mesh.patch(name)) + 1).tolist()) for name in mesh.patches(prefix)]
+
+    housing = {
+        "model": "matrices",
+        "file": str(tmp_path / "K.npz"),
+        "mass_file": str(tmp_path / "M.npz"),
+        "nodes_file": str(tmp_path / "nodes.csv"),
+        "units": "kg-m-s",
+        "bearings": [{"name": name, "nodes": nodes} for name, nodes in numbered("bearing_")],
+        "grounds": [{"nodes": nodes} for _, nodes in numbered("ground_")],
+    }
+    foreign = gearcase.casing(meshed.changed(casing={"housing": housing}), processes=1)
+    count = int((native.frequencies < 4000.0).sum())
+    assert count >= 3
+    assert np.abs(foreign.frequencies[:count] / native.frequencies[:count] - 1).max() < 1e-6
+    assert foreign.checkup.mass == pytest.approx(native.checkup.mass, rel=1e-9)
+    assert foreign.mesh is None

@@ -1,0 +1,239 @@
+"""The same body through every door (CAD, meshes of others, matrices) has the same natural frequencies."""
+
+import meshio
+import numpy as np
+import pytest
+import scipy.io
+import scipy.sparse as sp
+
+from fem.casing.foreign.body import ForeignError, foreign_body
+from fem.casing.foreign.checks import check_foreign, lowest_frequencies
+from fem.casing.foreign.files import MatrixFiles, read_body
+from fem.casing.meshing.gmsh_session import session
+from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
+from fem.casing.meshing.locate import ByCylinder, ByGroup, ByPlane
+from fem.casing.meshing.mesh import MeshError
+from fem.casing.meshing.mesh_file import read_mesh_file
+from fem.casing.meshing.sizes import Sizes
+from fem.casing.meshing.source import mesh_geometry
+from fem.casing.meshing.step_file import read_triangles
+from fem.elements.solids import assemble
+
+IRON = {"elastic_modulus": 1.1e11, "poisson_ratio": 0.26, "density": 7200.0}
+MESHES = ("block.msh", "block22.msh", "block.inp", "block.bdf", "block.unv", "block.med", "block.vtu")
+SOLIDS = ("block.step", "block.brep", "block.iges", "block.stl")
+SIZES = Sizes(element=0.014)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A block of 60 x 30 x 20 mm with a bore of 12 mm in every format that gmsh writes, in millimetres."""
+    made = tmp_path_factory.mktemp("block")
+    with session() as gmsh:
+        occ = gmsh.model.occ
+        occ.addBox(0, 0, 0, 60, 30, 20)
+        occ.cut([(3, 1)], [(3, occ.addCylinder(30, -1, 10, 0, 32, 0, 6))])
+        occ.synchronize()
+        for name in SOLIDS[:3]:
+            gmsh.write(str(made / name))
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 12)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 12)
+        gmsh.model.mesh.generate(3)
+        seat = [tag for _, tag in gmsh.model.getEntities(2) if gmsh.model.getType(2, tag) == "Cylinder"]
+        gmsh.model.addPhysicalGroup(2, seat, 7, "SEAT")
+        gmsh.model.addPhysicalGroup(3, [1], 8, "BODY")
+        gmsh.model.mesh.setOrder(2)
+        gmsh.option.setNumber("Mesh.BdfFieldFormat", 0)
+        for name in MESHES[:1] + MESHES[2:6]:
+            gmsh.write(str(made / name))
+        gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)
+        gmsh.write(str(made / MESHES[1]))
+        gmsh.model.removePhysicalGroups()
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 48)
+        gmsh.model.mesh.clear()
+        gmsh.model.mesh.setOrder(1)
+        gmsh.model.mesh.generate(2)
+        gmsh.write(str(made / SOLIDS[3]))
+    meshio.read(made / "block.msh").write(made / "block.vtu")
+    return made
+
+
+def imported(path, **changes):
+    seat = Seat(name="bearing_1", locator=ByCylinder(through=(0.03, 0.015, 0.01), diameter=0.012))
+    ground = ByPlane(through=(0.0, 0.0, 0.0), normal=(0.0, 0.0, -1.0))
+    usual = {"path": str(path), "sha256": content_hash(path), "unit": "mm", "seats": (seat,), "grounds": (ground,)}
+    return ImportedHousing(**(usual | changes))
+
+
+def matrices(mesh):
+    return assemble(mesh.nodes, mesh.elements, **IRON)
+
+
+def frequencies(K, M):
+    """The first 20 elastic ones of the free body."""
+    return lowest_frequencies(K, M, 26)[0][6:]
+
+
+@pytest.fixture(scope="module")
+def native(folder):
+    return mesh_geometry(imported(folder / "block.msh"), SIZES)
+
+
+@pytest.fixture(scope="module")
+def wanted(native):
+    return frequencies(*matrices(native))
+
+
+@pytest.mark.parametrize("name", MESHES[1:])
+def test_the_same_mesh_in_another_format_has_the_same_frequencies(folder, wanted, name):
+    mesh = mesh_geometry(imported(folder / name), SIZES)
+    assert np.abs(frequencies(*matrices(mesh)) / wanted - 1).max() < 1e-6
+
+
+@pytest.fixture(scope="module")
+def stepped(folder):
+    return frequencies(*matrices(mesh_geometry(imported(folder / "block.step"), SIZES)))
+
+
+def test_elements_of_the_same_size_on_the_solid_give_lower_frequencies_within_the_error_of_the_mesh(wanted, stepped):
+    """The solid is meshed finer around its bore; more elements soften (Rayleigh)."""
+    assert (stepped < wanted * (1 + 1e-3)).all()
+    assert np.abs(stepped / wanted - 1).max() < 0.1
+
+
+@pytest.mark.parametrize(("name", "error"), [("block.brep", 5e-3), ("block.iges", 5e-3), ("block.stl", 2e-2)])
+def test_the_same_body_from_other_cad_files_has_the_frequencies_of_the_step_file(folder, stepped, name, error):
+    """The bore of a closed surface is a polygon of 48 sides or so."""
+    mesh = mesh_geometry(imported(folder / name), SIZES)
+    assert np.abs(frequencies(*matrices(mesh)) / stepped - 1).max() < error
+
+
+@pytest.mark.parametrize("name", ["block.msh", "block.inp", "block.unv", "block.med"])
+def test_a_named_surface_is_known_in_every_format_that_has_names(folder, name):
+    mesh = mesh_geometry(imported(folder / name, seats=(Seat(name="bearing_1", locator=ByGroup(group="SEAT")),)), SIZES)
+    corners = mesh.nodes[mesh.patch("bearing_1")[:, :3]]
+    assert np.abs(np.hypot(corners[..., 0] - 0.03, corners[..., 2] - 0.01) - 0.006).max() < 1e-4
+
+
+def test_folded_elements_of_a_file_are_straightened_and_counted(folder, native, tmp_path):
+    """A mid-side node of the bore pushed through its element: the file is used, and says so."""
+    raw = read_mesh_file(folder / "block.msh")
+    edge = raw.nodes[raw.elements[:, 4]] - raw.nodes[raw.elements[:, :2]].mean(axis=1)
+    worst = int(np.linalg.norm(edge, axis=1).argmax())
+    nodes = raw.nodes.copy()
+    a, b, c = raw.nodes[raw.elements[worst, :3]]
+    nodes[raw.elements[worst, 4]] = 0.5 * (a + b) + 0.29 * np.linalg.norm(b - a) * (c - a) / np.linalg.norm(c - a)
+    path = tmp_path / "folded.vtu"
+    meshio.write(path, meshio.Mesh(nodes, [("tetra10", raw.elements)]))
+    mesh = mesh_geometry(imported(path), SIZES)
+    assert mesh.straightened > native.straightened
+    assert mesh.quality > 0.05
+
+
+@pytest.mark.parametrize("name", [*MESHES[:6], *SOLIDS])
+def test_a_file_cut_off_is_refused_in_one_sentence_and_nothing_else_is_printed(folder, tmp_path, name, capfd):
+    whole = (folder / name).read_bytes()
+    path = tmp_path / name
+    path.write_bytes(whole[: len(whole) // 3])
+    with pytest.raises(MeshError, match=f"^{name}") as refused:
+        mesh_geometry(imported(path), SIZES)
+    assert "\x1b" not in str(refused.value)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_an_open_surface_is_refused_with_the_place_of_the_hole(folder, tmp_path):
+    points, triangles = read_triangles(folder / "block.stl")
+    kept = triangles[np.linalg.norm(points[triangles].mean(axis=1) - [0.0, 15.0, 10.0], axis=1).argsort()[1:]]
+    path = tmp_path / "open.stl"
+    meshio.write(path, meshio.Mesh(points, [("triangle", kept)]), binary=True)
+    with pytest.raises(MeshError, match=r"open: 3 edges belong to one triangle only, around \(0, "):
+        mesh_geometry(imported(path), SIZES)
+
+
+def test_solids_are_chosen_and_bonded_and_loose_ones_are_found_before_meshing(tmp_path):
+    """Two touching blocks and one 2 mm away."""
+    path = tmp_path / "three.step"
+    with session() as gmsh:
+        occ = gmsh.model.occ
+        occ.addBox(0, 0, 0, 60, 30, 20)
+        occ.cut([(3, 1)], [(3, occ.addCylinder(30, -1, 10, 0, 32, 0, 6))])
+        occ.addBox(0, 0, 20, 60, 30, 10)
+        occ.addBox(62, 0, 0, 20, 30, 20)
+        occ.synchronize()
+        gmsh.write(str(path))
+
+    def volume(**changes):
+        mesh = mesh_geometry(imported(path, **changes), SIZES)
+        return assemble(mesh.nodes, mesh.elements, **(IRON | {"density": 1.0}))[1].sum() / 3
+
+    bored = 60e-3 * 30e-3 * 20e-3 - np.pi * 6e-3**2 * 30e-3
+    assert volume(solids=(1,)) == pytest.approx(bored, rel=1e-3)
+    assert volume(solids=(1, 2), glue=True) == pytest.approx(bored + 60e-3 * 30e-3 * 10e-3, rel=1e-3)
+    with pytest.raises(MeshError, match=r"has 2 solids .* set glue = true .*solids = \[1\]"):
+        volume(solids=(1, 2))
+    with pytest.raises(
+        MeshError, match=r"2 parts that do not touch: solids 1 and 2; 3; solids 1 and 3 are 2 mm apart at \(61, "
+    ):
+        volume(glue=True)
+    with pytest.raises(MeshError, match="has 3 solids, there is no solid 4"):
+        volume(solids=(4,))
+
+
+def saved(folder, form, K, M, nodes):
+    """Files of the matrices in t, mm, s."""
+    per_mm = sp.diags_array(np.full(K.shape[0], 1e-3))
+    K, M = (per_mm @ K @ per_mm) * 1e3, (per_mm @ M @ per_mm) * 1e3  # energy in t mm2/s2 = mJ, mass in t
+    np.savetxt(folder / "nodes.csv", np.column_stack([np.arange(1, len(nodes) + 1), 1e3 * nodes]), delimiter=",")
+    if form == "mtx":
+        for name, matrix in (("K", K), ("M", M)):
+            scipy.io.mmwrite(folder / f"{name}.mtx", sp.coo_matrix(matrix), precision=17, symmetry="symmetric")
+    elif form == "npz":
+        for name, matrix in (("K", K), ("M", M)):
+            sp.save_npz(folder / f"{name}.npz", sp.csr_matrix(matrix))
+    elif form == "abaqus":
+        for name, matrix in (("K", K), ("M", M)):
+            lower = sp.coo_matrix(sp.tril(matrix))
+            places = (lower.row // 3 + 1, lower.row % 3 + 1, lower.col // 3 + 1, lower.col % 3 + 1)
+            rows = np.column_stack([*places, lower.data])
+            np.savetxt(
+                folder / f"{name}.mtx", rows, fmt=["%d"] * 4 + ["%.17g"], delimiter=",", header="Abaqus", comments="** "
+            )
+    else:
+        op4 = pytest.importorskip("pyyeti.nastran.op4")
+        for name, matrix in (("K", K), ("M", M)):
+            op4.write(str(folder / f"{name}.op4"), {f"{name}GG": sp.coo_matrix(matrix)}, sparse="bigmat")
+    ending = {"abaqus": "mtx", "mtx": "mtx", "npz": "npz", "op4": "op4"}[form]
+    K_file, M_file = (str(folder / f"{name}.{ending}") for name in "KM")
+    return MatrixFiles(stiffness=K_file, mass=M_file, nodes=str(folder / "nodes.csv"), system="t-mm-s")
+
+
+@pytest.mark.parametrize("form", ["mtx", "npz", "abaqus", "op4"])
+def test_matrices_in_another_system_of_units_have_the_same_frequencies_and_mass(native, wanted, tmp_path, form):
+    K, M = matrices(native)
+    body = read_body(saved(tmp_path, form, K, M, native.nodes))
+    check = check_foreign(body)
+    assert np.abs(frequencies(body.stiffness, body.mass) / wanted - 1).max() < 1e-6
+    assert check.mass == pytest.approx(7200 * (60e-3 * 30e-3 * 20e-3 - np.pi * 6e-3**2 * 30e-3), rel=1e-3)
+    assert np.abs(check.centre - [0.03, 0.015, 0.01]).max() < 1e-5
+    assert check.rigid_modes == 6
+    assert check.wrong == ()
+
+
+def test_the_check_up_says_what_is_wrong_with_a_foreign_body(native):
+    K, M = matrices(native)
+
+    def found(stiffness=K, mass=M, **more):
+        check = check_foreign(foreign_body("body", stiffness, mass, nodes=native.nodes, **more))
+        return " ".join(check.wrong + check.doubtful)
+
+    grounded = K + sp.diags_array(np.where(np.arange(K.shape[0]) < 30, abs(K).max(), 0.0))
+    assert "grounded in its own program" in found(grounded)
+    assert "its mass is zero" in found(mass=0.0 * M)
+    assert "check the units" in found(system="kg-mm-s")
+    skew = sp.lil_matrix(K)
+    skew[0, 3] += 0.5 * abs(K).max()
+    assert "not symmetric" in found(skew)
+    with pytest.raises(ForeignError, match=r"stiffness has .* equations, mass .* export both of one set"):
+        found(mass=sp.eye_array(9))
+    with pytest.raises(ForeignError, match="neither three nor six per node"):
+        foreign_body("body", sp.eye_array(7), sp.eye_array(7), nodes=np.eye(3))
