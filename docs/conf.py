@@ -60,6 +60,14 @@ sphinx_gallery_conf = {
 }
 
 
+def headed(app, what, name, found, options, lines):
+    """The example at the end of a docstring gets its heading, so that it is not read as a part of what is above."""
+    first = next((number for number, line in enumerate(lines) if line.startswith(">>>")), None)
+    if first is not None:
+        lines[first:first] = ["Examples", "--------"]
+
+
 def setup(app):
-    """The reference is written before the pages are read."""
+    """The reference is written before the pages are read, and docstrings are headed before numpydoc reads them."""
     app.connect("builder-inited", lambda app: reference_pages.write(HERE / "reference"))
+    app.connect("autodoc-process-docstring", headed, priority=100)

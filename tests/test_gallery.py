@@ -9,16 +9,16 @@ from matplotlib import pyplot
 GALLERY = Path(__file__).resolve().parent.parent / "examples" / "gallery"
 SCRIPTS = sorted(path.stem for path in GALLERY.glob("*.py"))
 HOLDS = {  # what a script ends in
-    "bearing_envelope": lambda found: abs(found["found"] / found["expected"] - 1) < 0.03,
-    "campaign": lambda found: 0.2 < found["exponent"] < 1.5,
-    "craig_bampton": lambda found: 0 <= found["largest"] < 0.01 and found["kept"] < 0.05 * found["unknowns"],
-    "load_share": lambda found: 0.3 < found["left"] < 0.95,
-    "mesh_stiffness": lambda found: 0.3 < found["ratio"] < 0.8,
-    "mode_shape": lambda found: 200 < found["frequency"] < 3000,
-    "natural_frequencies": lambda found: found["first"] == pytest.approx(20 * found["resonance"] / 60),
+    "bearing_envelope": lambda found: abs(found["found"] / found["expected"] - 1) < 0.02,  # a line is 1.2 Hz wide
+    "campaign": lambda found: 0.5 < found["exponent"] < 1.0,  # the excitation grows, the teeth flatten in mesh
+    "craig_bampton": lambda found: 0 <= found["largest"] < 1e-3 and found["kept"] < 0.01 * found["unknowns"],
+    "load_share": lambda found: 0.2 < found["left"] < 0.6,
+    "mesh_convergence": lambda found: found["stiffness"].order > 1 and found["band"] < 0.02,
+    "mesh_stiffness": lambda found: 0.1 < found["ratio"] < 0.5,
+    "mode_shape": lambda found: found["frequency"] == pytest.approx(1175, rel=0.02),
+    "natural_frequencies": lambda found: found["modes"][0].dominant[0] == "motor coupling" and found["first"] < 150,
     "run_up": lambda found: found["order"] == pytest.approx(20, rel=0.02),
-    "step_convergence": lambda found: 0 <= found["band"] < 0.05,
-    "synchronous_average": lambda found: found["crests"]["one tooth missing"] > 1.5 * found["crests"]["healthy"],
+    "synchronous_average": lambda found: found["crests"]["one tooth missing"] > 3 * found["crests"]["healthy"],
 }
 SLOW = ("bearing_envelope", "craig_bampton", "mode_shape")
 
