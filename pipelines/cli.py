@@ -71,7 +71,7 @@ def _guarded(options: argparse.Namespace) -> int:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("always", CacheWarning)
-            warnings.simplefilter("default", SceneWarning)  # that of a control has the same text: once
+            warnings.simplefilter("always", SceneWarning)
             warnings.showwarning = _show_warning
             room = ".finished" if options.command in FINISHED else ".studies" if options.command in STUDIES else ""
             code = importlib.import_module(f"pipelines.commands{room}.{options.command}").main(options)

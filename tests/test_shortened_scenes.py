@@ -34,8 +34,8 @@ def test_a_scene_on_top_of_another_and_its_control_are_shortened_alike(tmp_path,
     with pytest.warns(SceneWarning):
         assert windows(load_scene("short.toml")) == ["lifting"]
     with pytest.warns(SceneWarning):
-        control = control_of(changed(load_scene(RIG), {"simulation.end_s": 2.7}))
-    assert windows(control) == ["lifting"]
+        shortened = changed(load_scene(RIG), {"simulation.end_s": 2.7})
+    assert windows(control_of(shortened)) == ["lifting"]
 
 
 def test_the_command_says_it_once(capsys):

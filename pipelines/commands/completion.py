@@ -20,7 +20,7 @@ def main(options: argparse.Namespace) -> int:
     return 0
 
 
-def _complete_files(parser: argparse.ArgumentParser, files: dict[str, str]) -> None:
+def _complete_files(parser: argparse.ArgumentParser, files: object) -> None:
     """Say of every argument that names a file that it does, in all commands below."""
     from pipelines.border.argument_types import path
 

@@ -158,7 +158,7 @@ def control_of(loaded: LoadedScene) -> LoadedScene | None:
     settings = without_shaft_faults(loaded.settings, loaded.scene)
     settings = {key: value for key, value in settings.items() if key not in _OWN_KEYS}
     name = f"{source.shown} (control of {loaded.name})"
-    scene, tree = validate(shortened(read_tree(source), settings, loaded.source.shown), Scene, name)
+    scene, tree = validate(shortened(read_tree(source), settings, None), Scene, name)
     return LoadedScene(source.name, source, settings, tree, scene)
 
 

@@ -18,14 +18,14 @@ from pipelines.scene.merge import Merged, Whole, merge, without
 _WINDOWS = ("diagnosis", "windows_s")
 
 
-def shortened(base: Merged, change: Mapping[str, Any], source: str) -> Merged:
+def shortened(base: Merged, change: Mapping[str, Any], source: str | None) -> Merged:
     """`base` with `change` on top, without the windows of `base` that end after the ``end_s`` of `change`.
 
     Parameters
     ----------
     base : the tree below
     change : what goes on top
-    source : of the scene, for the warning
+    source : of the scene, for the warning; None of a control, whose scene has said it
 
     Warns
     -----
@@ -40,11 +40,14 @@ def shortened(base: Merged, change: Mapping[str, Any], source: str) -> Merged:
     gone = [name for name, span in inherited.items() if _ends(span) > end]
     if not gone:
         return merged
-    left = [name for name in _at(merged.tree, _WINDOWS) or {} if name not in gone]
-    spans = ", ".join(f"{shown(name)} (to {_ends(inherited[name]):g} s)" for name in gone)
-    kept = f"kept: {', '.join(map(shown, left))}" if left else "none is left, so nothing is diagnosed"
-    text = f"{source}: simulation.end_s = {end:g} leaves out the diagnosis.windows_s that end later: {spans}; {kept}."
-    warnings.warn(text, SceneWarning, stacklevel=1)  # of one place, so that its control does not warn again
+    if source is not None:
+        left = [name for name in _at(merged.tree, _WINDOWS) or {} if name not in gone]
+        spans = ", ".join(f"{shown(name)} (to {_ends(inherited[name]):g} s)" for name in gone)
+        kept = f"kept: {', '.join(map(shown, left))}" if left else "none is left, so nothing is diagnosed"
+        text = (
+            f"{source}: simulation.end_s = {end:g} leaves out the diagnosis.windows_s that end later: {spans}; {kept}."
+        )
+        warnings.warn(text, SceneWarning, stacklevel=2)
     return Merged(without(merged.tree, ((*_WINDOWS, name) for name in gone)), merged.offers, merged.problems)
 
 
