@@ -55,7 +55,7 @@ def test_every_example_is_offered_as_a_notebook(site):
 def test_links_within_the_site_lead_somewhere(site):
     broken = []
     for page in pages(site):
-        for target in re.findall(r'href="([^"#:]+)(?:#[^"]*)?"', page.read_text(encoding="utf-8")):
+        for target in re.findall(r'href="([^"#:?]+)[^":]*"', page.read_text(encoding="utf-8")):
             if not (page.parent / target).exists():
                 broken.append(f"{page.relative_to(site)}: {target}")
     assert not broken
