@@ -1,5 +1,6 @@
 # make run   installs what is missing and runs the main job on the shipped rig
 # make test  installs what is missing and runs the default tests
+# make docs  installs what is missing and builds the site into build/site
 # make test-lowest  runs them with the lowest versions that pyproject.toml allows, on the lowest Python
 VENV ?= .venv
 PYTHON ?= python3
@@ -9,7 +10,7 @@ LOWEST_PYTHON ?= python3.11
 SYSTEM_PACKAGES := python3 python3-venv libglu1-mesa libgl1 libegl1 libosmesa6 libxcursor1 libxft2 libxinerama1 \
 	libgomp1 libfontconfig1 libxrender1
 
-.PHONY: run test test-lowest test-all lint bench peers system clean
+.PHONY: run test test-lowest test-all lint docs bench peers system clean
 
 run: $(BIN)/.installed
 	$(BIN)/gearcase run rig-missing-tooth
@@ -27,6 +28,10 @@ lint: $(BIN)/.installed-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+docs: $(BIN)/.installed-docs
+	MPLBACKEND=agg $(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet --fresh-env --write-all -b html -d build/doctrees docs build/site
+	@echo "open build/site/index.html"
 
 bench: $(BIN)/.installed-dev
 	$(BIN)/python -m benchmarks
@@ -74,6 +79,10 @@ $(BIN)/.installed: pyproject.toml | $(BIN)/python
 $(BIN)/.installed-dev: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	touch $(BIN)/.installed $@
+
+$(BIN)/.installed-docs: pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	touch $@
 
 $(LOWEST)/.installed: pyproject.toml tests/lowest_versions.py | system
 	$(LOWEST_PYTHON) -m venv --clear $(LOWEST)

@@ -59,7 +59,7 @@ def _streams_open() -> bool:
 
 
 def _guarded(options: argparse.Namespace) -> int:
-    from pipelines.border.errors import CacheWarning
+    from pipelines.border.errors import CacheWarning, SceneWarning
     from pipelines.border.shown import shown
 
     _log_to_terminal(options.verbose)
@@ -71,6 +71,7 @@ def _guarded(options: argparse.Namespace) -> int:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("always", CacheWarning)
+            warnings.simplefilter("always", SceneWarning)
             warnings.showwarning = _show_warning
             room = ".finished" if options.command in FINISHED else ".studies" if options.command in STUDIES else ""
             code = importlib.import_module(f"pipelines.commands{room}.{options.command}").main(options)

@@ -12,14 +12,9 @@ from typing import NoReturn
 from pipelines.border.argument_types import (
     count,
     days,
-    from_zero,
     number,
     path,
-    picture,
     positive,
-    seconds,
-    several,
-    share,
     tilt,
 )
 from pipelines.dataset_arguments import dataset_arguments
@@ -27,17 +22,26 @@ from pipelines.finished_arguments import (
     compare_arguments,
     diagnose_arguments,
     export_arguments,
+    json_argument,
     orders_arguments,
+    runs_arguments,
 )
 from pipelines.housing_arguments import housing_arguments
-from pipelines.scene.presets import PRESETS
-from pipelines.trade.axes import AXES
+from pipelines.study_arguments import (
+    converge_arguments,
+    detect_arguments,
+    scene_arguments,
+    starts_arguments,
+    tradeoff_arguments,
+    verify_arguments,
+    work_arguments,
+)
 
 PROLOGUE = """\
 From gearbox geometry to sensor signals: finite-element mesh stiffness, reduced casing, multibody run, diagnosis.
 
 A SCENE is the name of a shipped scene (minimal, bench, reducer, rig-missing-tooth, ...) or a path ending in .toml.
-A RUN is a result folder, or the name of a scene whose newest result under ./runs is meant.
+A RUN is a result folder, the name of a scene for its newest result under ./runs, or a number in `gearcase runs`.
 """
 EPILOGUE = """\
 first steps:
@@ -48,6 +52,9 @@ first steps:
 
 More on a command: gearcase COMMAND --help
 """
+
+
+SHELLS = ("bash", "zsh", "tcsh")  # that can be completed
 
 
 class Parser(argparse.ArgumentParser):
@@ -93,31 +100,13 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
-def _scene(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("scene", metavar="SCENE", type=path, help="name of a shipped scene, or a path ending in .toml")
-    sub.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        dest="settings",
-        action="append",
-        default=[],
-        help="change one value, as in --set stages.1.face_width_mm=32; repeatable; items count from 1",
-    )
-    sub.add_argument(
-        "--preset",
-        choices=PRESETS,
-        help="how finely it is computed; --set counts more (default: as the scene says)",
-    )
-
-
-def _work(sub: argparse.ArgumentParser) -> None:
-    _scene(sub)
-    sub.add_argument("--processes", type=count, metavar="N", help="long steps built side by side (default 2)")
-    sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
+def _check(sub: argparse.ArgumentParser) -> None:
+    scene_arguments(sub)
+    json_argument(sub)
 
 
 def _gears(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
+    work_arguments(sub)
     sub.add_argument("--load", metavar="N", type=positive, help="force on the line of action (default: of the scene)")
     sub.add_argument(
         "--tilt",
@@ -127,10 +116,11 @@ def _gears(sub: argparse.ArgumentParser) -> None:
         help="approach at the +y end less that at -y; balanced: force at mid face; machine: of the loaded machine (0)",
     )
     sub.add_argument("--out", metavar="FILE", type=path, help="write the curves over the position: .csv or .nc")
+    json_argument(sub)
 
 
 def _casing(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
+    work_arguments(sub)
     sub.add_argument(
         "--error-check",
         action="store_true",
@@ -164,7 +154,7 @@ def _new(sub: argparse.ArgumentParser) -> None:
 
 
 def _run(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
+    work_arguments(sub)
     _out(sub)
     sub.add_argument("--no-control", action="store_true", help="leave out the healthy control and the diagnosis")
     sub.add_argument("--one-load", action="store_true", help="run the model of the load in the scene alone")
@@ -185,7 +175,7 @@ def _run(sub: argparse.ArgumentParser) -> None:
 
 
 def _modes(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
+    work_arguments(sub)
     sub.add_argument("--up-to", metavar="HZ", type=positive, default=10e3, help="highest frequency (default 10000)")
     sub.add_argument("--cycle", metavar="C", type=number, help="mesh cycle of stage 1 (default: that of the start)")
     sub.add_argument(
@@ -195,44 +185,16 @@ def _modes(sub: argparse.ArgumentParser) -> None:
         metavar="RPM",
         help="motor speed: losses, gyroscopic moments (default 0)",
     )
-
-
-def _converge(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
-    sub.add_argument("--over", choices=tuple(AXES), required=True, help="what is refined")
-    sub.add_argument("--levels", type=count, metavar="N", default=3, help="levels, one finer than in use (default 3)")
-    sub.add_argument("--error", type=share, metavar="E", default=0.01, help="wanted error, as in 1%% (default)")
-    sub.add_argument("--out", type=picture, metavar="FILE", help="plot to write (convergence-<scene>-<what>.png here)")
-
-
-def _tradeoff(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
-    sub.add_argument("--error", type=share, metavar="E", default=0.02, help="name the cheapest within it (2%%)")
-    sub.add_argument("--time", type=seconds, metavar="T", default=10.0, help="name the most accurate within it (10s)")
-    sub.add_argument("--out", type=picture, metavar="FILE", help="plot to write (default: tradeoff-<scene>.png here)")
-
-
-def _starts(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
-    sub.add_argument("--starts", type=several, metavar="N", default=8, help="motions, from 2 (default 8)")
-
-
-def _verify(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("what", metavar="WHAT", choices=("rig",), help="rig: the study of the quay-crane hoist rig")
-    sub.add_argument("--seeds", type=several, metavar="N", default=5, help="of the deviations, from 2 (default 5)")
-    sub.add_argument("--preset", choices=PRESETS, default="standard", help="how finely it is computed (standard)")
-    sub.add_argument("--out", metavar="FOLDER", type=path, help="write claims.md and claims.json there")
-    sub.add_argument("--processes", type=count, metavar="N", help="long steps built side by side (default 2)")
-    sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
+    json_argument(sub)
 
 
 def _simulate(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
+    work_arguments(sub)
     _out(sub)
 
 
 def _inspect(sub: argparse.ArgumentParser) -> None:
-    _work(sub)
+    work_arguments(sub)
     sub.add_argument("--out", metavar="FOLDER", type=path, default=".", help="folder for the pictures (default: here)")
     sub.add_argument("--stage", type=count, metavar="N", default=1, help="gear stage to show (default 1)")
     sub.add_argument("--position", type=number, metavar="C", help="one mesh cycle to show instead of a film")
@@ -264,6 +226,15 @@ def _cache(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def _schema(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--out", metavar="FILE", type=path, help="file to write instead")
+
+
+def _completion(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("shell", metavar="SHELL", choices=SHELLS, help=f"one of {', '.join(SHELLS)}")
+    sub.set_defaults(whole_parser=parser)  # what is completed
+
+
 def _campaign(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("plan", metavar="PLAN", type=path, help="file of the campaign, ending in .toml")
     sub.add_argument("--out", metavar="FOLDER", type=path, help="data set instead of ./campaigns/<plan>")
@@ -276,42 +247,22 @@ def _campaign(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
 
 
-def _detect(sub: argparse.ArgumentParser) -> None:
-    _scene(sub)
-    sub.add_argument(
-        "--over",
-        metavar="KEY=VALUES",
-        action="append",
-        default=[],
-        help="values of a key of the scene, from:to:step or a,b,c; repeatable (default: the fault as it is)",
-    )
-    sub.add_argument("--seeds", metavar="N", type=count, default=10, help="damaged machines per value (default 10)")
-    sub.add_argument("--baseline", metavar="N", type=count, default=8, help="healthy machines to compare with (8)")
-    sub.add_argument("--healthy", metavar="N", type=count, default=20, help="others, for the false alarms (20)")
-    sub.add_argument(
-        "--noise",
-        metavar="RMS",
-        type=from_zero,
-        nargs="+",
-        default=[],
-        help="sensor noise, m/s2 rms; more levels take no more simulations (default: that of the scene)",
-    )
-    sub.add_argument("--out", metavar="FOLDER", type=path, help="instead of ./campaigns/detect-<scene>")
-    sub.add_argument("--dry-run", action="store_true", help="say what it would simulate, and what that costs")
-    sub.add_argument("--processes", type=count, metavar="N", help="scenes at the same time (default: all cores)")
-    sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
-
-
-FINISHED = ("compare", "diagnose", "export", "orders")  # commands that read a finished run, in a room of their own
+FINISHED = (
+    "compare",
+    "diagnose",
+    "export",
+    "orders",
+    "runs",
+)  # commands that read a finished run, in a room of their own
 STUDIES = ("converge", "detect", "starts", "tradeoff", "verify")  # those that repeat a scene in variants, in another
 COMMANDS = (  # name, of the module too; one line; example; arguments
     ("new", "write a commented scene file to change", "gearcase new my.toml --from bench", _new),
-    ("check", "validate a scene and print what follows from it", "gearcase check rig-missing-tooth", _scene),
+    ("check", "validate a scene and print what follows from it", "gearcase check rig-missing-tooth", _check),
     (
         "explain",
         "say what a run would build, reuse, and why",
         "gearcase explain bench --set load.torque_N_m=80",
-        _scene,
+        scene_arguments,
     ),
     ("gears", "stiffness and load share of each pair, healthy and faulty", "gearcase gears bench", _gears),
     ("housing", "bores and seats in a housing's file", "gearcase housing box.step --scene bench", housing_arguments),
@@ -326,25 +277,25 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         "converge",
         "refine one thing and say how far the answer is off",
         "gearcase converge minimal --over step",
-        _converge,
+        converge_arguments,
     ),
     (
         "tradeoff",
         "measure what every model and setting costs and gains",
         "gearcase tradeoff minimal --error 2%",
-        _tradeoff,
+        tradeoff_arguments,
     ),
     (
         "starts",
         "repeat a motion from other starts; mean and spread of levels",
         "gearcase starts minimal --starts 8",
-        _starts,
+        starts_arguments,
     ),
     (
         "verify",
         "put the claims of the rig's study to the test: 40 simulations",
         "gearcase verify rig --out claims",
-        _verify,
+        verify_arguments,
     ),
     (
         "simulate",
@@ -376,7 +327,7 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         "detect",
         "simulate how probably damage is found, over its size, noise and sensors",
         "gearcase detect bench --over faults.1.depth_mm=0.5:3:0.5 --noise 0.01 0.3",
-        _detect,
+        detect_arguments,
     ),
     (
         "orders",
@@ -391,10 +342,18 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         _inspect,
     ),
     (
+        "runs",
+        "list the finished runs; open, compare or remove them",
+        "gearcase runs clean --older-than 30 --keep 3",
+        runs_arguments,
+    ),
+    (
         "export",
         "write the signals of a run as CSV, MATLAB or UFF file",
         "gearcase export rig-missing-tooth --to mat",
         export_arguments,
     ),
+    ("schema", "print the JSON schema of scenes, for editors", "gearcase schema --out scene.schema.json", _schema),
+    ("completion", "print what a shell needs to complete commands", "gearcase completion bash", _completion),
     ("cache", "show, verify or clear the store of finished steps", "gearcase cache info", _cache),
 )

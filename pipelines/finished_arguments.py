@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import argparse
 
-from pipelines.border.argument_types import count, number, path, positive, several
+from pipelines.border.argument_types import count, days, number, path, positive, several
+
+RUN_HELP = "result folder, name of a scene for its newest result, or number in `gearcase runs`"
+
+
+def json_argument(sub: argparse.ArgumentParser) -> None:
+    """--json."""
+    sub.add_argument("--json", action="store_true", help="print what was found as JSON, for programs")
 
 
 def diagnose_arguments(sub: argparse.ArgumentParser) -> None:
@@ -13,7 +20,7 @@ def diagnose_arguments(sub: argparse.ArgumentParser) -> None:
         "run",
         metavar="RECORD",
         type=path,
-        help="recorded file, result folder, or the name of a scene for its newest result",
+        help=f"recorded file, {RUN_HELP}",
     )
     sub.add_argument("--machine", metavar="FILE", type=path, help="what a file was recorded on: teeth, speed, sensors")
     sub.add_argument(
@@ -35,6 +42,7 @@ def diagnose_arguments(sub: argparse.ArgumentParser) -> None:
         default=[],
         help="look elsewhere, as in --set diagnosis.sensor=sensor_5; repeatable",
     )
+    json_argument(sub)
 
 
 def compare_arguments(sub: argparse.ArgumentParser) -> None:
@@ -44,7 +52,7 @@ def compare_arguments(sub: argparse.ArgumentParser) -> None:
         metavar="RECORD",
         type=path,
         nargs="+",
-        help="recorded file, result folder or name of a scene; a part of it by RECORD@lifting or RECORD@0.5:2.5",
+        help="recorded file, or a run by folder, scene or number; a part of it by RECORD@lifting or RECORD@0.5:2.5",
     )
     sub.add_argument("--machine", metavar="FILE", type=path, help="what was recorded: teeth, speed, sensors")
     sub.add_argument("--sensor", metavar="NAME", help="of the figures (default: the strongest)")
@@ -58,8 +66,35 @@ def _run_folder(sub: argparse.ArgumentParser) -> None:
         "run",
         metavar="RUN",
         type=path,
-        help="result folder, or the name of a scene for its newest result",
+        help=RUN_HELP,
     )
+
+
+def runs_arguments(sub: argparse.ArgumentParser) -> None:
+    """list, open, compare and clean; list without any."""
+    json_argument(sub)
+    sub.set_defaults(scene=None)
+    actions = sub.add_subparsers(dest="action", metavar="ACTION", title="actions (default: list)")
+
+    def action(name: str, words: str) -> argparse.ArgumentParser:
+        made = actions.add_parser(name, help=words, description=f"{words[0].upper()}{words[1:]}.", allow_abbrev=False)
+        made.add_argument("-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log, tracebacks")
+        return made
+
+    listing = action("list", "list the runs under ./runs, newest first")
+    listing.add_argument("scene", metavar="SCENE", nargs="?", help="only the runs of this scene")
+    listing.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print them as JSON")
+    action("open", "open the report of a run in the browser").add_argument(
+        "run", metavar="RUN", type=path, help=RUN_HELP
+    )
+    action("compare", "lay runs side by side: verdicts, settings, levels").add_argument(
+        "runs", metavar="RUN", type=path, nargs="+", help=RUN_HELP
+    )
+    clean = action("clean", "show which runs would be removed; with --yes remove them")
+    clean.add_argument("runs", metavar="RUN", type=path, nargs="*", help=RUN_HELP)
+    clean.add_argument("--older-than", metavar="DAYS", type=days, help="only those of a greater age")
+    clean.add_argument("--keep", metavar="N", type=count, help="not the newest N of each scene")
+    clean.add_argument("--yes", action="store_true", help="remove them")
 
 
 def export_arguments(sub: argparse.ArgumentParser) -> None:

@@ -14,6 +14,7 @@ import pytest
 from lowest_versions import lowest_versions
 
 ROOT = Path(__file__).resolve().parent.parent
+EXTRAS = ("CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md")
 PACKAGES = ("fem", "mbd", "pipelines", "meshes", "gearcase")
 
 
@@ -26,7 +27,7 @@ def run(*command, **options):
 def build_wheel(copy):
     """Built from a copy, so that nothing is left in the source tree; with the build tools of this environment."""
     copy.mkdir(exist_ok=True)
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
+    for name in ("pyproject.toml", "MANIFEST.in", "README.md", "LICENSE", *EXTRAS):
         shutil.copy(ROOT / name, copy / name)
     for name in PACKAGES:
         shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
@@ -89,10 +90,10 @@ def test_every_list_of_our_packages_is_the_same():
     )
 
 
-def test_a_type_checker_reads_the_readmes_page_outside_the_checkout(installed, tmp_path):
+def test_a_type_checker_reads_the_first_page_outside_the_checkout(installed, tmp_path):
     """Strictly, against the installed wheel: names, arguments and results of the door have types."""
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    (page,) = re.findall(r"^```python\n(.*?)^```", readme, re.M | re.S)
+    steps = (ROOT / "docs" / "first-steps.md").read_text(encoding="utf-8")
+    (page,) = re.findall(r"^```python\n(.*?)^```", steps, re.M | re.S)
     wrong = page + "\nscene.changed(3)\ngearcase.laws(scene, procceses=2)\nlines.nothing_like_this_exists + 1\n"
     for name, text in (("page.py", page), ("wrong.py", wrong)):
         (tmp_path / name).write_text(text, encoding="utf-8")
@@ -111,6 +112,21 @@ def test_requirements_have_a_lowest_version_and_only_the_compiler_has_a_highest(
     wanted = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
     assert len(lowest_versions()) == len(wanted)
     assert [text.partition(">=")[0] for text in wanted if "<" in text] == ["numba"]
+
+
+@pytest.mark.slow
+def test_the_source_archive_makes_the_same_wheel(wheel, tmp_path):
+    """A wheel is built from the archive alone, in a folder outside the checkout."""
+    options = ("--no-isolation", "--skip-dependency-check", "--outdir", tmp_path)
+    run(sys.executable, "-m", "build", "--sdist", *options, wheel.parents[1], cwd=tmp_path)
+    (archive,) = tmp_path.glob("gearcase-*.tar.gz")
+    shutil.unpack_archive(archive, tmp_path, filter="data")
+    (source,) = (path for path in tmp_path.iterdir() if path.is_dir())
+    run(sys.executable, "-m", "build", "--wheel", *options, source, cwd=tmp_path)
+    (built,) = tmp_path.glob("*.whl")
+    names = [set(zipfile.ZipFile(one).namelist()) for one in (wheel, built)]
+    assert names[0] == names[1]
+    assert (source / "CITATION.cff").is_file()
 
 
 @pytest.mark.slow

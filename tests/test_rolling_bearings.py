@@ -10,7 +10,7 @@ from mbd_rigs import no_casing, rigid_casing, train
 from mbd.coordinates.channels import bearing_force, journal_acceleration
 from mbd.forces.rolling_bearing import hertz_bearing, response
 from mbd.parts.bearings import BearingSpec
-from mbd.parts.checks import MachineError
+from mbd.parts.checks import EquilibriumError, MachineError
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
@@ -203,6 +203,15 @@ def test_a_geared_pair_runs_in_rolling_bearings(names):
     assert abs(run.energy("total", "residual")) < 2e-6 * run.energy("total", "scale")
     for b in machine.bearings:
         assert abs(run.energy(b.name, "residual")) < 0.01 * run.energy(b.name, "scale")
+
+
+def test_unloaded_gears_in_bearings_with_clearance_are_refused_by_load_and_bearings():
+    """Nothing presses the shafts against the elements: the gears may rest anywhere within the clearance."""
+    machine = train(1, torque=0.0)
+    bearings = tuple(hertz_bearing(b.name, b.shaft, b.y, ball(clearance=1e-5), 1e-5) for b in machine.bearings)
+    machine = dataclasses.replace(machine, bearings=bearings)
+    with pytest.raises(EquilibriumError, match=r"carries 0 N.* bearing_1, .*Give the machine a load, or .*clearance"):
+        equilibrium(assemble(machine, no_casing()))
 
 
 @pytest.mark.parametrize(

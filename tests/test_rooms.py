@@ -61,6 +61,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "pipelines.report",
     "pipelines.steps",
     "pipelines.runs",
+    "pipelines.runs.listed",
     "pipelines.dataset",
     "pipelines.campaign",
     "pipelines.dataset.passes",

@@ -150,7 +150,7 @@ KILL = "import os, signal; os.kill(os.getpid(), signal.{})"
         ("raise MemoryError", False, None, "MemoryError", "raise the limit"),
         ("raise ImportError('libvtk.so: failed to map segment from shared object')", False, 500.0, "map", "raise"),
         ("raise ImportError('libGL.so.1: cannot open shared object file')", True, None, "libGL.so.1", "libgl1 with"),
-        ("import a_module_that_is_not_there", True, None, "a_module_that_is_not_there", "Install this module"),
+        ("import a_module_that_is_not_there", True, None, "need a_module_that_is_not_there", "python -m pip install"),
         ("raise ValueError('odd')", False, None, "ValueError: odd", "run again"),
         ("pass", False, None, "wrote no picture", "libegl1"),
         ("import time; time.sleep(600)", True, None, "more than 1 s", "run again"),

@@ -41,7 +41,8 @@ def equilibrium(system: System, speed: float = 0.0) -> State:
 
     Raises
     ------
-    EquilibriumError : the load cannot be carried (e.g. too many teeth missing), or the iteration fails
+    EquilibriumError : the load cannot be carried (e.g. too many teeth missing), nothing presses shafts into bearings
+        with clearance, or the iteration fails
     """
     response = system.basis / system.frequencies**2 @ system.basis.T  # K^-1 on everything that can act
     constant = system.constant_force + system.holding_force
@@ -163,7 +164,10 @@ def _touching(
         matrix = np.eye(m) - slope @ flexibility[:m]
         for contact in resting:
             row = contact.approaches[0]
-            right[row] = -free[row] + contact.touching(0, u, u[contact.rows[0]])
+            try:
+                right[row] = -free[row] + contact.touching(0, u, u[contact.rows[0]])
+            except EquilibriumError as error:
+                raise _unheld(system, contact, str(error)) from error
         matrix[first] = flexibility[first]
         new = np.linalg.solve(matrix, right)
         moved = float(np.max(abs(new - force) / table.scale, initial=0.0))
@@ -171,11 +175,22 @@ def _touching(
         if moved < 1e-10:
             break
     else:
-        raise EquilibriumError(
-            f"equilibrium at t = 0 with a mesh at rest: still moves by {moved:.3g} of the force scale after {ROUNDS} "
-            "rounds. Give the machine a load, or bearings without clearance."
-        )
+        reason = f"still moves by {moved:.3g} of the force scale after {ROUNDS} rounds"
+        raise _unheld(system, resting[0], f"{reason}. Give the machine a load.")
     for contact in resting:
         for rows in contact.rows:
             now.elastic[rows] = 0.0
     return force, now
+
+
+def _unheld(system: System, contact: _PressedContact, reason: str) -> EquilibriumError:
+    """Why a contact without load does not find its place; bearings that hold nothing within their clearance are."""
+    name = f"equilibrium at t = 0: {contact.contacts[0].name} carries {contact.nominal:g} N"
+    loose = [bearing.name for bearing in system.machine.bearings if bearing.inside is not None]
+    if not loose:
+        return EquilibriumError(f"{name}: {reason}")
+    return EquilibriumError(
+        f"{name}, so nothing presses the shafts against the rolling elements of {', '.join(loose)}, and within their "
+        "clearance the gears may rest anywhere. Give the machine a load, or these bearings no radial clearance or a "
+        "preload."
+    )

@@ -17,6 +17,10 @@ class WorkError(RuntimeError):
     """The input was fine, the work on it failed (exit code 1)."""
 
 
+class SceneWarning(UserWarning):
+    """A scene is computed otherwise than its files say, by what was set on top of them."""
+
+
 @dataclass(frozen=True)
 class Problem:
     """One thing that is wrong in a scene: where, what, and what to do."""

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 def main(options: argparse.Namespace) -> int:
     """Build the laws; print stiffness, transmission error, share and pressure of each pair, healthy and faulty."""
     from pipelines.border.errors import InputError
+    from pipelines.border.json_text import json_text
     from pipelines.engine.working import Work
     from pipelines.report.contents import grid
     from pipelines.runs.gear_numbers import (
@@ -35,11 +36,16 @@ def main(options: argparse.Namespace) -> int:
     pairs = build_pairs(loaded, work)
     states = machine_states(loaded, work) if options.tilt == "machine" else _states(pairs, options)
     curves = gear_curves(pairs, states)
-    title = "Drive flanks without deviations, along the transverse line of action, compliance counted from the bores"
-    sys.stdout.write(grid(title, gear_rows(pairs, curves)).to_text() + "\n")
-    sys.stdout.write("".join(f"{line}\n" for line in notes(pairs, states)))
+    rows = gear_rows(pairs, curves)
     if target is not None:
         write_curves(curves, target)
+    if options.json:
+        sys.stdout.write(json_text({"pairs": rows, "notes": notes(pairs, states), "curves": target}))
+        return 0
+    title = "Drive flanks without deviations, along the transverse line of action, compliance counted from the bores"
+    sys.stdout.write(grid(title, rows).to_text() + "\n")
+    sys.stdout.write("".join(f"{line}\n" for line in notes(pairs, states)))
+    if target is not None:
         sys.stdout.write(f"{target}\n")
     return 0
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mbd.system.linearised import LinearModes
@@ -17,6 +17,7 @@ KINDS = {"shaft": "shafts", "bearing": "bearings", "casing": "casing", "rope": "
 
 def main(options: argparse.Namespace) -> int:
     """Build laws and casing, linearise the machine at rest under its load, print its modes."""
+    from pipelines.border.json_text import json_text
     from pipelines.engine.working import Work
     from pipelines.runs.single_results import build_machine_modes, scene_graph
     from pipelines.scene.presets import load_asked
@@ -30,10 +31,34 @@ def main(options: argparse.Namespace) -> int:
         speed=options.speed / 60 * 2 * math.pi,
     )
     _, plant = scene_graph(loaded)
+    if options.json:
+        found = {
+            "scene": loaded.name,
+            "cycle": cycle,
+            "modes": mode_rows(modes),
+            "notes": notes(plant, modes, options.up_to),
+        }
+        sys.stdout.write(json_text(found))
+        return 0
     title = f"{loaded.name}: small motion about the loaded rest, mesh cycle {cycle:.4g} of stage 1"
     sys.stdout.write(mode_table(title, modes).to_text() + "\n")
     sys.stdout.write("".join(f"{line}\n" for line in notes(plant, modes, options.up_to)))
     return 0
+
+
+def mode_rows(modes: LinearModes) -> list[dict[str, Any]]:
+    """One table per mode: Hz, damping ratio, what makes it, and the share (1) of every part in its energy."""
+    return [
+        {
+            "frequency_Hz": frequency,
+            "damping_ratio": damping,
+            "dominant": dominant,
+            "shares": dict(zip(modes.part_names, shares, strict=True)),
+        }
+        for frequency, damping, dominant, shares in zip(
+            modes.frequencies, modes.damping_ratios, modes.dominant, modes.shares, strict=True
+        )
+    ]
 
 
 def mode_table(title: str, modes: LinearModes) -> Grid:

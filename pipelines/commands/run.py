@@ -10,6 +10,7 @@ def main(options: argparse.Namespace) -> int:
     """Run the scene; print the verdict and where the report is."""
     from pipelines.engine.working import Work
     from pipelines.runs.run import Options, run_scene
+    from pipelines.runs.run_folder import REPORT
     from pipelines.scene.presets import load_asked
 
     finished = run_scene(
@@ -31,6 +32,6 @@ def main(options: argparse.Namespace) -> int:
         sys.stdout.write(f"{reason}\n")
     sys.stdout.write(
         f"{len(built)} steps built ({seconds:.1f} s of work), {len(finished.records) - len(built)} reused.\n"
-        f"report: {finished.folder / 'report.html'}\n"
+        f"report: {finished.folder / REPORT}\n"
     )
     return 0

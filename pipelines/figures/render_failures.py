@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import sys
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ PACKAGES = {
 ALL_PACKAGES = "libegl1 (or libosmesa6) libgl1 libxrender1"
 NEEDED_MB = 1500  # address space of a renderer with a small picture: 1500 MB were enough, 1200 MB were not
 _OUT_OF_MEMORY = ("MemoryError", "bad_alloc", "Cannot allocate memory", "failed to map segment", "Unable to allocate")
+_MISSING = re.compile(r"No module named '(\w+)")
 _AGAIN = "Nothing else is affected; run again."
 
 
@@ -54,8 +56,11 @@ def ended(code: int, stderr: str) -> Failure:
     packages = [package for library, package in PACKAGES.items() if library in stderr]
     if packages:
         return Failure(what, _install(*packages))
-    if "No module named" in stderr:
-        return Failure(what, "Install this module where gearcase is installed.")
+    if missing := _MISSING.search(stderr):
+        return Failure(
+            f"pictures in three dimensions need {missing[1]}, which is not installed",
+            f"Everything else works without; for them: python -m pip install {missing[1]}",
+        )
     return Failure(what, _AGAIN)
 
 

@@ -29,7 +29,7 @@ from pipelines.border.errors import InputError, WorkError
 from pipelines.border.locks import lock_file, same_file
 from pipelines.border.shown import shown
 from pipelines.border.user_files import writable_folder
-from pipelines.runs.run_folder import RESPONSE
+from pipelines.runs.run_folder import RESPONSE, ROOT
 
 _LOG = logging.getLogger(__name__)
 _MARKER = ".unfinished-"
@@ -58,11 +58,11 @@ def claimed(name: str, out: str | Path | None = None, root: Path | None = None) 
     WorkError : the files are written but cannot be moved; names the folder that keeps them
     """
     try:
-        claim = _claim_given(writable_folder(out)) if out is not None else _claim_new((root or Path("runs")) / name)
+        claim = _claim_given(writable_folder(out)) if out is not None else _claim_new((root or ROOT) / name)
     except OSError as error:
         if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
             raise
-        place = out if out is not None else (root or Path("runs")) / name
+        place = out if out is not None else (root or ROOT) / name
         raise InputError(
             f"{shown(place)}: results cannot be written ({error.strerror}). Choose another --out."
         ) from error

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pipelines.border.errors import InputError
 from pipelines.border.grid import Grid
@@ -207,15 +207,36 @@ def file_words(found: JudgedFile) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def features_grid(table: FeatureTable) -> Grid:
-    """A row per component and feature, in the mean over the channels."""
+def file_facts(found: JudgedFile) -> dict[str, Any]:
+    """The verdict, None without healthy files, and every feature in the mean over the channels."""
+    table = found.recorded.table
+    features = [
+        {"component": component, "feature": feature, "value": float(value)}
+        for (component, feature), value in zip(table.lines, mean_features(table), strict=True)
+    ]
+    return {
+        "recording": found.recorded.name,
+        "turning": found.recorded.turning,
+        "warnings": found.recorded.warnings,
+        "verdict": found.verdict,
+        "features": features,
+        "left_out": table.left_out,
+    }
+
+
+def mean_features(table: FeatureTable) -> np.ndarray:
+    """Features (line,) in the geometric mean over the channels."""
     import numpy as np
 
+    return np.exp(np.mean(np.log(np.maximum(table.value, np.finfo(float).tiny)), axis=0))
+
+
+def features_grid(table: FeatureTable) -> Grid:
+    """A row per component and feature, in the mean over the channels."""
     from pipelines.diagnosis.words import NAMES
 
-    means = np.exp(np.mean(np.log(np.maximum(table.value, np.finfo(float).tiny)), axis=0))
     rows = tuple(
         (component, NAMES.get(feature, feature), f"{mean:.3g}", f"{20 * math.log10(mean):.1f}")
-        for (component, feature), mean in zip(table.lines, means, strict=True)
+        for (component, feature), mean in zip(table.lines, mean_features(table), strict=True)
     )
     return Grid(title="Features, mean over all channels", headers=("component", "feature", "value", "dB"), rows=rows)

@@ -152,7 +152,7 @@ def _tell(
     known = [*study.graph, *judging, *([diagnosing] if diagnosing else []), step]
     outcome = _with_steps(known, [step], outcome, cache, observer)
     report = outcome.value(step.name)
-    (folder / "report.html").write_text(report["page"], encoding="utf-8")
+    (folder / run_folder.REPORT).write_text(report["page"], encoding="utf-8")
     return outcome, _Told(words=words, left_out=(*left_out, *report["left_out"]))
 
 

@@ -17,11 +17,13 @@ if TYPE_CHECKING:
     import xarray
 
 _LOG = logging.getLogger(__name__)
+ROOT = Path("runs")  # of the results, in the working folder
 RESPONSE = "response.nc"
 CONTROL = "control.nc"
 RESOLVED = "scene.resolved.toml"
 ASKED = "scene.asked.toml"
 RUN = "run.json"
+REPORT = "report.html"
 LATEST = "latest.txt"
 _LONGEST_NAME = 1000  # bytes of latest.txt
 
@@ -37,18 +39,25 @@ def note_latest(folder: Path) -> None:
         ) from error
 
 
-def find_run(name: str | Path, root: Path | None = None) -> Path:
-    """The folder of a run: the folder itself, or the newest one of a scene.
+def finished_runs(root: Path = ROOT, scene: str = "*") -> list[Path]:
+    """Folders of the finished runs below `root`, of one scene or of all, newest first."""
+    found = [path for path in root.glob(f"{scene}/*/{RESPONSE}") if is_regular_file(path)]
+    return [path.parent for path in sorted(found, key=lambda path: (-path.stat().st_mtime_ns, str(path)))]
+
+
+def find_run(name: str | Path, root: Path = ROOT) -> Path:
+    """The folder of a run: by its path, by its scene (the newest one), as ``scene/folder``, or by its number in
+    ``gearcase runs`` (1 is the newest).
 
     Raises
     ------
     InputError : there is none
     """
-    folder = Path(name)
-    if is_regular_file(folder / RESPONSE):
-        return folder
-    text = str(name)
-    scene = (root or Path("runs")) / (folder_name(folder.stem) if text.endswith(".toml") else text)
+    folder, text = Path(name), str(name)
+    scene = root / (folder_name(folder.stem) if text.endswith(".toml") else text)
+    for place in (folder, scene):
+        if is_regular_file(place / RESPONSE):
+            return place
     for parent in (scene, folder):
         latest = parent / LATEST
         if is_regular_file(latest):
@@ -59,6 +68,11 @@ def find_run(name: str | Path, root: Path | None = None) -> Path:
                 f"{shown(found)}: no {RESPONSE} here, though {shown(latest)} names it. "
                 f"Again: gearcase run {shown(name)}"
             )
+    if text.isdecimal() and len(text) < 10:
+        known = finished_runs(root)
+        if 1 <= int(text) <= len(known):
+            return known[int(text) - 1]
+        raise InputError(f"run {text}: there are {len(known)} runs under {shown(root)}. List them: gearcase runs")
     raise InputError(
         f"{shown(name)}: no result here, neither {shown(folder / RESPONSE)} nor {shown(scene / LATEST)}. "
         f"First: gearcase run {shown(name)}"

@@ -16,6 +16,7 @@ from pipelines.border.user_files import checked_path, folder_name, names_beside,
 from pipelines.scene.limits import LONGEST_CHAIN, MOST_BYTES, over_limits
 from pipelines.scene.merge import Merged, Whole, differences, merge, settings_tree, without
 from pipelines.scene.shipped_files import anchored
+from pipelines.scene.windows import shortened
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -100,7 +101,7 @@ def _loaded(source: Source, change: Mapping[str, Any], problems: list[Problem]) 
     from pipelines.scene.scene import Scene
 
     name = folder_name(source.name)
-    scene, tree = validate(merge(read_tree(source), change), Scene, source.shown, problems)
+    scene, tree = validate(shortened(read_tree(source), change, source.shown), Scene, source.shown, problems)
     return LoadedScene(name, source, change, tree, scene)
 
 
@@ -117,7 +118,8 @@ def changed(loaded: LoadedScene, settings: Settings, tables: Mapping[str, Any] |
     if tables:
         problems += over_limits(plain(tables))
         change = merge(Merged(change), plain(tables)).tree
-    scene, tree = validate(merge(Merged(dict(loaded.tree)), change), Scene, loaded.source.shown, problems)
+    merged = shortened(Merged(dict(loaded.tree)), change, loaded.source.shown)
+    scene, tree = validate(merged, Scene, loaded.source.shown, problems)
     both = merge(Merged(dict(loaded.settings)), change).tree
     return LoadedScene(loaded.name, loaded.source, both, tree, scene)
 
@@ -155,7 +157,8 @@ def control_of(loaded: LoadedScene) -> LoadedScene | None:
     source = find_source(control, loaded.source.folder)
     settings = without_shaft_faults(loaded.settings, loaded.scene)
     settings = {key: value for key, value in settings.items() if key not in _OWN_KEYS}
-    scene, tree = validate(merge(read_tree(source), settings), Scene, f"{source.shown} (control of {loaded.name})")
+    name = f"{source.shown} (control of {loaded.name})"
+    scene, tree = validate(shortened(read_tree(source), settings, None), Scene, name)
     return LoadedScene(source.name, source, settings, tree, scene)
 
 
@@ -228,7 +231,7 @@ def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
         raise InputError(f"{source.shown}: extends goes in a circle ({shown(circle)}). Remove one of these extends.")
     if len(chain) > LONGEST_CHAIN:
         raise InputError(f"{source.shown}: extends goes on beyond {LONGEST_CHAIN} scenes. Join some of them.")
-    return merge(read_tree(below, chain), tree)
+    return shortened(read_tree(below, chain), tree, source.shown)
 
 
 def identity(source: Source) -> str:

@@ -8,7 +8,7 @@ import json
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -143,6 +143,14 @@ def save_diagnoses(folder: Path | str, diagnoses: Sequence[Diagnosis]) -> tuple[
     table = joined(d.lines for d in diagnoses)
     table.save(folder / "diagnosis.nc")
     table.write_csv(folder / "diagnosis.csv")
+    text = json.dumps(diagnosis_facts(diagnoses), indent=1)
+    (folder / "diagnosis.json").write_text(text, encoding="utf-8")
+    return folder / "diagnosis.nc", folder / "diagnosis.csv", folder / "diagnosis.json"
+
+
+def diagnosis_facts(diagnoses: Sequence[Diagnosis]) -> dict[str, Any]:
+    """Settings, band and segments of every case, and all lines with the units of their columns."""
+    table = joined(d.lines for d in diagnoses)
     cases = [
         {
             "load": d.load,
@@ -154,9 +162,7 @@ def save_diagnoses(folder: Path | str, diagnoses: Sequence[Diagnosis]) -> tuple[
         }
         for d in diagnoses
     ]
-    text = json.dumps({"cases": cases, "units": table.units(), "lines": table.to_dicts()}, indent=1)
-    (folder / "diagnosis.json").write_text(text, encoding="utf-8")
-    return folder / "diagnosis.nc", folder / "diagnosis.csv", folder / "diagnosis.json"
+    return {"cases": cases, "units": table.units(), "lines": table.to_dicts()}
 
 
 def _plain(value: object) -> object:

@@ -9,7 +9,8 @@ import sys
 def main(options: argparse.Namespace) -> int:
     """Print verdict and tables: of a file, or of a run against its control; nothing is simulated."""
     from pipelines.border.errors import InputError
-    from pipelines.runs.recorded import file_words, judge_file, recording_path
+    from pipelines.border.json_text import json_text
+    from pipelines.runs.recorded import file_facts, file_words, judge_file, recording_path
     from pipelines.runs.run_folder import RESPONSE
 
     path = recording_path(options.run)
@@ -18,11 +19,13 @@ def main(options: argparse.Namespace) -> int:
         if options.settings:
             raise InputError("--set changes the scene of a run; a recording is looked at as it is. Leave it out.")
         window = tuple(options.window) if options.window else None
-        sys.stdout.write(file_words(judge_file(path, options.baseline, options.machine, window)))
+        judged = judge_file(path, options.baseline, options.machine, window)
+        sys.stdout.write(json_text(file_facts(judged)) if options.json else file_words(judged))
         return 0
     from pipelines.runs.diagnosed import diagnose_folder
+    from pipelines.signals.export import diagnosis_facts
     from pipelines.steps.diagnosing import words
 
     found = diagnose_folder(path.parent, options.settings)
-    sys.stdout.write(words([found], [found]))
+    sys.stdout.write(json_text(diagnosis_facts([found])) if options.json else words([found], [found]))
     return 0

@@ -1,0 +1,73 @@
+"""The site: the pages of this folder, the gallery of examples, and a reference made from the code.
+
+`make docs` builds it into build/site without a network. Warnings are errors.
+"""
+
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+sys.path.insert(0, str(HERE.parent))
+
+import reference_pages  # noqa: E402
+
+from pipelines.engine.code_version import library_versions  # noqa: E402
+
+project = "gearcase"
+author = "The gearcase project"
+copyright = "The gearcase project, BSD-3-Clause"
+release = version = library_versions("gearcase")["gearcase"]
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "numpydoc",
+    "sphinx_gallery.gen_gallery",
+    "sphinx_copybutton",
+]
+source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+exclude_patterns = ["sg_execution_times.rst"]
+nitpicky = False
+
+myst_enable_extensions = ["colon_fence"]
+myst_heading_anchors = 3
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+numpydoc_show_class_members = False
+numpydoc_xref_param_type = False
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
+
+html_theme = "furo"
+html_title = "gearcase"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_show_sourcelink = False
+html_copy_source = False
+
+sphinx_gallery_conf = {
+    "examples_dirs": str(HERE.parent / "examples" / "gallery"),
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"\.py$",
+    "image_scrapers": ("matplotlib",),
+    "abort_on_example_error": True,
+    "remove_config_comments": True,
+    "download_all_examples": False,
+    "show_memory": False,
+    "min_reported_time": 1000,
+    "write_computation_times": False,
+}
+
+
+def headed(app, what, name, found, options, lines):
+    """The example at the end of a docstring gets its heading, so that it is not read as a part of what is above."""
+    first = next((number for number, line in enumerate(lines) if line.startswith(">>>")), None)
+    if first is not None:
+        lines[first:first] = ["Examples", "--------"]
+
+
+def setup(app):
+    """The reference is written before the pages are read, and docstrings are headed before numpydoc reads them."""
+    app.connect("builder-inited", lambda app: reference_pages.write(HERE / "reference"))
+    app.connect("autodoc-process-docstring", headed, priority=100)

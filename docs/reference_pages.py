@@ -1,0 +1,67 @@
+"""Pages of the site that are made from the code: every public name of Python, every command."""
+
+from pathlib import Path
+
+HEAD = "<!-- made by reference_pages.py -->\n\n"
+
+
+def write(folder: Path) -> None:
+    """Write the pages of the reference; what has not changed is left alone, so that it is not built again."""
+    for name, text in {**python_pages(), **command_pages()}.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+
+
+def python_pages() -> dict[str, str]:
+    """A page per name of the public door, and their list."""
+    import gearcase
+
+    pages = {}
+    for name in gearcase.__all__:
+        found = getattr(gearcase, name)
+        kind = "autofunction" if not isinstance(found, type) else "autoclass"
+        if isinstance(found, type) and issubclass(found, Exception):
+            kind = "autoexception"
+        options = "\n:members:" if kind == "autoclass" else ""
+        directive = f"```{{eval-rst}}\n.. {kind}:: gearcase.{name}{options.replace(chr(10), chr(10) + '   ')}\n```\n"
+        pages[f"python/{name}.md"] = f"{HEAD}# {name}\n\n{directive}"
+    pages["python/index.md"] = listing("Python, name by name", gearcase.__all__)
+    return pages
+
+
+def command_pages() -> dict[str, str]:
+    """A page per command: its help, and that of its actions."""
+    from pipelines.command_line import COMMANDS, parser
+
+    top = parser()
+    below = _actions(top)
+    pages = {}
+    for name, words, example, _ in COMMANDS:
+        helps = [_help(below[name]), *map(_help, _actions(below[name]).values())]
+        blocks = "\n".join(f"```text\n{text.rstrip()}\n```\n" for text in helps)
+        pages[f"commands/{name}.md"] = (
+            f"{HEAD}# gearcase {name}\n\n{words[0].upper()}{words[1:]}.\n\n```sh\n{example}\n```\n\n{blocks}"
+        )
+    names = [name for name, *_ in COMMANDS]
+    rows = "\n".join(f"| [{name}]({name}.md) | {words} |" for name, words, *_ in COMMANDS)
+    table = f"\n| command | does |\n| --- | --- |\n{rows}\n"
+    pages["commands/index.md"] = listing("Commands", names, table)
+    return pages
+
+
+def listing(title: str, names: list[str], text: str = "") -> str:
+    """A page that leads to others."""
+    return f"{HEAD}# {title}\n{text}\n```{{toctree}}\n:maxdepth: 1\n\n" + "\n".join(names) + "\n```\n"
+
+
+def _actions(parser):
+    """Parsers below a parser by name."""
+    groups = [action.choices for action in parser._actions if hasattr(action, "add_parser")]
+    return groups[0] if groups else {}
+
+
+def _help(parser) -> str:
+    """Help at a width that a page shows."""
+    return parser.format_help()

@@ -1,0 +1,52 @@
+"""
+From a plan to a data set
+=========================
+
+A campaign draws scenes from a plan and simulates them into one data set, which opens as one xarray object with labels
+and variables. Here: six loads, and how the vibration grows with them.
+"""
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from tempfile import mkdtemp
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import gearcase
+
+folder = Path(mkdtemp())
+plan = folder / "loads.toml"
+plan.write_text(
+    """
+scene = "minimal"
+design = "grid"
+
+[variables]
+mass_kg = [60.0, 90.0, 120.0, 150.0, 180.0, 210.0]
+
+[settings]
+simulation.end_s = 0.2
+deviations.enabled = false
+load.container_kg = "$mass_kg"
+""",
+    encoding="utf-8",
+)
+done = gearcase.campaign(plan, out=folder / "loads", executor=ThreadPoolExecutor(1))
+data = gearcase.open_dataset(done.folder)
+
+# %%
+# Signals are read when they are asked for; the rest is one line of xarray:
+
+levels = data.acceleration.sel(sensor="sensor_3", axis="z", time=slice(0.1, None)).std("time")
+masses = data.mass_kg.values
+
+figure, axes = plt.subplots(figsize=(6, 3.5), layout="constrained")
+axes.plot(masses, levels, "o")
+axes.set(xlabel="container, kg", ylabel="m/s2 rms", xlim=(0, None), ylim=(0, None))
+
+# %%
+# The exponent with which the level grows with the load:
+
+exponent = float(np.polyfit(np.log(masses), np.log(levels.values), 1)[0])
+print(f"{exponent:.2f}")

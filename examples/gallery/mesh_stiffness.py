@@ -1,0 +1,32 @@
+"""
+Mesh stiffness with a missing tooth
+===================================
+
+The stiffness of a gear pair rises and falls with the number of tooth pairs in mesh. Where a tooth is missing, its
+neighbours carry alone, and the pair is softer for as long as that tooth should be in mesh.
+"""
+
+import matplotlib.pyplot as plt
+
+import gearcase
+
+scene = gearcase.Scene.from_file("minimal").changed(
+    faults=[{"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 0}],
+)
+curve = gearcase.laws(scene)[0].curve()
+healthy, faulty = (curve.secant.sel(state=state) / 1e6 for state in ("healthy", "faulty"))
+
+# %%
+# Over mesh cycles, counted from the instant at which the missing tooth should touch at the pitch point:
+
+figure, axes = plt.subplots(figsize=(7, 3.5), layout="constrained")
+axes.plot(curve.cycle, healthy, label="healthy")
+axes.plot(curve.cycle, faulty, label="one tooth missing")
+axes.set(xlabel="mesh cycles", ylabel="secant stiffness, N/um", ylim=(0, None))
+axes.legend()
+
+# %%
+# The least stiffness over that of the healthy pair:
+
+ratio = float(faulty.min() / healthy.min())
+print(f"{ratio:.2f}")

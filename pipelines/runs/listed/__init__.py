@@ -1,0 +1,1 @@
+"""Finished runs under ./runs: found, compared, removed."""
