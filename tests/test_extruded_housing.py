@@ -23,6 +23,7 @@ from pipelines.border.errors import SceneError
 from pipelines.plant.checks.validity import checked_plant
 from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
+from pipelines.scene.presets import preset_settings
 
 HOUSINGS = {
     "small": small_housing(),
@@ -118,3 +119,19 @@ def test_a_scene_takes_hexahedra_and_says_what_it_refuses():
         load_scene("rig-step", {"casing.element": "hexahedron-27"})
     with pytest.raises(SceneError, match="only hexahedra of a parametric housing have layers"):
         load_scene("rig-healthy", {"casing.edge_element_size_mm": 2.0})
+
+
+@pytest.mark.parametrize(
+    ("change", "element"),
+    [
+        ({}, "hexahedron-27"),
+        ({"stages.1.direction_deg": 90.0}, "hexahedron-27"),
+        ({"stages.1.direction_deg": 40.0}, "tetrahedron-10"),  # bosses overlap seen along x and along z
+        ({"casing.housing.inner_fillet_mm": 5.0}, "tetrahedron-10"),
+        ({"casing.element": "tetrahedron-10"}, "tetrahedron-10"),
+    ],
+)
+def test_presets_take_hexahedra_where_they_fit(change, element):
+    found = preset_settings(load_scene("bench", change).scene, "standard")
+    assert found.get("casing.element", "tetrahedron-10") == element
+    assert ("casing.extrapolated" in found) == (element == "tetrahedron-10")

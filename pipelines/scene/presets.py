@@ -5,25 +5,28 @@ asks for (a torsion-only shaft, a casing without modes) are not among them. Of t
 too.
 
 What decides, on the shipped rig: `plane` shifts the lines of the fault by 5 dB, which no refinement of it cures, so all
-presets take `solid`. Each slice of the face enters the mesh as a whole and so adds a tone at its own passing
-frequency, n f_m / eps_beta, among the modes of the casing; the tones fall with n^2. The flexibility of the bearing
-seats moves the lines of the fault more than the rest of the casing does. A plain parametric housing takes hexahedra
-with thin layers at its inner edges: on the rig `standard` has 130,000 unknowns, frequencies 0.15 % too high and seats
-0.2 % too stiff. Other housings take tetrahedra, finest at the bores, and are extrapolated from three meshes: without
-that, twice as fine elements move these lines by 3.4 dB.
+presets take `solid`. The slices of the face add tones at their own passing frequency, n f_m / eps_beta, among the modes
+of the casing, which fall with n^2 and more. The flexibility of the bearing seats moves the lines of the fault more than
+the rest of the casing does. A plain parametric housing takes hexahedra with thin layers at its inner edges: on the rig
+`standard` has 130,000 unknowns, frequencies 0.15 % too high and seats 0.2 % too stiff. Other housings take tetrahedra,
+finest at the bores, and are extrapolated from three meshes: without that, twice as fine elements move these lines by
+3.4 dB.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Sequence
 
     from pipelines.scene.file import LoadedScene
     from pipelines.scene.scene import Scene
     from pipelines.scene.tables.casing import ElasticBase
+    from pipelines.scene.tables.gears import StageTable
 
 Settings = dict[str, object]
 
@@ -46,15 +49,16 @@ class Level:
 
 LEVELS = {
     "draft": Level(
-        refinement=0.6, slices=21, element_size=1.1, bore_size=0.55, extruded_size=1.6, band=0.3, step_us=100.0
+        refinement=0.6, slices=15, element_size=1.1, bore_size=0.55, extruded_size=1.6, band=0.3, step_us=100.0
     ),
     "standard": Level(
-        refinement=0.7, slices=61, element_size=0.8, bore_size=0.32, extruded_size=1.0, band=0.7, step_us=50.0
+        refinement=0.7, slices=31, element_size=0.8, bore_size=0.32, extruded_size=1.0, band=0.7, step_us=50.0
     ),
     "reference": Level(
         refinement=1.0, slices=61, element_size=0.64, bore_size=0.25, extruded_size=0.82, band=1.0, step_us=20.0
     ),
 }
+BETWEEN_BOSSES = 1.05  # distance of two axes, seen along x or z, over the sum of the radii of their bosses
 EDGE_SIZE = 0.09  # thickness of the layers at the inner edges, in element sizes
 PRESETS = tuple(LEVELS)
 
@@ -69,20 +73,25 @@ def preset_settings(scene: Scene, preset: str) -> Settings:
         mesh = {"model": "solid", "refinement": level.refinement, "slices": level.slices}
         settings[f"stages.{number}.mesh"] = mesh
     if isinstance(scene.casing, ElasticBase):
-        settings |= _casing_mesh(scene.casing, level)
+        settings |= _casing_mesh(scene, scene.casing, level)
     if isinstance(scene.casing, CraigBamptonCasingTable):
         settings["casing.band_Hz"] = scene.casing.band_Hz * level.band
     return settings
 
 
-def _casing_mesh(casing: ElasticBase, level: Level) -> Settings:
+def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
     """Hexahedra of a plain parametric housing whose scene leaves the element open, else finer seats of what it asks."""
     from pipelines.scene.tables.housing import HousingTable, MatricesHousingTable, MeshHousingTable
 
     size, housing = casing.element_size_mm, casing.housing
     if isinstance(housing, MatricesHousingTable):
         return {}
-    open_to_hexahedra = isinstance(housing, HousingTable) and housing.plain and "element" not in casing.model_fields_set
+    open_to_hexahedra = (
+        isinstance(housing, HousingTable)
+        and housing.plain
+        and "element" not in casing.model_fields_set
+        and _bosses_apart(scene.stages, housing.boss_diameters_mm)
+    )
     if open_to_hexahedra or (isinstance(housing, HousingTable) and casing.element.startswith("hexahedron")):
         element = "hexahedron-27" if open_to_hexahedra else casing.element
         length = size * level.extruded_size
@@ -96,6 +105,19 @@ def _casing_mesh(casing: ElasticBase, level: Level) -> Settings:
         "casing.bore_element_size_mm": size * level.bore_size,
         "casing.extrapolated": not isinstance(housing, MeshHousingTable) and casing.element == "tetrahedron-10",
     }
+
+
+def _bosses_apart(stages: Sequence[StageTable], boss_diameters: Sequence[float]) -> bool:
+    """Whether the bosses of each pair lie apart seen along x or z, as hexahedra ask; by the reference circles."""
+    from pipelines.scene.train import stage_shafts
+
+    for stage, (pinion, wheel) in zip(stages, stage_shafts(stages), strict=True):
+        helix, direction = math.radians(stage.helix_angle_deg), math.radians(stage.direction_deg)
+        distance = stage.module_mm * (stage.pinion_teeth + stage.wheel_teeth) / (2.0 * math.cos(helix))
+        seen = distance * max(abs(math.cos(direction)), abs(math.sin(direction)))
+        if seen < BETWEEN_BOSSES * (boss_diameters[pinion] + boss_diameters[wheel]) / 2.0:
+            return False
+    return True
 
 
 def preset_on(loaded: LoadedScene, preset: str) -> LoadedScene:
