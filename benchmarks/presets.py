@@ -38,7 +38,7 @@ def presets(folder: Path) -> list[dict[str, Any]]:
     asked |= {f"{preset}, laws of {REFERENCE}": asked[preset] | laws for preset in PRESETS if preset != REFERENCE}
     scenes: dict[str, LoadedScene] = {AS_WRITTEN: loaded}
     scenes |= {name: changed(loaded, settings) for name, settings in asked.items()}
-    found = measure(scenes, list(PROBES), Work(cache=Cache(cold)))
+    found = measure(scenes, list(PROBES), Work(cache=Cache(cold / "cache")))
     return [row(name, one, found[REFERENCE], walls.get(name)) for name, one in found.items()]
 
 

@@ -49,7 +49,7 @@ class Level:
 
 LEVELS = {
     "draft": Level(
-        refinement=0.6, slices=15, element_size=1.1, bore_size=0.55, extruded_size=1.6, band=0.3, step_us=100.0
+        refinement=0.6, slices=15, element_size=1.1, bore_size=0.55, extruded_size=1.25, band=0.3, step_us=100.0
     ),
     "standard": Level(
         refinement=0.7, slices=31, element_size=0.8, bore_size=0.32, extruded_size=1.0, band=0.7, step_us=50.0
