@@ -5,7 +5,6 @@ import numpy as np
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.faults.missing_tooth import MissingTooth
 from fem.contact.law import MeshLaw
-from fem.contact.slice_means import slice_means
 
 
 def made_up_law(*, hertz=4e-12, neighbours=2, slices=7, helix=1.0, n=201, **changes):
@@ -38,21 +37,6 @@ def made_up_law(*, hertz=4e-12, neighbours=2, slices=7, helix=1.0, n=201, **chan
         "wheel_tooth_offset": 0,
     }
     return MeshLaw(**(data | changes))
-
-
-def gap_of_slice(law, xi):
-    """Mean gap, rise and closing load (n,) of slices about xi."""
-    means = slice_means(law)
-    first, last = law.position_start, law.position_start + law.position_step * (law.gap.size - 1)
-    grid = np.linspace(first, last, means.gap.size)
-    return [np.interp(xi, grid, table) for table in means[:3]]
-
-
-def spared_approach(law, f, rise, whole):
-    """What a slice that carries f (n,) approaches by less than one wholly in contact: a r of `part_contact`."""
-    u = np.maximum(np.divide(f, whole, out=np.ones_like(f), where=whole > f), 1e-300)
-    s = np.sqrt(u)
-    return rise * ((1 - s) ** 2 + 2 * slice_means(law).bend * s * (1 - s) * np.log(u))
 
 
 def missing_tooth(clearance, tooth):

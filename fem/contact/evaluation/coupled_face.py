@@ -157,7 +157,7 @@ def _solve_face_exactly(law, states, memory, answer):
         for block in range(len(law.block)):
             rows = block_rows(memory, block)
             relieve(d, t, rows, field_rows(memory, block))
-            solve_slices(law, True, rows)
+            solve_slices(law.slope, True, rows)
         new_d, new_t, stiffness = newton_step(law, memory)
         largest = abs(new_d - d) + abs(new_t - t) * abs(block_rows(memory, 0).y[0])
         for block in range(len(law.block)):

@@ -7,8 +7,6 @@ load falls below zero and returns where its approach is positive.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numba import njit
 
@@ -18,7 +16,6 @@ from fem.contact.evaluation.law_tables import LANES, slices_of
 from fem.contact.evaluation.logarithm import SERIES, log_of_growth, logarithm, rough_log
 from fem.contact.evaluation.slice_loads import couple
 from fem.contact.evaluation.slice_rows import largest_approach, state_of
-from fem.contact.part_contact import closing_approach, touch
 from fem.numerics.compiled import INLINE, SPREAD, SUMS, inner
 
 STEPS = 14
@@ -47,7 +44,7 @@ def solve_face(law, states, which, cold, memory, answer):
         d, t, stiffness = newton_step(law, memory)
         load = error = square = 0.0
         for block in range(len(law.block)):
-            sums = advance(law, d, t, block_rows(memory, block), field_rows(memory, block))
+            sums = advance(law.slope, d, t, block_rows(memory, block), field_rows(memory, block))
             load, error, square = load + sums[0], error + sums[1], square + sums[2]
         settled = square < 1.0 and error <= CLOSE * load
         if settled:
@@ -65,18 +62,16 @@ def guess(slope, rows, fields):
     bits = rows.load.view(np.int64)
     for s in range(LANES):
         for a in range(len(rows.order)):
-            c, bent = rows.compliance[a, s], fields.gain[a, s] * fields.gain[a, s]
-            left = (c + 5.0 * slope) / (c + 5.0 * slope + bent)
-            closing = closing_approach(c, slope, rows.offset[a, s], rows.per_whole[a, s], rows.log_whole[a, s])
-            x = touch(left * fields.free[a, s], rows.rise[a, s], closing) / left
-            rows.load[a, s] = x / (c + bent + 5.0 * slope)
-            f = x / (c + bent + slope * max(1.0, rows.offset[a, s] - rough_log(bits[a, s])))
+            x = max(fields.free[a, s], 0.0)
+            soft = rows.compliance[a, s] + fields.gain[a, s] * fields.gain[a, s]
+            rows.load[a, s] = x / (soft + 5.0 * slope)
+            f = x / (soft + slope * max(1.0, rows.offset[a, s] - rough_log(bits[a, s])))
             rows.on[a, s], rows.load[a, s] = 1.0 if x > 0.0 else 0.0, f if x > 0.0 else 1.0
     logarithm(rows.load, rows.log, rows.rest)
 
 
 @inner(**SUMS)
-def advance(law, d, t, rows, fields):
+def advance(slope, d, t, rows, fields):
     """Loads at the fields and body displacements; `approach` takes what is left to the slice.
 
     Returns F, the bound sum w K A f step^2 / 2 of its error, from x'' = -A / f, with the relative steps of the loads,
@@ -84,11 +79,11 @@ def advance(law, d, t, rows, fields):
 
     Parameters
     ----------
-    law : `LawTables`
+    slope : A of the law, m2/N
     d, t : body displacements, m and rad
     rows, fields : `Rows` and `FieldRows` of the block
     """
-    n, slope = len(rows.order), law.slope
+    n = len(rows.order)
     force = bend = total = 0.0
     for s in range(LANES):
         w, move = rows.width[s], d + t * rows.y[s]
@@ -108,22 +103,18 @@ def advance(law, d, t, rows, fields):
                     left -= rows.neighbour[a, b, s] * rows.fraction[b, s] * rows.rest[b, s]
             f, new, on, phi = rows.load[a, s], rows.rest[a, s], rows.on[a, s] > 0.0, rows.fraction[a, s]
             stays = new > 0.0
-            rise = rows.rise[a, s]
-            back = not stays and left + rise > 1e-15 * (abs(fields.free[a, s]) + rise) and left + rise > 1e-18
-            c, offset = rows.compliance[a, s], rows.offset[a, s]
-            closing = closing_approach(c, slope, offset, rows.per_whole[a, s], rows.log_whole[a, s])
-            fresh = touch(left, rise, closing) / (c + 0.8 * slope * offset)
+            back = not on and left > 1e-15 * abs(fields.free[a, s]) and left > 1e-18
+            fresh = left / (rows.compliance[a, s] + 0.8 * slope * rows.offset[a, s])
             new = new if stays else (fresh if back else 1.0)
             step = (new - f) / f if stays else (1.0 if on or back else 0.0)
             rows.load[a, s], rows.on[a, s] = new, 1.0 if stays or back else 0.0
             rows.log[a, s] += log_of_growth(step)
             force += w * phi * new if stays else 0.0
-            bent = slope * new + 0.5 * rise * math.sqrt(min(new * rows.per_whole[a, s], 1.0))
-            bend += w * fields.stiffness[a, a, s] * step * step * bent
+            bend += w * fields.stiffness[a, a, s] * step * step * new
             total += step * step
     if total > SERIES * SERIES:
         logarithm(rows.load, rows.log, rows.rest)
-    return force, 0.5 * bend, total
+    return force, 0.5 * slope * bend, total
 
 
 @inner(**SUMS)

@@ -18,7 +18,6 @@ from fem.contact.evaluation.law_tables import LANES
 from fem.contact.evaluation.slice_loads import couple
 from fem.contact.evaluation.slice_rows import invert, largest_approach, state_of
 from fem.contact.evaluation.slice_sums import block_sums
-from fem.contact.part_contact import root_and_log, spared, spared_compliance
 from fem.numerics.compiled import INLINE, SPREAD, SUMS, inner
 
 
@@ -48,7 +47,7 @@ def newton_step(law, memory):
     """Fields and body displacements after a step from the loads there are: d, t and the stiffnesses k00, k01, k11."""
     force = moment = k = mixed = tilt = 0.0
     for block in range(len(law.block)):
-        sums = linearise(law, block_rows(memory, block), field_rows(memory, block))
+        sums = linearise(law.slope, block_rows(memory, block), field_rows(memory, block))
         force, moment, k, mixed, tilt = force + sums[0], moment + sums[1], k + sums[2], mixed + sums[3], tilt + sums[4]
     if law.spread_length > 0.0:
         sums = eliminate(int(law.slices), memory)
@@ -60,25 +59,21 @@ def newton_step(law, memory):
 
 
 @inner(**SUMS)
-def linearise(law, rows, fields):
+def linearise(slope, rows, fields):
     """phi l, K and the block's part of the field equations; returns the sums F, M, k, k y, k y^2 without fields."""
-    n, slope = len(rows.order), law.slope
+    n = len(rows.order)
     force = moment = k = mixed = tilt = 0.0
     for s in range(LANES):
         y, w = rows.y[s], rows.width[s]
         couple(rows, s)
         for a in range(n):
             f, depth, c = rows.load[a, s], rows.offset[a, s] - rows.log[a, s], rows.compliance[a, s]
-            rise, per_whole = rows.rise[a, s], rows.per_whole[a, s]
-            root, log = root_and_log(f, per_whole, rows.log[a, s], rows.log_whole[a, s])
             rest = fields.free[a, s] - f * (c + slope * hertz_depth(depth, rows.beyond[a, s]))
-            rest += rise * spared(law.bend, root, log)
             for b in range(n):
                 if b != a:
                     rows.system[a, b, s] = rows.pull[a, b, s]
                     rest -= rows.pull[a, b, s] * rows.load[b, s]
-            part = rise * per_whole * spared_compliance(law.bend, root, log)
-            rows.system[a, a, s] = compliance_of(c, slope, depth) + part
+            rows.system[a, a, s] = compliance_of(c, slope, depth)
             rows.rest[a, s] = rows.on[a, s] * rest
         invert(rows.order, rows.system, s)
         for a in range(n):
@@ -118,7 +113,7 @@ def face_sums(law, d, t, stiffness, memory, answer):
     force = moment = energy = rate = 0.0
     for block in range(len(law.block)):
         rows = block_rows(memory, block)
-        sums, (held, along) = block_sums(law, rows), held_by_fields(rows, field_rows(memory, block))
+        sums, (held, along) = block_sums(law.slope, rows), held_by_fields(rows, field_rows(memory, block))
         force, moment = force + sums[0], moment + sums[1]
         energy, rate = energy + sums[2] + 0.5 * held, rate + sums[6] - along
     answer[0], answer[1], answer[2] = force, moment, energy + 0.5 * (d * force + t * moment)

@@ -178,7 +178,7 @@ def _solve(law, states, modes, memory, answer):
         for block in range(len(law.block)):
             rows, fields = block_rows(memory, block), field_rows(memory, block)
             _shift(1.0, modes, block, fields)
-            sums = advance(law, d, t, rows, fields)
+            sums = advance(law.slope, d, t, rows, fields)
             _shift(-1.0, modes, block, fields)
             load, error, square = load + sums[0], error + sums[1], square + sums[2]
         settled = square < 1.0 and error <= CLOSE * load
@@ -205,7 +205,7 @@ def _solve_in_turn(law, states, modes, memory, answer):
             _shift(1.0, modes, block, fields)
             relieve(d, t, rows, fields)
             _shift(-1.0, modes, block, fields)
-            solve_slices(law, True, rows)
+            solve_slices(law.slope, True, rows)
         new_d, new_t, stiffness = _newton_step(law, modes, memory)
         largest = abs(new_d - d) + abs(new_t - t) * abs(block_rows(memory, 0).y[0])
         for block in range(len(law.block)):
@@ -232,7 +232,7 @@ def _newton_step(law, modes, memory):
     k[:], h[:] = 0.0, 0.0
     for block in range(len(law.block)):
         rows, fields = block_rows(memory, block), field_rows(memory, block)
-        sums = linearise(law, rows, fields)
+        sums = linearise(law.slope, rows, fields)
         h[0], h[1] = h[0] + sums[0], h[1] + sums[1]
         k[0, 0], k[0, 1], k[1, 1] = k[0, 0] + sums[2], k[0, 1] + sums[3], k[1, 1] + sums[4]
         _linearise_modes(block, rows, fields, modes)

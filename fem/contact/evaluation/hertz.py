@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import math
 
-from fem.contact.part_contact import closing_approach, root_and_log, spared, spared_compliance, touch
 from fem.numerics.compiled import INLINE, inner
 
 CLOSE = 1e-8  # a Newton step this small (relative) leaves an error of about its square times 0.1
@@ -40,26 +39,22 @@ def secant_compliance(compliance, slope, depth):
 
 
 @inner()
-def single_load(x, compliance, slope, offset, part):
-    """Line load f (N/m) of one pair in a slice, and ln f.
+def single_load(x, compliance, slope, offset):
+    """Line load f (N/m) of one pair, and ln f (0 when A = 0).
 
     Parameters
     ----------
-    x : approach to the mean gap of the slice, m, > -rise
+    x : approach, m, > 0
     compliance, slope, offset : C > 0 and A >= 0 in m2/N, and B
-    part : bend, rise, per_whole, log_whole of `fem.contact.part_contact`
     """
-    bend, rise, per_whole, log_whole = part
-    closing = closing_approach(compliance, slope, offset, per_whole, log_whole)
-    whole = touch(x, rise, closing)
-    f = whole / secant_compliance(compliance, slope, offset - math.log(whole / compliance))
+    if slope == 0.0:
+        return x / compliance, 0.0
+    f = x / secant_compliance(compliance, slope, offset - math.log(x / compliance))
     log = math.log(f)
     for _ in range(60):
         depth = offset - log
-        root, log_part = root_and_log(f, per_whole, log, log_whole)
-        rest = x + rise * spared(bend, root, log_part) - f * (compliance + slope * hertz_depth(depth, exceeded(depth)))
-        stiff = compliance_of(compliance, slope, depth) + rise * per_whole * spared_compliance(bend, root, log_part)
-        step = rest / (stiff * f)
+        rest = x - f * (compliance + slope * hertz_depth(depth, exceeded(depth)))
+        step = rest / (compliance_of(compliance, slope, depth) * f)
         if abs(step) <= CLOSE:
             return f * (1.0 + step), log + step
         f *= 1.0 + max(step, -0.9)

@@ -82,8 +82,8 @@ def _solve_block(law, block, states, rows, loads, answer):
     """Add the sums of a gathered block to the answer (14,); the second state starts from the loads of the first."""
     for which in range(states.asked):
         move_approach(states, which, rows)
-        solve_slices(law, which == 0, rows)
-        add_to(answer, 7 * which, block_sums(law, rows))
+        solve_slices(law.slope, which == 0, rows)
+        add_to(answer, 7 * which, block_sums(law.slope, rows))
     if loads.size > 0:
         keep_loads(rows, block, math.floor(law.sign * states.cycle + law.offset), loads)
 

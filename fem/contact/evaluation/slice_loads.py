@@ -4,9 +4,8 @@ In a slice the loaded pairs p, q obey x_p = C f_p + A f_p (B - ln f_p) + sum_q c
 no approach left. x(f) is nearly a straight line, because ln f changes little: secant compliances with a rough logarithm
 give f within a few per cent, and each Newton step then squares the error and divides it by 50, so that two or three
 steps reach round-off. A pair that does not carry has f = 1 and a right-hand side of 0, so all lanes run the same
-instructions. A slice in contact on a part of its width starts from the load of a whole one that carries about the same,
-and takes a step more. Lanes where that does not hold (a pair switched off by the guess though it carries, a load beyond
-the range of the Hertz term, steps that do not settle) are solved anew by coordinate descent, pair by pair, which always
+instructions. Lanes where that does not hold (a pair switched off by the guess though it carries, a load beyond the
+range of the Hertz term, steps that do not settle) are solved anew by coordinate descent, pair by pair, which always
 converges for a convex function.
 """
 
@@ -19,25 +18,24 @@ from fem.contact.evaluation.hertz import compliance_of, exceeded, secant_complia
 from fem.contact.evaluation.law_tables import LANES
 from fem.contact.evaluation.logarithm import SERIES, log_of_growth, logarithm, rough_log
 from fem.contact.evaluation.slice_rows import invert, rows_in
-from fem.contact.part_contact import closing_approach, root_and_log, spared, spared_compliance, touch
 from fem.numerics.compiled import FLOAT, INLINE, INTEGER, SPREAD, SUMS, VECTOR, apart, inner, stored
 
 CLOSE = 2e-6  # a Newton step this small (relative) leaves an error of about its square / 50
-STEPS = 7
+STEPS = 5
 
 
 @njit(**SPREAD)
-def solve_slices(law, cold, rows):
-    """Loads of the block at the approaches of the rows, from scratch or from the loads there are."""
+def solve_slices(slope, cold, rows):
+    """Loads of the block at the approaches of the rows, from scratch or from the loads there are (slope: A)."""
     if cold:
-        _guess(law.slope, rows)
+        _guess(slope, rows)
     for _ in range(STEPS):
-        if _newton_step(law, rows) <= CLOSE * CLOSE:
+        if _newton_step(slope, rows) <= CLOSE * CLOSE:
             break
-    if _finish(law.slope, rows) > 0.0:
+    if _finish(slope, rows) > 0.0:
         for s in range(LANES):
             if rows.rare[s] > 0.0:
-                _descend(law.slope, law.bend, rows.memory, len(rows.order), s)
+                _descend(slope, rows.memory, len(rows.order), s)
 
 
 @inner(**INLINE)
@@ -58,8 +56,8 @@ def _guess(slope, rows):
     n, bits, secant = len(rows.order), rows.load.view(np.int64), rows.rest
     for s in range(LANES):
         for a in range(n):
-            x, c = _touch(slope, rows, a, s), rows.compliance[a, s]
-            rows.on[a, s], rows.beyond[a, s] = 1.0 if x > 0.0 else 0.0, x
+            x, c = max(rows.approach[a, s], 0.0), rows.compliance[a, s]
+            rows.on[a, s] = 1.0 if x > 0.0 else 0.0
             rows.load[a, s] = x / c
             secant[a, s] = secant_compliance(c, slope, rows.offset[a, s] - rough_log(bits[a, s]))
     for _ in range(2):
@@ -72,7 +70,7 @@ def _guess(slope, rows):
             for a in range(n):
                 f = 0.0
                 for b in range(n):
-                    f += rows.system[a, b, s] * rows.on[b, s] * rows.beyond[b, s]
+                    f += rows.system[a, b, s] * rows.on[b, s] * rows.approach[b, s]
                 rows.load[a, s] = f
             for a in range(n):
                 f = rows.load[a, s]
@@ -80,14 +78,6 @@ def _guess(slope, rows):
     for s in range(LANES):
         couple(rows, s)
     logarithm(rows.load, rows.log, rows.rest)
-
-
-@inner(**INLINE)
-def _touch(slope, rows, a, s):
-    """`part_contact.touch` of row a in lane s."""
-    offset, per_whole, log_whole = rows.offset[a, s], rows.per_whole[a, s], rows.log_whole[a, s]
-    closing = closing_approach(rows.compliance[a, s], slope, offset, per_whole, log_whole)
-    return touch(rows.approach[a, s], rows.rise[a, s], closing)
 
 
 @inner(**INLINE)
@@ -101,23 +91,19 @@ def couple(rows, s):
 
 
 @inner(**SUMS)
-def _newton_step(law, rows):
+def _newton_step(slope, rows):
     """One step of all line loads; returns the sum of the squares of the relative steps."""
-    n, slope, total = len(rows.order), law.slope, 0.0
+    n, total = len(rows.order), 0.0
     for s in range(LANES):
         for a in range(n):
             f, depth = rows.load[a, s], rows.offset[a, s] - rows.log[a, s]
-            per_whole = rows.per_whole[a, s]
-            root, log = root_and_log(f, per_whole, rows.log[a, s], rows.log_whole[a, s])
             rest = rows.approach[a, s] - f * (rows.compliance[a, s] + slope * depth)
-            rest += rows.rise[a, s] * spared(law.bend, root, log)
             for b in range(n):
                 if b != a:
                     pulled = rows.pull[a, b, s] * rows.load[b, s]
                     rows.system[a, b, s] = pulled
                     rest -= pulled
-            part = rows.rise[a, s] * per_whole * spared_compliance(law.bend, root, log)
-            rows.system[a, a, s] = (compliance_of(rows.compliance[a, s], slope, depth) + part) * f
+            rows.system[a, a, s] = compliance_of(rows.compliance[a, s], slope, depth) * f
             rows.rest[a, s] = rows.on[a, s] * rest
         invert(rows.order, rows.system, s)
         square = 0.0
@@ -146,21 +132,21 @@ def _finish(slope, rows):
             rows.load[a, s] *= rows.on[a, s]
             rows.beyond[a, s] = 1.0
         for a in range(n):
-            on, x, rise = rows.on[a, s], rows.approach[a, s], rows.rise[a, s]
-            left = x + rise
+            on, x = rows.on[a, s], rows.approach[a, s]
+            left = x
             for b in range(n):
                 if b != a:
                     left -= rows.neighbour[a, b, s] * rows.fraction[b, s] * rows.load[b, s]
-            bad = 1.0 if on == 0.0 and left > 1e-15 * (abs(x) + rise) else bad
+            bad = 1.0 if on == 0.0 and left > 1e-15 * abs(x) else bad
             bad = 1.0 if on * (rows.log[a, s] + 1.0 - rows.offset[a, s]) > 0.0 and slope > 0.0 else bad
         rows.rare[s] = bad
         rare += bad
     return rare
 
 
-@apart(types.none, FLOAT, FLOAT, VECTOR, INTEGER, INTEGER)
+@apart(types.none, FLOAT, VECTOR, INTEGER, INTEGER)
 @stored(__file__, entry=False)
-def _descend(slope, bend, memory, n, s):
+def _descend(slope, memory, n, s):
     """Loads of lane s for any number n of pairs, any sign of what neighbours add, any approach; `Rows.memory`."""
     rows = rows_in(memory, 0, memory[:n])
     for a in range(n):
@@ -173,9 +159,8 @@ def _descend(slope, bend, memory, n, s):
                 if b != a:
                     x -= rows.neighbour[a, b, s] * rows.fraction[b, s] * rows.load[b, s]
             f = log = 0.0
-            if x + rows.rise[a, s] > 0.0:
-                part = bend, rows.rise[a, s], rows.per_whole[a, s], rows.log_whole[a, s]
-                f, log = single_load(x, rows.compliance[a, s], slope, rows.offset[a, s], part)
+            if x > 0.0:
+                f, log = single_load(x, rows.compliance[a, s], slope, rows.offset[a, s])
             rows.load[a, s], rows.log[a, s], rows.on[a, s] = f, log, 1.0 if f > 0.0 else 0.0
             rows.beyond[a, s] = exceeded(rows.offset[a, s] - log) if f > 0.0 and slope > 0.0 else 1.0
             change, largest = max(change, abs(f - before)), max(largest, f)

@@ -10,7 +10,6 @@ from numba import types
 from fem.contact.evaluation.hertz import compliance_of
 from fem.contact.evaluation.law_tables import LANES
 from fem.contact.evaluation.slice_rows import invert
-from fem.contact.part_contact import root_and_log, spared, spared_compliance, spared_work
 from fem.numerics.compiled import FLOAT, INLINE, SUMS, inner
 
 ANSWER = types.UniTuple(FLOAT, 14)  # of two states: F, M, U, dF/d delta, dF/d psi, dM/d psi, dU/dc
@@ -18,9 +17,9 @@ ANSWER_ROOM = 16  # numbers of memory
 
 
 @inner(**SUMS)
-def block_sums(law, rows):
-    """F, M, U, k, k y, k y^2 and dU/dc' of the slices of a block."""
-    n, slope = len(rows.order), law.slope
+def block_sums(slope, rows):
+    """F, M, U, k, k y, k y^2 and dU/dc' of the slices of a block (slope: A)."""
+    n = len(rows.order)
     force = moment = energy = k = mixed = tilt = rate = 0.0
     for s in range(LANES):
         load = stiff = stored = along = 0.0
@@ -28,9 +27,7 @@ def block_sums(law, rows):
             for b in range(n):
                 rows.system[a, b, s] = rows.pull[a, b, s]
             depth = rows.offset[a, s] - rows.log[a, s]
-            own, per_whole = compliance_of(rows.compliance[a, s], slope, depth), rows.per_whole[a, s]
-            root, log = root_and_log(rows.load[a, s], per_whole, rows.log[a, s], rows.log_whole[a, s])
-            rows.system[a, a, s] = own + rows.rise[a, s] * per_whole * spared_compliance(law.bend, root, log)
+            rows.system[a, a, s] = compliance_of(rows.compliance[a, s], slope, depth)
         invert(rows.order, rows.system, s)
         for a in range(n):
             f, phi, steep = rows.load[a, s], rows.fraction[a, s], rows.fraction_slope[a, s]
@@ -42,15 +39,9 @@ def block_sums(law, rows):
             bent = slope * (max(depth, 1.0) + 0.5 + 2.0 * (t - 0.25 * t * t - 0.75))
             own = rows.approach[a, s] * f - half * (rows.compliance[a, s] + bent)
             spread = slope * (1.0 + 2.0 * (t - 0.5 * t * t - 0.5)) * rows.offset_slope[a, s]
-            root, log = root_and_log(f, rows.per_whole[a, s], rows.log[a, s], rows.log_whole[a, s])
-            rise, whole = rows.rise[a, s], 1.0 / rows.per_whole[a, s]
-            work = spared_work(law.bend, root, log)
-            part = rise * (work - root * root * spared(law.bend, root, log))
-            own += rise * whole * work
             stored += phi * own
             along += steep * own
             along -= phi * (f * rows.gap_slope[a, s] + half * (rows.compliance_slope[a, s] + spread))
-            along += phi * (whole * work * rows.rise_slope[a, s] + part * rows.whole_slope[a, s])
             for b in range(a + 1, n):
                 both, other = f * rows.load[b, s], rows.fraction[b, s]
                 value = rows.neighbour[a, b, s]
