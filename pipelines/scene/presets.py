@@ -5,12 +5,12 @@ asks for (a torsion-only shaft, a casing without modes) are not among them. Of t
 too.
 
 What decides, on the shipped rig: `plane` shifts the lines of the fault by 5 dB, which no refinement of it cures, so all
-presets take `solid`. Each slice of the face enters the mesh as a whole and so adds a tone at its own passing frequency,
-n f_m / eps_beta, among the modes of the casing; the tones fall with n^2. The flexibility of the bearing seats moves the
-lines of the fault more than the rest of the casing does. A plain parametric housing takes hexahedra with thin layers at its inner edges: on the rig
-`standard` has 130,000 unknowns, frequencies 0.15 % too high and seats 0.2 % too stiff. Other housings take tetrahedra,
-finest at the bores, and are extrapolated from three meshes: without that, twice as fine elements move these lines by
-3.4 dB.
+presets take `solid`. Each slice of the face enters the mesh as a whole and so adds a tone at its own passing
+frequency, n f_m / eps_beta, among the modes of the casing; the tones fall with n^2. The flexibility of the bearing
+seats moves the lines of the fault more than the rest of the casing does. A plain parametric housing takes hexahedra
+with thin layers at its inner edges: on the rig `standard` has 130,000 unknowns, frequencies 0.15 % too high and seats
+0.2 % too stiff. Other housings take tetrahedra, finest at the bores, and are extrapolated from three meshes: without
+that, twice as fine elements move these lines by 3.4 dB.
 """
 
 from __future__ import annotations
