@@ -43,6 +43,8 @@ def reduce(
 ) -> ReducedMatrices:
     """Reduce a body to points by Craig-Bampton; RBE2 and RBE3 are made from the nodes of each point.
 
+    The example has two masses of 1 kg in springs of 1000 N/m, one after the other, on a node that is held.
+
     Parameters
     ----------
     stiffness, mass : (n, n), symmetric or one triangle, of the free body
@@ -56,10 +58,6 @@ def reduce(
     Raises
     ------
     InputError : matrices, nodes or points that do not fit together, or a body that is not held
-
-    Examples
-    --------
-    Two masses of 1 kg in springs of 1000 N/m, one after the other, on a node that is held:
 
     >>> import gearcase
     >>> import numpy as np
