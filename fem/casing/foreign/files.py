@@ -91,7 +91,7 @@ def read_matrices(path: Path) -> Found:
     except ForeignError:
         raise
     except ImportError as error:
-        raise ForeignError(f"{path.name} needs the package pyyeti: pip install 'gearcase[nastran]'") from error
+        raise _without_reader(path) from error
     except FileNotFoundError as error:
         raise ForeignError(f"{error.filename}: no such file") from error
     except (Exception, SystemExit) as error:  # whatever a reader meets in a damaged file
@@ -99,6 +99,10 @@ def read_matrices(path: Path) -> Found:
         raise ForeignError(
             f"{path.name} cannot be read ({words}); it is cut off or damaged. Export it again"
         ) from error
+
+
+def _without_reader(path: Path) -> ForeignError:
+    return ForeignError(f"{path.name} needs the package pyyeti: pip install 'gearcase[nastran]'")
 
 
 def _chosen(path: Path, found: Found, names: tuple[str, ...], what: str, *, alone: bool) -> sp.spmatrix:
@@ -214,7 +218,7 @@ def _table(path: Path, what: str, columns: int) -> np.ndarray:
     except ForeignError:
         raise
     except ImportError as error:
-        raise ForeignError(f"{path.name} needs the package pyyeti: pip install 'gearcase[nastran]'") from error
+        raise _without_reader(path) from error
     except OSError as error:
         raise ForeignError(f"{path}: cannot be read ({error.strerror})") from error
     except ValueError as error:
