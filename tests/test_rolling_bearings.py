@@ -205,6 +205,21 @@ def test_a_geared_pair_runs_in_rolling_bearings(names):
         assert abs(run.energy(b.name, "residual")) < 0.01 * run.energy(b.name, "scale")
 
 
+@pytest.mark.parametrize("clearance_um", [5.0, 20.0, 100.0])
+@pytest.mark.parametrize("mass", [0.3, 2.0, 20.0, 2000.0])
+def test_light_and_heavy_loads_find_their_place_in_wide_clearances(mass, clearance_um):
+    """From a start where every bearing is open, so that the shafts have no stiffness; mesh forces balance the load."""
+    machine = train(1, load="rope", rope={"container_mass": mass})
+    elements = ball(clearance=clearance_um * 1e-6)
+    bearings = tuple(hertz_bearing(b.name, b.shaft, b.y, elements, 1e-5) for b in machine.bearings)
+    machine = dataclasses.replace(machine, bearings=bearings)
+    load, first = machine.load, machine.meshes[0]
+    torque = load.container_mass * machine.gravity * load.travel_per_radian * machine.ratios()[load.shaft]
+    state = equilibrium(assemble(machine, no_casing()))
+    assert state.motor_torque == pytest.approx(torque, rel=1e-8)
+    assert state.mesh_force[0] == pytest.approx(torque / first.base_radius_driving, rel=1e-8)
+
+
 def test_unloaded_gears_in_bearings_with_clearance_are_refused_by_load_and_bearings():
     """Nothing presses the shafts against the elements: the gears may rest anywhere within the clearance."""
     machine = train(1, torque=0.0)

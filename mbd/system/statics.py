@@ -1,9 +1,14 @@
 """Equilibrium at t = 0: the load hangs, the motors hold.
 
-0 = f + B^T lambda(B q) - K q has the rows u = B K^-1 f + (B K^-1 B^T) lambda(u): the Newton iteration of the time step
-with static flexibilities. With no load at all the gears could rest anywhere in the backlash; contacts that carry
-nothing are set to just touch, K q = f + B^T mu with delta = delta_0(c, psi) of a flank. A swinging container is held at
-its angle by a force square to its ropes.
+0 = f + B^T lambda(B q) - K q has the rows u = u_0 + G lambda(u) with u_0 = B K^-1 f and G = B K^-1 B^T. The potential
+energy is convex, and along a Newton step d of the forces its slope is d^T G (lambda - lambda(u)): each step ends where
+that has nearly come to 0, which finds the equilibrium from anywhere, through any contact that opens or closes. A shaft
+whose bearings are all open has no stiffness at all: K times the residual is added to it (Yamashita & Fukushima 2001,
+Computing Suppl. 15), which leaves the last steps Newton's.
+
+With no load at all the gears could rest anywhere in the backlash; contacts that carry nothing are set to just touch,
+K q = f + B^T mu with delta = delta_0(c, psi) of a flank. A swinging container is held at its angle by a force square to
+its ropes.
 """
 
 from __future__ import annotations
@@ -13,13 +18,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbd.elements.element import LARGEST_APPROACH, WIDTH, Contact, Element
-from mbd.elements.newton import forces_at, solve_rows
+from mbd.elements.newton import forces_at
 from mbd.elements.table import Instant, instant, slope_matrix
 from mbd.parts.checks import EquilibriumError
 from mbd.system.system import System
 
 TOLERANCE = 1e-12
 ROUNDS = 100
+LONGEST = 1e3  # steps: nothing holds what goes on
+ENOUGH = 0.5  # part of the slope of the energy along a step that may be left at its end
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -121,20 +128,56 @@ def _loaded(
     system: System, free: np.ndarray, flexibility: np.ndarray, speed: float, contacts: list[_PressedContact]
 ) -> tuple[np.ndarray, Instant]:  # fmt: skip
     force = np.concatenate([np.zeros(0), *(element.reference("guess") for element in system.elements)])
-    now, m = instant(system.table), len(system.rows)
-    u, v, still = np.zeros(len(free)), np.zeros(m), np.zeros(m)
+    now = instant(system.table)
     _press(contacts, free, flexibility, force)
-    used = solve_rows(
-        system.table, (0.0, speed, 0.0), free, still, flexibility, np.zeros((m, m)), force, u, v, now, TOLERANCE
-    )
+    found, u, left = _settled(system, speed, free, flexibility, force, now)
     opened = float(abs(u[[contact.approaches[0] for contact in contacts]]).max(initial=0.0))
-    if used < 0 or not opened < LARGEST_APPROACH:
+    if not (left <= TOLERANCE and opened < LARGEST_APPROACH):
         loads = ", ".join(f"{contact.contacts[0].name} {contact.nominal:.4g} N" for contact in contacts)
         raise EquilibriumError(
             f"equilibrium at t = 0: not found within {LARGEST_APPROACH * 1e3:g} mm (nominal mesh forces: {loads}). "
             "Lower the load, or start where teeth are in mesh (mesh phase at the start)."
         )
-    return force, now
+    return found, now
+
+
+def _settled(
+    system: System, speed: float, free: np.ndarray, flexibility: np.ndarray, force: np.ndarray, now: Instant
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Forces (m,) of the equilibrium, all displacements (row + observed,), and the residual in units of the scales.
+
+    Parameters
+    ----------
+    system, speed, free, flexibility : the machine, its rolling, u_0 and G, with the observed rows below
+    force : (m,) start
+    now : out: answers of the elements
+    """
+    table, m, nothing = system.table, len(system.rows), np.empty((0, WIDTH))
+    target, still, along = np.empty(m), np.zeros(m), flexibility[:m]
+    slope_u, slope_v = np.empty((m, WIDTH)), np.empty((m, WIDTH))
+
+    def residual(forces: np.ndarray) -> np.ndarray:
+        forces_at(table, (0.0, speed, 0.0), free + flexibility @ forces, still, still[:0], nothing, target, slope_u,
+                  slope_v, now)  # fmt: skip
+        return forces - target
+
+    rest = residual(force)
+    left = np.abs(rest / table.scale).max(initial=0.0)
+    for _ in range(ROUNDS):
+        if left <= TOLERANCE:
+            break
+        step = np.linalg.solve((1.0 + left) * np.eye(m) - slope_matrix(slope_u, table) @ along, -rest)
+        push, low, high, part = along @ step, 0.0, np.inf, 1.0
+        falls = push @ rest
+        for _ in range(ROUNDS):
+            rest = residual(force + part * step)
+            left = np.abs(rest / table.scale).max()
+            if abs(push @ rest) <= ENOUGH * abs(falls) or left <= TOLERANCE or part > LONGEST:
+                break
+            low, high = (part, high) if (push @ rest) * falls > 0.0 else (low, part)
+            part = 0.5 * (low + high) if high < np.inf else 2.0 * part
+        force = force + part * step
+    return force, free + flexibility @ force, float(left)
 
 
 def _touching(
