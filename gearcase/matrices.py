@@ -48,7 +48,7 @@ def reduce(
     Parameters
     ----------
     stiffness, mass : (n, n), symmetric or one triangle, of the free body
-    points : by name: their nodes, place (m), axes that carry loads, and coupling "mean" (RBE3) or "rigid" (RBE2)
+    points : by name: their nodes, place (m), axes that carry loads (of ux uy uz rx ry rz), and coupling "mean" (RBE3) or "rigid" (RBE2)
     nodes : (k, 4) number and place, or (k, 3), numbered from 1; in the unit of length of the matrices
     equations : (n, 2) node and axis (1 to 6, 0 for a modal coordinate); by default three or six per node
     units : "kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s" or "lbf-in-s"
@@ -66,13 +66,13 @@ def reduce(
     >>> body = gearcase.reduce(
     ...     sp.csr_matrix(np.kron(chain, np.eye(3))),
     ...     sp.identity(9),
-    ...     {"end": gearcase.Point(nodes=(3,), axes=("x", "y", "z"))},
+    ...     {"end": gearcase.Point(nodes=(3,), axes=("ux", "uy", "uz"))},
     ...     nodes=np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0]]),
     ...     held=(1,),
     ...     band=100.0,
     ... )
     >>> body.coordinate_names
-    ('end:x', 'end:y', 'end:z', 'mode_1', 'mode_2', 'mode_3')
+    ('end:ux', 'end:uy', 'end:uz', 'mode_1', 'mode_2', 'mode_3')
     """
     from fem.casing.foreign.body import ForeignError, foreign_body
     from fem.casing.foreign.checks import check_foreign

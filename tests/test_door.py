@@ -16,11 +16,13 @@ import gearcase
 
 ROOT = Path(__file__).resolve().parent.parent
 MODULES = (
+    "campaigns",
     "casings",
     "datasets",
     "errors",
     "gears",
     "machines",
+    "matrices",
     "recordings",
     "results",
     "scenes",

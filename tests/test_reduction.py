@@ -125,6 +125,15 @@ def test_inertia_correction_lowers_the_error(bar):
     assert enriched.max() < 0.1 * plain.max()
 
 
+def test_the_inertia_correction_adds_nothing_to_a_complete_set_of_modes():
+    """Three masses in a row, the last one the interface: two modes are all there are."""
+    K = sp.diags_array([[2000.0, 2000.0, 1000.0], [-1000.0] * 2, [-1000.0] * 2], offsets=[0, 1, -1], format="csr")
+    reduction = craig_bampton(K, sp.eye_array(3, format="csr"), np.array([2]), 2, enrich=True)
+    assert reduction.stiffness.shape == (3, 3)
+    exact = 2 * np.sqrt(1000.0) * np.sin(np.array([1, 3, 5]) * np.pi / 14) / (2 * np.pi)
+    assert hertz(reduction.stiffness, reduction.mass) == pytest.approx(exact, rel=1e-12)
+
+
 def test_all_modes_below_the_limit_are_found(bar):
     """Block Lanczos against the dense eigensolution, double frequencies of a square bar included."""
     nodes, elements = box_mesh((0.5, 0.05, 0.05), (8, 2, 2))

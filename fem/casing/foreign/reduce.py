@@ -71,7 +71,7 @@ def reduce_foreign(
 
     Raises
     ------
-    ForeignError : unknown nodes, a point whose nodes do not define its rotation, nodes that are used twice
+    ForeignError : unknown nodes or axes, a point whose nodes do not define its rotation, nodes that are used twice
     SingularMatrixError : the body is not held
     """
     clamped = np.isin(body.node, np.asarray(held, int)) & (body.axis >= 0)
@@ -101,6 +101,8 @@ def _coupled(
             raise ForeignError(f"{name} has no nodes; name at least one")
         if not np.isfinite(located).all():
             raise ForeignError(f"{name}: the places of its nodes are not known; give a file of nodes")
+        if unknown := [axis for axis in point.axes if axis not in AXES]:
+            raise ForeignError(f"{name}: axes has {unknown[0]!r}; choose among {', '.join(AXES)}")
         places[name] = located.mean(axis=0) if point.place is None else np.array(point.place)
         own = np.isin(body.node, point.nodes) & (body.axis >= 0)
         if (own & clamped).any():

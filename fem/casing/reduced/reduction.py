@@ -29,6 +29,7 @@ from fem.numerics.linear_solver import Factor, Solver, factorize
 from fem.numerics.threads import side_by_side
 
 _DENSE = 400  # up to this many unknowns the modes come from a dense eigensolution on the null space of B
+_SPANNED = 1e-12  # share of its mass that a vector has beyond the modes, below which it is rounding
 
 
 class ReductionError(ValueError):
@@ -129,11 +130,8 @@ def reduce_body(
     n_fixed = len(theta)
     Psi = interface.constraint
     M_Psi = M @ Psi
-    if enrich and Psi.shape[1]:
-        extra = interface.inverse(M_Psi)
-        for _ in range(2):
-            extra = extra - modes @ (modes.T @ (M @ extra))
-            extra = extra @ m_orthonormal(extra, M @ extra)[0]
+    extra = _beyond(modes, interface.inverse(M_Psi), M) if enrich and Psi.shape[1] else modes[:, :0]
+    if extra.shape[1]:
         value, vector = la.eigh(_symmetric(extra.T @ (K @ extra)))
         modes = np.hstack([modes, extra @ vector])
         frequencies = np.concatenate([frequencies, np.sqrt(value) / (2.0 * math.pi)])
@@ -195,6 +193,21 @@ def reduced_and_counted(
             "choose a slightly different band"
         )
     return reduction, counted
+
+
+def _beyond(modes: np.ndarray, extra: np.ndarray, M: sp.csr_matrix) -> np.ndarray:
+    """What vectors (n, k) have beyond modes (n, m), (n, r) orthonormal in M; those that the modes span are dropped.
+
+    Scaled up, the rounding that is left of a vector within the modes would be a mode that does not exist.
+    """
+    whole = np.einsum("ij,ij->j", extra, M @ extra)
+    extra = extra - modes @ (modes.T @ (M @ extra))
+    extra = extra[:, np.einsum("ij,ij->j", extra, M @ extra) > _SPANNED * whole]
+    if not extra.shape[1]:
+        return extra
+    extra = extra @ m_orthonormal(extra, M @ extra)[0]
+    extra = extra - modes @ (modes.T @ (M @ extra))
+    return extra @ m_orthonormal(extra, M @ extra)[0]
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:
