@@ -115,6 +115,67 @@ class PairLaws:
         told = {"stage": self.stage, "model": self.drive.model, "force_N": curves[0].force, "faults": self.faults}
         return xarray.Dataset(data, coords=where, attrs=told)
 
+    def pattern(
+        self,
+        gear: str = "pinion",
+        tooth: int = 0,
+        *,
+        faulty: bool = False,
+        force: float | None = None,
+        tilt: float = 0.0,
+    ) -> xarray.DataArray:
+        """The contact pattern: greatest Hertz pressure on the unrolled flank of a tooth over its whole engagement.
+
+        Parameters
+        ----------
+        gear, tooth : "pinion" or "wheel", and the number of the tooth
+        faulty : with the faults
+        force : N, on the line of action; that of the scene by default
+        tilt : of the gears in the plane of action along the face coordinate of the law, rad
+
+        Returns
+        -------
+        pressure (diameter, face) in Pa, nan where nothing touches; `diameter` (m) on the gear from the foot of the
+        flank to its tip, `face` (m) from mid face along the face coordinate of the law
+        """
+        import xarray
+
+        from fem.contact.contact_pattern import contact_pattern
+
+        sound = np.zeros(self.pair.pinion.teeth), np.zeros(self.pair.wheel.teeth)
+        found = contact_pattern(
+            self.faults if faulty else "healthy",
+            self.pair,
+            self.drive if faulty else self.healthy,
+            gear,
+            tooth,
+            self.force if force is None else force,
+            (self.pinion_faults, self.wheel_faults) if faulty else sound,
+            tilt=tilt,
+        )
+        where = {
+            "diameter": ("diameter", found.diameter, _words("m", f"diameter on the {gear}")),
+            "face": ("face", found.face, _words("m", "face coordinate from mid face")),
+        }
+        return xarray.DataArray(found.pressure, where, ("diameter", "face"), "pressure", _words("Pa", "Hertz pressure"))
+
+    def _repr_html_(self) -> str:
+        """The curves in numbers and their secant stiffness as a plot, for a notebook."""
+        from fem.storage import shown_html
+
+        found = self.curve()
+        states = [str(state) for state in found.state.values]
+        rows = [
+            (name.replace("_", " "), state, units, float(values.min()), float(values.mean()), float(values.max()))
+            for name, (units, _) in _COLUMNS.items()
+            for state, values in zip(states, found[name].values, strict=True)
+        ]
+        teeth = f"{self.pair.pinion.teeth}/{self.pair.wheel.teeth} teeth"
+        title = f"Stage {self.stage}, {teeth}, model {self.drive.model}, {found.force_N:.5g} N"
+        drawn = dict(zip(states, found.secant.values, strict=True))
+        page = shown_html.table(title, ("curve", "state", "unit", "least", "mean", "greatest"), rows)
+        return page + shown_html.curves("mesh cycle", found.cycle.values, "secant stiffness, N/m", drawn)
+
 
 def acting(found: PairLaws) -> float:
     """Mesh cycle at which the faults move the gears most, 0 without faults."""

@@ -28,9 +28,17 @@ class ContactPattern:
 
 
 def contact_pattern(
-    name: str, pair: GearPair, law: MeshLaw, gear: str, tooth: int, force: float, teeth: tuple[np.ndarray, np.ndarray]
+    name: str,
+    pair: GearPair,
+    law: MeshLaw,
+    gear: str,
+    tooth: int,
+    force: float,
+    teeth: tuple[np.ndarray, np.ndarray],
+    *,
+    tilt: float = 0.0,
 ) -> ContactPattern:
-    """The pattern of one tooth at one force, without tilt.
+    """The pattern of one tooth at one force.
 
     Parameters
     ----------
@@ -39,6 +47,7 @@ def contact_pattern(
     gear, tooth : "pinion" or "wheel", and the number of the tooth
     force : N, along the transverse line of action
     teeth : terms of the teeth of pinion and wheel, see `fem.contact.teeth`
+    tilt : of the gears in the plane of action along the face coordinate of the law, rad
 
     Raises
     ------
@@ -48,10 +57,10 @@ def contact_pattern(
     last = law.position_start + law.position_step * (law.compliance.size - 1)
     local = np.linspace(law.position_start - overlap, last + overlap, POSITIONS)
     cycles = tooth + local
-    approach = evaluator.approach_at(force, cycles, 0.0, *teeth)
+    approach = evaluator.approach_at(force, cycles, tilt, *teeth)
     found = np.zeros((POSITIONS, law.face_coordinate.size))
     for row, c, delta in zip(found, cycles, approach, strict=True):
-        pairs, loads = evaluator.line_loads(float(c), float(delta), 0.0, *teeth)
+        pairs, loads = evaluator.line_loads(float(c), float(delta), tilt, *teeth)
         own = pairs == tooth
         if own.any():
             row[:] = contact_pressure(pair, law, float(c), pairs[own], loads[own])[0]

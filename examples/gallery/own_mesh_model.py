@@ -1,0 +1,59 @@
+"""
+A mesh model of one's own
+=========================
+
+A mesh model is a frozen class whose `laws` are tables over the path of contact. This one takes the stiffness of a tooth
+pair from a measured curve. For scene files it wants a name and its keys: docs/extending.md has the few lines.
+"""
+
+from dataclasses import dataclass, replace
+
+import matplotlib.pyplot as plt
+import numpy as np
+from scipy.integrate import trapezoid
+
+import gearcase
+from fem.contact.models.iso import Iso
+from fem.contact.models.mesh_model import MeshModel
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measured(MeshModel):
+    """Stiffness (N/m per metre of face) of a tooth pair at places from 0 to 1 on its path of contact."""
+
+    places: tuple[float, ...]
+    stiffness: tuple[float, ...]
+
+    def laws(self, pair):
+        """The laws of drive and coast flank: contact and geometry as in `iso`, with the compliance of the curve."""
+
+        def own(law):
+            xi = law.position_start + law.position_step * np.arange(law.compliance.size)
+            place = (xi - pair.xi_start) / (pair.xi_end - pair.xi_start)
+            return law.replaced(model="measured", compliance=1 / np.interp(place, self.places, self.stiffness))
+
+        drive, coast = Iso(slices=self.slices).laws(pair)
+        return own(drive), own(coast)
+
+
+# %%
+# In place of the model of the scene; faults and deviations could follow as with any other:
+
+found = gearcase.laws(gearcase.Scene.from_file("minimal"))[0]
+model = Measured(places=(0.0, 0.25, 0.5, 0.75, 1.0), stiffness=(8e9, 12e9, 14e9, 12e9, 8e9))
+drive, coast = model.laws(found.pair)
+measured = replace(found, healthy=drive, drive=drive, coast=coast)
+
+figure, axes = plt.subplots(figsize=(7, 3.5), layout="constrained")
+for name, one in (("iso", found), ("measured", measured)):
+    curve = one.curve(np.linspace(0, 2, 401)).sel(state="healthy")
+    axes.plot(curve.cycle, curve.tangent / 1e6, label=name)
+axes.set(xlabel="mesh cycles", ylabel="stiffness, N/um", ylim=(0, None))
+axes.legend()
+
+# %%
+# All pairs together have, on average, the area under the measured curve over a pitch, times the face width:
+
+area = trapezoid(model.stiffness, model.places) * found.pair.transverse_contact_ratio * found.pair.face_width
+ratio = float(measured.curve().tangent.mean()) / area
+print(f"{area / 1e6:.1f} N/um, ratio {ratio:.4f}")
