@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fem.casing.foreign.reduce import Point as Point
+from fem.storage import shown_html
 from gearcase.errors import InputError
 
 if TYPE_CHECKING:
@@ -29,6 +30,13 @@ class ReducedMatrices:
     coordinate_names: tuple[str, ...]
     report: str  # the check-up of the matrices
 
+    def _repr_html_(self) -> str:
+        """The coordinates with their stiffness and mass, for a notebook."""
+        rows = zip(self.coordinate_names, self.stiffness.diagonal(), self.mass.diagonal(), strict=True)
+        return shown_html.table(
+            f"Reduced from {len(self.basis)} equations", ("coordinate", "K ii, SI", "M ii, SI"), rows
+        )
+
 
 def reduce(
     stiffness: sp.spmatrix,
@@ -48,7 +56,8 @@ def reduce(
     Parameters
     ----------
     stiffness, mass : (n, n), symmetric or one triangle, of the free body
-    points : by name: their nodes, place (m), axes that carry loads (of ux uy uz rx ry rz), and coupling "mean" (RBE3) or "rigid" (RBE2)
+    points : by name: their nodes, place (m), axes that carry loads (of ux uy uz rx ry rz), coupling "mean" (RBE3) or
+        "rigid" (RBE2)
     nodes : (k, 4) number and place, or (k, 3), numbered from 1; in the unit of length of the matrices
     equations : (n, 2) node and axis (1 to 6, 0 for a modal coordinate); by default three or six per node
     units : "kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s" or "lbf-in-s"

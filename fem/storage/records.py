@@ -12,12 +12,15 @@ import dataclasses
 import hashlib
 from collections.abc import Collection
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from fem.storage import shown_html
 from fem.storage.hdf5 import hdf5_file
 from fem.storage.stored_array import StoredArray
+
+_NAMES_SHOWN = 6
 
 
 class RecordError(ValueError):
@@ -61,7 +64,12 @@ def names(dim: str) -> Any:
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Record:
-    """Base of all results that cross a stage border. Subclasses: ``@dataclass(frozen=True, eq=False, kw_only=True)``"""
+    """Base of all results that cross a stage border. Subclasses: ``@dataclass(frozen=True, eq=False, kw_only=True)``
+
+    `plotted` names a field and those of the same unit that a notebook draws over it.
+    """
+
+    plotted: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         sizes: dict[str, int] = {}
@@ -166,6 +174,18 @@ class Record:
                     read.flags.writeable = False
         return cls(**values)
 
+    def _repr_html_(self) -> str:
+        """A table of the fields with their units, and a plot of what is `plotted`, for a notebook."""
+        fields = dataclasses.fields(self)
+        rows = [(field.name, *_shown(field, getattr(self, field.name))) for field in fields]
+        page = shown_html.table(type(self).__name__, ("field", "value", "shape", "unit"), rows)
+        if not self.plotted:
+            return page
+        units = {field.name: field.metadata.get("units", "") for field in fields}
+        across, *upwards = self.plotted
+        drawn = {name: getattr(self, name) for name in upwards}
+        return page + shown_html.curves(f"{across}, {units[across]}", getattr(self, across), units[upwards[0]], drawn)
+
     def digest(self) -> str:
         """SHA-256 over the names and contents of all fields."""
         total = hashlib.sha256(type(self).__name__.encode())
@@ -186,6 +206,23 @@ def _own(value: Any, dtype: Any) -> np.ndarray:
     """The value as an array that its caller cannot edit: a copy, unless it is such an array already."""
     sealed = isinstance(value, np.ndarray) and value.flags.owndata and not value.flags.writeable
     return np.asarray(value, dtype) if sealed else np.array(value, dtype)
+
+
+def _shown(field: dataclasses.Field, value: Any) -> tuple[str, str, str]:
+    """Value or range, shape and unit of a field in words. What is stored in a file is not read for it."""
+    meta = field.metadata
+    if meta["kind"] == "names":
+        more = f", ... ({len(value)} names)" if len(value) > _NAMES_SHOWN else ""
+        return ", ".join(value[:_NAMES_SHOWN]) + more, f"{meta['dims'][0]} {len(value)}", ""
+    if meta["kind"] != "array":
+        return shown_html.number(value) if meta["kind"] == "scalar" else str(value), "", meta.get("units", "")
+    shape = " x ".join(f"{dim} {size}" for dim, size in zip(meta["dims"], value.shape, strict=True))
+    if isinstance(value, StoredArray):
+        return "in a file", shape, meta["units"]
+    if not value.size:
+        return "", shape, meta["units"]
+    low, high = shown_html.number(value.min()), shown_html.number(value.max())
+    return low if low == high else f"{low} to {high}", shape, meta["units"]
 
 
 def _same_size(where: str, dims: tuple[str, ...], shape: tuple[int, ...], sizes: dict[str, int]) -> None:

@@ -11,6 +11,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from fem.storage import shown_html
 from pipelines.border.errors import InputError, SceneError, WorkError
 from pipelines.campaign.draws import draw
 from pipelines.campaign.expressions import ExpressionError
@@ -63,6 +64,10 @@ class Finished:
     def share(self) -> float:
         """Time of the workers that went into the time loop: scenes per hour against those of the bare loop."""
         return self.loop_seconds / (self.seconds * self.workers) if self.simulated else 0.0
+
+    def _repr_html_(self) -> str:
+        """What is said at the end, for a notebook."""
+        return shown_html.table("Campaign", (), ((line,) for line in self.lines()))
 
     def lines(self) -> list[str]:
         """What is said at the end."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.storage import shown_html
 from pipelines.diagnosis.alike import alike
 from pipelines.diagnosis.prediction import FEWEST_FOR_P, clopper_pearson, holm, p_values
 from pipelines.features.recorded import OF_SHAFT
@@ -69,6 +70,16 @@ class Verdict:
     def first(self) -> Finding:
         """The component that stands out most."""
         return self.findings[0]
+
+    def _repr_html_(self) -> str:
+        """The findings as a table, for a notebook."""
+        alarm = {True: "alarm", False: "no alarm", None: "baseline too small for an alarm"}[self.alarm]
+        rows = [
+            (found.component, found.rise, found.p, found.tooth, ", ".join(found.alike))
+            for found in (*self.findings, self.whole)
+        ]
+        head = ("component", "rise, dB", "p", "tooth", "not told from")
+        return shown_html.table(f"{alarm}, against {self.healthy} healthy recordings", head, rows)
 
     @property
     def false_alarm_interval(self) -> tuple[float, float]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fem.storage import shown_html
+
 if TYPE_CHECKING:
     from pipelines.plant.facts import Facts
     from pipelines.plant.plant import Plant
@@ -19,6 +21,24 @@ class Checked:
     facts: Facts  # ratios, frequencies (Hz), speeds (rad/s, m/s), torques (N m), forces (N), lengths (m)
     cost: str  # of a run: steps, seconds, memory, disk
     warnings: tuple[str, ...]  # what is questionable, and how its control differs in more than the fault
+
+    def _repr_html_(self) -> str:
+        """The gear pairs in numbers, cost and warnings, for a notebook."""
+        rows = [
+            (
+                number,
+                f"{pair.pinion.teeth}/{pair.wheel.teeth}",
+                stage.ratio,
+                stage.mesh_frequency,
+                stage.pinion_frequency,
+                stage.wheel_frequency,
+                stage.mesh_force,
+            )
+            for number, (pair, stage) in enumerate(zip(self.plant.layout.pairs, self.facts.stages, strict=True), 1)
+        ]
+        head = ("stage", "z1/z2", "ratio", "mesh, Hz", "pinion, Hz", "wheel, Hz", "mesh force, N")
+        said = shown_html.table("Cost and warnings", (), ((line,) for line in (self.cost, *self.warnings)))
+        return shown_html.table(self.plant.title, head, rows) + said
 
 
 def check_scene(loaded: LoadedScene) -> Checked:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fem.casing.reduced.body import MODES_OVER_BAND
+from fem.storage import shown_html
 from pipelines.border.errors import InputError
 from pipelines.steps.study import plan_study
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from pipelines.scene.file import LoadedScene
     from pipelines.steps.pair_curves import PairLaws
 
+_MODES_SHOWN = 20
 STATIC_BAND = 1000.0  # Hz, to which a casing without a band of its own is compared and exported
 
 
@@ -54,6 +56,12 @@ class Casing:
             return self.natural.frequencies
         squares = eigh(self.body.stiffness, self.body.mass, eigvals_only=True)
         return np.sqrt(np.maximum(squares, 0.0)) / (2 * math.pi)
+
+    def _repr_html_(self) -> str:
+        """The lowest natural frequencies, for a notebook."""
+        found = self.frequencies
+        title = f"Casing: {len(self.body.mass)} coordinates, {len(found)} natural modes in the ground"
+        return shown_html.table(title, ("mode", "Hz"), enumerate(map(float, found[:_MODES_SHOWN]), 1))
 
 
 def scene_graph(loaded: LoadedScene) -> tuple[Graph, Plant]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from fem.storage import shown_html
 from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings, analyse, noise_of, sampling
 from pipelines.signals.lines import IN_ENVELOPE, LineTable, joined, level
 from pipelines.signals.measured_speed import at_measured_speed
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["Diagnosis", "DiagnosisError", "DiagnosisSettings", "diagnose"]
 
 STATES = ("faulty", "healthy")
+_LINES_SHOWN = 12
 LINE_WIDTH = 2.0  # bins; a rope mode this close to a line cannot be told from it
 
 
@@ -44,6 +46,26 @@ class Diagnosis:
     lines: LineTable
     spectra: Mapping[tuple[str, str], Spectrum]  # (state, window)
     envelopes: Mapping[tuple[str, str], Spectrum]
+
+    def _repr_html_(self) -> str:
+        """The lines that rise most over the control, and the spectra of the first window, for a notebook."""
+        lines, window = self.lines, next(iter(self.settings.windows))
+        rising = np.argsort(-lines.difference)[:_LINES_SHOWN]
+        rows = [
+            (
+                lines.window[i],
+                lines.kind[i],
+                lines.label[i],
+                *(float(column[i]) for column in (lines.frequency, lines.faulty, lines.healthy, lines.difference)),
+                "yes" if lines.detected[i] else "no",
+            )
+            for i in rising
+        ]
+        told = f"{int(lines.detected.sum())} of {len(lines)} lines detected; the {len(rows)} that rise most"
+        head = ("window", "kind", "line", "Hz", "faulty, m/s2", "healthy, m/s2", "difference, dB", "detected")
+        drawn = {state: self.spectra[state, window].amplitude for state in ("faulty", "healthy")}
+        across = self.spectra["faulty", window].frequency
+        return shown_html.table(told, head, rows) + shown_html.curves(f"Hz, {window}", across, "m/s2", drawn)
 
 
 def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: DiagnosisSettings) -> Diagnosis:

@@ -54,6 +54,7 @@ class Segment:
 class Spectrum(Record):
     """One-sided peak amplitudes on equidistant lines from 0 Hz."""
 
+    plotted = ("frequency", "amplitude")
     kind: str = text()  # "spectrum" | "envelope"
     window: str = text()
     revolutions: int = integer()  # revolutions of the faulty shaft in the segment: bins per order

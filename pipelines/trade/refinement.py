@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from fem.storage import shown_html
 from pipelines.engine.working import Work
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.trade.axes import AXES
@@ -26,6 +27,16 @@ class RefinementStudy:
     def in_use(self) -> int:
         """Number of the level that the scene itself asks for."""
         return self.fineness.index(1.0)
+
+    def _repr_html_(self) -> str:
+        """Every quantity with its limit and the error of the setting in use, for a notebook."""
+        at = self.in_use
+        rows = [
+            (name, self.units[name], one.values[at], one.limit, one.order, 100 * one.relative_bands[at])
+            for name, one in self.quantities.items()
+        ]
+        head = ("quantity", "unit", "in use", "limit", "order", "error at most, %")
+        return shown_html.table(f"Refined: {self.axis}", head, rows)
 
 
 def fineness_levels(ratio: float, count: int) -> tuple[float, ...]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from fem.storage import shown_html
 from pipelines.border.errors import SceneError
 from pipelines.engine.working import Work
 from pipelines.plant.plant import motion_settings
@@ -46,6 +47,12 @@ class Tradeoff:
     name: str
     priced: tuple[Priced, ...]
     refused: Mapping[str, str]
+
+    def _repr_html_(self) -> str:
+        """Every choice with its cost and its error, for a notebook."""
+        rows = [(one.choice.name, one.seconds, 100 * one.error, "" if one.dominated else "yes") for one in self.priced]
+        head = ("choice", "s", "error of the sensor rms, %", "nothing is faster and better")
+        return shown_html.table(f"Choices of {self.name}", head, rows)
 
     @property
     def front(self) -> tuple[Priced, ...]:

@@ -27,6 +27,7 @@ _ROUNDS = 200
 class StiffnessCurve(Record):
     """The cut of a MeshLaw at one load, along the transverse line of action."""
 
+    plotted = ("cycle", "secant", "tangent")
     model: str = text()
     flank: str = text()
     tilt_mode: str = text()  # "given" | "balanced"
