@@ -147,7 +147,7 @@ def test_job_files_lie_where_only_their_owner_can_go(tmp_path):
             pool.start(next(iter(two_stages())), "key", {}, tmp_path)
             folder = Path(pool._folder.name)
             assert stat.S_IMODE(folder.stat().st_mode) == 0o700
-            pool.wait()
+            pool.wait(lambda step, share: None)
     finally:
         os.umask(before)
 

@@ -235,12 +235,12 @@ def test_a_child_that_dies_while_it_waits_for_work_is_replaced(cache):
     one, two = long_graph(2, 0.0)
     with Pool() as pool:
         pool.start(one, "one", {}, cache.folder)
-        pool.wait()
+        pool.wait(lambda step, share: None)
         child = pool._idle[0]
         child.kill()
         child.wait()
         pool.start(two, "two", {}, cache.folder)
-        ((stage, result),) = pool.wait()
+        ((stage, result),) = pool.wait(lambda step, share: None)
     assert stage is two
     assert result.load()["process"] not in (os.getpid(), child.pid)
 

@@ -15,7 +15,7 @@ import subprocess
 import tempfile
 import time
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Self, cast
@@ -27,6 +27,7 @@ from pipelines.engine.child import command, environment
 from pipelines.engine.step import Step
 
 _POLL_SECONDS = 0.02
+_SHARE_SECONDS = 0.5  # between two looks at how far the steps are
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,14 @@ class _Job:
     @property
     def answer(self) -> Path:
         return self.path.with_suffix(".answer")
+
+    @property
+    def share(self) -> float | None:
+        """Share of the step that is done, if it told one."""
+        try:
+            return float(self.path.with_suffix(".share").read_text(encoding="ascii"))
+        except (FileNotFoundError, ValueError):  # none yet, or half written
+            return None
 
 
 class Pool:
@@ -113,12 +122,18 @@ class Pool:
             _input(child).close()
         return None
 
-    def wait(self) -> list[tuple[Step, Result]]:
-        """Sleep until at least one job is done; raises what a step raised."""
+    def wait(self, advanced: Callable[[Step, float], None]) -> list[tuple[Step, Result]]:
+        """Sleep until at least one job is done; raises what a step raised. `advanced` is told how far the steps are."""
+        look = time.monotonic() + _SHARE_SECONDS
         while True:
             done = [one for one in self._working if one[1].answer.exists() or one[0].poll() is not None]
             if done:
                 return [self._result(child, job) for child, job in done]
+            if time.monotonic() >= look:
+                look += _SHARE_SECONDS
+                for _, job in self._working:
+                    if (share := job.share) is not None:
+                        advanced(job.step, share)
             time.sleep(_POLL_SECONDS)
 
     def _result(self, child: subprocess.Popen, job: _Job) -> tuple[Step, Result]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from typing import Any, Protocol
 from pipelines.engine.build_step import Result, build_here, one_thread, step_record
 from pipelines.engine.cache import Cache
 from pipelines.engine.processes import Pool
+from pipelines.engine.share import listening
 from pipelines.engine.step import Graph, Step, StepRecord, stored
 
 _HELD_BYTES = 16e6  # a larger result is not held in memory: who needs it reads it from the cache
@@ -22,6 +24,9 @@ class Observer(Protocol):
     def started(self, step: Step) -> None:
         """A step is being built."""
 
+    def advanced(self, step: Step, share: float) -> None:
+        """This share (0 to 1) of a step that tells it is done."""
+
     def finished(self, step: Step, record: StepRecord) -> None:
         """A step is built or taken from the cache."""
 
@@ -30,6 +35,9 @@ class Silent:
     """Observes nothing."""
 
     def started(self, step: Step) -> None:
+        """Nothing."""
+
+    def advanced(self, step: Step, share: float) -> None:
         """Nothing."""
 
     def finished(self, step: Step, record: StepRecord) -> None:
@@ -112,12 +120,14 @@ def run_graph(
                 started = {*results, *pool.names(), step.name}
                 if not any(other.seconds >= _LONG_SECONDS for other in graph if other.name not in started):
                     pool.end_waiting()
-                _keep(results, step, build_here(step, key, _upstream(step, results), cache), observer)
+                with listening(functools.partial(observer.advanced, step)):
+                    result = build_here(step, key, _upstream(step, results), cache)
+                _keep(results, step, result, observer)
             elif len(pool):
                 for step in graph:
                     if step.name not in results and step.takes:
                         step.load()  # while the children work
-                for step, result in pool.wait():
+                for step, result in pool.wait(observer.advanced):
                     _keep(results, step, result, observer)
     return Outcome({name: results[name] for name in graph.steps})
 

@@ -57,6 +57,7 @@ def _built(job: Path) -> Any:
     try:
         from pipelines.engine.build_step import build_here, one_thread
         from pipelines.engine.cache import Cache
+        from pipelines.engine.share import listening
 
         step, key, upstream, cache_folder = pickle.loads(job.read_bytes())
     except ImportError as error:
@@ -64,8 +65,13 @@ def _built(job: Path) -> Any:
             f"a process of its own cannot import {error.name or 'a module'} ({error}). Modules in the working folder "
             "and in that of the script are not found there; run again with --processes 1."
         ) from error
-    with one_thread():
+    with one_thread(), listening(lambda share: _write_share(job, share)):
         return build_here(step, key, upstream, Cache(cache_folder)).stored()
+
+
+def _write_share(job: Path, share: float) -> None:
+    """Where the parent finds it; it is small enough to be written in one piece."""
+    job.with_suffix(".share").write_text(f"{share:.4f}", encoding="ascii")
 
 
 def _sendable(error: Exception) -> Exception:

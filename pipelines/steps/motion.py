@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pipelines.engine.share import tell_share
 from pipelines.engine.step import CountedResult
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ def moved(system: System, given: MotionSettings, file: Path | None = None) -> Tr
     if given.start:
         speed = float(system.machine.profile.speed(np.zeros(1))[0])
         start = other_start(system, equilibrium(system, speed), given.start)
-    return simulate(system, settings, start=start, file=file)
+    return simulate(system, settings, tell_share, start=start, file=file)
 
 
 def ledger(trajectory: Trajectory, coordinates: int, *, rope: bool) -> dict[str, int]:

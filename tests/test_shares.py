@@ -1,0 +1,88 @@
+"""How far a long step is: told from inside it, from another process too, and shown as the time left."""
+
+import io
+import time
+
+import pytest
+from rich.console import Console
+from rich.progress import Progress
+
+import gearcase
+from pipelines.engine.cache import Cache
+from pipelines.engine.progress import Bar, Pace
+from pipelines.engine.run_graph import Silent, run_graph
+from pipelines.engine.share import listening, tell_share
+from pipelines.engine.step import Graph, Step
+from pipelines.steps.graph import plant_steps
+
+
+def go_on(seconds):
+    for quarter in range(1, 5):
+        tell_share(quarter / 4)
+        time.sleep(seconds / 4)
+    return {"seconds": seconds}
+
+
+def graph(count, seconds):
+    return Graph(
+        Step(name=f"s{n}", kind="long", build=go_on, spec=seconds + n / 1000, seconds=9.0) for n in range(count)
+    )
+
+
+class Heard(Silent):
+    def __init__(self):
+        self.shares = {}
+
+    def advanced(self, step, share):
+        self.shares.setdefault(step.name, []).append(share)
+
+
+def test_a_step_tells_its_share(tmp_path):
+    heard = Heard()
+    run_graph(graph(1, 0.0), Cache(tmp_path), ["s0"], observer=heard)
+    assert heard.shares == {"s0": [0.25, 0.5, 0.75, 1.0]}
+
+
+def test_steps_in_other_processes_tell_theirs(tmp_path):
+    heard = Heard()
+    run_graph(graph(2, 4.0), Cache(tmp_path), ["s0", "s1"], observer=heard, processes=2)
+    for shares in heard.shares.values():
+        assert shares == sorted(shares)
+    assert {0.5, 0.75} <= {share for shares in heard.shares.values() for share in shares}
+
+
+def test_without_a_listener_nothing_happens():
+    told = []
+    with listening(told.append):
+        tell_share(0.5)
+    tell_share(0.75)
+    assert told == [0.5]
+
+
+def test_the_time_loop_tells_its_share(tmp_path):
+    scene = gearcase.Scene.from_file("minimal").changed({"simulation.end_s": 0.5, "diagnosis.windows_s": {}})
+    heard = Heard()
+    run_graph(Graph(plant_steps(gearcase.check(scene).plant)), Cache(tmp_path), ["simulate"], observer=heard)
+    shares = heard.shares["simulate"]
+    assert shares == sorted(shares)
+    assert len(shares) > 1
+    assert shares[-1] == 1.0
+
+
+def test_the_time_left_follows_from_the_pace_since_the_first_share():
+    pace = Pace()
+    assert pace.left(0.1, 100.0) is None  # what came before, compiling say, is not repeated
+    assert pace.left(0.3, 104.0) == pytest.approx(14.0)
+    assert pace.left(1.0, 118.0) == 0.0
+
+
+def test_the_bar_shows_the_share_and_the_time_left():
+    console = Console(file=io.StringIO(), force_terminal=True, width=120)
+    with Progress(console=console) as progress:
+        bar, (step,) = Bar(progress, 1), graph(1, 0.0)
+        bar.started(step)
+        bar.advanced(step, 0.25)
+        assert progress.tasks[0].description == "s0 25 %"
+        bar.advanced(step, 0.5)
+        assert progress.tasks[0].description.startswith("s0 50 %, ")
+        assert progress.tasks[0].description.endswith(" s left")
