@@ -19,7 +19,7 @@ PLACES = 10  # functions that are listed
 
 
 def measured(out: str) -> None:
-    """Run the scene into a folder; print the seconds of the process, and those of every function that is kept on disk."""
+    """Run the scene into a folder; print its seconds, and those of every function that is kept on disk."""
     from numba.core import event
 
     from pipelines.runs.run import Options, run_scene

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from benchmarks.gear_pairs import gear_pair
-from fem.contact.contact_pattern import contact_pattern, damaged_part
 from fem.contact.faults.chipped_tooth import ChippedTooth
 from fem.contact.faults.cracked_tooth import CrackedTooth
 from fem.contact.faults.missing_tooth import MissingTooth
@@ -18,6 +17,7 @@ from fem.contact.teeth import tooth_terms, with_variants
 from pipelines.figures.shapes import gear_view, twist
 from pipelines.figures.solids import enclosed_volume, gear_surface
 from pipelines.figures.teeth.damage import DRAWN, drawn_tooth
+from pipelines.figures.teeth.pattern import contact_pattern, damaged_part
 from pipelines.figures.teeth.scene_frame import placed, scene_frame
 
 PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.contact.contact_pattern import ContactPattern
 from pipelines.figures.film import save_figure
+from pipelines.figures.teeth.pattern import ContactPattern
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.contact.contact_pattern import contact_pattern, damaged_part
 from fem.contact.faults.cracked_tooth import CrackedTooth
 from pipelines.figures.mesh_pictures import MeshView
 from pipelines.figures.pattern_pictures import PatternView, write_pattern
 from pipelines.figures.shapes import shown_cycle, shown_fault, stage_view, tooth_damage
 from pipelines.figures.teeth.damage import crack_depth
 from pipelines.figures.teeth.mesh_frames import mesh_frames, passage
+from pipelines.figures.teeth.pattern import contact_pattern, damaged_part
 from pipelines.figures.views import LeftOut
 from pipelines.steps.pair_curves import PairLaws, acting
 

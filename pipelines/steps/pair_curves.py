@@ -140,7 +140,7 @@ class PairLaws:
         """
         import xarray
 
-        from fem.contact.contact_pattern import contact_pattern
+        from pipelines.figures.teeth.pattern import contact_pattern
 
         sound = np.zeros(self.pair.pinion.teeth), np.zeros(self.pair.wheel.teeth)
         found = contact_pattern(
