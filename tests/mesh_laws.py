@@ -5,9 +5,10 @@ import numpy as np
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.faults.missing_tooth import MissingTooth
 from fem.contact.law import MeshLaw
+from fem.contact.slice_means import slice_means
 
 
-def made_up_law(*, hertz=4e-12, neighbours=2, slices=7, helix=1.0, n=201, **changes):
+def made_up_law(*, hertz=4e-12, neighbours=2, slices=7, helix=0.6, n=201, **changes):
     """Pairs touch over 1.6 pitches, edges beyond; about four candidates meet in a slice, up to three of them loaded."""
     xi = np.linspace(-1.5, 1.5, n)
     face = ((np.arange(slices) + 0.5) / slices - 0.5) * 0.03
@@ -37,6 +38,20 @@ def made_up_law(*, hertz=4e-12, neighbours=2, slices=7, helix=1.0, n=201, **chan
         "wheel_tooth_offset": 0,
     }
     return MeshLaw(**(data | changes))
+
+
+def gap_of_slice(law, xi):
+    """Mean gap, rise, even part and closing load (n,) of slices about xi."""
+    means = slice_means(law)
+    first, last = law.position_start, law.position_start + law.position_step * (law.gap.size - 1)
+    grid = np.linspace(first, last, means.gap.size)
+    return [np.interp(xi, grid, table) for table in means]
+
+
+def spared_approach(f, rise, even, whole):
+    """What a slice that carries f (n,) approaches by less than one wholly in contact: a r of `part_contact`."""
+    u = np.divide(f, whole, out=np.ones_like(f), where=whole > f)
+    return rise * ((1 - np.sqrt(even**2 + (1 - even**2) * u)) / (1 - even)) ** 2
 
 
 def missing_tooth(clearance, tooth):

@@ -18,6 +18,7 @@ from pipelines.trade.convergence import CAUTION, ConvergenceError, study
 from pipelines.trade.probes import Value
 from pipelines.trade.refinement import modes_of_common_order, refine
 from pipelines.trade.refinement_page import CASINGS, MESH_MODELS, convergence_figure, not_refined, verdict
+from pipelines.trade.slicing import tone_and_distance
 from pipelines.trade.variants import Measured
 
 
@@ -92,6 +93,15 @@ def test_a_time_step_study_of_a_scene_finds_the_order_of_the_integrator(tmp_path
     axes = convergence_figure("minimal", found).axes[0]
     assert "time step" in axes.get_title(loc="left")
     assert "%" in axes.get_ylabel()
+
+
+def test_the_tone_of_the_slices_is_the_largest_line_above_the_orders_of_the_mesh():
+    cycle = np.arange(256) / 256
+    finest = 1.2 * np.cos(2 * np.pi * cycle)
+    apart = 0.5 + 0.02 * np.cos(2 * np.pi * cycle) + 0.003 * np.cos(2 * np.pi * 27 * cycle + 1.0)
+    tone, distance = tone_and_distance(finest + apart, finest)
+    assert tone == pytest.approx(0.003, rel=1e-9)
+    assert distance == pytest.approx(np.sqrt((0.02**2 + 0.003**2) / 2), rel=1e-9)
 
 
 def test_an_axis_that_a_scene_does_not_have_is_refused_with_the_remedy():

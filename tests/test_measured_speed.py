@@ -24,6 +24,7 @@ SCENE = {
     "faults": [{"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 0}],
     "load": Whole({"model": "torque", "torque_N_m": 30.0}), "simulation.end_s": 0.4, "diagnosis.gear": "pinion",
     "diagnosis.windows_s": {"steady": [0.1, 0.4]},
+    "diagnosis.envelope_band_Hz": [515.0, 1445.0],  # f_m / 2 is a line of the fault: in or out by rounding
 }  # fmt: skip
 
 

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from mesh_laws import made_up_law, missing_tooth, potential_errors
+from mesh_laws import gap_of_slice, made_up_law, missing_tooth, potential_errors, spared_approach
 from scipy.integrate import trapezoid
 from scipy.optimize import root
 
@@ -50,7 +50,8 @@ def reference_force(law, cycle, delta, psi, h1, h2):
 
             h = h1[(law.cycle_sign * p) % 20] + h2[(law.cycle_sign * p + law.wheel_tooth_offset) % 55]
             with np.errstate(invalid="ignore"):
-                x = delta + psi * y - at(law.gap) - h
+                gap, rise, even, whole = gap_of_slice(law, xi)
+                x = delta + psi * y - (gap if np.isfinite(at(law.gap)) else np.inf) - h
             if np.isfinite(x) and at(law.fraction) > 0:
                 pairs.append(p)
                 data.append(
@@ -59,29 +60,33 @@ def reference_force(law, cycle, delta, psi, h1, h2):
                         at(law.compliance),
                         at(law.contact_offset),
                         at(law.fraction),
+                        rise,
+                        even,
+                        whole,
                         *map(at, law.neighbour_compliance),
                     ]
                 )
-        total += width * solve_by_enumeration(pairs, data, law.contact_slope)
+        total += width * solve_by_enumeration(law, pairs, data)
     return total
 
 
-def solve_by_enumeration(pairs, data, slope):
-    n = len(pairs)
+def solve_by_enumeration(law, pairs, data):
+    n, slope = len(pairs), law.contact_slope
     coupling = np.zeros((n, n))
     for a, b in itertools.combinations(range(n), 2):
         apart = pairs[b] - pairs[a]
-        if len(data[a]) > 3 + apart:
-            coupling[a, b] = coupling[b, a] = data[a][3 + apart]
-    x, compliance, offset, phi = np.array([d[:4] for d in data]).reshape(n, 4).T
+        if len(data[a]) > 6 + apart:
+            coupling[a, b] = coupling[b, a] = data[a][6 + apart]
+    x, compliance, offset, phi, rise, even, whole = np.array([d[:7] for d in data]).reshape(n, 7).T
     for size in range(n, -1, -1):
         for chosen in map(list, itertools.combinations(range(n), size)):
-            if size and x[chosen].max() <= 0 and coupling.min() >= 0:
+            if size and (x + rise)[chosen].max() <= 0 and coupling.min() >= 0:
                 continue
 
             def rest(log_f, chosen=chosen):
                 f = np.exp(log_f)
                 own = compliance[chosen] * f + slope * f * (offset[chosen] - log_f)
+                own = own - spared_approach(f, rise[chosen], even[chosen], whole[chosen])
                 return (own + coupling[np.ix_(chosen, chosen)] @ (phi[chosen] * f) - x[chosen]) * 1e6
 
             f = np.zeros(n)
@@ -92,7 +97,7 @@ def solve_by_enumeration(pairs, data, slope):
                     continue
                 f[chosen] = np.exp(found.x)
             idle = [p for p in range(n) if p not in chosen]
-            if (x[idle] - coupling[idle] @ (phi * f) <= 1e-12).all():
+            if ((x + rise)[idle] - coupling[idle] @ (phi * f) <= 1e-12).all():
                 return float(phi @ f)
     raise AssertionError("no set of pairs satisfies the contact conditions")
 

@@ -8,7 +8,7 @@ from fem.contact.evaluation.evaluator import LawError, LawEvaluator
 from fem.contact.evaluation.kernel import evaluate, evaluate_two
 from fem.contact.teeth import checked_terms, least_clearance, tooth_terms, with_variants
 
-LAW = made_up_law()
+LAW, NARROW = made_up_law(), made_up_law(slices=28)
 FACE = LAW.slice_width.sum()
 XI = LAW.position_start + LAW.position_step * np.arange(LAW.gap.size)
 
@@ -48,13 +48,23 @@ def same(a, b, rel=1e-9):
 )
 @pytest.mark.parametrize("gear", ["pinion", "wheel"])
 def test_a_term_that_all_teeth_share_is_a_modification(terms, gap, lead, gear):
-    """Equal teeth are the same as the shape in the law; the parabola is read from a table with chords: 0.1 nm."""
-    modified = LAW.replaced(gap=LAW.gap + gap, lead_gap=np.broadcast_to(lead, LAW.face_coordinate.shape))
+    """Equal teeth are the same as the shape in the law.
+
+    A profile is so in the limit of narrow slices: inside a slice only the shape of the law is seen to rise (7 slices
+    over a whole mesh cycle: 0.3 % of the force), and a parabola is read from a table with chords.
+    """
     teeth = {gear: tooth_terms(20 if gear == "pinion" else 55, **terms)}
-    a, b = LawEvaluator(LAW).evaluate(*states(), **teeth), LawEvaluator(modified).evaluate(*states())
-    assert a.force == pytest.approx(b.force, rel=1e-4)
-    if "profile_curvature" not in terms:
-        same(a, b)
+    apart = []
+    for law in (LAW, NARROW):
+        lead_gap = np.broadcast_to(lead, LAW.face_coordinate.shape) if law is LAW else 0.0 * law.face_coordinate
+        modified = law.replaced(gap=law.gap + gap, lead_gap=lead_gap)
+        a, b = LawEvaluator(law).evaluate(*states(), **teeth), LawEvaluator(modified).evaluate(*states())
+        if not any(name.startswith("profile") for name in terms):
+            same(a, b)
+            return
+        apart.append(np.abs(a.force / b.force - 1).max())
+    assert apart[0] < 4e-3
+    assert apart[1] < 0.1 * apart[0]
 
 
 def test_lead_slope_is_a_tilt():
@@ -120,11 +130,15 @@ def test_a_chipped_tooth_carries_only_where_it_is_whole():
 
 
 def test_damage_of_both_gears_adds_up():
+    """A law that is softer everywhere also closes its slices under less load; 0.5 % in the force of 7 wide slices."""
     pinion = with_variants(LAW, "pinion", 1e-11, 1e-6)
     both = with_variants(pinion, "wheel", 2e-11, 2e-6)
+    together = with_variants(LAW, "pinion", 3e-11, 3e-6)
     softer = LAW.replaced(compliance=LAW.compliance + 3e-11, gap=LAW.gap + 3e-6)
-    a = LawEvaluator(both).evaluate(*states(), tooth_terms(20, variant=1), tooth_terms(55, variant=1))
-    same(a, LawEvaluator(softer).evaluate(*states()))
+    damaged = tooth_terms(20, variant=1)
+    a = LawEvaluator(both).evaluate(*states(), damaged, tooth_terms(55, variant=1))
+    same(a, LawEvaluator(together).evaluate(*states(), damaged))
+    assert a.force == pytest.approx(LawEvaluator(softer).evaluate(*states()).force, rel=6e-3)
     same(
         LawEvaluator(both).evaluate(*states()), LawEvaluator(LAW).evaluate(*states()), rel=1e-13
     )  # sound teeth do not notice

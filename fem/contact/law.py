@@ -11,6 +11,9 @@ C holds tooth and body compliance, A and B the Hertz line contact, c_n the compl
 (tabulated at the xi of the pair that is ahead, i.e. of the smaller p). F = sum fraction f width,
 M = sum fraction f width y. U is the strain energy, so F = dU/d delta, M = dU/d psi.
 
+Gaps are means over the slice. It touches from its least gap on; until it is wholly in contact, x is less than the first
+right side by what `fem.contact.part_contact` says, so that a line of contact ends without a tone.
+
 Slices that are coupled along the face, none by default, take from x
 
     sqrt(D(xi)) v_p(y) + E_0 F + E_01 (M + F y) + E_1 M y

@@ -21,13 +21,14 @@ class AxisError(ValueError):
 
 @dataclass(frozen=True, kw_only=True)
 class Axis:
-    """`settings(scene, fineness)` are the values to set."""
+    """`settings(scene, fineness)` are the values to set; `also` is read of every level, but has no order."""
 
     words: str
     probe: str
     formal_order: Callable[[Scene], float | None]  # of smooth solutions, limits the order assumed in error bands
     ratio: float  # fineness between neighbouring levels
     settings: Callable[[Scene, float], Settings]
+    also: tuple[str, ...] = ()
 
 
 def _gear_mesh(scene: Scene, fineness: float) -> Settings:
@@ -107,7 +108,12 @@ AXES = {
         settings=_gear_mesh,
     ),
     "slices": Axis(
-        words="slices along the face", probe="gears", formal_order=_always(2.0), ratio=2.0, settings=_slices
+        words="slices along the face",
+        probe="gears",
+        formal_order=_always(2.0),
+        ratio=2.0,
+        settings=_slices,
+        also=("transmission",),
     ),
     "positions": Axis(
         words="positions per pitch", probe="gears", formal_order=_always(2.0), ratio=2.0, settings=_positions

@@ -1,6 +1,7 @@
 """What people care about, read from finished steps: each probe names the steps it needs and gives named values.
 
 gears     mean secant stiffness and peak-to-peak transmission error of each pair at its load
+transmission  transmission error of each pair at its load, over one mesh cycle
 casing    natural frequencies of the casing in its ground
 modes     more of them, each with its shape at bearings and sensors: modes that change their order are told apart
 frf       level of the transfer function from the first bearing to the diagnosed sensor, by third octave
@@ -22,6 +23,7 @@ from pipelines.steps.pair_curves import law_names, pair_laws
 
 FREQUENCIES = 10  # lowest ones that are compared
 MODES = 30  # lowest ones that tell a common order
+POSITIONS = 256  # of a mesh cycle at which the transmission error is read
 OCTAVE_POINTS = 8  # frequencies per third octave
 DECIBEL = "dB"
 
@@ -57,6 +59,15 @@ def _gears(plant: Plant, outcome: Outcome) -> list[Value]:
         values.append(Value(name=f"stage {number} stiffness", unit="N/um", value=float(curve.secant.mean()) / 1e6))
         values.append(Value(name=f"stage {number} TE peak-to-peak", unit="um", value=ripple * 1e6))
     return values
+
+
+def _transmission(plant: Plant, outcome: Outcome) -> list[Value]:
+    cycle = np.arange(POSITIONS) / POSITIONS
+    return [
+        Value(name=f"stage {found.stage} TE at {place:.4f}", unit="um", value=float(error) * 1e6)
+        for found in pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})
+        for place, error in zip(cycle, found.stiffness(cycle).transmission_error, strict=True)
+    ]
 
 
 def _casing(plant: Plant, outcome: Outcome) -> list[Value]:
@@ -168,6 +179,7 @@ def _lines(plant: Plant, outcome: Outcome) -> list[Value]:
 
 PROBES = {
     "gears": Probe(law_names, _gears),
+    "transmission": Probe(law_names, _transmission),
     "casing": Probe(lambda _: ["casing"], _casing),
     "modes": Probe(lambda _: ["casing"], _modes),
     "frf": Probe(lambda _: ["casing"], _frf),

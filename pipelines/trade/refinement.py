@@ -62,14 +62,15 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     chosen = AXES[axis]
     fineness = fineness_levels(chosen.ratio, count)
     scenes = {_level_name(f): changed(loaded, chosen.settings(loaded.scene, f)) for f in fineness}
-    levels = list(measure(scenes, [chosen.probe], work).values())
+    levels = list(measure(scenes, [chosen.probe, *chosen.also], work).values())
+    first = levels[0].by_probe[chosen.probe]
     sizes, order = [1 / f for f in fineness], chosen.formal_order(loaded.scene)
     if chosen.probe == "modes":
         quantities = modes_of_common_order(sizes, levels, order)
     else:
-        names = [v.name for v in levels[0].values]
         columns: dict[str, Sequence[float]] = {
-            name: [next(v.value for v in level.values if v.name == name) for level in levels] for name in names
+            value.name: [level.by_probe[chosen.probe][number].value for level in levels]
+            for number, value in enumerate(first)
         }
         quantities = {name: study(sizes, column, order) for name, column in columns.items()}
     return RefinementStudy(
@@ -77,7 +78,7 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
         fineness=fineness,
         levels=tuple(levels),
         quantities=quantities,
-        units={v.name: v.unit for v in levels[0].values},
+        units={value.name: value.unit for value in first},
     )
 
 

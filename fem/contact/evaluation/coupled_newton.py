@@ -16,6 +16,7 @@ from fem.contact.evaluation.law_tables import LANES, slices_of
 from fem.contact.evaluation.logarithm import SERIES, log_of_growth, logarithm, rough_log
 from fem.contact.evaluation.slice_loads import couple
 from fem.contact.evaluation.slice_rows import largest_approach, state_of
+from fem.contact.part_contact import part_of, touch
 from fem.numerics.compiled import INLINE, SPREAD, SUMS, inner
 
 STEPS = 14
@@ -62,10 +63,11 @@ def guess(slope, rows, fields):
     bits = rows.load.view(np.int64)
     for s in range(LANES):
         for a in range(len(rows.order)):
-            x = max(fields.free[a, s], 0.0)
-            soft = rows.compliance[a, s] + fields.gain[a, s] * fields.gain[a, s]
-            rows.load[a, s] = x / (soft + 5.0 * slope)
-            f = x / (soft + slope * max(1.0, rows.offset[a, s] - rough_log(bits[a, s])))
+            c, bent = rows.compliance[a, s], fields.gain[a, s] * fields.gain[a, s]
+            left = (c + 5.0 * slope) / (c + 5.0 * slope + bent)
+            x = touch(left * fields.free[a, s], rows.rise[a, s], rows.even[a, s]) / left
+            rows.load[a, s] = x / (c + bent + 5.0 * slope)
+            f = x / (c + bent + slope * max(1.0, rows.offset[a, s] - rough_log(bits[a, s])))
             rows.on[a, s], rows.load[a, s] = 1.0 if x > 0.0 else 0.0, f if x > 0.0 else 1.0
     logarithm(rows.load, rows.log, rows.rest)
 
@@ -103,18 +105,22 @@ def advance(slope, d, t, rows, fields):
                     left -= rows.neighbour[a, b, s] * rows.fraction[b, s] * rows.rest[b, s]
             f, new, on, phi = rows.load[a, s], rows.rest[a, s], rows.on[a, s] > 0.0, rows.fraction[a, s]
             stays = new > 0.0
-            back = not on and left > 1e-15 * abs(fields.free[a, s]) and left > 1e-18
-            fresh = left / (rows.compliance[a, s] + 0.8 * slope * rows.offset[a, s])
+            rise = rows.rise[a, s]
+            back = not stays and left + rise > 1e-15 * (abs(fields.free[a, s]) + rise) and left + rise > 1e-18
+            fresh = touch(left, rise, rows.even[a, s]) / (rows.compliance[a, s] + 0.8 * slope * rows.offset[a, s])
             new = new if stays else (fresh if back else 1.0)
             step = (new - f) / f if stays else (1.0 if on or back else 0.0)
             rows.load[a, s], rows.on[a, s] = new, 1.0 if stays or back else 0.0
             rows.log[a, s] += log_of_growth(step)
             force += w * phi * new if stays else 0.0
-            bend += w * fields.stiffness[a, a, s] * step * step * new
+            even, u = rows.even[a, s], min(new * rows.per_whole[a, s], 1.0)
+            part = part_of(new, rows.per_whole[a, s], even)
+            bent = slope * new + 0.5 * rise * (1.0 + even) ** 2 * u * u / (part * part * part)
+            bend += w * fields.stiffness[a, a, s] * step * step * bent
             total += step * step
     if total > SERIES * SERIES:
         logarithm(rows.load, rows.log, rows.rest)
-    return force, 0.5 * slope * bend, total
+    return force, 0.5 * bend, total
 
 
 @inner(**SUMS)

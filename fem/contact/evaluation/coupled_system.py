@@ -18,6 +18,7 @@ from fem.contact.evaluation.law_tables import LANES
 from fem.contact.evaluation.slice_loads import couple
 from fem.contact.evaluation.slice_rows import invert, largest_approach, state_of
 from fem.contact.evaluation.slice_sums import block_sums
+from fem.contact.part_contact import part_of, spared, spared_compliance
 from fem.numerics.compiled import INLINE, SPREAD, SUMS, inner
 
 
@@ -68,12 +69,16 @@ def linearise(slope, rows, fields):
         couple(rows, s)
         for a in range(n):
             f, depth, c = rows.load[a, s], rows.offset[a, s] - rows.log[a, s], rows.compliance[a, s]
+            rise, per_whole = rows.rise[a, s], rows.per_whole[a, s]
+            even = rows.even[a, s]
+            part = part_of(f, per_whole, even)
             rest = fields.free[a, s] - f * (c + slope * hertz_depth(depth, rows.beyond[a, s]))
+            rest += rise * spared(even, part)
             for b in range(n):
                 if b != a:
                     rows.system[a, b, s] = rows.pull[a, b, s]
                     rest -= rows.pull[a, b, s] * rows.load[b, s]
-            rows.system[a, a, s] = compliance_of(c, slope, depth)
+            rows.system[a, a, s] = compliance_of(c, slope, depth) + rise * per_whole * spared_compliance(even, part)
             rows.rest[a, s] = rows.on[a, s] * rest
         invert(rows.order, rows.system, s)
         for a in range(n):

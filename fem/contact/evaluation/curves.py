@@ -100,14 +100,16 @@ def stiffness_curve(
 def _balanced(
     evaluator: LawEvaluator, c: np.ndarray, load: float, h1: np.ndarray, h2: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(delta, psi) with F = load and M = 0: damped Newton on the convex function U - load * delta, cycle by cycle."""
+    """(delta, psi) with F = load and M = 0: damped Newton on the convex function U - load * delta, cycle by cycle.
+
+    A step is halved until that function rises no steeper at its end than half as steeply as it falls at its start.
+    """
     half = float(np.abs(evaluator.law.face_coordinate).max()) or 1.0
     start = evaluator.approach_at(load, c, 0.0, h1, h2)
     delta, tilt = start.copy(), np.zeros(c.size)
     for i in range(c.size):
         state = np.array([delta[i], 0.0])  # psi times half the face: both in m
         r = evaluator.evaluate(c[i], state[0], state[1] / half, h1, h2)
-        value = r.energy - load * state[0]
         for _ in range(_ROUNDS):
             slope = np.array([r.force - load, r.moment / half])
             round_off = 1e-14 * r.stiffness * abs(state[0])
@@ -120,11 +122,10 @@ def _balanced(
             for _ in range(60):
                 trial = state + scale * step
                 r_trial = evaluator.evaluate(c[i], trial[0], trial[1] / half, h1, h2)
-                value_trial = r_trial.energy - load * trial[0]
-                if value_trial <= value + 1e-4 * scale * float(slope @ step) + 1e-15 * abs(value):
+                if (r_trial.force - load) * step[0] + r_trial.moment / half * step[1] <= -0.5 * (slope @ step):
                     break
                 scale *= 0.5
-            state, r, value = trial, r_trial, value_trial
+            state, r = trial, r_trial
         else:
             raise LawError(
                 f"mesh law {evaluator.law.model!r}: no balanced tilt at cycle {c[i]:.6g}, F = {load:.6g} N (rest "

@@ -10,6 +10,8 @@ convex problem min W*(f) - w sum phi_p x_p f_p, f >= 0, and its negative minimum
 theorem every first derivative of U is the explicit one: dU/d delta = F, dU/d psi = M, and dU/dc uses the slopes of the
 tables inside the present grid cell (tables are linear between grid points, so it is exact).
 
+A slice in contact on a part of its width has less of both, see `fem.contact.part_contact`.
+
 The Hertz term A f (B - ln f) stops growing at ln f = B - 1, where its contact width reaches the depth at which the
 displacement is counted; above it is held constant, which keeps the law monotone at any load.
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 
+from fem.contact.part_contact import part_of, spared, spared_compliance, touch
 from fem.numerics.compiled import INLINE, inner
 
 CLOSE = 1e-8  # a Newton step this small (relative) leaves an error of about its square times 0.1
@@ -39,22 +40,25 @@ def secant_compliance(compliance, slope, depth):
 
 
 @inner()
-def single_load(x, compliance, slope, offset):
-    """Line load f (N/m) of one pair, and ln f (0 when A = 0).
+def single_load(x, compliance, slope, offset, part):
+    """Line load f (N/m) of one pair in a slice, and ln f.
 
     Parameters
     ----------
-    x : approach, m, > 0
+    x : approach to the mean gap of the slice, m, > -rise
     compliance, slope, offset : C > 0 and A >= 0 in m2/N, and B
+    part : rise a, 1 / f_a and p of `fem.contact.part_contact`
     """
-    if slope == 0.0:
-        return x / compliance, 0.0
-    f = x / secant_compliance(compliance, slope, offset - math.log(x / compliance))
+    rise, per_whole, even = part
+    whole = touch(x, rise, even)
+    f = whole / secant_compliance(compliance, slope, offset - math.log(whole / compliance))
     log = math.log(f)
     for _ in range(60):
         depth = offset - log
-        rest = x - f * (compliance + slope * hertz_depth(depth, exceeded(depth)))
-        step = rest / (compliance_of(compliance, slope, depth) * f)
+        s = part_of(f, per_whole, even)
+        rest = x + rise * spared(even, s) - f * (compliance + slope * hertz_depth(depth, exceeded(depth)))
+        stiff = compliance_of(compliance, slope, depth) + rise * per_whole * spared_compliance(even, s)
+        step = rest / (stiff * f)
         if abs(step) <= CLOSE:
             return f * (1.0 + step), log + step
         f *= 1.0 + max(step, -0.9)

@@ -14,6 +14,7 @@ import numpy as np
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from fem.contact.law import MeshLaw
+from fem.contact.slice_means import FINER, slice_means
 from fem.numerics.compiled import INLINE, inner, views
 
 LANES = 16
@@ -61,9 +62,12 @@ class LawTables(NamedTuple):
     block: np.ndarray  # (block, field of `Slices`, lane)
     compliance: np.ndarray  # (cell, 2) C, m2/N
     contact_offset: np.ndarray  # (cell, 2) B
-    gap: np.ndarray  # (cell, 2) m
     fraction: np.ndarray  # (cell, 2) phi, 0 in a cell with an infinite gap
     gain: np.ndarray  # (cell, 2) sqrt(D)
+    gap: np.ndarray  # (cell * FINER, 2) m, mean over a slice
+    rise: np.ndarray  # (cell * FINER, 2) m, of the mean over the least gap in a slice
+    whole: np.ndarray  # (cell * FINER, 2) N/m, load at which a slice is wholly in contact
+    even: np.ndarray  # (cell * FINER, 2) part of a slice over which its gap is even
     neighbour: np.ndarray  # (cell, neighbour, 2) c_1, c_2, ..., m2/N
     pinion_softening: np.ndarray  # (variant, slice, position) compliance that a damaged tooth adds, m2/N
     pinion_gap: np.ndarray  # (variant, slice, position) m
@@ -83,7 +87,7 @@ def pack(law: MeshLaw) -> np.ndarray:
     spread = law.spread_length > 0.0 and law.spread_compliance.max() > 0.0
     pinion_modes, wheel_modes = law.pinion_variant_modes.shape[1], law.wheel_variant_modes.shape[1]
     closed = ~(np.isfinite(law.gap[:-1]) & np.isfinite(law.gap[1:]))
-    fraction = _cells(law.fraction)
+    fraction, means = _cells(law.fraction), slice_means(law)
     fraction[closed] = 0.0
     tables = LawTables(
         slices=law.face_coordinate.size,
@@ -110,9 +114,12 @@ def pack(law: MeshLaw) -> np.ndarray:
         block=_blocks(law),
         compliance=_cells(law.compliance),
         contact_offset=_cells(law.contact_offset),
-        gap=_cells(np.where(np.isfinite(law.gap), law.gap, 0.0)),
         fraction=fraction,
         gain=_cells(np.sqrt(law.spread_compliance)),
+        gap=_cells(means.gap),
+        rise=_cells(means.rise),
+        whole=_cells(means.whole),
+        even=_cells(means.even),
         neighbour=np.swapaxes(_cells(law.neighbour_compliance), 0, 1),
         pinion_softening=law.pinion_variant_compliance,
         pinion_gap=law.pinion_variant_gap,
@@ -156,8 +163,10 @@ def unpacked(packed):
     first, second = int(numbers[3]), int(numbers[4])
     blocks = (slices + LANES - 1) // LANES
     at = NUMBERS + blocks * FIELDS * LANES
-    block, tables = views(packed, NUMBERS, 1, (blocks, FIELDS, LANES)), views(packed, at, 5, (cells, 2))
-    at += 10 * cells
+    block, tables = views(packed, NUMBERS, 1, (blocks, FIELDS, LANES)), views(packed, at, 4, (cells, 2))
+    at += 8 * cells
+    touching = views(packed, at, 4, (FINER * cells, 2))
+    at += 8 * FINER * cells
     neighbour = views(packed, at, 1, (cells, neighbours, 2))
     at += 2 * cells * neighbours
     pinion = views(packed, at, 2, (first, slices, cells + 1))
@@ -168,7 +177,7 @@ def unpacked(packed):
     pinion_mode = views(packed, at, 1, (first, 3, slices, cells + 1, of_pinion))
     at += first * 3 * slices * (cells + 1) * of_pinion
     wheel_mode = views(packed, at, 1, (second, 3, slices, cells + 1, of_wheel))
-    return LawTables(*(numbers + block + tables + neighbour + pinion + wheel + pinion_mode + wheel_mode))
+    return LawTables(*(numbers + block + tables + touching + neighbour + pinion + wheel + pinion_mode + wheel_mode))
 
 
 @inner(**INLINE)

@@ -4,8 +4,9 @@ In a slice the loaded pairs p, q obey x_p = C f_p + A f_p (B - ln f_p) + sum_q c
 no approach left. x(f) is nearly a straight line, because ln f changes little: secant compliances with a rough logarithm
 give f within a few per cent, and each Newton step then squares the error and divides it by 50, so that two or three
 steps reach round-off. A pair that does not carry has f = 1 and a right-hand side of 0, so all lanes run the same
-instructions. Lanes where that does not hold (a pair switched off by the guess though it carries, a load beyond the
-range of the Hertz term, steps that do not settle) are solved anew by coordinate descent, pair by pair, which always
+instructions. A slice in contact on a part of its width starts from the load of a whole one that carries about the same,
+and takes a step more. Lanes where that does not hold (a pair switched off by the guess though it carries, a load beyond
+the range of the Hertz term, steps that do not settle) are solved anew by coordinate descent, pair by pair, which always
 converges for a convex function.
 """
 
@@ -18,10 +19,11 @@ from fem.contact.evaluation.hertz import compliance_of, exceeded, secant_complia
 from fem.contact.evaluation.law_tables import LANES
 from fem.contact.evaluation.logarithm import SERIES, log_of_growth, logarithm, rough_log
 from fem.contact.evaluation.slice_rows import invert, rows_in
+from fem.contact.part_contact import part_of, spared, spared_compliance, touch
 from fem.numerics.compiled import FLOAT, INLINE, INTEGER, SPREAD, SUMS, VECTOR, apart, inner, stored
 
 CLOSE = 2e-6  # a Newton step this small (relative) leaves an error of about its square / 50
-STEPS = 5
+STEPS = 7
 
 
 @njit(**SPREAD)
@@ -56,8 +58,9 @@ def _guess(slope, rows):
     n, bits, secant = len(rows.order), rows.load.view(np.int64), rows.rest
     for s in range(LANES):
         for a in range(n):
-            x, c = max(rows.approach[a, s], 0.0), rows.compliance[a, s]
-            rows.on[a, s] = 1.0 if x > 0.0 else 0.0
+            x = touch(rows.approach[a, s], rows.rise[a, s], rows.even[a, s])
+            c = rows.compliance[a, s]
+            rows.on[a, s], rows.beyond[a, s] = 1.0 if x > 0.0 else 0.0, x
             rows.load[a, s] = x / c
             secant[a, s] = secant_compliance(c, slope, rows.offset[a, s] - rough_log(bits[a, s]))
     for _ in range(2):
@@ -70,7 +73,7 @@ def _guess(slope, rows):
             for a in range(n):
                 f = 0.0
                 for b in range(n):
-                    f += rows.system[a, b, s] * rows.on[b, s] * rows.approach[b, s]
+                    f += rows.system[a, b, s] * rows.on[b, s] * rows.beyond[b, s]
                 rows.load[a, s] = f
             for a in range(n):
                 f = rows.load[a, s]
@@ -97,13 +100,17 @@ def _newton_step(slope, rows):
     for s in range(LANES):
         for a in range(n):
             f, depth = rows.load[a, s], rows.offset[a, s] - rows.log[a, s]
+            rise, per_whole, even = rows.rise[a, s], rows.per_whole[a, s], rows.even[a, s]
+            part = part_of(f, per_whole, even)
             rest = rows.approach[a, s] - f * (rows.compliance[a, s] + slope * depth)
+            rest += rise * spared(even, part)
             for b in range(n):
                 if b != a:
                     pulled = rows.pull[a, b, s] * rows.load[b, s]
                     rows.system[a, b, s] = pulled
                     rest -= pulled
-            rows.system[a, a, s] = compliance_of(rows.compliance[a, s], slope, depth) * f
+            own = compliance_of(rows.compliance[a, s], slope, depth) + rise * per_whole * spared_compliance(even, part)
+            rows.system[a, a, s] = own * f
             rows.rest[a, s] = rows.on[a, s] * rest
         invert(rows.order, rows.system, s)
         square = 0.0
@@ -132,12 +139,12 @@ def _finish(slope, rows):
             rows.load[a, s] *= rows.on[a, s]
             rows.beyond[a, s] = 1.0
         for a in range(n):
-            on, x = rows.on[a, s], rows.approach[a, s]
-            left = x
+            on, x, rise = rows.on[a, s], rows.approach[a, s], rows.rise[a, s]
+            left = x + rise
             for b in range(n):
                 if b != a:
                     left -= rows.neighbour[a, b, s] * rows.fraction[b, s] * rows.load[b, s]
-            bad = 1.0 if on == 0.0 and left > 1e-15 * abs(x) else bad
+            bad = 1.0 if on == 0.0 and left > 1e-15 * (abs(x) + rise) else bad
             bad = 1.0 if on * (rows.log[a, s] + 1.0 - rows.offset[a, s]) > 0.0 and slope > 0.0 else bad
         rows.rare[s] = bad
         rare += bad
@@ -159,8 +166,9 @@ def _descend(slope, memory, n, s):
                 if b != a:
                     x -= rows.neighbour[a, b, s] * rows.fraction[b, s] * rows.load[b, s]
             f = log = 0.0
-            if x > 0.0:
-                f, log = single_load(x, rows.compliance[a, s], slope, rows.offset[a, s])
+            if x + rows.rise[a, s] > 0.0:
+                part = rows.rise[a, s], rows.per_whole[a, s], rows.even[a, s]
+                f, log = single_load(x, rows.compliance[a, s], slope, rows.offset[a, s], part)
             rows.load[a, s], rows.log[a, s], rows.on[a, s] = f, log, 1.0 if f > 0.0 else 0.0
             rows.beyond[a, s] = exceeded(rows.offset[a, s] - log) if f > 0.0 and slope > 0.0 else 1.0
             change, largest = max(change, abs(f - before)), max(largest, f)

@@ -13,9 +13,11 @@ import numpy as np
 from numba import types
 
 from fem.contact.evaluation.law_tables import LANES, slices_of
+from fem.contact.slice_means import FINER
 from fem.numerics.compiled import FLOAT, INLINE, INTEGER, inner, views
 
 NEVER = -1e300  # approach of a pair that cannot touch
+LEAST = 1e-290  # N/m: the load that closes a slice with an even gap
 
 
 class States(NamedTuple):
@@ -44,6 +46,12 @@ class Rows(NamedTuple):
     compliance_slope: np.ndarray
     offset: np.ndarray  # B
     offset_slope: np.ndarray
+    rise: np.ndarray  # a of `fem.contact.part_contact`, m
+    rise_slope: np.ndarray
+    per_whole: np.ndarray  # 1 / f_a, m/N
+    whole_slope: np.ndarray
+    even: np.ndarray  # p
+    even_slope: np.ndarray
     load: np.ndarray  # f, N/m; 1 where a pair does not carry while loads are sought, else 0
     log: np.ndarray  # ln f
     on: np.ndarray  # 1 where the pair carries
@@ -65,15 +73,15 @@ STATES = types.NamedTuple((FLOAT, FLOAT, FLOAT, FLOAT, FLOAT, INTEGER), States)
 @inner(**INLINE)
 def rows_room(n):
     """Numbers of memory for n rows."""
-    return (15 * n + 4 * n * n + 4) * LANES
+    return (21 * n + 4 * n * n + 4) * LANES
 
 
 @inner(**INLINE)
 def rows_in(memory, at, order):
     """`Rows` in the numbers of memory (k,) from `at` on."""
     n, whole = len(order), views(memory, at, 1, (rows_room(len(order)),))
-    at_pairs, at_lanes = at + 15 * n * LANES, at + (15 * n + 4 * n * n) * LANES
-    by_row, by_pair = views(memory, at, 15, (n, LANES)), views(memory, at_pairs, 4, (n, n, LANES))
+    at_pairs, at_lanes = at + 21 * n * LANES, at + (21 * n + 4 * n * n) * LANES
+    by_row, by_pair = views(memory, at, 21, (n, LANES)), views(memory, at_pairs, 4, (n, n, LANES))
     return Rows(order, *(whole + by_row + by_pair + views(memory, at_lanes, 4, (LANES,))))
 
 
@@ -114,7 +122,9 @@ def gather(law, near, block, own_cycle, states, lowest, rows):
         approach = largest_approach(states, slices.y[s]) - slices.lead[s]
         for m in range(near.pairs if slices.width[s] > 0.0 else 0):
             x, cell, u = _free_approach(law, near, m, here, slices.part[s], approach)
-            if not x > lowest:
+            fine, v = _finer(cell, u)
+            rise = law.rise[fine, 0] + v * law.rise[fine, 1]
+            if not x + rise > lowest:
                 continue
             number = int(near.number[m])
             a = number % n
@@ -125,18 +135,24 @@ def gather(law, near, block, own_cycle, states, lowest, rows):
                 damage = _damaged(law, near, m, block * LANES + s, cell, u)
                 softening, softening_slope, gap_slope = damage[0], damage[1], damage[3]
                 x -= damage[2]
-                if not x > lowest:
+                if not x + rise > lowest:
                     continue
             xi = here - number
             slope = near.profile_slope[m] + 2.0 * near.profile_curvature[m] * xi
             rows.pair[a, s], rows.place[a, s], rows.approach[a, s] = number, cell + u, x
-            rows.gap_slope[a, s] = law.gap[cell, 1] * per_step + slope + gap_slope
+            rows.gap_slope[a, s] = law.gap[fine, 1] * FINER * per_step + slope + gap_slope
             rows.fraction[a, s] = law.fraction[cell, 0] + u * law.fraction[cell, 1]
             rows.fraction_slope[a, s] = law.fraction[cell, 1] * per_step
             rows.compliance[a, s] = law.compliance[cell, 0] + u * law.compliance[cell, 1] + softening
             rows.compliance_slope[a, s] = law.compliance[cell, 1] * per_step + softening_slope
             rows.offset[a, s] = law.contact_offset[cell, 0] + u * law.contact_offset[cell, 1]
             rows.offset_slope[a, s] = law.contact_offset[cell, 1] * per_step
+            whole = law.whole[fine, 0] + v * law.whole[fine, 1]
+            if whole > 0.0:
+                rows.rise[a, s], rows.rise_slope[a, s] = rise, law.rise[fine, 1] * FINER * per_step
+                rows.per_whole[a, s], rows.whole_slope[a, s] = 1.0 / whole, law.whole[fine, 1] * FINER * per_step
+                rows.even[a, s] = law.even[fine, 0] + v * law.even[fine, 1]
+                rows.even_slope[a, s] = law.even[fine, 1] * FINER * per_step
             found = n
             for b in range(n):
                 apart = number - int(rows.pair[b, s])
@@ -157,6 +173,8 @@ def _clear(rows):
             rows.approach[a, s], rows.pair[a, s], rows.compliance[a, s], rows.offset[a, s] = NEVER, 0.0, 1.0, 2.0
             rows.gap_slope[a, s] = rows.fraction[a, s] = rows.fraction_slope[a, s] = 0.0
             rows.compliance_slope[a, s] = rows.offset_slope[a, s] = rows.place[a, s] = 0.0
+            rows.rise[a, s] = rows.rise_slope[a, s] = rows.whole_slope[a, s] = 0.0
+            rows.per_whole[a, s], rows.even[a, s], rows.even_slope[a, s] = 1.0 / LEAST, 0.0, 0.0
         for b in range(n):
             for s in range(LANES):
                 rows.neighbour[a, b, s] = rows.neighbour_slope[a, b, s] = 0.0
@@ -167,6 +185,13 @@ def cell_of(law, place):
     """The grid cell of a position counted in cells, and the place inside it."""
     cell = min(int(place), int(law.cells) - 1)
     return cell, place - cell
+
+
+@inner(**INLINE)
+def _finer(cell, u):
+    """The cell of the finer grid of the gap, and the place inside it."""
+    k = min(int(FINER * u), FINER - 1)
+    return FINER * cell + k, FINER * u - k
 
 
 @inner(**INLINE)
@@ -182,7 +207,8 @@ def _free_approach(law, near, m, here, part, approach):
     cell, u = cell_of(law, place)
     if law.fraction[cell, 0] + u * law.fraction[cell, 1] <= 0.0:
         return NEVER, 0, 0.0
-    x = approach - law.gap[cell, 0] - u * law.gap[cell, 1] - near.clearance[m]
+    fine, v = _finer(cell, u)
+    x = approach - law.gap[fine, 0] - v * law.gap[fine, 1] - near.clearance[m]
     x -= xi * (near.profile_slope[m] + xi * near.profile_curvature[m])
     return x - part * (near.lead_slope[m] + part * near.lead_curvature[m]), cell, u
 
@@ -205,7 +231,9 @@ def nearest_approach(law, near, own_cycle, psi):
                 x, cell, u = _free_approach(law, near, m, own_cycle + slices.shift[s], slices.part[s], approach)
                 if x > NEVER and (near.pinion_variant[m] != 0.0 or near.wheel_variant[m] != 0.0):
                     x -= _damaged(law, near, m, block * LANES + s, cell, u)[2]
-                largest = max(largest, x) if x > NEVER else largest
+                fine, v = _finer(cell, u)
+                touch = x + law.rise[fine, 0] + v * law.rise[fine, 1]
+                largest = max(largest, touch) if x > NEVER else largest
     return largest
 
 

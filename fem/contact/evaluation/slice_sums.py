@@ -10,6 +10,7 @@ from numba import types
 from fem.contact.evaluation.hertz import compliance_of
 from fem.contact.evaluation.law_tables import LANES
 from fem.contact.evaluation.slice_rows import invert
+from fem.contact.part_contact import part_of, spared, spared_compliance, spared_work, spared_work_slope
 from fem.numerics.compiled import FLOAT, INLINE, SUMS, inner
 
 ANSWER = types.UniTuple(FLOAT, 14)  # of two states: F, M, U, dF/d delta, dF/d psi, dM/d psi, dU/dc
@@ -27,7 +28,10 @@ def block_sums(slope, rows):
             for b in range(n):
                 rows.system[a, b, s] = rows.pull[a, b, s]
             depth = rows.offset[a, s] - rows.log[a, s]
-            rows.system[a, a, s] = compliance_of(rows.compliance[a, s], slope, depth)
+            own, per_whole = compliance_of(rows.compliance[a, s], slope, depth), rows.per_whole[a, s]
+            even = rows.even[a, s]
+            part = part_of(rows.load[a, s], per_whole, even)
+            rows.system[a, a, s] = own + rows.rise[a, s] * per_whole * spared_compliance(even, part)
         invert(rows.order, rows.system, s)
         for a in range(n):
             f, phi, steep = rows.load[a, s], rows.fraction[a, s], rows.fraction_slope[a, s]
@@ -39,9 +43,18 @@ def block_sums(slope, rows):
             bent = slope * (max(depth, 1.0) + 0.5 + 2.0 * (t - 0.25 * t * t - 0.75))
             own = rows.approach[a, s] * f - half * (rows.compliance[a, s] + bent)
             spread = slope * (1.0 + 2.0 * (t - 0.5 * t * t - 0.5)) * rows.offset_slope[a, s]
+            rise, even, per_whole = rows.rise[a, s], rows.even[a, s], rows.per_whole[a, s]
+            whole, part = 1.0 / per_whole, part_of(f, per_whole, even)
+            work = spared_work(even, part)
+            own += rise * whole * work
+            eased = whole * (
+                work * rows.rise_slope[a, s] + rise * spared_work_slope(even, part, work) * rows.even_slope[a, s]
+            )
+            eased += rise * (work - min(f * per_whole, 1.0) * spared(even, part)) * rows.whole_slope[a, s]
             stored += phi * own
             along += steep * own
             along -= phi * (f * rows.gap_slope[a, s] + half * (rows.compliance_slope[a, s] + spread))
+            along += phi * eased
             for b in range(a + 1, n):
                 both, other = f * rows.load[b, s], rows.fraction[b, s]
                 value = rows.neighbour[a, b, s]

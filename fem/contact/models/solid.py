@@ -28,6 +28,7 @@ from fem.gears.geometry import GearPair
 
 SECTION = 0.25  # section refinement against that of `sector_mesh`: 0.2 m_n along the flank
 PATCH = 0.2  # half-width of the patches, in m_n
+PLACES = 31  # along the face, of the compliance that laws are condensed from, whatever their own slices
 MOST_ALONG = 16  # elements of a crack surface along the face, times the refinement
 
 
@@ -90,23 +91,27 @@ class Solid(MeshModel):
 
     def law(self, pair: GearPair, flank: str) -> MeshLaw:
         """The law of one flank, "drive" or "coast"."""
-        return condense(self.compliance(pair, flank), pair, flank, self.plane, self.model)
+        record = self.compliance(pair, flank, PLACES)
+        return condense(record, pair, flank, self.plane, self.model, self.slices)
 
     def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
         """The laws of drive and coast flank, condensed (`solid_condensation`) from one compliance if it serves both."""
-        drive = self.compliance(pair)
-        coast = drive if drive.flank == 0 else self.compliance(pair, "coast")
+        drive = self.compliance(pair, "drive", PLACES)
+        coast = drive if drive.flank == 0 else self.compliance(pair, "coast", PLACES)
         return (
-            condense(drive, pair, "drive", self.plane, self.model),
-            condense(coast, pair, "coast", self.plane, self.model),
+            condense(drive, pair, "drive", self.plane, self.model, self.slices),
+            condense(coast, pair, "coast", self.plane, self.model, self.slices),
         )
 
-    def compliance(self, pair: GearPair, flank: str = "drive") -> ContactCompliance:
-        """Compliances between all contact places of one flank; of both, unless a web is offset."""
+    def compliance(self, pair: GearPair, flank: str = "drive", places: int | None = None) -> ContactCompliance:
+        """Compliances between all contact places of one flank; of both, unless a web is offset.
+
+        places : along the face; as many as slices unless given
+        """
         return contact_compliance(
             pair,
             1 if flank == "drive" else -1,
-            slices=self.slices,
+            slices=places or self.slices,
             positions=self.positions,
             section_refinement=SECTION * self.refinement,
             axial_elements=self.axial_elements(pair),

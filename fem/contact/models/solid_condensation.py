@@ -6,7 +6,8 @@ position. A law whose slices are coupled along the face (`fem.contact.law`) says
     C_ij ~ delta_ij C(xi_i) / w_i + delta_pq g(xi_i) g(xi_j) N_ij + delta_ss' c_|p-q|(xi) / w_i
            + E_0 + E_01 (y_i + y_j) + E_1 y_i y_j
 
-with N the influence function of 1 - a^2 d^2/dy^2 with free ends. The terms are fitted to C itself, to no load case:
+with N the influence function of 1 - a^2 d^2/dy^2 with free ends. The terms are fitted to C itself, to no load case,
+on slices of the record; how finely the law is cut afterwards does not change them:
 
 1. E_0, E_01, E_1 by least squares to the blocks of different pairs: wind-up and tilt that all pairs share;
 2. a and the parabola g(xi) by least squares to the rest of each pair's own block, off the diagonal;
@@ -50,7 +51,12 @@ LONGEST = 10.0  # face widths: bound of the length a, where the influence is eve
 
 
 def condense(
-    record: ContactCompliance, pair: GearPair, flank: str, plane: PlaneSection, model: str = "solid"
+    record: ContactCompliance,
+    pair: GearPair,
+    flank: str,
+    plane: PlaneSection,
+    model: str = "solid",
+    slices: int | None = None,
 ) -> MeshLaw:
     """The law of one flank.
 
@@ -61,12 +67,13 @@ def condense(
     flank : "drive" or "coast"
     plane : gives the path of contact and the positions of the tables
     model : name of the model that the law carries
+    slices : of equal width, of the law; as many as the places of the record unless given
     """
     path = plane.path(pair)
     slope, cosine = record.contact_slope, math.cos(pair.base_helix_angle)
     radius = plane.contact_radius(pair, path) / cosine
     terms = fit_terms(record, path.xi)
-    frame = flank_frame(pair, flank, record.face.size)
+    frame = flank_frame(pair, flank, slices or record.face.size)
     terms["skew_compliance"] *= frame["cycle_sign"] * pair.pinion.hand_sign  # fitted along zeta, which reverses
     return MeshLaw(
         model=model,

@@ -14,12 +14,15 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.scene.presets import load_asked
     from pipelines.trade.refinement import refine
     from pipelines.trade.refinement_page import convergence_figure, convergence_table, not_refined, verdict
+    from pipelines.trade.slicing import slicing_table
 
     loaded = load_asked(options)
     path = writable_file(options.out or f"convergence-{loaded.name}-{options.over}.png")
     work = Work(processes=options.processes, quiet=options.quiet)
     found = refine(loaded, options.over, options.levels, work)
     sys.stdout.write(convergence_table(loaded.name, found).to_text() + "\n")
+    if options.over == "slices":
+        sys.stdout.write(slicing_table(loaded.name, found).to_text() + "\n")
     models = [stage.mesh.model for stage in loaded.scene.stages]
     left = not_refined(models, loaded.scene.casing.model, options.over)
     sys.stdout.write(f"{verdict(found, options.error)}\n{left}\n")

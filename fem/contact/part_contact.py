@@ -1,0 +1,83 @@
+"""A slice that is in contact on a part of its width, compiled: what it approaches by less than when wholly in contact.
+
+Over a slice the gap is taken for even on a part p of it and rising evenly over the rest, to h above that. An elastic
+foundation x = C f on it, closed from the least gap by d, carries C f = p d + (1 - p) d^2 / (2 h). With the approach
+x = d - a to the mean gap, a = (1 - p) h / 2, and the load f_a that closes it wholly, C f_a = a (1 + p) / (1 - p),
+
+    x = C f - a r,   r = ((1 - s) / (1 - p))^2,   s^2 = p^2 + (1 - p^2) u,   u = f / f_a       (u < 1, else r = 0)
+
+s is the part of the slice in contact. C f stands for what the slice approaches when wholly in contact, a Hertz term
+included. The complementary energy is less by a f_a w, the integral of r over u,
+
+    w = 2 (G(s) - G(p)) / ((1 - p)^3 (1 + p)),   G(s) = s^2 / 2 - 2 s^3 / 3 + s^4 / 4
+
+a r falls with f, so the law stays convex whatever a, p and f_a are; all three depend on the position alone
+(`fem.contact.slice_means`).
+"""
+
+from __future__ import annotations
+
+import math
+
+from fem.numerics.compiled import INLINE, inner
+
+
+@inner(**INLINE)
+def part_of(load, per_whole, even):
+    """s, 1 where the slice is wholly in contact.
+
+    Parameters
+    ----------
+    load, per_whole : f, N/m, and 1 / f_a
+    even : p
+    """
+    return math.sqrt(max(even * even + (1.0 - even * even) * min(load * per_whole, 1.0), 1e-300))
+
+
+@inner(**INLINE)
+def spared(even, s):
+    """r (even: p)."""
+    open_part = (1.0 - s) / (1.0 - even)
+    return open_part * open_part
+
+
+@inner(**INLINE)
+def spared_compliance(even, s):
+    """-dr/du."""
+    return (1.0 - s) * (1.0 + even) / ((1.0 - even) * s)
+
+
+@inner(**INLINE)
+def spared_work(even, s):
+    """w."""
+    rest = 1.0 - even
+    return 2.0 * (_work(s) - _work(even)) / (rest * rest * rest * (1.0 + even))
+
+
+@inner(**INLINE)
+def spared_work_slope(even, s, work):
+    """dw/dp at the same u (work: w)."""
+    rest, closed = 1.0 - even, 1.0 - s
+    u = (s * s - even * even) / (rest * (1.0 + even))
+    moved = even * ((1.0 - u) * closed * closed - rest * rest)
+    return work * (3.0 / rest - 1.0 / (1.0 + even)) + 2.0 * moved / (rest * rest * rest * (1.0 + even))
+
+
+@inner(**INLINE)
+def _work(s):
+    """G."""
+    return s * s * (0.5 - s * (2.0 / 3.0 - 0.25 * s))
+
+
+@inner(**INLINE)
+def touch(x, rise, even):
+    """Approach, m, >= 0, at which a slice wholly in contact carries what this one carries at x, without a Hertz term.
+
+    Parameters
+    ----------
+    x : approach to the mean gap, m
+    rise, even : a, m, and p
+    """
+    rest = 1.0 - even
+    s = even + 0.5 * rest * rest * max(x + rise, 0.0) / (rise + 1e-300)
+    return rise * (s * s - even * even) / (rest * rest) if s < 1.0 else max(x, 0.0)
