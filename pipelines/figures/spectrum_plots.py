@@ -18,9 +18,12 @@ from pipelines.signals.spectrum import Spectrum
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from pipelines.bars.line_bars import LineBar
     from pipelines.signals.diagnosis import Diagnosis, DiagnosisSettings
 
 ROPE = "#7a5195"
+NUMERICAL, INPUTS = "#111111", "#e08e0b"
+BESIDE = 0.006  # of the width of an axes, from the bar of the numerics to that of the inputs
 DECADES = 5.0  # a spectrum is shown down to this far below its top
 
 
@@ -74,8 +77,14 @@ def single_spectrum_figure(spectrum: Spectrum, settings: DiagnosisSettings, titl
     return figure
 
 
-def healthy_faulty_figure(diagnosis: Diagnosis, window: str) -> Figure:
-    """Faulty over healthy in one axes each: the envelope's orders and the sidebands around f_m and 2 f_m."""
+def healthy_faulty_figure(diagnosis: Diagnosis, window: str, bars: Sequence[LineBar] = ()) -> Figure:
+    """Faulty over healthy in one axes each: the envelope's orders and the sidebands around f_m and 2 f_m.
+
+    Parameters
+    ----------
+    diagnosis, window : what was found, and where
+    bars : of the lines of the window
+    """
     traces = [
         Trace(name=state, spectrum=diagnosis.spectra[state, window], envelope=diagnosis.envelopes[state, window])
         for state in ("healthy", "faulty")
@@ -86,8 +95,22 @@ def healthy_faulty_figure(diagnosis: Diagnosis, window: str) -> Figure:
         lines = diagnosis.lines.where(window=window, kind=kind, mesh_harmonic=n, detected=1)
         if len(lines):
             axes.plot(lines.frequency, lines.faulty, "v", ms=5, color=FAULTY, label="detected", zorder=4)
+        _draw_bars(axes, [bar for bar in bars if (bar.kind == "envelope") == (kind == "envelope")])
     legend(figure.axes[0])
     return figure
+
+
+def _draw_bars(axes: Axes, bars: Sequence[LineBar]) -> None:
+    """The bars of the lines in view: numerical ones on the line, those of the inputs beside it."""
+    low, high = axes.get_xlim()
+    inside = [bar for bar in bars if low <= bar.frequency <= high]
+    for name, colour, shift in (("numerical", NUMERICAL, 0.0), ("inputs", INPUTS, BESIDE * (high - low))):
+        shown = [bar for bar in inside if getattr(bar, name) is not None]
+        if shown:
+            level = np.array([bar.level for bar in shown])
+            ends = np.array([[getattr(bar, name).low, getattr(bar, name).high] for bar in shown]).T
+            place = [bar.frequency + shift for bar in shown]
+            axes.vlines(place, *(level * 10 ** (ends / 20)), color=colour, lw=3.0, label=f"{name}, 5 to 95 %", zorder=5)
 
 
 def pass_figure(diagnosis: Diagnosis, window: str, spall: PassLines) -> Figure:

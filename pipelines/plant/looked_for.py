@@ -24,7 +24,7 @@ class LookedFor:
     """Where the diagnosis looks: a channel, a gear of a stage (from 1), windows (s), the band of the envelope (Hz).
 
     `noise` (m/s2 rms) is added to the signals before; `possible` is False without windows or sensors; `speed_is_known`
-    where motors prescribe it.
+    where motors prescribe it; `damping_spread` is that of the casing's damping ratios in error bars.
     """
 
     sensor: str
@@ -36,6 +36,7 @@ class LookedFor:
     noise: float
     possible: bool
     speed_is_known: bool
+    damping_spread: float
 
 
 def diagnosis_settings(

@@ -185,6 +185,7 @@ def looked_for(table: DiagnosisTable, sensors: Sequence[SensorTable], drive: Dri
         noise=table.noise_m_s2,
         possible=bool(table.windows_s and sensors),
         speed_is_known=isinstance(drive, SpeedDrive),
+        damping_spread=table.damping_spread,
     )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from pipelines.bars.line_bars import LineBars
 from pipelines.border.grid import Grid
 from pipelines.figures.plots import StiffnessPlot
 from pipelines.figures.views import LeftOut, Picture
@@ -33,6 +34,7 @@ class ReportContents:
     summary: Mapping[str, Any] = field(default_factory=dict)
     diagnoses: Sequence[Diagnosis] = ()
     seeds: Sequence[Diagnosis] = ()
+    bars: LineBars | str = ""  # of the lines of the first diagnosis, or why there are none
     gears: Sequence[Mapping[str, Any]] = ()
     stiffness: Sequence[StiffnessPlot] = ()
     rolling: Sequence[Mapping[str, Any]] = ()  # bearings with their pass frequencies

@@ -29,6 +29,7 @@ def write_report(path: Path | str, contents: ReportContents) -> Path:
         ("How it was decided", _decided),
         ("Levels", spectra.levels),
         ("Healthy and faulty", spectra.healthy_faulty),
+        ("Error bars", spectra.error_bars),
         ("Windows side by side", spectra.two_windows),
         ("Two loads", spectra.two_loads),
         ("Envelope table", spectra.envelope_table),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pipelines.bars.line_bars import LineBars
+from pipelines.bars.words import bars_grid
 from pipelines.figures.plots import waveform_figure
 from pipelines.figures.spectrum_plots import (
     Trace,
@@ -83,13 +85,24 @@ def _own_spectra(analysis: Analysis, settings: DiagnosisSettings) -> list[str]:
 
 def healthy_faulty(contents: ReportContents) -> list[str]:
     parts = []
-    for diagnosis in contents.diagnoses:
+    for number, diagnosis in enumerate(contents.diagnoses):
         for window in diagnosis.settings.windows:
+            bars = contents.bars.of(window) if isinstance(contents.bars, LineBars) and number == 0 else ()
             caption = f"{_named(diagnosis, window)}: both runs with the same deviations. Triangles: detected lines."
-            parts.append(page.picture(healthy_faulty_figure(diagnosis, window), caption))
+            caption += " Vertical bars: error bars, see there." if bars else ""
+            parts.append(page.picture(healthy_faulty_figure(diagnosis, window, bars), caption))
             for spall in diagnosis.settings.passes:
                 parts.append(page.picture(pass_figure(diagnosis, window, spall), f"{caption} Dashed: {spall.label}."))
     return parts
+
+
+def error_bars(contents: ReportContents) -> list[str]:
+    """What the numerics and uncertain inputs leave open of the lines."""
+    if isinstance(contents.bars, str):
+        return [page.paragraph(contents.bars)] if contents.bars else []
+    windows = dict.fromkeys(bar.window for bar in contents.bars.bars)
+    tables = [page.table(bars_grid(contents.bars.of(window), window)) for window in windows]
+    return [*tables, *map(page.paragraph, contents.bars.notes)]
 
 
 def two_windows(contents: ReportContents) -> list[str]:

@@ -17,8 +17,10 @@ from pipelines.engine.code_version import library_versions
 from pipelines.engine.run_graph import Observer, Outcome, run_graph
 from pipelines.engine.step import Graph, Step, StepRecord
 from pipelines.engine.working import Work
+from pipelines.bars.words import bars_words
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
+from pipelines.runs.error_bars import bars_step
 from pipelines.runs.judging import feature_steps, judged, verdict_words, write_verdict
 from pipelines.scene.file import LoadedScene, control_differences
 from pipelines.signals.motion_warnings import log_warnings
@@ -27,6 +29,7 @@ from pipelines.steps.study import Study, plan_study
 
 if TYPE_CHECKING:
     from mbd.output.trajectory import Trajectory
+    from pipelines.bars.line_bars import LineBars
     from pipelines.diagnosis.verdict import Verdict
     from pipelines.plant.plant import Plant
 
@@ -79,6 +82,7 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
     graph = Graph(study.graph).needed(wanted)
     count = len(graph.steps) + (diagnosing is not None) + options.with_report
     count += len(feature_steps(study)) if options.with_report else 0
+    count += diagnosing is not None  # its error bars
     failure: Exception | None = None
     told = _Told()
     with (
@@ -129,6 +133,7 @@ def _tell(
 ) -> tuple[Outcome, _Told]:
     """Diagnosis and report of finished signals, each written as soon as it is there."""
     outcome, words, left_out = signals, "", []
+    bars: LineBars | str = ""
     judging = feature_steps(study)
     verdict = None
     if judging:
@@ -144,11 +149,16 @@ def _tell(
         for name, content in found["files"].items():
             (folder / name).write_bytes(content)
         if found["words"]:
-            (folder / "diagnosis.txt").write_text(found["words"], encoding="utf-8")
-            words = f"{words}\n{found['words']}" if study.baseline else f"{found['words']}\n{words}"
+            outcome = _with_steps(
+                [*study.graph, *judging, (step := bars_step(study))], [step], outcome, cache, observer
+            )
+            bars = outcome.value(step.name)
+            told = f"{found['words']}\n{bars_words(bars)}"
+            (folder / "diagnosis.txt").write_text(told, encoding="utf-8")
+            words = f"{words}\n{told}" if study.baseline else f"{told}\n{words}"
         if found["failure"]:
             left_out.append(f"The diagnosis is left out: {found['failure']}")
-    step = _report_step(loaded, study, diagnosing, outcome, verdict)
+    step = _report_step(loaded, study, diagnosing, outcome, verdict, bars)
     known = [*study.graph, *judging, *([diagnosing] if diagnosing else []), step]
     outcome = _with_steps(known, [step], outcome, cache, observer)
     report = outcome.value(step.name)
@@ -201,7 +211,12 @@ def _diagnose_step(study: Study) -> Step | None:
 
 
 def _report_step(
-    loaded: LoadedScene, study: Study, diagnosing: Step | None, outcome: Outcome, verdict: Verdict | None
+    loaded: LoadedScene,
+    study: Study,
+    diagnosing: Step | None,
+    outcome: Outcome,
+    verdict: Verdict | None,
+    bars: LineBars | str,
 ) -> Step:
     from pipelines.plant.checks.design_warnings import design_warnings
     from pipelines.steps import reporting
@@ -226,6 +241,7 @@ def _report_step(
         provenance=provenance(loaded.name, plant, outcome),
         failure=outcome.value(diagnosing.name)["failure"] if diagnosing else "",
         verdict=verdict,
+        bars=bars,
         baseline=bool(study.baseline),
         warnings=(
             *design_warnings(loaded.scene, plant.layout),

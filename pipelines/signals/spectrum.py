@@ -255,6 +255,11 @@ def _columns(signal: np.ndarray, segment: Segment) -> np.ndarray:
 
 def amplitudes(signal: np.ndarray, window: str) -> np.ndarray:
     """One-sided peak amplitudes (bins, axes) of (samples, axes), whatever the unit."""
+    return np.abs(complex_amplitudes(signal, window))
+
+
+def complex_amplitudes(signal: np.ndarray, window: str) -> np.ndarray:
+    """Those of `amplitudes` with their phases: a tone Re(A exp(2 pi i f t)) on a bin reads A."""
     samples = signal.shape[0]
     if window == "hann":
         weight = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(samples) / samples)
@@ -262,7 +267,7 @@ def amplitudes(signal: np.ndarray, window: str) -> np.ndarray:
         weight = np.ones(samples)
     else:
         raise SpectrumError(f"window {window!r}: known are {', '.join(WINDOWS)}")
-    amplitude = 2 * np.abs(np.fft.rfft(signal * weight[:, None], axis=0)) / weight.sum()
+    amplitude = 2 * np.fft.rfft(signal * weight[:, None], axis=0) / weight.sum()
     amplitude[0] /= 2
     if samples % 2 == 0:
         amplitude[-1] /= 2

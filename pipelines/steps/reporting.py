@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.modes import CasingModes
     from fem.contact.law import MeshLaw
+    from pipelines.bars.line_bars import LineBars
     from pipelines.diagnosis.verdict import Verdict
     from pipelines.figures.plots import StiffnessPlot
     from pipelines.figures.views import LeftOut, Picture
@@ -54,6 +55,7 @@ class ReportSpec:
     warnings: tuple[str, ...]
     failure: str = ""  # why no diagnosis was possible
     verdict: Verdict | None = None  # the blind ranking of components
+    bars: LineBars | str = ""  # of the lines, or why there are none
     baseline: bool = False  # whether the verdict compares with machines of other deviations
 
 
@@ -88,6 +90,7 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
         summary=_summary(plant),
         diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
         seeds=[d for d, full in zip(found, shown, strict=True) if not full],
+        bars=spec.bars,
         gears=gear_rows(plant),
         rolling=rolling_rows(plant),
         shafts=shaft_rows(plant),

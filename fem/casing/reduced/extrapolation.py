@@ -38,7 +38,7 @@ from fem.storage.records import Record, array
 RATIOS = (1.3, 1.7)  # element sizes of the coarser meshes
 MODES = 40  # lowest natural modes that are compared
 LARGEST = 0.25  # change of a frequency from mesh to mesh that is extrapolated
-_RIGID = 6  # motions of a casing on springs, which stand outside its own stiffness
+RIGID_MOTIONS = 6  # motions of a casing on springs, which stand outside its own stiffness
 
 
 class ExtrapolationError(ValueError):
@@ -132,6 +132,6 @@ def stiffness_factor(limits: FrequencyLimits) -> float:
 def _elastic(stiffness: np.ndarray, mass: np.ndarray, ground: Ground | str) -> tuple[np.ndarray, np.ndarray]:
     """Hz (m,) and vectors (coordinate, m) of the lowest `MODES`, or of all there are."""
     squares, vectors = la.eigh(stiffness, mass)
-    chosen = slice(_RIGID if ground == "springs" else 0, None)
+    chosen = slice(RIGID_MOTIONS if ground == "springs" else 0, None)
     squares, vectors = squares[chosen][:MODES], vectors[:, chosen][:, :MODES]
     return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi), vectors

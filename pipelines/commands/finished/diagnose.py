@@ -22,10 +22,18 @@ def main(options: argparse.Namespace) -> int:
         judged = judge_file(path, options.baseline, options.machine, window)
         sys.stdout.write(json_text(file_facts(judged)) if options.json else file_words(judged))
         return 0
+    from pipelines.bars.words import bars_words
+    from pipelines.engine.working import Work
     from pipelines.runs.diagnosed import diagnose_folder
+    from pipelines.runs.error_bars import folder_bars
     from pipelines.signals.export import diagnosis_facts
     from pipelines.steps.diagnosing import words
 
     found = diagnose_folder(path.parent, options.settings)
-    sys.stdout.write(json_text(diagnosis_facts([found])) if options.json else words([found], [found]))
+    bars = folder_bars(path.parent, found, options.settings, Work())
+    if options.json:
+        facts = bars if isinstance(bars, str) else bars.to_dict()
+        sys.stdout.write(json_text(diagnosis_facts([found]) | {"error_bars": facts}))
+    else:
+        sys.stdout.write(f"{words([found], [found])}\n{bars_words(bars)}")
     return 0

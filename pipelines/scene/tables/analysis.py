@@ -27,3 +27,12 @@ class DiagnosisTable(Table):
         ),
     ] = "mesh"
     noise_m_s2: Annotated[Number, Field(ge=0, description="rms of white sensor noise added before diagnosis")] = 0.01
+    damping_spread: Annotated[
+        Number,
+        Field(
+            gt=0,
+            le=9,
+            description="error bars: the damping ratios of the casing are off by a factor of up to 1 + this, 5 to 95 %; "
+            "assumed",
+        ),
+    ] = 0.3

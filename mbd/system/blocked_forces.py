@@ -1,0 +1,118 @@
+"""Blocked forces: what gears and shafts do to a casing, told apart from the casing that receives it.
+
+At one frequency a casing with the receptance Y moves under the forces F of the bearings by u = Y F. Turned around, the
+machine pushes with its blocked forces f, those on a casing that does not move, less what its own dynamic stiffness P
+takes off: F = f - P u. So
+
+    f = (I + P Y) F,    F' = (I + P Y')^-1 f
+
+gives the forces F' on any other casing Y'; nothing needs to be known of what excites the machine. P is that of the
+tangent machine (`mbd.system.linearised`), its coordinates o condensed: P = D_cc - D_co D_oo^-1 D_oc, without the casing.
+
+Where not all of F is known (runs record no moments of bearings), the rest follows from what excites the machine most:
+forces g on the rows B of the loaded flanks have the blocked forces -D_co D_oo^-1 B^T g, and g is what fits the known
+forces best. What they do not explain comes from elsewhere and is taken to push along the known coordinates alone.
+
+A mesh whose stiffness pulsates would also carry the change of one frequency into others; that is left out.
+
+References
+----------
+Moorhouse, Elliott & Evans (2009), In situ measurement of the blocked force of structure-borne sound sources, J. Sound
+Vib. 325, 679-685; ISO 20270:2019.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+
+from mbd.parts.casing import NAME
+from mbd.system.linearised import tangent
+from mbd.system.statics import State
+from mbd.system.system import System
+
+NOTHING = 1e-12  # of the largest term of a matrix: round-off
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MachineAtSeats:
+    """The tangent machine as the casing feels it on its `seats`, the coordinates that the machine acts on."""
+
+    seats: np.ndarray  # (seat,) numbers of coordinates of the casing
+    own: tuple[np.ndarray, ...]  # K, C, M (seat, seat) that the machine adds to the casing
+    across: tuple[np.ndarray, ...]  # K, C, M (seat, other)
+    back: tuple[np.ndarray, ...]  # K, C, M (other, seat)
+    rest: tuple[np.ndarray, ...]  # K, C, M (other, other)
+    flanks: np.ndarray  # (other, row) of the loaded flanks
+
+    def at(self, omega: float) -> tuple[np.ndarray, np.ndarray]:
+        """P (seat, seat) at a circular frequency (rad/s), and blocked forces (seat, row) of forces on the flanks."""
+        own, across, back, rest = (
+            stiffness + 1j * omega * damping - omega**2 * mass
+            for stiffness, damping, mass in (self.own, self.across, self.back, self.rest)
+        )
+        moved = la.solve(rest, np.hstack([back, self.flanks]))
+        return own - across @ moved[:, : len(own)], -across @ moved[:, len(own) :]
+
+
+def machine_at_seats(system: System, state: State) -> MachineAtSeats:
+    """The machine about a state of rest, without its casing.
+
+    Raises
+    ------
+    MachineError : a mesh carries no force, so that it has no tangent stiffness
+    """
+    small, body = tangent(system, state), system.layout.casing
+    matrices = small.stiffness, small.damping, system.mass
+    casing = system.layout.index(NAME)
+    other = np.setdiff1d(np.arange(system.layout.size), casing)
+    alone = body.stiffness, body.damping, body.mass
+    own = [matrix[np.ix_(casing, casing)] - part for matrix, part in zip(matrices, alone, strict=True)]
+    acted = np.zeros(len(casing), dtype=bool)
+    for matrix, added in zip(matrices, own, strict=True):
+        for block in (added, matrix[np.ix_(casing, other)], matrix[np.ix_(other, casing)].T):
+            acted |= abs(block).max(axis=1, initial=0.0) > NOTHING * abs(matrix).max(initial=0.0)
+    seats = np.flatnonzero(acted)
+    at = casing[seats]
+    return MachineAtSeats(
+        seats=seats,
+        own=tuple(added[np.ix_(seats, seats)] for added in own),
+        across=tuple(matrix[np.ix_(at, other)] for matrix in matrices),
+        back=tuple(matrix[np.ix_(other, at)] for matrix in matrices),
+        rest=tuple(matrix[np.ix_(other, other)] for matrix in matrices),
+        flanks=_loaded_rows(system, state)[:, other].T,
+    )
+
+
+def _loaded_rows(system: System, state: State) -> np.ndarray:
+    """Rows (row, coordinate) of the flanks that carry the load, of every contact."""
+    found = [np.zeros((0, system.layout.size))]
+    for number, sides in enumerate(system.contacts.values()):
+        loaded = sides[0] if state.mesh_force[number] > 0.0 else sides[-1]
+        found.append(system.rows[system.at(loaded.name)])
+    return np.vstack(found)
+
+
+def blocked_forces(
+    stiffness: np.ndarray, receptance: np.ndarray, forces: np.ndarray, known: np.ndarray, flanks: np.ndarray
+) -> np.ndarray:
+    """f (seat,) from forces on a casing some of which are known.
+
+    Parameters
+    ----------
+    stiffness, receptance : P and Y (seat, seat)
+    forces : F (seat,), complex
+    known : (seat,) bool
+    flanks : (seat, row) blocked forces of unit forces on the flanks
+    """
+    coupled = np.eye(len(forces)) + stiffness @ receptance
+    if known.all():
+        return coupled @ forces
+    pushed = la.solve(coupled, flanks)
+    size = np.linalg.norm(pushed[known], axis=0)
+    fit = np.linalg.lstsq(pushed[known] / size, forces[known])[0] / size
+    left, missing = np.where(known, forces - pushed @ fit, 0.0), np.flatnonzero(~known)
+    left[missing] = la.solve(coupled[np.ix_(missing, missing)], -(coupled @ left)[missing])
+    return flanks @ fit + coupled @ left

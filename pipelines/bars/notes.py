@@ -1,0 +1,41 @@
+"""What error bars hold and what they do not, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pipelines.bars.line_bars import LineBar
+
+LEFT_OUT = (
+    "Not in the bars: the mesh law (its refinement and slices; `gearcase converge SCENE --over gear-mesh`, `--over slices`), modes that "
+    "the reduction leaves out, the seats (casing.attachment mean or rigid), feet and mounts, and the deviations of the "
+    "teeth (`gearcase run SCENE --seeds N`)."
+)
+
+
+def notes(bars: Sequence[LineBar], missed: Sequence[str], remedy: str, damping_spread: float) -> tuple[str, ...]:
+    """The sentences.
+
+    Parameters
+    ----------
+    bars : of all windows
+    missed : names of lines that the forces of the bearings do not explain
+    remedy : what to set where the error of the casing's mesh is not known, "" where it is
+    damping_spread : of the damping ratios
+    """
+    found = []
+    if remedy:
+        found.append(f"The error of the casing's mesh is not known: {remedy}. Shown is what the inputs do.")
+    else:
+        found.append(
+            "Numerical: 5 to 95 % of 200 draws of the casing's natural frequencies from their limits and bands, and the "
+            "error of the time step."
+        )
+    found.append(
+        f"Inputs: the same of the casing's damping ratios, off by a factor of up to {1 + damping_spread:g} (assumed; "
+        "diagnosis.damping_spread)."
+    )
+    found.append(LEFT_OUT)
+    if missed:
+        found.append(f"Other forces than those of the bearings make: {', '.join(missed)}.")
+    return tuple(found)
