@@ -7,7 +7,7 @@ takes off: F = f - P u. So
     f = (I + P Y) F,    F' = (I + P Y')^-1 f
 
 gives the forces F' on any other casing Y'; nothing needs to be known of what excites the machine. P is that of the
-tangent machine (`mbd.system.linearised`), its coordinates o condensed: P = D_cc - D_co D_oo^-1 D_oc, without the casing.
+tangent machine (`mbd.system.linearised`) without the casing, its coordinates o condensed: P = D_cc - D_co D_oo^-1 D_oc.
 
 Where not all of F is known (runs record no moments of bearings), the rest follows from what excites the machine most:
 forces g on the rows B of the loaded flanks have the blocked forces -D_co D_oo^-1 B^T g, and g is what fits the known

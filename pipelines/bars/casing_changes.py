@@ -1,8 +1,8 @@
 """Acceleration at a sensor on other casings, from the forces of the bearings in a finished run.
 
-With the forces F of the run at one frequency, the receptance Y of its casing between the seats and the dynamic stiffness
-P of the machine (`mbd.system.blocked_forces`), the blocked forces are f = (I + P Y) F. On another casing with the modes
-(omega', zeta') of shapes U Q, all in the near modes U of the first one, and a flexibility R of all modes above,
+With the forces F of the run at one frequency, the receptance Y of its casing between the seats and the dynamic
+stiffness P of the machine (`mbd.system.blocked_forces`), the blocked forces are f = (I + P Y) F. On another casing with
+the modes (omega', zeta') of shapes U Q, all in the near modes U of the first one, and a flexibility R of all above,
 
     (Q diag(omega'^2 - omega^2 + 2i zeta' omega' omega) Q^T + U^T C P U) eta = U^T C f,    C = (I + P R)^-1
     F' = C (f - P U eta),    a' = -omega^2 (S U eta + S R F')

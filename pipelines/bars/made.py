@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -35,7 +35,8 @@ if TYPE_CHECKING:
     import xarray
 
 DRAWS, SEED = 200, 1
-SEATS, STEP, DAMPING = "modes above and seats", "time step", "damping of the casing"
+SEATS, SHAPES, STEP = "modes above and seats", "shapes of casing modes", "time step"
+DAMPING = "damping of the casing"
 MISSED = 1.0  # dB: where the forces of the bearings give another line than the recorded one, other forces act
 
 
@@ -146,12 +147,17 @@ def _window_bars(window: _Window, lines: LineTable, uncertain: Uncertain, missed
 
 
 def _numerical(window: _Window, drawn: np.ndarray, single: np.ndarray) -> Sequence[Band]:
-    """Bands of the errors of the casing's frequencies and of the time step, which is the same share of every line."""
+    """Bands of the errors of the casing's modes and of the time step, which is the same share of every line.
+
+    What no error does alone comes of modes that turn into one another.
+    """
     step = 20.0 / np.log(10.0) * window.step_error
     drawn = drawn + step * np.random.default_rng(SEED).standard_normal(drawn.shape)
     names = [f"casing mode at {frequency:.0f} Hz" for frequency in window.form.frequencies[: window.path.near]]
     alone = abs(single[1:] - single[0])
-    return [
-        band(drawn[:, i], dict(zip((*names, SEATS), alone[:, i].tolist(), strict=True)) | {STEP: step})
-        for i in range(drawn.shape[1])
-    ]
+    found = []
+    for line, changes in enumerate(drawn.T):
+        sources = dict(zip((*names, SEATS), alone[:, line].tolist(), strict=True)) | {STEP: step}
+        shapes = float(np.var(changes)) - sum(change**2 for change in sources.values())
+        found.append(band(changes, sources | {SHAPES: math.sqrt(max(shapes, 0.0))}))
+    return found

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from pipelines.bars.line_bars import LineBar
 
 LEFT_OUT = (
-    "Not in the bars: the mesh law (its refinement and slices; `gearcase converge SCENE --over gear-mesh`, `--over slices`), modes that "
-    "the reduction leaves out, the seats (casing.attachment mean or rigid), feet and mounts, and the deviations of the "
-    "teeth (`gearcase run SCENE --seeds N`)."
+    "Not in the bars: the mesh law (`gearcase converge SCENE` with `--over gear-mesh` and `--over slices` tells its "
+    "error), modes that the reduction leaves out, the seats (casing.attachment mean or rigid), feet and mounts, and "
+    "the deviations of the teeth (`gearcase run SCENE --seeds N`)."
 )
 
 
@@ -28,8 +28,8 @@ def notes(bars: Sequence[LineBar], missed: Sequence[str], remedy: str, damping_s
         found.append(f"The error of the casing's mesh is not known: {remedy}. Shown is what the inputs do.")
     else:
         found.append(
-            "Numerical: 5 to 95 % of 200 draws of the casing's natural frequencies from their limits and bands, and the "
-            "error of the time step."
+            "Numerical: 5 to 95 % of 200 draws of the casing's natural modes from the limits and bands of their "
+            "frequencies, and the error of the time step."
         )
     found.append(
         f"Inputs: the same of the casing's damping ratios, off by a factor of up to {1 + damping_spread:g} (assumed; "

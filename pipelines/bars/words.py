@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pipelines.bars.line_bars import Band, LineBar, LineBars
 from pipelines.border.grid import Grid
 
-HEADERS = ("line", "Hz", "m/s²", "numerical dB", "mostly by", "inputs dB", "mostly by")
+HEADERS = ("line", "Hz", "m/s²", "numerical dB", "mostly by", "inputs dB")
 
 
 def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:
@@ -17,8 +17,9 @@ def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:
             f"envelope {bar.label}" if bar.kind == "envelope" else bar.label,
             f"{bar.frequency:.3f}",
             f"{bar.level:.3g}",
-            *_cells(bar.numerical),
-            *_cells(bar.inputs),
+            "" if bar.numerical is None else _ends(bar.numerical),
+            "" if bar.numerical is None else f"{bar.numerical.source} ({100 * bar.numerical.share:.0f} %)",
+            _ends(bar.inputs),
         )
         for bar in bars
     )
@@ -40,7 +41,5 @@ def bars_words(found: LineBars | str) -> str:
     return "\n\n".join([*parts, "\n".join(found.notes)]) + "\n"
 
 
-def _cells(band: Band | None) -> tuple[str, str]:
-    if band is None:
-        return "", ""
-    return f"{band.low:+.2f} to {band.high:+.2f}", f"{band.source} ({100 * band.share:.0f} %)" if band.share else "none"
+def _ends(band: Band) -> str:
+    return f"{band.low:+.2f} to {band.high:+.2f}"

@@ -11,13 +11,13 @@ from pathlib import Path
 from traceback import format_exception
 from typing import TYPE_CHECKING, Any
 
+from pipelines.bars.words import bars_words
 from pipelines.border.errors import WorkError
 from pipelines.engine.cache import Cache
 from pipelines.engine.code_version import library_versions
 from pipelines.engine.run_graph import Observer, Outcome, run_graph
 from pipelines.engine.step import Graph, Step, StepRecord
 from pipelines.engine.working import Work
-from pipelines.bars.words import bars_words
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
 from pipelines.runs.error_bars import bars_step

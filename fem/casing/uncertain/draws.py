@@ -1,14 +1,17 @@
-"""Draws of a casing whose natural frequencies have errors, and whose close modes turn into one another.
+"""Draws of a casing whose natural frequencies have errors, and whose modes turn into one another.
 
-In its natural modes a casing has the stiffness diag(omega^2). A drawn one has
+In its natural modes a casing has the stiffness diag(omega^2), one with errors
 
-    omega_i omega_j (delta_ij + E_ij),    E_ii = (1 + e_i)^2 - 1,    E_ij ~ normal(0, sqrt(2 s_i s_j)) of close modes
+    omega_i omega_j (delta_ij + E_ij),    E_ii = (1 + e_i)^2 - 1,    E_ij ~ normal(0, sqrt(2 s_i s_j))
 
 with the error e_i of mean m_i and standard deviation s_i. The diagonal then spreads by 2 s_i, and with modes of one
 frequency nothing may depend on which two of their combinations are called the modes: the distribution has to be that
 of the Gaussian orthogonal ensemble, whose other terms have half the variance of the diagonal (Mehta 2004, Random
-Matrices, 2.5). Modes are close where their bands, two standard deviations, overlap; for those far apart the limit of
-the frequency holds all that they do to one another.
+Matrices, 2.5).
+
+Modes are close where their bands, two standard deviations, overlap: their part of the matrix is solved for frequencies
+and shapes. Modes that are not close take up some of each other's shape, by the angle E_ij omega_i omega_j /
+(omega_j^2 - omega_i^2) of the first order; what that does to their frequencies is in the limits already.
 
 Modes far above the frequencies that are looked at act by their flexibility alone; a draw scales all of it.
 """
@@ -16,7 +19,7 @@ Modes far above the frequencies that are looked at act by their flexibility alon
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -67,9 +70,11 @@ def drawn_frequencies(form: ModalForm, near: int, errors: FrequencyErrors, count
     means, spreads, common = _moments(near, errors)
     rest = random.standard_normal(count)
     single = means + spreads * random.standard_normal((count, near)) + np.outer(rest, common)
-    off = np.sqrt(2.0 * np.outer(spreads, spreads)) * _close(form.frequencies[:near], spreads)
-    triangle = np.triu(off, 1) * random.standard_normal((count, near, near))
-    return _changed(form, near, single, triangle + triangle.transpose(0, 2, 1), errors.rest * rest)
+    off = np.sqrt(2.0 * np.outer(spreads, spreads)) * np.triu(random.standard_normal((count, near, near)), 1)
+    off = off + off.transpose(0, 2, 1)
+    close = _close(form.frequencies[:near], spreads)
+    found = _changed(form, near, single, off * close, errors.rest * rest)
+    return replace(found, turns=_turned(form.squares[:near], off * ~close) @ found.turns)
 
 
 def single_errors(form: ModalForm, near: int, errors: FrequencyErrors) -> CasingDraws:
@@ -109,6 +114,14 @@ def _close(frequencies: np.ndarray, spreads: np.ndarray) -> np.ndarray:
     """Whether the bands of two modes overlap (mode, mode)."""
     bands = WIDTH * spreads * frequencies
     return abs(frequencies[:, None] - frequencies) < bands[:, None] + bands
+
+
+def _turned(squares: np.ndarray, off: np.ndarray) -> np.ndarray:
+    """Orthogonal matrices (draw, near, near) that turn modes by the angles of terms `off` beside the diagonal."""
+    omega, apart = np.sqrt(squares), squares - squares[:, None]
+    angles = off * omega * omega[:, None] / np.where(apart == 0.0, np.inf, apart)
+    whole = np.eye(len(squares))
+    return np.linalg.solve(whole + 0.5 * angles, whole - 0.5 * angles)  # Cayley: orthogonal, for any angles
 
 
 def _changed(form: ModalForm, near: int, single: np.ndarray, mixed: np.ndarray, rest: np.ndarray) -> CasingDraws:

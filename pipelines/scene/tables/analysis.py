@@ -32,7 +32,7 @@ class DiagnosisTable(Table):
         Field(
             gt=0,
             le=9,
-            description="error bars: the damping ratios of the casing are off by a factor of up to 1 + this, 5 to 95 %; "
+            description="error bars: damping ratios of the casing are off by a factor of up to 1 + this, 5 to 95 %; "
             "assumed",
         ),
     ] = 0.3

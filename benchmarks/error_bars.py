@@ -1,0 +1,182 @@
+"""Error bars of the rig against simulated casings and meshes: `python -m benchmarks.error_bars [OUTPUT.json]`.
+
+Two questions, for every line that stands 10 dB over its floor in the bars of one run:
+
+    draws    44 drawn casings are simulated; how many of their levels lie within the bars, how wide are the bars over
+             the 5 to 95 % of these levels, and how far is what was predicted for each casing from its simulation
+    meshes   the casing is meshed with other elements of other sizes; how many of their levels lie within the bars, and
+             does the bar of each mesh reach to the level of the finest one
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.clock import conditions
+from fem.casing.uncertain.drawn_body import drawn_body
+from fem.casing.uncertain.draws import drawn_frequencies, near_modes
+from fem.casing.uncertain.modal_form import modal_form
+from mbd.output.trajectory import Trajectory
+from pipelines.bars.line_bars import LineBars
+from pipelines.bars.uncertain import uncertain
+from pipelines.engine.step import Graph
+from pipelines.engine.working import Work
+from pipelines.plant.assembly import assemble_machine, assemble_system
+from pipelines.plant.plant import Plant
+from pipelines.runs.error_bars import bars_step, plant_bars
+from pipelines.scene.file import load_scene
+from pipelines.signals.analysis import analyse
+from pipelines.signals.diagnosis import Diagnosis, diagnose
+from pipelines.signals.response import make_response
+from pipelines.steps.graph import COARSER
+from pipelines.steps.motion import moved
+from pipelines.steps.study import plan_study
+
+OUTPUT = Path(__file__).parent / "results" / "error_bars.json"
+SHORT: dict[str, Any] = {
+    "casing.band_Hz": 3500.0,
+    "simulation.end_s": 2.6,
+    "diagnosis.windows_s": {"lifting": [0.5, 2.5]},
+}
+
+
+def tetrahedra(size: float, bore: float) -> dict[str, Any]:
+    """Settings of an extrapolated mesh, sizes in mm."""
+    return {"casing.element_size_mm": size, "casing.bore_element_size_mm": bore, "casing.extrapolated": True}
+
+
+def hexahedra(element: str, size: float, edge: float) -> dict[str, Any]:
+    """Settings of a mesh of hexahedra, sizes in mm; those of 27 nodes are extrapolated."""
+    extrapolated = element == "hexahedron-27"
+    sizes = {"casing.element_size_mm": size, "casing.edge_element_size_mm": edge}
+    return {"casing.element": element, "casing.extrapolated": extrapolated, **sizes}
+
+
+FIRST = "tetrahedra 17.6"
+FINEST = "hexahedra-27 19"
+MESHES = {
+    FIRST: tetrahedra(17.6, 7.0),
+    "tetrahedra 20": tetrahedra(20.0, 8.0),
+    "tetrahedra 17.1": tetrahedra(17.1, 6.8),
+    "tetrahedra 15.5": tetrahedra(15.5, 6.0),
+    "hexahedra-27 22": hexahedra("hexahedron-27", 22.0, 2.0),
+    FINEST: hexahedra("hexahedron-27", 19.0, 1.7),
+    "hexahedra-20 20": hexahedra("hexahedron-20", 20.0, 1.8),
+}
+DRAWS, SEED = 44, 7
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshRun:
+    """A run of the rig on one mesh, and what its bars are made of."""
+
+    plant: Plant
+    motion: Trajectory
+    taken: Sequence[Any]
+
+
+def mesh_run(settings: Mapping[str, Any]) -> MeshRun:
+    """The rig with a missing tooth in a casing of one mesh."""
+    study = plan_study(load_scene("rig-missing-tooth", {**SHORT, **settings}), with_control=False, both_loads=False)
+    plant = study.plant
+    extrapolated = ("casing modes", *COARSER) if COARSER[0] in study.graph.steps else ()
+    names = (*plant.law_names, "casing", *extrapolated)
+    outcome = Work(processes=1).build(study.graph, ["simulate", *names])
+    taken = [outcome.value(name) for name in names]
+    return MeshRun(plant=plant, motion=outcome.value("simulate"), taken=taken)
+
+
+def first_bars() -> tuple[Diagnosis, LineBars]:
+    """Diagnosis and bars of the first mesh, against its healthy control."""
+    loaded = load_scene("rig-missing-tooth", {**SHORT, **MESHES[FIRST]})
+    study = plan_study(loaded, both_loads=False)
+    step, case = bars_step(study), study.cases[0]
+    assert case.healthy is not None
+    assert case.control is not None
+    assert case.plant.diagnosis is not None
+    outcome = Work(processes=1).build(Graph([*study.graph, step]), [step.name, case.faulty, case.healthy])
+    runs = (make_response(outcome.value(case.faulty), case.plant.labels),
+            make_response(outcome.value(case.healthy), case.control.labels))  # fmt: skip
+    return diagnose(*runs, case.plant.diagnosis), outcome.value(step.name)
+
+
+def levels(motion: Trajectory, plant: Plant, diagnosis: Diagnosis, bars: LineBars) -> np.ndarray:
+    """Levels (line,) of a motion in dB, without sensor noise."""
+    run = make_response(motion, plant.labels | {"sensor_noise_m_s2": 0.0})
+    found = analyse(run, diagnosis.settings, band=diagnosis.band)
+    spectra = [(found.envelopes if bar.kind == "envelope" else found.spectra)[bar.window] for bar in bars.bars]
+    lines = [one.lines([bar.frequency])[0] for one, bar in zip(spectra, bars.bars, strict=True)]
+    return np.asarray(20.0 * np.log10(np.array(lines)))
+
+
+def numerical(bars: LineBars) -> np.ndarray:
+    """Low and high ends (2, line), dB."""
+    return np.array([[bar.numerical.low, bar.numerical.high] for bar in bars.bars if bar.numerical]).T
+
+
+def inside(found: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Which changes (..., line) lie between the ends (2, line)."""
+    return (found >= ends[0]) & (found <= ends[1])
+
+
+def simulated_draws(first: MeshRun, diagnosis: Diagnosis, bars: LineBars) -> np.ndarray:
+    """Levels (draw, line) of drawn casings that are simulated, dB over those of the run."""
+    plant, count = first.plant, len(first.plant.law_names)
+    body, modes, *coarser = first.taken[count:]
+    unknown = uncertain(plant.casing, modes[0], coarser, plant.looked_for.damping_spread)
+    assert unknown.errors is not None
+    form = modal_form(body)
+    near = near_modes(form, max(diagnosis.band[1], diagnosis.settings.highest_line))
+    draws = drawn_frequencies(form, near, unknown.errors, DRAWS, SEED)
+    machine = assemble_machine(plant.machine, first.taken[:count])
+    own, found = levels(first.motion, plant, diagnosis, bars), []
+    for number in range(DRAWS):
+        other = drawn_body(body, form, draws, number)
+        system = assemble_system(machine, other, plant.recorded, plant.motion.band)
+        found.append(levels(moved(system, plant.motion), plant, diagnosis, bars) - own)
+        print(f"draw {number + 1} of {DRAWS}", flush=True)
+    return np.array(found)
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Simulate, compare, write."""
+    diagnosis, bars = first_bars()
+    ends, first = numerical(bars), mesh_run(MESHES[FIRST])
+    drawn = simulated_draws(first, diagnosis, bars)
+    scatter = np.percentile(drawn, (5.0, 95.0), axis=0)
+    runs = {name: mesh_run(settings) for name, settings in MESHES.items()}
+    level = {name: levels(run.motion, run.plant, diagnosis, bars) for name, run in runs.items()}
+    others = {name: level[name] - level[FIRST] for name in MESHES if name != FIRST}
+    own = {}
+    for name, run in runs.items():
+        found = plant_bars(run.plant, make_response(run.motion, run.plant.labels), diagnosis, run.taken)
+        if name != FINEST and isinstance(found, LineBars) and all(bar.numerical for bar in found.bars):
+            own[name] = inside(level[FINEST] - level[name], numerical(found))
+    pooled = np.concatenate([inside(drawn, ends), inside(np.array(list(others.values())), ends)])
+    results = {
+        "conditions": conditions(),
+        "lines": [f"{bar.kind} {bar.label}" for bar in bars.bars],
+        "bars dB": ends.T.round(3).tolist(),
+        "median width dB": float(np.median(ends[1] - ends[0])),
+        "draws": DRAWS,
+        "draws covered": float(inside(drawn, ends).mean()),
+        "width over scatter of draws, median": float(np.median((ends[1] - ends[0]) / (scatter[1] - scatter[0]))),
+        "meshes dB": {name: change.round(3).tolist() for name, change in others.items()},
+        "meshes covered": {name: float(inside(change, ends).mean()) for name, change in others.items()},
+        "draws and meshes covered": float(pooled.mean()),
+        f"own bars that reach {FINEST}": {name: float(found.mean()) for name, found in own.items()},
+    }
+    path = Path(arguments[0]) if arguments else OUTPUT
+    path.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    print(json.dumps(results, indent=1))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
