@@ -2,7 +2,7 @@
 
     scene = gearcase.Scene.from_file("minimal")    check laws casing modes simulate run tradeoff converge
     gearcase.reduce(K, M, points, nodes=...)       a body of another program; Point
-    gearcase.open_run("minimal")                   a finished run; diagnose spectrum
+    gearcase.open_run("minimal")                   a finished run; diagnose error_bars spectrum
     gearcase.open_recording("r.csv", "bench.toml") a measured one; judge compare
     gearcase.open_dataset("campaigns/plan")        a data set of many runs; pieces
 
@@ -39,7 +39,9 @@ if TYPE_CHECKING:
     from gearcase.recordings import judge as judge
     from gearcase.recordings import open_recording as open_recording
     from gearcase.results import Diagnosis as Diagnosis
+    from gearcase.results import LineBars as LineBars
     from gearcase.results import diagnose as diagnose
+    from gearcase.results import error_bars as error_bars
     from gearcase.results import open_run as open_run
     from gearcase.results import run as run
     from gearcase.results import spectrum as spectrum
@@ -61,7 +63,7 @@ _PLACES = {
     "machines": ("LinearModes", "modes", "simulate"),
     "matrices": ("Point", "ReducedMatrices", "reduce"),
     "recordings": ("Verdict", "compare", "judge", "open_recording"),
-    "results": ("Diagnosis", "diagnose", "open_run", "run", "spectrum"),
+    "results": ("Diagnosis", "LineBars", "diagnose", "error_bars", "open_run", "run", "spectrum"),
     "scenes": ("Checked", "Scene", "check"),
     "studies": ("RefinementStudy", "Tradeoff", "converge", "tradeoff"),
     "working": ("StepProgress",),

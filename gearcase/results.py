@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from gearcase.scenes import Scene, Settings
 from gearcase.working import ProgressFunction
+from pipelines.bars.line_bars import LineBars
+from pipelines.border.errors import WorkError
 from pipelines.engine.working import Work
 from pipelines.runs.diagnosed import diagnose_folder
+from pipelines.runs.error_bars import folder_bars
 from pipelines.runs.run import Options, run_scene
 from pipelines.runs.run_folder import find_run, loaded_run
 from pipelines.signals.diagnosis import Diagnosis
@@ -17,7 +20,7 @@ from pipelines.signals.labelled_spectrum import labelled_spectrum
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Diagnosis", "diagnose", "open_run", "run", "spectrum"]
+__all__ = ["Diagnosis", "LineBars", "diagnose", "error_bars", "open_run", "run", "spectrum"]
 
 
 def run(
@@ -98,6 +101,47 @@ def diagnose(response: xarray.Dataset, settings: Settings = ()) -> Diagnosis:
     True
     """
     return diagnose_folder(Path(_folder(response.attrs)), settings)
+
+
+def error_bars(
+    response: xarray.Dataset,
+    settings: Settings = (),
+    *,
+    processes: int | None = None,
+    progress: ProgressFunction | None = None,
+) -> LineBars:
+    """How far the levels of the lines of a finished run can be trusted; nothing is simulated.
+
+    Parameters
+    ----------
+    response : what `run` or `open_run` returned
+    settings : as those of `diagnose`, {"diagnosis.damping_spread": 0.5}
+    processes : long steps built side by side, 2 by default; only if the casing is no longer in the cache
+    progress : is told of every step
+
+    Returns
+    -------
+    `bars` of all lines that stand over their floor, each with its `numerical` band (None where the error of the mesh of
+    the casing is not known) and that of its `inputs`, dB over its `level`; `notes` say what they hold
+
+    Raises
+    ------
+    SceneError, InputError : as `diagnose`
+    WorkError : a step failed, or no bars can be made, with the reason
+
+    >>> import gearcase
+    >>> fault = {"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 0}
+    >>> scene = gearcase.Scene.from_file("minimal").changed(faults=[fault], diagnosis={"gear": "pinion"})
+    >>> found = gearcase.error_bars(gearcase.run(scene.changed(control="without-faults"), out="bars"))
+    >>> all(bar.inputs.low < 0 < bar.inputs.high for bar in found.bars if bar.kind == "mesh")
+    True
+    """
+    folder = Path(_folder(response.attrs))
+    work = Work(processes=processes, progress=progress)
+    found = folder_bars(folder, diagnose_folder(folder, settings), settings, work)
+    if isinstance(found, str):
+        raise WorkError(found)
+    return found
 
 
 def spectrum(signal: xarray.DataArray) -> xarray.DataArray:
