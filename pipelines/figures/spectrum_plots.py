@@ -110,7 +110,25 @@ def _draw_bars(axes: Axes, bars: Sequence[LineBar]) -> None:
             level = np.array([bar.level for bar in shown])
             ends = np.array([[getattr(bar, name).low, getattr(bar, name).high] for bar in shown]).T
             place = [bar.frequency + shift for bar in shown]
-            axes.vlines(place, *(level * 10 ** (ends / 20)), color=colour, lw=3.0, label=f"{name}, 5 to 95 %", zorder=5)
+            axes.vlines(place, *(level * 10 ** (ends / 20)), color=colour, lw=3.0, zorder=5)
+
+
+def error_bars_figure(bars: Sequence[LineBar], window: str) -> Figure:
+    """The bars of the lines of a window side by side, dB over the level of the run."""
+    figure = new_figure(3.6)
+    axes = figure.subplots()
+    places = np.arange(len(bars), dtype=float)
+    for name, colour, shift in (("numerical", NUMERICAL, -0.12), ("inputs", INPUTS, 0.12)):
+        shown = [i for i, bar in enumerate(bars) if getattr(bar, name) is not None]
+        if shown:
+            ends = [[getattr(bars[i], name).low, getattr(bars[i], name).high] for i in shown]
+            axes.vlines(places[shown] + shift, *np.array(ends).T, color=colour, lw=4.0, label=f"{name}, 5 to 95 %")
+    axes.axhline(0.0, color=MARK, lw=0.8)
+    names = [f"envelope {bar.label}" if bar.kind == "envelope" else bar.label for bar in bars]
+    axes.set_xticks(places, names, rotation=60, ha="right", fontsize=8)
+    dress(axes, plain(window.capitalize()), "", "dB over the level")
+    legend(axes)
+    return figure
 
 
 def pass_figure(diagnosis: Diagnosis, window: str, spall: PassLines) -> Figure:

@@ -8,6 +8,7 @@ from pipelines.figures.plots import waveform_figure
 from pipelines.figures.spectrum_plots import (
     Trace,
     comparison_figure,
+    error_bars_figure,
     healthy_faulty_figure,
     pass_figure,
     single_spectrum_figure,
@@ -89,7 +90,7 @@ def healthy_faulty(contents: ReportContents) -> list[str]:
         for window in diagnosis.settings.windows:
             bars = contents.bars.of(window) if isinstance(contents.bars, LineBars) and number == 0 else ()
             caption = f"{_named(diagnosis, window)}: both runs with the same deviations. Triangles: detected lines."
-            caption += " Vertical bars: error bars, see there." if bars else ""
+            caption += " Black on a line: its error bar; yellow beside: what the inputs do." if bars else ""
             parts.append(page.picture(healthy_faulty_figure(diagnosis, window, bars), caption))
             for spall in diagnosis.settings.passes:
                 parts.append(page.picture(pass_figure(diagnosis, window, spall), f"{caption} Dashed: {spall.label}."))
@@ -101,8 +102,12 @@ def error_bars(contents: ReportContents) -> list[str]:
     if isinstance(contents.bars, str):
         return [page.paragraph(contents.bars)] if contents.bars else []
     windows = dict.fromkeys(bar.window for bar in contents.bars.bars)
-    tables = [page.table(bars_grid(contents.bars.of(window), window)) for window in windows]
-    return [*tables, *map(page.paragraph, contents.bars.notes)]
+    parts = []
+    for window in windows:
+        bars = contents.bars.of(window)
+        caption = f"Error bars, {window}: what the numerics and the inputs leave open of each line."
+        parts += [page.picture(error_bars_figure(bars, window), caption), page.table(bars_grid(bars, window))]
+    return [*parts, *map(page.paragraph, contents.bars.notes)]
 
 
 def two_windows(contents: ReportContents) -> list[str]:
