@@ -56,12 +56,12 @@ def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncerta
 
     Raises
     ------
-    BarsError : the casing does not move
+    BarsError : the casing does not move, or no bearing stands on it
     MachineError, EquilibriumError : the machine has no loaded rest about which it could be linearised
     """
     body = system.layout.casing
     if not len(body.coordinate_names):
-        raise BarsError("error bars: the bearings stand on the ground, and no casing takes part in the signals")
+        raise BarsError("The bearings stand on the ground: no casing takes part in the signals.")
     form, found, missed = modal_form(body), list[LineBar](), list[str]()
     for window in diagnosis.settings.windows:
         lines = diagnosis.lines.where(window=window).of("envelope", "sideband", "mesh", "shaft")
@@ -82,6 +82,8 @@ class _Window:
         body = system.layout.casing
         forces = run.bearing_force.transpose("time", "bearing", "axis")
         on_casing = [b for b in forces.bearing.values if f"{b}:ux" in body.row_names]
+        if not on_casing:
+            raise BarsError("No bearing stands on the casing, whose forces could tell how it is driven.")
         places = [f"{bearing}:u{axis}" for bearing in on_casing for axis in forces.axis.values]
         first = round(segment.start * rate)
         speed = run.motor_speed.isel(motor=0, time=slice(first, first + round(segment.duration * rate)))

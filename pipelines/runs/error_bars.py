@@ -98,7 +98,7 @@ def folder_bars(folder: Path, diagnosis: Diagnosis, settings: Settings, work: Wo
 
 def plant_bars(plant: Plant, run: xarray.Dataset, diagnosis: Diagnosis, taken: Any) -> LineBars | str:
     """The bars of a run of a plant, or why there are none; `taken` are results of its laws and of `casing_steps`."""
-    from mbd.parts.checks import MachineError
+    from mbd.parts.checks import EquilibriumError, MachineError
     from pipelines.bars.made import BarsError, line_bars
     from pipelines.bars.uncertain import uncertain
     from pipelines.plant.assembly import assemble_machine, assemble_system
@@ -111,5 +111,5 @@ def plant_bars(plant: Plant, run: xarray.Dataset, diagnosis: Diagnosis, taken: A
             assemble_machine(plant.machine, taken[:count]), body, plant.recorded, plant.motion.band
         )
         return line_bars(run, diagnosis, system, unknown)
-    except (BarsError, MachineError) as error:
-        return f"No error bars: {error}"
+    except (BarsError, MachineError, EquilibriumError) as error:
+        return f"No error bars. {error}"
