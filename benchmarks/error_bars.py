@@ -1,6 +1,6 @@
 """Error bars of the rig against simulated casings and meshes: `python -m benchmarks.error_bars [OUTPUT.json]`.
 
-Two questions, for every line that stands 10 dB over its floor in the bars of one run:
+Two questions, for every line 10 dB over its floor in one run:
 
     draws    44 drawn casings are simulated; how many of their levels lie within the bars, how wide are the bars over
              the 5 to 95 % of these levels, and how far is what was predicted for each casing from its simulation

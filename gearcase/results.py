@@ -121,7 +121,7 @@ def error_bars(
 
     Returns
     -------
-    `bars` of all lines that stand over their floor, each with its `numerical` band (None where the error of the mesh of
+    `bars` of all lines clearly over their floor, each with its `numerical` band (None where the error of the mesh of
     the casing is not known) and that of its `inputs`, dB over its `level`; `notes` say what they hold
 
     Raises

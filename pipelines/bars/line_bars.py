@@ -42,7 +42,7 @@ class LineBar:
 
 @dataclass(frozen=True, kw_only=True)
 class LineBars:
-    """Bars of all lines that stand over their floor; `notes` say in sentences what they hold and what they do not."""
+    """Bars of all lines clearly over their floor; `notes` say in sentences what they hold and what they do not."""
 
     bars: tuple[LineBar, ...]
     notes: tuple[str, ...]

@@ -45,7 +45,7 @@ class BarsError(ValueError):
 
 
 def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncertain: Uncertain) -> LineBars:
-    """Bars of all lines of a diagnosis that stand over their floor.
+    """Bars of all lines of a diagnosis that are over their floor by the limit of its settings.
 
     Parameters
     ----------

@@ -97,7 +97,13 @@ def folder_bars(folder: Path, diagnosis: Diagnosis, settings: Settings, work: Wo
 
 
 def plant_bars(plant: Plant, run: xarray.Dataset, diagnosis: Diagnosis, taken: Any) -> LineBars | str:
-    """The bars of a run of a plant, or why there are none; `taken` are results of its laws and of `casing_steps`."""
+    """The bars of a run of a plant, or why there are none.
+
+    Parameters
+    ----------
+    plant, run, diagnosis : the plant, its signals and their lines
+    taken : results of the steps of its laws and of `casing_steps`
+    """
     from mbd.parts.checks import EquilibriumError, MachineError
     from pipelines.bars.made import BarsError, line_bars
     from pipelines.bars.uncertain import uncertain

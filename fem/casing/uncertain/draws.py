@@ -91,7 +91,14 @@ def single_errors(form: ModalForm, near: int, errors: FrequencyErrors) -> Casing
 
 
 def drawn_damping(form: ModalForm, near: int, spread: float, count: int, seed: int) -> CasingDraws:
-    """Draws of one factor of all damping ratios; from 1/(1 + spread) to 1 + spread are its 5 to 95 %, log-normal."""
+    """Draws of one factor of all damping ratios, log-normal.
+
+    Parameters
+    ----------
+    form, near : the casing, and its modes that are drawn for themselves
+    spread : from 1/(1 + spread) to 1 + spread are 5 to 95 % of the factors
+    count, seed : number of draws, and of the random numbers
+    """
     factors = np.exp(np.log1p(spread) / NORMAL_95 * np.random.default_rng(seed).standard_normal(count))
     same = undrawn(form, near, count)
     return CasingDraws(squares=same.squares, turns=same.turns, stiffening=same.stiffening, damping=factors)
@@ -125,7 +132,15 @@ def _turned(squares: np.ndarray, off: np.ndarray) -> np.ndarray:
 
 
 def _changed(form: ModalForm, near: int, single: np.ndarray, mixed: np.ndarray, rest: np.ndarray) -> CasingDraws:
-    """Casings of errors (draw, near) of single modes, terms (draw, near, near) beside the diagonal, and of the rest."""
+    """Casings from errors of their modes.
+
+    Parameters
+    ----------
+    form, near : the casing, and its modes that are drawn for themselves
+    single : (draw, near) relative errors of the frequencies
+    mixed : (draw, near, near) terms E_ij of close modes
+    rest : (draw,) relative errors of all other modes
+    """
     omega = np.sqrt(form.squares[:near])
     matrix = mixed * omega[:, None] * omega
     places = np.arange(near)
