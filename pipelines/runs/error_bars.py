@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -78,7 +78,7 @@ def folder_bars(folder: Path, diagnosis: Diagnosis, settings: Settings, work: Wo
     ----------
     folder : of the results
     diagnosis : by `pipelines.runs.diagnosed.diagnose_folder` with the same settings
-    settings : of the scene
+    settings : those of the diagnosis; what they change of the machine is left aside
     work : what builds the casing again if it is no longer in the cache
 
     Raises
@@ -88,12 +88,13 @@ def folder_bars(folder: Path, diagnosis: Diagnosis, settings: Settings, work: Wo
     from pipelines.runs.single_results import scene_graph
     from pipelines.scene.file import load_scene
 
-    graph, plant = scene_graph(load_scene(folder / run_folder.RESOLVED, settings))
+    graph, plant = scene_graph(load_scene(folder / run_folder.RESOLVED))  # the casing is that of the run
+    asked = load_scene(folder / run_folder.RESOLVED, settings).scene.diagnosis
+    plant = replace(plant, looked_for=replace(plant.looked_for, damping_spread=asked.damping_spread))
     names = (*plant.law_names, *casing_steps(graph))
     outcome = work.build(graph, names)
     with run_folder.opened_run(folder / run_folder.RESPONSE) as run:
-        noisy = run.assign_attrs(sensor_noise_m_s2=plant.looked_for.noise)
-        return plant_bars(plant, noisy, diagnosis, [outcome.value(name) for name in names])
+        return plant_bars(plant, run, diagnosis, [outcome.value(name) for name in names])
 
 
 def plant_bars(plant: Plant, run: xarray.Dataset, diagnosis: Diagnosis, taken: Any) -> LineBars | str:
