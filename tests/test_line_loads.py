@@ -44,7 +44,7 @@ COUPLED = {
 @pytest.mark.parametrize("coupling", [{}, COUPLED], ids=["independent slices", "coupled slices"])
 @pytest.mark.parametrize("slices", [15, 33])
 def test_a_line_load_is_what_the_energy_loses_per_gap_opened_there(coupling, slices):
-    law, step, state = made_up_law(slices=slices, neighbours=1, **coupling), 1e-9, (0.3, 1e-5, 1e-4)
+    law, step, state = made_up_law(slices=slices, helix=1.0, neighbours=1, **coupling), 1e-9, (0.3, 1e-5, 1e-4)
     evaluator = LawEvaluator(law)
     pairs, loads = evaluator.line_loads(*state)
     assert pairs.size >= 3

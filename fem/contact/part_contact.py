@@ -79,5 +79,5 @@ def touch(x, rise, even):
     rise, even : a, m, and p
     """
     rest = 1.0 - even
-    s = even + 0.5 * rest * rest * max(x + rise, 0.0) / (rise + 1e-300)
-    return rise * (s * s - even * even) / (rest * rest) if s < 1.0 else max(x, 0.0)
+    more = 0.5 * rest * rest * max(x + rise, 0.0) / (rise + 1e-300)  # s - p
+    return rise * more * (2.0 * even + more) / (rest * rest) if even + more < 1.0 else max(x, 0.0)

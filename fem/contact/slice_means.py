@@ -92,11 +92,13 @@ def _closing_loads(law: MeshLaw, at: np.ndarray, xi: np.ndarray, above: np.ndarr
 def _gap(law: MeshLaw, at: np.ndarray, gap: np.ndarray, xi: np.ndarray, straight: tuple[bool, bool]) -> np.ndarray:
     """Gap (position, PLACES), m, at the places of slices about xi; at, xi in steps of the grid.
 
+    Slices narrower than a step of the grid (spur gears) and wider than `WIDEST` have one gap all over.
+
     straight : whether it goes on straight before the first and behind the last of its points
     """
     width = float(np.ptp(law.cycle_shift)) / max(law.cycle_shift.size - 1, 1)
     half = width / 2 / law.position_step
-    if not 0.0 < width <= WIDEST:
+    if not law.position_step < width <= WIDEST:
         return np.broadcast_to(np.interp(xi, at, gap)[:, None], (xi.size, PLACES))
     far = max(half, 1.0)
     first = gap[0] - straight[0] * far * (gap[1] - gap[0])

@@ -56,10 +56,10 @@ def test_the_default_step_is_that_of_the_list():
     assert pytest.approx(DEFAULT_STEP, rel=0.01) == 1 / STEPS_PER_PERIOD / mode
 
 
-@pytest.mark.parametrize(("factor", "total", "parts"), [(0.1, 1e-6, 0.01), (1.0, 3e-6, 0.01), (20.0, 3e-5, 0.02)])
+@pytest.mark.parametrize(("factor", "total", "parts"), [(0.1, 1e-6, 0.01), (1.0, 3e-6, 0.01), (20.0, 3e-5, 0.03)])
 def test_step(factor, total, parts):
     """1e-6 from half the default step on; above, what is left is the work between the cubic that a mesh force is held
-    by and the force itself where steps are cut, at the cells of the law: 1.1e-6 at the default step, 1.9e-5 and 1.2 %
+    by and the force itself where steps are cut, at the cells of the law: 1.1e-6 at the default step, 1.9e-5 and 2.2 %
     of the loss of a mesh at 540 us, twenty times it."""
     step = factor * DEFAULT_STEP
     runs(lifted(), step=step, rate=min(5e3, 1 / step), total=total, parts=parts)
