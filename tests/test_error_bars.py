@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from fem.casing.reduced.frequency_limits import FrequencyLimits
+from fem.casing.mesh_error.frequency_limits import FrequencyLimits
 from fem.casing.uncertain.drawn_body import drawn_body
 from fem.casing.uncertain.draws import (
     drawn_damping,

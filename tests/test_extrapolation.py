@@ -8,19 +8,24 @@ import numpy as np
 import pytest
 from housings import small_housing
 
-from fem.casing.meshing.mesher import mesh_housing
-from fem.casing.meshing.sizes import Sizes
-from fem.casing.reduced.extrapolation import (
+from fem.casing.mesh_error.extrapolation import (
     RATIOS,
     ExtrapolationError,
     LowestModes,
+    coarser_sizes,
+    limits_from,
     lowest_modes,
     measured_limits,
     stiffness_factor,
 )
+from fem.casing.mesh_error.frequency_limits import EDGE_ORDER
+from fem.casing.mesh_error.pairing import sample_nodes
+from fem.casing.mesh_error.wanted_size import wanted_factor
+from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.meshing.sizes import Sizes
+from fem.casing.meshing.source import mesh_geometry
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
-from fem.casing.reduced.pairing import sample_nodes
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from pipelines.border.errors import SceneError
@@ -63,17 +68,26 @@ def same_shapes(modes, *factors):
     basis = modes.basis[sample_nodes(modes.nodes)]
     shapes = (basis.reshape(-1, basis.shape[2]) @ natural.vectors)[:, :COUNT]
     exact = natural.frequencies[:COUNT]
-    return [LowestModes(frequencies=factor * exact, shapes=shapes) for factor in factors]
+    return [
+        LowestModes(
+            frequencies=factor * exact,
+            shapes=shapes,
+            element_size=ratio * modes.element_size,
+            divided_edges=0,
+            unknowns=modes.unknowns,
+        )
+        for ratio, factor in zip(RATIOS, factors, strict=True)
+    ]
 
 
-@pytest.mark.parametrize("order", [1.3, 2.0, 3.0])
-def test_an_error_is_taken_off_completely_whatever_its_order(coarse, order):
+@pytest.mark.parametrize("share", [0.2, 0.6, 0.95])
+def test_an_error_of_edges_and_of_smooth_fields_is_taken_off(coarse, share):
     _, modes = coarse
-    error = 0.03  # of the frequencies of a mesh
+    error = 0.01  # of the frequencies of a mesh
     fine = replace(modes, stiffness=(1.0 + error) ** 2 * modes.stiffness)
-    limits = measured_limits(fine, same_shapes(modes, *(1.0 + error * ratio**order for ratio in RATIOS)))
-    assert limits.order == pytest.approx(order, rel=1e-6)
-    assert stiffness_factor(limits) == pytest.approx((1.0 + error) ** -2, rel=1e-6)
+    laws = [share * ratio**EDGE_ORDER + (1.0 - share) * ratio**4.0 for ratio in RATIOS]
+    limits = measured_limits(fine, same_shapes(modes, *(1.0 + error * law for law in laws)))
+    assert stiffness_factor(limits) == pytest.approx((1.0 + error) ** -2, rel=1e-3)
 
 
 def test_a_coarse_casing_comes_closer_to_one_with_elements_half_as_large(coarse, half_as_coarse):
@@ -142,3 +156,55 @@ def test_a_mesh_file_cannot_be_extrapolated():
     settings = {"casing.housing.model": "mesh", "casing.extrapolated": True}
     with pytest.raises(SceneError, match="one element size only"):
         load_scene("rig-step", settings)
+
+
+def hexahedral(sizes: Sizes) -> LowestModes:
+    mesh = mesh_geometry(small_housing(), sizes, "hexahedron-27")
+    return lowest_modes(mesh, CAST_IRON, static=False, divided_edges=sizes.divided_edges)
+
+
+@pytest.fixture(scope="module")
+def hexahedra():
+    """Modes of a small housing on hexahedra and on the two coarser meshes."""
+    sizes = Sizes(element=0.022, edge=0.002)
+    return [hexahedral(one) for one in (sizes, *coarser_sizes(sizes, "hexahedron-27"))]
+
+
+def limits_of(trial, *coarser, count=COUNT):
+    return limits_from(trial.frequencies[:count], trial.shapes[:, :count], trial.element_size, coarser)
+
+
+def test_hexahedra_are_divided_at_the_edges_to_see_what_these_miss(hexahedra):
+    fine, larger, divided = hexahedra
+    assert fine.unknowns > larger.unknowns
+    assert divided.unknowns > 2 * larger.unknowns
+    limits = limits_of(*hexahedra)
+    assert 0.005 < limits.correction < 0.03
+    assert (limits.bands < 0.6 * (limits.frequencies - limits.limits)).all()
+
+
+def test_the_size_for_an_error_is_the_one_whose_band_is_predicted_to_have_it(hexahedra):
+    limits = limits_of(*hexahedra)
+    now = limits.median_band
+    assert wanted_factor(limits, 1.01 * now, *hexahedra[:2]) == 1.0
+    less = 0.85 * now
+    factor = wanted_factor(limits, less, *hexahedra[:2])
+    assert limits.median_band_at(factor) <= less < limits.median_band_at(factor + 0.02)
+
+
+def test_an_error_that_no_mesh_or_no_computer_has_is_refused(hexahedra):
+    limits = limits_of(*hexahedra)
+    with pytest.raises(ExtrapolationError, match=r"casing.error: smaller elements do not reach 0.01 %.*edges"):
+        wanted_factor(limits, 1e-4, *hexahedra[:2])
+    many = replace(hexahedra[0], unknowns=399_000)
+    with pytest.raises(ExtrapolationError, match=r"unknowns \(limit 400,000.*have an error of 0\."):
+        wanted_factor(limits, 0.85 * limits.median_band, many, hexahedra[1])
+
+
+def test_an_error_asked_for_makes_a_trial_and_says_what_it_takes():
+    plant = make_plant(load_scene("rig-healthy", {"casing.error": "0.2%"}).scene)
+    names = [stage.name for stage in plant_steps(plant) if "casing" in stage.name]
+    assert names[-5:] == ["trial casing mesh", "trial casing", "casing mesh", "casing modes", "casing"]
+    for text in ("0%", "9%", "fine"):
+        with pytest.raises(SceneError, match="error"):
+            load_scene("rig-healthy", {"casing.error": text})

@@ -25,6 +25,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "fem.casing.meshing",
     "fem.casing.survey",
     "fem.casing.reduced",
+    "fem.casing.mesh_error",
     "fem.casing.uncertain",
     "fem.casing.foreign",
     "fem.casing.models",

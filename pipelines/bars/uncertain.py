@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fem.casing.reduced.extrapolation import RIGID_MOTIONS, LowestModes, measured_limits
+from fem.casing.mesh_error.extrapolation import RIGID_MOTIONS, LowestModes, measured_limits
 from fem.casing.reduced.modes import CasingModes
 from fem.casing.uncertain.frequency_errors import FrequencyErrors, frequency_errors
 from pipelines.plant.casing import CasingPart, ElasticPart, MatricesPart

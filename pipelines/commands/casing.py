@@ -8,7 +8,7 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from fem.casing.reduced.frequency_limits import FrequencyLimits
+    from fem.casing.mesh_error.frequency_limits import FrequencyLimits
     from fem.casing.reduced.modes import CasingModes, NaturalModes
 
 
@@ -56,19 +56,23 @@ def main(options: argparse.Namespace) -> int:
 
 def limit_table(limits: FrequencyLimits, count: int) -> str:
     """Limits of the natural frequencies at elements of size zero, with their bands; rigid motions are left out."""
+    import numpy as np
+
     from pipelines.border.grid import Grid
 
+    alone = bool(np.isfinite(limits.orders).any())  # orders are told by meshes of three sizes only
     rows = [
-        (str(i + 1), f"{f:.2f}", f"{limit:.2f}", f"{band:.2f}", f"{100 * band / limit:.2f}", _order(order))
+        (str(i + 1), f"{f:.2f}", f"{limit:.2f}", f"{band:.2f}", f"{100 * band / limit:.2f}", *([_order(order)] * alone))
         for i, (f, limit, band, order) in enumerate(
             zip(limits.frequencies, limits.limits, limits.bands, limits.orders, strict=True)
         )
     ]
+    what = f"three sizes, common order {limits.order:.2f}" if alone else "larger ones and those divided at edges"
     title = (
-        f"Elements of size zero, from three meshes: common order {limits.order:.2f}; bands of {len(rows)} modes: "
+        f"Elements of size zero, from {what}; bands of {len(rows)} modes: "
         f"{100 * limits.median_band:.2f} % in the median, {100 * limits.widest_band:.2f} % at most"
     )
-    headers = ("mode", "Hz on its mesh", "limit, Hz", "+- Hz", "+- %", "order alone")
+    headers = ("mode", "Hz on its mesh", "limit, Hz", "+- Hz", "+- %", *(["order alone"] * alone))
     return Grid(title=title, headers=headers, rows=tuple(rows[:count])).to_text()
 
 

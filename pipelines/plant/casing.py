@@ -26,6 +26,7 @@ from pipelines.scene.tables.casing import (
     NoCasingTable,
     RigidCasingTable,
     StaticCasingTable,
+    percent,
 )
 from pipelines.scene.tables.housing import ImportedTable, MatricesHousingTable
 
@@ -61,7 +62,8 @@ class RigidMeshed:
 class ElasticPart:
     """A casing of finite elements, reduced by its `model`.
 
-    `mounts` in N/m, a row for all feet or one per foot, None on fixed ground.
+    `mounts` in N/m, a row for all feet or one per foot, None on fixed ground. `error`: median band of the frequencies
+    that the mesh is made for, None where its size is given.
     """
 
     model: ElasticCasing
@@ -73,6 +75,7 @@ class ElasticPart:
     mounts: tuple[tuple[float, float, float], ...] | None
     frequency_error: float | None
     extrapolated: bool
+    error: float | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,7 +124,8 @@ def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
         damping=table.damping_ratio,
         mounts=_mounts(table),
         frequency_error=getattr(table, "frequency_error", None),
-        extrapolated=table.extrapolated,
+        extrapolated=table.extrapolated or table.error is not None,
+        error=None if table.error is None else percent(table.error),
     )
 
 

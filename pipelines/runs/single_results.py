@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
+    from fem.casing.mesh_error.frequency_limits import FrequencyLimits
     from fem.casing.meshing.mesh import CasingMesh
     from fem.casing.reduced.accuracy import ErrorStatement
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
-    from fem.casing.reduced.frequency_limits import FrequencyLimits
     from fem.casing.reduced.modes import CasingModes, NaturalModes
     from mbd.system.linearised import LinearModes
     from pipelines.engine.step import Graph, StepRecord
@@ -112,7 +112,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         mounts = graph.steps["casing"].spec.mounts
         natural = natural_modes(modes, mounts, limit=limit, stiffness_factor=body.stiffness_factor)
         if extrapolated:
-            from fem.casing.reduced.extrapolation import measured_limits
+            from fem.casing.mesh_error.extrapolation import measured_limits
 
             limits = measured_limits(modes, [outcome.value(name) for name in COARSER])
     return Casing(

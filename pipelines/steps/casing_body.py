@@ -13,11 +13,11 @@ from pipelines.border.errors import WorkError
 from pipelines.engine.step import CountedResult
 
 if TYPE_CHECKING:
+    from fem.casing.mesh_error.extrapolation import LowestModes
     from fem.casing.meshing.mesh import CasingMesh
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.damping import DampingRatio
-    from fem.casing.reduced.extrapolation import LowestModes
     from fem.casing.reduced.modes import CasingModes
 
 
@@ -95,7 +95,7 @@ def build_rigid_mesh(spec: RigidMeshSpec, mesh: CasingMesh) -> CountedResult:
 
 def build_elastic(spec: ElasticSpec, modes: tuple[CasingModes, CheckUp], *coarser: LowestModes) -> CountedResult:
     """Bearing coordinates and modes; the stiffness is extrapolated where there are coarser meshes."""
-    from fem.casing.reduced.extrapolation import ExtrapolationError, measured_limits, stiffness_factor
+    from fem.casing.mesh_error.extrapolation import ExtrapolationError, measured_limits, stiffness_factor
     from fem.casing.reduced.modes import reduced_body
 
     try:

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.source import Geometry, mesh_geometry
+from pipelines.border.errors import WorkError
+
+if TYPE_CHECKING:
+    from fem.casing.mesh_error.extrapolation import LowestModes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,6 +23,38 @@ class CasingMeshSpec:
     element: str
 
 
+@dataclass(frozen=True, kw_only=True)
+class AskedMeshSpec:
+    """As `CasingMeshSpec` with the largest lengths; the error of the frequencies up to `band` (Hz, 0: of all modes)."""
+
+    housing: Geometry
+    sizes: Sizes
+    element: str
+    error: float
+    band: float
+
+
 def build(spec: CasingMeshSpec) -> CasingMesh:
     """The mesh."""
     return mesh_geometry(spec.housing, spec.sizes, spec.element)
+
+
+def build_asked(spec: AskedMeshSpec, trial: LowestModes, *coarser: LowestModes) -> CasingMesh:
+    """The mesh whose size was predicted to have the error.
+
+    Raises
+    ------
+    WorkError : no size has it, or the mesh would be too large
+    """
+    from fem.casing.mesh_error.extrapolation import ExtrapolationError, limits_from
+    from fem.casing.mesh_error.frequency_limits import LEAST_MODES
+    from fem.casing.mesh_error.wanted_size import wanted_factor
+
+    count = int((trial.frequencies <= spec.band).sum()) if spec.band else len(trial.frequencies)
+    inside = slice(max(count, 2 * LEAST_MODES))
+    try:
+        limits = limits_from(trial.frequencies[inside], trial.shapes[:, inside], trial.element_size, coarser)
+        factor = wanted_factor(limits, spec.error, trial, coarser[0])
+    except ExtrapolationError as error:
+        raise WorkError(str(error)) from error
+    return mesh_geometry(spec.housing, spec.sizes.times(factor), spec.element)

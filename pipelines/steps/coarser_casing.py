@@ -9,17 +9,18 @@ from typing import TYPE_CHECKING
 from fem.elements.materials import Material
 
 if TYPE_CHECKING:
+    from fem.casing.mesh_error.extrapolation import LowestModes
     from fem.casing.meshing.mesh import CasingMesh
-    from fem.casing.reduced.extrapolation import LowestModes
     from fem.casing.reduced.grounded import Attachment, Ground
 
 
 @dataclass(frozen=True, kw_only=True)
 class CoarserSpec:
-    """The casing as its model grounds it; `static`: its inertia is condensed, too."""
+    """The casing as its model grounds it; `static`: its inertia is condensed, too; `divided_edges` of its mesh."""
 
     material: Material
     static: bool
+    divided_edges: bool
     interfaces: Mapping[str, tuple[str, ...]]
     ground: Ground
     attachment: Attachment
@@ -27,12 +28,13 @@ class CoarserSpec:
 
 def build(spec: CoarserSpec, mesh: CasingMesh) -> LowestModes:
     """The lowest modes."""
-    from fem.casing.reduced.extrapolation import lowest_modes
+    from fem.casing.mesh_error.extrapolation import lowest_modes
 
     return lowest_modes(
         mesh,
         spec.material,
         static=spec.static,
+        divided_edges=spec.divided_edges,
         interfaces=spec.interfaces,
         ground=spec.ground,
         attachment=spec.attachment,

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pipelines.plant.flanks_spec import FlanksSpec
     from pipelines.steps.casing_modes import CasingModesSpec
 
+TRIAL = "trial casing"  # step with the modes that the size of elements is predicted from
 COARSER = ("coarser casing", "coarsest casing")  # steps with the modes that a casing is extrapolated from
 _NUMERIC = ("numpy", "scipy", "numba")
 
@@ -160,8 +161,9 @@ def _casing_steps(plant: Plant) -> list[Step]:
     reduced = casing_modes.CasingModesSpec(material=part.material, model=model)
     coarser = _coarser_steps(mesh, reduced, interfaces) if part.extrapolated else []
     return [
-        mesh,
+        *([mesh] if part.error is None else []),
         *coarser,
+        *([] if part.error is None else _asked_steps(mesh, reduced, interfaces, part.error)),
         Step(
             name="casing modes",
             kind="casing-modes",
@@ -197,31 +199,59 @@ def _elastic_step(plant: Plant, part: ElasticPart | MatricesPart, coarser: Seque
 
 def _coarser_steps(mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str, tuple[str, ...]]) -> list[Step]:
     """Two more meshes with larger elements, and their lowest modes."""
-    from fem.casing.reduced.extrapolation import RATIOS
+    from fem.casing.mesh_error.extrapolation import coarser_sizes
+
+    steps: list[Step] = []
+    for name, sizes in zip(COARSER, coarser_sizes(mesh.spec.sizes, mesh.spec.element), strict=True):
+        larger, ratio = replace(mesh.spec, sizes=sizes), sizes.element / mesh.spec.sizes.element
+        steps += _lowest(replace(mesh, spec=larger, seconds=mesh.seconds / ratio**2), name, reduced, interfaces)
+    return steps
+
+
+def _asked_steps(
+    mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str, tuple[str, ...]], error: float
+) -> list[Step]:
+    """The mesh with the largest elements, its lowest modes, and the mesh whose size follows from them."""
+    from fem.casing.reduced.body import MODES_OVER_BAND
+    from pipelines.steps import casing_mesh
+
+    limit = reduced.model.limit
+    asked = casing_mesh.AskedMeshSpec(
+        housing=mesh.spec.housing,
+        sizes=mesh.spec.sizes,
+        element=mesh.spec.element,
+        error=error,
+        band=0.0 if limit is None else limit / MODES_OVER_BAND,
+    )
+    return [
+        *_lowest(mesh, TRIAL, reduced, interfaces),
+        replace(mesh, kind="casing-asked-mesh", build=casing_mesh.build_asked, spec=asked, takes=(TRIAL, *COARSER)),
+    ]
+
+
+def _lowest(
+    mesh: Step, name: str, reduced: CasingModesSpec, interfaces: Mapping[str, tuple[str, ...]]
+) -> tuple[Step, Step]:
+    """A mesh and its lowest modes."""
     from pipelines.steps import coarser_casing
 
-    steps = []
-    for name, ratio in zip(COARSER, RATIOS, strict=True):
-        larger = replace(mesh.spec, sizes=mesh.spec.sizes.times(ratio))
-        steps += [
-            replace(mesh, name=f"{name} mesh", spec=larger, seconds=mesh.seconds / ratio**2),
-            Step(
-                name=name,
-                kind="casing-coarser",
-                build=coarser_casing.build,
-                spec=coarser_casing.CoarserSpec(
-                    material=reduced.material,
-                    static=reduced.model.limit is None,
-                    interfaces=interfaces,
-                    ground=reduced.model.ground,
-                    attachment=reduced.model.attachment,
-                ),
-                takes=(f"{name} mesh",),
-                libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
-                seconds=16.0 / ratio**2,
-            ),
-        ]
-    return steps
+    modes = Step(
+        name=name,
+        kind="casing-coarser",
+        build=coarser_casing.build,
+        spec=coarser_casing.CoarserSpec(
+            material=reduced.material,
+            static=reduced.model.limit is None,
+            divided_edges=mesh.spec.sizes.divided_edges,
+            interfaces=interfaces,
+            ground=reduced.model.ground,
+            attachment=reduced.model.attachment,
+        ),
+        takes=(f"{name} mesh",),
+        libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
+        seconds=2.0 * mesh.seconds,
+    )
+    return replace(mesh, name=f"{name} mesh"), modes
 
 
 def casing_error_step(graph: Graph, band: float) -> Step:

@@ -91,8 +91,8 @@ def modes_of_common_order(
     """
     import numpy as np
 
-    from fem.casing.reduced.frequency_limits import LimitError, frequency_limits
-    from fem.casing.reduced.pairing import counterparts
+    from fem.casing.mesh_error.frequency_limits import LimitError, frequency_limits
+    from fem.casing.mesh_error.pairing import counterparts
 
     if len(levels) < 3:
         raise ConvergenceError(f"{len(levels)} levels; give three or more")

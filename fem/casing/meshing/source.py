@@ -40,7 +40,7 @@ def mesh_extruded(housing: Housing, sizes: Sizes, element: str = "hexahedron-27"
     MeshError : a housing that is not plain, bosses that leave no room, an element below a quality limit
     """
     try:
-        nodes, elements = extruded_hexahedra(housing, sizes.element, sizes.edge)
+        nodes, elements = extruded_hexahedra(housing, sizes.element, sizes.edge, divided_edges=sizes.divided_edges)
     except HousingError as error:
         raise MeshError(str(error)) from error
     points = housing.ground_points() | {bore.name: housing.bore_centre(bore) for bore in housing.bores}

@@ -7,6 +7,7 @@ any of these costs no factorisation and no eigensolution of the mesh.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -55,6 +56,7 @@ class CasingModes(Record):
     nodes: np.ndarray = array("node", "axis", units="m")
     facets: np.ndarray = array("facet", "facet_corner", units="1", dtype=np.int32)  # the surface, into nodes
     basis: np.ndarray = array("node", "axis", "coordinate", units="SI", dtype=np.float32)
+    element_size: float = dataclasses.field(default=0.0, metadata=scalar(units="m").metadata)  # 0: not known
 
     @property
     def interface_names(self) -> tuple[str, ...]:
@@ -134,6 +136,7 @@ def casing_modes(
         nodes=mesh.nodes,
         facets=mesh.facets,
         basis=_expanded(casing, basis).reshape(len(mesh.nodes), 3, -1),
+        element_size=mesh.element_size,
     )
 
 
@@ -188,7 +191,7 @@ def reduced_body(
     damping : modal damping ratio, or rows (Hz, ratio)
     mounts : stiffness of every foot (N/m), if and only if the modes are those of a casing on springs
     limit, frequency_error : see `kept_modes`
-    stiffness_factor : of all but the mounts, see `fem.casing.reduced.extrapolation`
+    stiffness_factor : of all but the mounts, see `fem.casing.mesh_error.extrapolation`
 
     Raises
     ------

@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.casing.reduced.frequency_limits import WIDTH
+from fem.casing.mesh_error.frequency_limits import WIDTH
 from fem.casing.uncertain.frequency_errors import FrequencyErrors
 from fem.casing.uncertain.modal_form import ModalForm
 

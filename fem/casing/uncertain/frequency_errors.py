@@ -1,12 +1,12 @@
 """What is known of the errors of a casing's natural frequencies after its stiffness was extrapolated.
 
-The limit of a mode at elements of size zero (`fem.casing.reduced.frequency_limits`) lies beside its frequency in the
+The limit of a mode at elements of size zero (`fem.casing.mesh_error.frequency_limits`) lies beside its frequency in the
 corrected body, because one factor corrects all modes: that is its mean error. Its band, twice a root mean square, gives
 the standard deviation.
 
 Modes that were not compared, and the flexibility of the seats that the highest of them make, have the correction but no
 limit of their own. They share one error whose standard deviation is half of the correction: at the rig's seats the
-correction of the flexibility was 1.6 % where 0.8 % were missing (`fem.casing.reduced.extrapolation`). Each of them
+correction of the flexibility was 1.6 % where 0.8 % were missing (`fem.casing.mesh_error.extrapolation`). Each of them
 spreads about it as the compared ones do in the mean.
 """
 
@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.casing.reduced.frequency_limits import WIDTH, FrequencyLimits
+from fem.casing.mesh_error.frequency_limits import WIDTH, FrequencyLimits
 
 REST_SHARE = 0.5  # of the correction
 

@@ -23,6 +23,14 @@ POINTS = re.compile(
 )
 
 
+MOST_ERROR = 0.05  # that can be asked of frequencies
+
+
+def percent(text: str) -> float:
+    """0.002 of "0.2%"."""
+    return float(text.removesuffix("%")) / 100.0
+
+
 class NoCasingTable(Table):
     """Bearings to ground. Casing sensors are refused; channels are bearing forces and shaft motion."""
 
@@ -116,11 +124,29 @@ class ElasticBase(FlexibleBase):
     ] = "mean"
     extrapolated: Annotated[
         bool,
-        Field(description="stiffness extrapolated to elements of size zero, by meshes of 1.3 and 1.7 times their size"),
+        Field(description="stiffness extrapolated to elements of size zero, by two coarser meshes"),
     ] = False
+
+    error: Annotated[
+        str | None,
+        Field(
+            pattern=r"^[0-9]+(\.[0-9]+)? ?%$",
+            description='band of the frequencies asked for, as "0.2%": element_size_mm and the other sizes get as much '
+            "smaller as half of the modes need, and the stiffness is extrapolated; left out: sizes as given",
+        ),
+    ] = None
 
     @model_validator(mode="after")
     def _meshed_again(self) -> ElasticBase:
+        if self.error is not None and not 0.0 < percent(self.error) <= MOST_ERROR:
+            raise ValueError(f"error: {self.error} is not above 0 and at most {100 * MOST_ERROR:g} %; give one between")
+        if self.error is not None and isinstance(self.housing, MeshHousingTable | MatricesHousingTable):
+            raise ValueError("error: the file has one element size only; give a STEP file, or leave this out")
+        if self.error is not None and self.element not in ("tetrahedron-10", "hexahedron-27"):
+            raise ValueError(
+                f"error: it can be measured with tetrahedron-10 and hexahedron-27, not with {self.element}; leave "
+                "one out"
+            )
         if self.extrapolated and self.element not in ("tetrahedron-10", "hexahedron-27"):
             raise ValueError(
                 f"extrapolated: it was measured with tetrahedron-10 and hexahedron-27, not with {self.element}; leave "

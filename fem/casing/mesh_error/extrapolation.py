@@ -1,42 +1,41 @@
 """Stiffness of a casing extrapolated to elements of size zero, by its natural modes on two coarser meshes.
 
-Elements of displacement are too stiff. The lowest modes on meshes with elements `RATIOS` times as large, paired by
-their shapes, tell the order of the error and with it the limit of every frequency and a band about it
-(`fem.casing.reduced.frequency_limits`).
+Elements of displacement are too stiff. The lowest modes on two coarser meshes, paired by their shapes, tell the limit
+of every frequency and a band about it: tetrahedra with elements `RATIOS` times as large
+(`fem.casing.mesh_error.frequency_limits`); hexahedra of a parametric housing with elements `LARGER` times as large, as
+they are and divided at the edges (`fem.casing.mesh_error.edge_limits`).
 
 The error of thin walls and sharp edges is nearly the same for all modes. One factor, from the mean m of what the limits
-lie lower than the frequencies, therefore corrects all of the stiffness: K = (1 - m)^2 K(h); mass and shapes stay. The
-flexibility of bearing seats with finer elements than the walls has less than twice the error of the frequencies: on the
-rig's mesh below 0.8 % are missing, and 1.6 % are added.
-
-Measured on the rig (63 modes to 2.9 kHz, limits from 27-node hexahedra of 22, 28.6 and 37.4 mm): ten-node tetrahedra
-of 17.6 mm, 7 mm at the bores, are 0.86 % too high. Their limits from meshes with 22.9 and 29.9 mm, order 2.5, lie 0.06
-+- 0.16 % over those of the hexahedra, all of which are within their bands (1 % in the median). One mesh of 26.4 mm with
-an order of 2 that was not measured takes off 0.3 % too much.
+lie lower than the frequencies, therefore corrects all of the stiffness: K = (1 - m)^2 K(h); mass and shapes stay.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg as la
 from threadpoolctl import threadpool_limits
 
+from fem.casing.hexahedra.extruded import EDGE_SHARE
+from fem.casing.mesh_error.edge_limits import edge_limits
+from fem.casing.mesh_error.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError, frequency_limits
+from fem.casing.mesh_error.pairing import counterparts, sample_nodes
 from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.meshing.sizes import Sizes
 from fem.casing.reduced.body import MODES_OVER_BAND
-from fem.casing.reduced.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError, frequency_limits
 from fem.casing.reduced.grounded import Attachment, Ground, ground_casing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.modes import CasingModes
-from fem.casing.reduced.pairing import counterparts, sample_nodes
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import Material
-from fem.storage.records import Record, array
+from fem.elements.solid_elements import SOLIDS
+from fem.storage.records import Record, array, integer, scalar
 
-RATIOS = (1.3, 1.7)  # element sizes of the coarser meshes
-MODES = 40  # lowest natural modes that are compared
+RATIOS = (1.3, 1.7)  # element sizes of the coarser meshes of tetrahedra
+LARGER = 1.8  # element size of both coarser meshes of hexahedra
+MODES = 60  # lowest natural modes that are compared
 LARGEST = 0.25  # change of a frequency from mesh to mesh that is extrapolated
 RIGID_MOTIONS = 6  # motions of a casing on springs, which stand outside its own stiffness
 
@@ -51,6 +50,17 @@ class LowestModes(Record):
 
     frequencies: np.ndarray = array("mode", units="Hz")
     shapes: np.ndarray = array("sample", "mode", units="1")  # displacements along x, y, z of every place
+    element_size: float = scalar(units="m")
+    divided_edges: int = integer()  # 1: elements beside the inner edges are divided
+    unknowns: int = integer()
+
+
+def coarser_sizes(sizes: Sizes, element: str) -> tuple[Sizes, Sizes]:
+    """Element sizes of the two meshes that the errors of one are measured by."""
+    if SOLIDS[element].corners == 8:
+        larger = sizes.times(LARGER)
+        return larger, replace(larger, divided_edges=True)
+    return sizes.times(RATIOS[0]), sizes.times(RATIOS[1])
 
 
 def lowest_modes(
@@ -58,6 +68,7 @@ def lowest_modes(
     material: Material,
     *,
     static: bool,
+    divided_edges: bool = False,
     interfaces: Mapping[str, Sequence[str]] | None = None,
     ground: Ground = "fixed",
     attachment: Attachment = "mean",
@@ -66,7 +77,8 @@ def lowest_modes(
 
     Parameters
     ----------
-    mesh, material : of the casing, the mesh with elements one of `RATIOS` times as large
+    mesh, material : of the casing
+    divided_edges : whether the mesh was made so
     static : take the matrices condensed to the interface, as the model static has
     interfaces, ground, attachment : those of `ground_casing`
 
@@ -85,7 +97,13 @@ def lowest_modes(
             frequencies, vectors = _elastic(reduction.stiffness, reduction.mass, ground)
             phi = reduction.basis @ vectors
     unknowns = (3 * sample_nodes(mesh.nodes)[:, None] + np.arange(3)).ravel()
-    return LowestModes(frequencies=frequencies, shapes=casing.expanded(phi)[unknowns])
+    return LowestModes(
+        frequencies=frequencies,
+        shapes=casing.expanded(phi)[unknowns],
+        element_size=mesh.element_size,
+        divided_edges=int(divided_edges),
+        unknowns=casing.K_free.shape[0],
+    )
 
 
 def measured_limits(modes: CasingModes, coarser: Sequence[LowestModes]) -> FrequencyLimits:
@@ -94,7 +112,7 @@ def measured_limits(modes: CasingModes, coarser: Sequence[LowestModes]) -> Frequ
     Parameters
     ----------
     modes : of the finest mesh
-    coarser : modes on the meshes whose elements are `RATIOS` times as large, in this order
+    coarser : modes on the meshes of `coarser_sizes`, in this order
 
     Raises
     ------
@@ -105,20 +123,31 @@ def measured_limits(modes: CasingModes, coarser: Sequence[LowestModes]) -> Frequ
         known = max(2 * LEAST_MODES, int((frequencies <= modes.band_limit / MODES_OVER_BAND).sum()))
         frequencies, vectors = frequencies[:known], vectors[:, :known]
     basis = modes.basis[sample_nodes(modes.nodes)].astype(float)
-    shapes = basis.reshape(-1, basis.shape[2]) @ vectors
+    return limits_from(frequencies, basis.reshape(-1, basis.shape[2]) @ vectors, modes.element_size, coarser)
+
+
+def limits_from(
+    frequencies: np.ndarray, shapes: np.ndarray, element_size: float, coarser: Sequence[LowestModes]
+) -> FrequencyLimits:
+    """As `measured_limits`, of frequencies (mode,), Hz, and shapes (k, mode) on elements of a size (m)."""
     rows = [frequencies]
     for other in coarser:
         number = counterparts(shapes, other.shapes)
         rows.append(np.where(number < 0, np.nan, other.frequencies[number]))
+    ratios = [other.element_size / element_size for other in coarser]
     try:
-        limits = frequency_limits((1.0, *RATIOS), np.array(rows))
+        if coarser[1].divided_edges:
+            limits = edge_limits(ratios[0], EDGE_SHARE, np.array(rows))
+        else:
+            limits = frequency_limits((1.0, *ratios), np.array(rows))
     except LimitError as error:
         raise ExtrapolationError(f"casing: {error}; or leave casing.extrapolated out") from error
-    change = float(np.nanmean(rows[-1] / rows[0])) - 1.0
-    if not 0.0 <= change <= LARGEST:
+    changes = np.nanmean(np.array(rows[1:]) / frequencies, axis=1) - 1.0
+    largest = int(changes.argmax())
+    if not 0.0 <= changes[largest] <= LARGEST:
         raise ExtrapolationError(
-            f"casing: elements {RATIOS[-1]:g} times as large change the first {len(frequencies)} frequencies by "
-            f"{100 * change:+.2g} % (0 to {100 * LARGEST:g} % can be extrapolated). Use a smaller "
+            f"casing: elements {ratios[largest]:.3g} times as large change the first {len(frequencies)} frequencies by "
+            f"{100 * changes[largest]:+.2g} % (0 to {100 * LARGEST:g} % can be extrapolated). Use a smaller "
             "casing.element_size_mm, or leave casing.extrapolated out"
         )
     return limits
