@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pipelines.bars.line_bars import Band, LineBar, LineBars
 from pipelines.border.grid import Grid
 
+
 def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:
     """The bars of the lines of a window; where no numerical error is known there is no column for it."""
     numerical = any(bar.numerical is not None for bar in bars)
