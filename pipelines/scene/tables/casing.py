@@ -23,6 +23,9 @@ POINTS = re.compile(
 )
 
 
+EDGE_LAYER = 0.09  # thickness of the layers of hexahedra along inner edges, over the size of elements
+
+
 class NoCasingTable(Table):
     """Bearings to ground. Casing sensors are refused; channels are bearing forces and shaft motion."""
 
@@ -49,7 +52,10 @@ class FlexibleBase(Table):
     foot_element_size_mm: Annotated[Positive | None, Field(description="at the ground faces, where smaller")] = None
     edge_element_size_mm: Annotated[
         Positive | None,
-        Field(description="hexahedra of a parametric housing: thickness of thin ones along its inner edges; none"),
+        Field(
+            description="hexahedra of a parametric housing: thickness of the layers along its inner edges; left out: "
+            f"{EDGE_LAYER:g} of element_size_mm"
+        ),
     ] = None
     damping_ratio: Annotated[
         Damping | tuple[tuple[NotNegative, Damping], ...],
