@@ -24,6 +24,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "fem.casing.hexahedra",
     "fem.casing.meshing",
     "fem.casing.survey",
+    "fem.casing.parts",
     "fem.casing.reduced",
     "fem.casing.uncertain",
     "fem.casing.foreign",

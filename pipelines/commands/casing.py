@@ -8,6 +8,7 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.frequency_limits import FrequencyLimits
     from fem.casing.reduced.modes import CasingModes, NaturalModes
 
@@ -45,6 +46,8 @@ def main(options: argparse.Namespace) -> int:
     sys.stdout.write(f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} rows\n")
     for name, (x, y, z) in zip(body.point_names, body.point_positions * 1000, strict=True):
         sys.stdout.write(f"  {name:10} x {x:8.2f}  y {y:8.2f}  z {z:8.2f} mm\n")
+    if body.feet:
+        sys.stdout.write(weight_lines(body))
     for record in casing.records:
         reused = ", taken from the cache" if record.reused else ""
         sys.stdout.write(f"  {record.name:19} {record.seconds:7.1f} s {record.peak_bytes / 1e6:6.0f} MB{reused}\n")
@@ -52,6 +55,24 @@ def main(options: argparse.Namespace) -> int:
         write_casing(casing, plant.title, target)
         sys.stdout.write(f"{target}\n")
     return 0
+
+
+def weight_lines(body: ReducedBody) -> str:
+    """What the feet carry and how far the bearing seats sink under the weight of the casing alone."""
+    import numpy as np
+
+    from mbd.parts.machine import STANDARD_GRAVITY
+
+    moved = np.linalg.solve(body.stiffness, body.own_weight(STANDARD_GRAVITY))
+    up = body.foot_forces(moved, STANDARD_GRAVITY)[:, 2]
+    feet = ", ".join(f"{name} {force:.4g}" for name, force in zip(body.feet, up, strict=True))
+    sunk = [
+        -1e6 * float(body.row(name) @ moved)
+        for name in body.row_names
+        if name.startswith("bearing_") and name.endswith(":uz")
+    ]
+    seats = f"; its bearing seats sink by {min(sunk):.3g} to {max(sunk):.3g} um" if sunk else ""
+    return f"own weight {up.sum():.4g} N: {feet} N{seats}\n"
 
 
 def limit_table(limits: FrequencyLimits, count: int) -> str:

@@ -15,6 +15,7 @@ import numpy as np
 import scipy.linalg as la
 
 from fem.casing.geometry.dimensions import Sensor
+from fem.casing.parts.feet import clamped_reactions, foot_sums
 from fem.casing.reduced.attachment import nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES, ReducedBody
 from fem.casing.reduced.damping import DampingRatio, modal_damping
@@ -47,6 +48,8 @@ class CasingModes(Record):
     counted: int = integer()  # fixed-interface modes below the limit by the law of inertia; -1: not counted
     unknowns: int = integer()  # of the grounded mesh
     participation: np.ndarray = array("coordinate", "motion", units="SI")  # T^T M R, R about the centre of gravity
+    foot_stiffness: np.ndarray = array("foot_axis", "interface", units="SI")  # of clamped feet, see
+    foot_inertia: np.ndarray = array("foot_axis", "axis", units="kg")  # `fem.casing.parts.feet`; 0 on springs
     total_mass: float = scalar(units="kg")
     centre: np.ndarray = array("axis", units="m")  # of gravity
     inertia: np.ndarray = array("axis", "axis", units="kg m2")  # about the centre
@@ -111,7 +114,8 @@ def casing_modes(
     extra = reduction.modes.shape[1] - reduction.n_fixed
     mode_names = [f"mode_{i + 1}" for i in range(reduction.n_fixed)] + [f"inertia_{i + 1}" for i in range(extra)]
     mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)
-    force = casing.expansion.T @ (casing.M @ rigid_body_modes(mesh.nodes, centre))
+    inertial = casing.M @ rigid_body_modes(mesh.nodes, centre)
+    foot_stiffness, foot_inertia = _clamped_feet(casing, inertial[:, :3])
     return CasingModes(
         model=model,
         solver=casing.interface.factor.name,
@@ -125,7 +129,9 @@ def casing_modes(
         band_limit=band_limit,
         counted=counted,
         unknowns=casing.K_free.shape[0],
-        participation=basis.T @ force,
+        participation=basis.T @ (casing.expansion.T @ inertial),
+        foot_stiffness=foot_stiffness,
+        foot_inertia=foot_inertia,
         total_mass=mass,
         centre=centre,
         inertia=inertia,
@@ -135,6 +141,16 @@ def casing_modes(
         facets=mesh.facets,
         basis=_expanded(casing, basis).reshape(len(mesh.nodes), 3, -1),
     )
+
+
+def _clamped_feet(casing: GroundedCasing, MX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What `clamped_reactions` gives; zeros where the feet stand on springs."""
+    mesh, interface = casing.mesh, casing.interface
+    feet = [np.unique(mesh.patch(name)) for name in mesh.patches("ground_")]
+    if casing.ground == "springs":
+        return np.zeros((3 * len(feet), len(casing.springs))), np.zeros((3 * len(feet), 3))
+    sums = foot_sums([3 * nodes + axis for nodes in feet for axis in range(3)], len(MX))
+    return clamped_reactions(sums, casing.K, MX, casing.expansion, interface.constraint, interface.inverse)
 
 
 def _expanded(casing: GroundedCasing, basis: np.ndarray) -> np.ndarray:
@@ -223,8 +239,21 @@ def reduced_body(
         row_shifts=_row_shifts(row_names, sensors),
         point_names=tuple(places),
         point_positions=np.array(list(places.values())),
+        foot_stiffness=_foot_rows(modes, springs, stiffness_factor, len(stiffness)),
+        foot_inertia=modes.foot_inertia,
         stiffness_factor=stiffness_factor,
     )
+
+
+def _foot_rows(modes: CasingModes, springs: np.ndarray, factor: float, size: int) -> np.ndarray:
+    """Force (3 feet, coordinate) of the ground on the feet: through clamped nodes, or through mounts."""
+    rows = np.zeros((len(modes.foot_stiffness), size))
+    rows[:, : len(springs)] = factor * modes.foot_stiffness
+    feet = [name for name in modes.point_names if name.startswith("ground_")]
+    for place in np.flatnonzero(springs):
+        point, axis = modes.interface_names[place].split(":")
+        rows[3 * feet.index(point) + GROUND_AXES.index(axis), place] -= springs[place]
+    return rows
 
 
 def _row_shifts(row_names: Sequence[str], sensors: Sequence[Sensor]) -> np.ndarray:
@@ -287,4 +316,6 @@ def grounded_body(bearings: Mapping[str, Sequence[float]]) -> ReducedBody:
         row_shifts=np.zeros((len(row_names), 3)),
         point_names=tuple(bearings),
         point_positions=np.array([list(place) for place in bearings.values()], float).reshape(-1, 3),
+        foot_stiffness=nothing,
+        foot_inertia=np.zeros((0, 3)),
     )
