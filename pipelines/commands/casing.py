@@ -8,6 +8,8 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.frequency_limits import FrequencyLimits
     from fem.casing.reduced.modes import CasingModes, NaturalModes
@@ -34,6 +36,8 @@ def main(options: argparse.Namespace) -> int:
         extrapolated = f"stiffness times {factor:.4f}, extrapolated to elements of size zero\n" if factor != 1.0 else ""
         table = mode_table(casing.natural, options.modes)
         sys.stdout.write(f"{describe(casing.modes)}\n{extrapolated}{casing.checkup.report(0)}\n{table}\n")
+        if casing.natural.part_names:
+            sys.stdout.write(f"{part_table(casing.natural, modal_ratios(body), options.modes)}\n")
         if casing.limits is not None:
             sys.stdout.write(f"{limit_table(casing.limits, options.modes)}\n")
     if casing.mesh is not None and casing.mesh.straightened:
@@ -95,6 +99,30 @@ def limit_table(limits: FrequencyLimits, count: int) -> str:
 
 def _order(order: float) -> str:
     return "not monotone" if math.isnan(order) else f"{order:.1f}"
+
+
+def modal_ratios(body: ReducedBody) -> np.ndarray:
+    """Damping ratio (mode,) of every natural mode of a reduced casing."""
+    import numpy as np
+    from scipy.linalg import eigh
+
+    squares, shapes = eigh(body.stiffness, body.mass)
+    damping = np.einsum("ik,ij,jk->k", shapes, body.damping, shapes, optimize=True)
+    return np.asarray(0.5 * damping / np.sqrt(np.maximum(squares, np.finfo(float).tiny)))
+
+
+def part_table(natural: NaturalModes, ratios: np.ndarray, count: int) -> str:
+    """Damping of the natural modes, and what parts of the casing store of their strain energy."""
+    from pipelines.border.grid import Grid
+
+    shares = 100.0 * natural.shares.T
+    headers = ("mode", "Hz", "damping %", *(f"{name} %" for name in natural.part_names), "rest %")
+    rows = [
+        (str(i + 1), f"{natural.frequencies[i]:.2f}", f"{100 * ratios[i]:.3g}", *(f"{v:.2f}" for v in share),
+         f"{100.0 - share.sum():.2f}")
+        for i, share in enumerate(shares[: min(count, len(ratios))])
+    ]  # fmt: skip
+    return Grid(title="Damping ratio, strain energy by part", headers=headers, rows=tuple(rows)).to_text()
 
 
 def describe(modes: CasingModes) -> str:

@@ -187,6 +187,7 @@ def _elastic_step(plant: Plant, part: ElasticPart | MatricesPart, coarser: Seque
         spec=body.ElasticSpec(
             sensors=plant.sensors,
             damping=part.damping,
+            loss_factors=part.loss_factors,
             mounts=part.mounts,
             limit=part.model.limit,
             frequency_error=part.frequency_error,
@@ -238,6 +239,7 @@ def casing_error_step(graph: Graph, band: float) -> Step:
             band=band,
             sensors=body.sensors,
             damping=body.damping,
+            loss_factors=body.loss_factors,
             mounts=body.mounts,
         ),
         takes=("casing mesh", "casing modes", "casing"),

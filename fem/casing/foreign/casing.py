@@ -150,6 +150,8 @@ def _modes(
         participation=basis.T @ (body.mass @ R),
         foot_stiffness=foot_stiffness,
         foot_inertia=foot_inertia,
+        part_names=(),
+        part_stiffness=np.zeros((0, *reduction.mass.shape)),
         total_mass=check.mass,
         centre=check.centre,
         inertia=check.inertia,
