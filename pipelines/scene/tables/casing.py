@@ -176,7 +176,7 @@ class ElasticBase(FlexibleBase):
             raise ValueError("damped_parts: of matrices only the mounts are known; leave the other parts out")
         if not isinstance(self.housing, HousingTable) and (unknown := {COVER, FEET} & set(names)):
             raise ValueError(
-                f"damped_parts: {sorted(unknown)[0]} of a housing from a file is not known; give box_mm and another name"
+                f"damped_parts: {sorted(unknown)[0]} of a housing from a file is not known; take box_mm, another name"
             )
         return self
 
