@@ -216,6 +216,7 @@ def _coarser_steps(mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str
                     interfaces=interfaces,
                     ground=reduced.model.ground,
                     attachment=reduced.model.attachment,
+                    joint=reduced.model.joint,
                 ),
                 takes=(f"{name} mesh",),
                 libraries=("numpy", "scipy", "pymetis", "scikit-fem"),

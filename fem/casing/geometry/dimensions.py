@@ -76,6 +76,7 @@ class Dimensions:
     flange: Flange | None = None
     ribs: Ribs | None = None
     fillets: Fillets = Fillets()
+    bolted: bool = False  # cover and lower part are two bodies that touch at `cover_start`
 
     def wall(self, name: str) -> float:
         """Thickness of the wall "side", "end", "floor" or "cover"."""

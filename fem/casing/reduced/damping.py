@@ -63,7 +63,7 @@ def energy_shares(parts: Sequence[np.ndarray], vectors: np.ndarray, stiffness: n
     """Share (part, mode) of the strain energy of every vector (coordinate, mode) that parts of a stiffness store."""
     whole = np.einsum("ik,ij,jk->k", vectors, stiffness, vectors, optimize=True)
     found = [np.einsum("ik,ij,jk->k", vectors, part, vectors, optimize=True) for part in parts]
-    return np.array(found).reshape(len(parts), -1) / np.maximum(whole, np.finfo(float).tiny)
+    return np.array(found).reshape(len(parts), vectors.shape[1]) / np.maximum(whole, np.finfo(float).tiny)
 
 
 def modal_damping(
