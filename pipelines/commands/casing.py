@@ -40,6 +40,8 @@ def main(options: argparse.Namespace) -> int:
             sys.stdout.write(f"{part_table(casing.natural, modal_ratios(body), options.modes)}\n")
         if casing.limits is not None:
             sys.stdout.write(f"{limit_table(casing.limits, options.modes)}\n")
+    if casing.joint:
+        sys.stdout.write(f"joint: {casing.joint}\n")
     if casing.mesh is not None and casing.mesh.straightened:
         sys.stdout.write(
             f"{casing.mesh.straightened} of {len(casing.mesh.elements)} curved elements of the file were folded or "

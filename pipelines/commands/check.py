@@ -74,6 +74,10 @@ def _lines(plant: Plant, control: str) -> Iterator[str]:
     models = [f"mesh {'/'.join(dict.fromkeys(chosen['mesh']))}"]
     models += [f"casing {chosen['casing']}", f"shafts {chosen['shaft_model']}", f"load {chosen['load']}"]
     yield f"  models: {', '.join(models)}, integrator {chosen['integrator']}"
+    if (joint := getattr(getattr(plant.casing, "model", None), "joint", None)) is not None:
+        from pipelines.plant.casing_parts.joint import joint_words
+
+        yield f"  joint: {joint_words(joint, plant.casing.material)}"
     if plant.rolling:
         from pipelines.plant.looked_for import pass_rates
 

@@ -16,6 +16,7 @@ from fem.elements.materials import Material
 from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.bearings import bearing_points
 from pipelines.plant.casing_parts.damped import loss_factors, regions
+from pipelines.plant.casing_parts.joint import bolted_joint
 from pipelines.plant.foreign_housing import foreign_housing
 from pipelines.plant.housing import housing
 from pipelines.plant.layout import Layout, material
@@ -123,6 +124,7 @@ def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
             ground=table.ground,
             attachment=table.attachment,
             regions=regions(table, box),
+            joint=bolted_joint(table.housing.joint, box, source),
             **_options(table),
         ),
         geometry=box,

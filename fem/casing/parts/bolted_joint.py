@@ -51,8 +51,21 @@ class BoltedJoint:
         return normal, normal * 2.0 * (1.0 - nu) / (2.0 - nu)
 
 
-def joint_stiffness(joint: BoltedJoint, split: SplitMesh, material: Material) -> tuple[sp.csr_matrix, np.ndarray]:
-    """Stiffness (3 node, 3 node) of all bolts, N/m, and the area (bolt,) on which each holds, m2.
+def contact_areas(joint: BoltedJoint, split: SplitMesh) -> np.ndarray:
+    """Area (bolt,) on which each bolt holds the halves together, m2; less than its ring where the interface ends."""
+    points, weights, _, _ = _pieces(split)
+    return np.array([float(weights[_inside(joint, np.array(place), points)].sum()) for place in joint.places])
+
+
+def _inside(joint: BoltedJoint, place: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Which points (q, 3) of the interface lie in the ring of a bolt."""
+    off, normal = points - place, np.array(joint.plane.normal)
+    radius = np.linalg.norm(off - np.outer(off @ normal, normal), axis=1)
+    return np.asarray((radius > joint.bolt.hole / 2.0) & (radius < joint.bolt.contact_diameter / 2.0))
+
+
+def joint_stiffness(joint: BoltedJoint, split: SplitMesh, material: Material) -> sp.csr_matrix:
+    """Stiffness (3 node, 3 node) of all bolts, N/m.
 
     Parameters
     ----------
@@ -66,20 +79,17 @@ def joint_stiffness(joint: BoltedJoint, split: SplitMesh, material: Material) ->
     nodes = split.mesh.nodes
     normal = np.array(joint.plane.normal)
     along, across = joint.stiffness_in(material)
-    density, areas = np.zeros(len(points)), []
+    density = np.zeros(len(points))
     for number, place in enumerate(np.array(joint.places), 1):
-        off = points - place
-        radius = np.linalg.norm(off - np.outer(off @ normal, normal), axis=1)
-        ring = (radius > joint.bolt.hole / 2.0) & (radius < joint.bolt.contact_diameter / 2.0)
-        areas.append(float(weights[ring].sum()))
-        if not areas[-1]:
+        ring = _inside(joint, place, points)
+        if not ring.any():
             x, y, z = 1000 * place
             raise MeshError(
                 f"casing joint: the halves do not touch around bolt {number} at ({x:.4g}, {y:.4g}, {z:.4g}) mm, "
                 f"between diameters {1000 * joint.bolt.hole:.4g} and {1000 * joint.bolt.contact_diameter:.4g} mm; move "
                 "the bolt"
             )
-        density[ring] += weights[ring] / areas[-1]
+        density[ring] += weights[ring] / weights[ring].sum()
     used = np.flatnonzero(density)
     row = np.repeat(np.arange(len(used)), values.shape[1])
     shape = (len(used), len(nodes))
@@ -88,7 +98,7 @@ def joint_stiffness(joint: BoltedJoint, split: SplitMesh, material: Material) ->
     apart -= sp.csr_matrix((values[used].ravel(), (row, split.below[facet].ravel())), shape=shape)
     held = sp.csr_matrix(apart.T @ sp.diags_array(density[used]) @ apart)
     tensor = across * np.eye(3) + (along - across) * np.outer(normal, normal)
-    return sp.csr_matrix(sp.kron(held, tensor)), np.array(areas)
+    return sp.csr_matrix(sp.kron(held, tensor))
 
 
 def _pieces(split: SplitMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -120,7 +120,7 @@ def ground_casing(
         poisson_ratio=material.poisson_ratio,
         density=material.density,
     )
-    bolts = None if split is None or joint is None else joint_stiffness(joint, split, material)[0]
+    bolts = None if split is None or joint is None else joint_stiffness(joint, split, material)
     K = K if bolts is None else sp.csr_matrix(K + bolts)
     feet = mesh.patches("ground_")
     if not feet:

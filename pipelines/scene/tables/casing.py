@@ -170,6 +170,8 @@ class ElasticBase(FlexibleBase):
         names = [part.name for part in self.damped_parts]
         if repeated := sorted({name for name in names if names.count(name) > 1}):
             raise ValueError(f"damped_parts: {repeated[0]} is given {names.count(repeated[0])} times")
+        if JOINTS in names and getattr(self.housing, "joint", None) is None:
+            raise ValueError("damped_parts: the housing has no joint; give casing.housing.joint, or leave joints out")
         if MOUNTS in names and self.ground != "springs":
             raise ValueError('damped_parts: a casing with ground "fixed" has no mounts; leave them out')
         if isinstance(self.housing, MatricesHousingTable) and set(names) - {MOUNTS}:
