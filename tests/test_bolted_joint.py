@@ -204,6 +204,15 @@ def test_more_and_larger_rings_hold_better():
     assert (four < glued).all()
 
 
+def test_springs_of_the_cone_do_not_depend_on_the_mesh():
+    place = (0.01, 0.0, 0.1)
+    coarse, fine = (
+        frequencies(ground_casing(blocks(pieces=(n, n, 2)), CAST_IRON, interfaces={}, joint=joint(place)))
+        for n in (4, 12)
+    )
+    assert coarse == pytest.approx(fine, rel=0.02)
+
+
 def test_a_bolt_where_nothing_touches_is_refused():
     with pytest.raises(MeshError, match=r"do not touch around bolt 2 at \(200, 0, 100\) mm"):
         ground_casing(blocks(), CAST_IRON, interfaces={}, joint=joint((0.0, 0.0, 0.1), (0.2, 0.0, 0.1)))

@@ -5,13 +5,13 @@ of the cone there; beyond, the halves may part and slide. In the ring of area A 
 
     K = int N^T [k_n n n^T + k_t (1 - n n^T)] N dA / A,      N u = u_above - u_below
 
-with k_n from the deformation cone (`fem.casing.parts.bolts`), k_t = k_n 2 (1 - nu)/(2 - nu), the ratio of an area that
-sticks (Mindlin 1949, J. Appl. Mech. 16, 259-268). A rigid motion of both halves strains none of them.
+with k_n from the deformation cone (`fem.casing.parts.bolts`) and k_t = k_n 2 (1 - nu)/(2 - nu), the ratio of an area
+that sticks (Mindlin 1949, J. Appl. Mech. 16, 259-268). A rigid motion of both halves strains none of them.
 
-The cone is the resilience of the parts between head and nut. A mesh of both halves has a part of it as well, so that
-the joint is on the soft side; with k_n and k_t raised beyond all measure its rings are bonded, which is on the stiff
-side of a dry joint (surfaces touch on their asperities). Joints whose bolts lose their preload, that open, or that slip
-are not linear and lie outside this model.
+The cone is the resilience of the parts between head and nut. The elements of both halves have most of it as well, so
+that these springs are on the soft side; ten times as stiff, they leave it to the elements. Far stiffer ones close all
+of a facet of which the ring holds a part, and the result depends on the mesh. Joints that open beyond their rings, or
+slip, are not linear and lie outside this model; halves may pass through each other between the rings.
 """
 
 from __future__ import annotations

@@ -21,10 +21,13 @@ diameter of a hexagon head), ISO 273 medium (hole).
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
+Size = Literal["M5", "M6", "M8", "M10", "M12", "M16", "M20", "M24", "M30"]
 STEEL_OF_BOLTS = 205e9  # Pa, VDI 2230
-_SIZES = {  # pitch, bearing diameter of the head, hole, mm
+_SIZES: Mapping[Size, tuple[float, float, float]] = {  # pitch, bearing diameter of the head, hole, mm
     "M5": (0.8, 6.88, 5.5),
     "M6": (1.0, 8.88, 6.6),
     "M8": (1.25, 11.63, 9.0),
@@ -35,7 +38,6 @@ _SIZES = {  # pitch, bearing diameter of the head, hole, mm
     "M24": (3.0, 33.61, 26.0),
     "M30": (3.5, 42.75, 33.0),
 }
-SIZES = tuple(_SIZES)
 _HEAD, _THREAD, _NUT, _TAPPED = 0.5, 0.5, 0.4, 0.33  # substitutional lengths over the nominal diameter
 
 
@@ -71,9 +73,9 @@ class Bolt:
 
     @classmethod
     def of_size(
-        cls, size: str, *, clamped: tuple[float, float], tapped: bool = False, outer: float | None = None
+        cls, size: Size, *, clamped: tuple[float, float], tapped: bool = False, outer: float | None = None
     ) -> Bolt:
-        """A bolt with a hexagon head by its size, e.g. "M10"; KeyError if it is none of `SIZES`."""
+        """A bolt with a hexagon head by its size."""
         pitch, head, hole = (value / 1000 for value in _SIZES[size])
         diameter = int(size[1:]) / 1000
         return cls(diameter=diameter, pitch=pitch, head=head, hole=hole, clamped=clamped, tapped=tapped, outer=outer)

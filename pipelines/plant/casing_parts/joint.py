@@ -80,10 +80,9 @@ def _of_cover(table: CoverJointTable, housing: Housing) -> BoltedJoint:
             f"a head of {1000 * bolt.head:.4g} mm finds no room on a flange {1000 * flange.width:.4g} mm wide; take "
             "smaller bolts, or widen the flange"
         )
-    if table.positions_mm is not None:
-        places = [(x / 1000, y / 1000) for x, y in table.positions_mm]
-    else:
-        places = cover_bolts(housing, bolt, (table.pitch_mm or 0.0) / 1000)
+    places = [(x / 1000, y / 1000) for x, y in table.positions_mm]
+    if table.pitch_mm is not None:
+        places += cover_bolts(housing, bolt, table.pitch_mm / 1000)
     return BoltedJoint(
         plane=Plane(through=(0.0, 0.0, z), normal=(0.0, 0.0, 1.0)),
         bolt=bolt,

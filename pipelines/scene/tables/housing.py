@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from fem.casing.parts.bolts import SIZES
+from fem.casing.parts.bolts import Size
 from pipelines.scene.tables.base import Flag, Number, Positive, Table, Whole
 
 Vector = tuple[Number, Number, Number]
@@ -43,7 +43,7 @@ class FlangeTable(Table):
 class JointTable(Table):
     """Bolts that hold two parts of a housing together; without them the parts are bonded."""
 
-    bolt: Annotated[Literal[SIZES], Field(description="size of all bolts, hexagon heads, holes of ISO 273 medium")]
+    bolt: Annotated[Size, Field(description="size of all bolts, hexagon heads, holes of ISO 273 medium")]
     outer_diameter_mm: Annotated[
         Length | None,
         Field(description="of the clamped parts, D_A of VDI 2230; left out: as far as they stay closed"),
@@ -58,17 +58,16 @@ class CoverJointTable(JointTable):
     """Bolts of the cover: in the flange, or without a flange down through the cover into the walls."""
 
     pitch_mm: Annotated[
-        Length | None, Field(description="largest distance of neighbouring bolts, set beside bosses and at corners")
+        Length | None, Field(description="largest distance of neighbouring bolts, set at corners and beside bosses")
     ] = None
     positions_mm: Annotated[
-        tuple[tuple[Place, Place], ...] | None,
-        Field(min_length=1, description="x, y of every bolt; instead of a pitch"),
-    ] = None
+        tuple[tuple[Place, Place], ...], Field(description="x, y of bolts; with pitch_mm of further ones")
+    ] = ()
 
     @model_validator(mode="after")
-    def _one_way(self) -> CoverJointTable:
-        if (self.pitch_mm is None) == (self.positions_mm is None):
-            raise ValueError("give either pitch_mm or positions_mm")
+    def _some(self) -> CoverJointTable:
+        if self.pitch_mm is None and not self.positions_mm:
+            raise ValueError("has no bolts; give pitch_mm, positions_mm or both")
         return self
 
 
