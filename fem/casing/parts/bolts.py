@@ -75,7 +75,13 @@ class Bolt:
     def of_size(
         cls, size: Size, *, clamped: tuple[float, float], tapped: bool = False, outer: float | None = None
     ) -> Bolt:
-        """A bolt with a hexagon head by its size."""
+        """A bolt with a hexagon head by its size.
+
+        Parameters
+        ----------
+        size : of the thread, which tells pitch, head and hole
+        clamped, tapped, outer : those of the class
+        """
         pitch, head, hole = (value / 1000 for value in _SIZES[size])
         diameter = int(size[1:]) / 1000
         return cls(diameter=diameter, pitch=pitch, head=head, hole=hole, clamped=clamped, tapped=tapped, outer=outer)
