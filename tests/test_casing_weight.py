@@ -1,5 +1,7 @@
 """The casing's own weight: what the feet carry, and how far the seats sink."""
 
+import re
+
 import numpy as np
 import pytest
 import skfem
@@ -13,6 +15,7 @@ from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.rigid import housing_mass, rigid_body
 from fem.elements.materials import CAST_IRON, Material
 from mbd.system.statics import equilibrium, foot_forces
+from pipelines.cli import main
 from pipelines.engine.working import Work
 from pipelines.runs.single_results import scene_graph
 from pipelines.scene.file import load_scene
@@ -130,3 +133,13 @@ def test_the_feet_of_a_machine_carry_everything_in_it():
         forces = foot_forces(system, equilibrium(system))
         total = forces.sum(axis=0)
         np.testing.assert_allclose(total, [0.0, 0.0, GRAVITY * (turning + standing)], rtol=1e-8, atol=1e-5)
+
+
+def test_the_command_tells_what_each_foot_carries_and_how_far_the_seats_sink(capsys):
+    assert main(["casing", "minimal", "--quiet"]) == 0
+    line = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("own weight"))
+    weight, *feet = [float(found) for found in re.findall(r"(?:weight|ground_\d) ([\d.]+)", line)]
+    assert weight == pytest.approx(15.44 * GRAVITY, rel=1e-3)
+    assert sum(feet) == pytest.approx(weight, rel=1e-3)
+    sunk = re.search(r"seats sink by ([\d.]+) to ([\d.]+) um", line)
+    assert float(sunk[1]) == pytest.approx(weight / 1.2e9 * 1e6, rel=0.02)  # six mounts of 200 N/um
