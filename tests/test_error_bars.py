@@ -249,5 +249,8 @@ def test_without_errors_of_the_mesh_the_inputs_are_shown_alone(diagnosed):
     bars = line_bars(run, found, system, uncertain(plant.casing, None, (), plant.looked_for.damping_spread))
     assert bars.bars
     assert all(bar.numerical is None and bar.inputs.low < bar.inputs.high for bar in bars.bars)
-    assert "choose casing.model craig-bampton" in bars_words(bars)
+    words = bars_words(bars)
+    assert "choose casing.model craig-bampton" in words
+    assert "numerical dB" not in words
+    assert "inputs dB" in words
     assert LineBars(bars=bars.bars, notes=bars.notes).to_dict()["bars"][0]["numerical"] is None

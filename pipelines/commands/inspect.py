@@ -91,8 +91,8 @@ def _write_casing(graph: Graph, plant: Plant, folder: Path, work: Work) -> None:
     if "casing mesh" not in graph.steps:
         sys.stdout.write(f"casing {plant.models['casing']}: no mesh to show\n")
         return
-    outcome = work.build(graph, ["casing mesh", "casing"])
-    picture = reporting.casing_picture(outcome.value("casing mesh"), outcome.value("casing"))
+    mesh = work.build(graph, ["casing mesh"]).value("casing mesh")
+    picture = reporting.casing_picture(mesh, plant.sensors)
     if picture is None or isinstance(picture, LeftOut):
         sys.stdout.write(f"casing.png: {picture.reason if picture else 'nothing to show'}\n")
         return

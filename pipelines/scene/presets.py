@@ -82,7 +82,6 @@ LEVELS = {
     ),
 }
 BETWEEN_BOSSES = 1.05  # distance of two axes, seen along x or z, over the sum of the radii of their bosses
-EDGE_SIZE = 0.09  # thickness of the layers at the inner edges, in element sizes
 MOST_SLICES = 101  # that a scene may ask for
 PRESETS = tuple(LEVELS)
 
@@ -123,12 +122,10 @@ def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
     )
     if open_to_hexahedra or (isinstance(housing, HousingTable) and casing.element.startswith("hexahedron")):
         element = "hexahedron-27" if open_to_hexahedra else casing.element
-        length = size * level.extruded_size
-        return {
-            "casing.element": element,
-            "casing.element_size_mm": length,
-            "casing.edge_element_size_mm": EDGE_SIZE * length,
-        }
+        settings: Settings = {"casing.element": element, "casing.element_size_mm": size * level.extruded_size}
+        if casing.edge_element_size_mm is not None:
+            settings["casing.edge_element_size_mm"] = casing.edge_element_size_mm * level.extruded_size
+        return settings
     return {
         "casing.element_size_mm": size * level.element_size,
         "casing.bore_element_size_mm": size * level.bore_size,

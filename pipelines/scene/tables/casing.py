@@ -25,6 +25,7 @@ KNOWN_PARTS = (COVER, FEET, MOUNTS, JOINTS)
 POINTS = re.compile(
     r"(bearing|ground)_|(bearing|ground|casing|shaft|mesh|motor|load|rope|container)(_[0-9]+)?$|(origin|[xyz])$"
 )
+EDGE_LAYER = 0.09  # thickness of the layers of hexahedra along inner edges, over the size of elements
 
 
 class DampedPartTable(Table):
@@ -80,7 +81,10 @@ class FlexibleBase(Table):
     foot_element_size_mm: Annotated[Positive | None, Field(description="at the ground faces, where smaller")] = None
     edge_element_size_mm: Annotated[
         Positive | None,
-        Field(description="hexahedra of a parametric housing: thickness of thin ones along its inner edges; none"),
+        Field(
+            description="hexahedra of a parametric housing: thickness of the layers along its inner edges; left out: "
+            f"{EDGE_LAYER:g} of element_size_mm"
+        ),
     ] = None
     damping_ratio: Annotated[
         Damping | tuple[tuple[NotNegative, Damping], ...],
