@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,8 @@ from fem.casing.models.registry import elastic_casing
 from fem.elements.materials import Material
 from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.bearings import bearing_points
+from pipelines.plant.casing_parts.damped import loss_factors, regions
+from pipelines.plant.casing_parts.joint import bolted_joint
 from pipelines.plant.foreign_housing import foreign_housing
 from pipelines.plant.housing import housing
 from pipelines.plant.layout import Layout, material
@@ -62,7 +65,8 @@ class RigidMeshed:
 class ElasticPart:
     """A casing of finite elements, reduced by its `model`.
 
-    `mounts` in N/m, a row for all feet or one per foot, None on fixed ground.
+    `loss_factors` of the parts that have their own; `mounts` in N/m, a row for all feet or one per foot, None on fixed
+    ground.
     """
 
     model: ElasticCasing
@@ -71,6 +75,7 @@ class ElasticPart:
     sizes: Sizes
     element: str
     damping: DampingRatio
+    loss_factors: Mapping[str, float]
     mounts: tuple[tuple[float, float, float], ...] | None
     frequency_error: float | None
     extrapolated: bool
@@ -83,6 +88,7 @@ class MatricesPart:
     model: ElasticCasing
     geometry: ForeignHousing
     damping: DampingRatio
+    loss_factors: Mapping[str, float]
     mounts: tuple[tuple[float, float, float], ...] | None
     frequency_error: float | None
 
@@ -114,12 +120,20 @@ def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
             damping=table.damping_ratio,
         )
     return ElasticPart(
-        model=elastic_casing(table.model, ground=table.ground, attachment=table.attachment, **_options(table)),
+        model=elastic_casing(
+            table.model,
+            ground=table.ground,
+            attachment=table.attachment,
+            regions=regions(table, box),
+            joint=bolted_joint(table.housing.joint, box, source),
+            **_options(table),
+        ),
         geometry=box,
         material=iron,
         sizes=element_sizes(table, box, iron, source),
         element=table.element,
         damping=table.damping_ratio,
+        loss_factors=loss_factors(table),
         mounts=_mounts(table),
         frequency_error=getattr(table, "frequency_error", None),
         extrapolated=table.extrapolated,
@@ -143,6 +157,7 @@ def _of_matrices(
         model=elastic_casing(table.model, ground=table.ground, attachment=table.attachment, **_options(table)),
         geometry=foreign_housing(matrices, scene.sensors, bearing_points(scene.shafts, layout), source),
         damping=table.damping_ratio,
+        loss_factors=loss_factors(table),
         mounts=_mounts(table),
         frequency_error=getattr(table, "frequency_error", None),
     )

@@ -187,6 +187,7 @@ def _elastic_step(plant: Plant, part: ElasticPart | MatricesPart, coarser: Seque
         spec=body.ElasticSpec(
             sensors=plant.sensors,
             damping=part.damping,
+            loss_factors=part.loss_factors,
             mounts=part.mounts,
             limit=part.model.limit,
             frequency_error=part.frequency_error,
@@ -215,6 +216,7 @@ def _coarser_steps(mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str
                     interfaces=interfaces,
                     ground=reduced.model.ground,
                     attachment=reduced.model.attachment,
+                    joint=reduced.model.joint,
                 ),
                 takes=(f"{name} mesh",),
                 libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
@@ -238,6 +240,7 @@ def casing_error_step(graph: Graph, band: float) -> Step:
             band=band,
             sensors=body.sensors,
             damping=body.damping,
+            loss_factors=body.loss_factors,
             mounts=body.mounts,
         ),
         takes=("casing mesh", "casing modes", "casing"),

@@ -25,6 +25,7 @@ import scipy.linalg as la
 from threadpoolctl import threadpool_limits
 
 from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.parts.bolted_joint import BoltedJoint
 from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.casing.reduced.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError, frequency_limits
 from fem.casing.reduced.grounded import Attachment, Ground, ground_casing
@@ -61,6 +62,7 @@ def lowest_modes(
     interfaces: Mapping[str, Sequence[str]] | None = None,
     ground: Ground = "fixed",
     attachment: Attachment = "mean",
+    joint: BoltedJoint | None = None,
 ) -> LowestModes:
     """The modes on a coarser mesh.
 
@@ -68,14 +70,14 @@ def lowest_modes(
     ----------
     mesh, material : of the casing, the mesh with elements one of `RATIOS` times as large
     static : take the matrices condensed to the interface, as the model static has
-    interfaces, ground, attachment : those of `ground_casing`
+    interfaces, ground, attachment, joint : those of `ground_casing`
 
     Raises
     ------
     as `ground_casing` and `reduce_body`
     """
     with threadpool_limits(1):  # the heavy steps run in two halves side by side
-        casing = ground_casing(mesh, material, interfaces=interfaces, ground=ground, attachment=attachment)
+        casing = ground_casing(mesh, material, interfaces=interfaces, ground=ground, attachment=attachment, joint=joint)
         if ground == "fixed" and not static:  # definite as it stands: no interface needs to be held
             theta, phi = block_lanczos(casing.interface.factor.solve, casing.M_free, count=MODES)
             frequencies = 1.0 / (2.0 * np.pi * np.sqrt(theta))
@@ -84,7 +86,7 @@ def lowest_modes(
             reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=count, enrich=not static)
             frequencies, vectors = _elastic(reduction.stiffness, reduction.mass, ground)
             phi = reduction.basis @ vectors
-    unknowns = (3 * sample_nodes(mesh.nodes)[:, None] + np.arange(3)).ravel()
+    unknowns = (3 * sample_nodes(casing.mesh.nodes)[:, None] + np.arange(3)).ravel()
     return LowestModes(frequencies=frequencies, shapes=casing.expanded(phi)[unknowns])
 
 
