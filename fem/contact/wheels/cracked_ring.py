@@ -59,12 +59,11 @@ def plane_cracked_ring(mesh: SectorMesh, young: float, poisson: float, loads: sp
     full = stiffness(mesh.points, mesh.elements, young, poisson, mesh.twist, mesh.filling)
     components, first = full.shape[0] // len(mesh.points), mesh.slit_first
     turn = cut_rotation(mesh, components)
-    join = sparse.identity(full.shape[0], format="lil")  # the doubles: u(body) = u(tooth) - g
     on_tooth = degrees_of(mesh.slit, components)
     opening = components * first + np.arange(len(on_tooth))
-    join[opening, on_tooth] = 1.0
-    join[opening, opening] = -1.0
-    turn = (turn @ join.tocsc()).tocsc()
+    places = np.tile(opening, 2), np.concatenate([on_tooth, opening])
+    change = sparse.csc_matrix((np.repeat([1.0, -2.0], len(opening)), places), shape=full.shape)
+    turn = (turn @ (sparse.identity(full.shape[0], format="csc") + change)).tocsc()  # doubles: u(body) = u(tooth) - g
     full = (turn.T @ full @ turn).tocsc()
     cut = degrees_of(np.concatenate([mesh.cut_low, mesh.cut_high]), components)
     schur, transfer, _ = condensed(mesh, full, np.concatenate([opening, cut]), loads)

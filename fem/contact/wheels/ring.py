@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from fem.elements.sections import lagrange, stiffness
 from fem.gears.sector import SectorMesh
+from fem.numerics.linear_solver import SingularMatrixError, factorize
 from fem.storage.ledger import count
 
 
@@ -145,8 +145,8 @@ def condensed(
     inner[degrees_of(np.concatenate([mesh.bore, mesh.cut_bore]), full.shape[0] // len(mesh.points))] = False
     k_ii, k_ic = full[inner][:, inner].tocsc(), full[inner][:, kept]
     try:
-        factor = splu(k_ii, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    except RuntimeError as error:
+        factor = factorize(k_ii, block=full.shape[0] // len(mesh.points))
+    except SingularMatrixError as error:
         raise RingError(
             f"gear z={mesh.teeth}: the stiffness matrix of the tooth sector ({k_ii.shape[0]} unknowns) is singular "
             f"({error}). Check bore radius and material."
