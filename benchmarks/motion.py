@@ -30,7 +30,7 @@ def run(machine: System, end: float, step: float = STEP, method: str = "exponent
 def rig(folder: Path, **settings: Any) -> System:
     """The rig with a moving start, from what the earlier parts kept as far as the settings leave it valid."""
     plant = moving(**settings)
-    laws = kept(folder, "laws") if plant.laws[0].model == "plane" else [stage_law(plant, n) for n in range(3)]
+    laws = kept(folder, "laws") if plant.laws == read().laws else [stage_law(plant, n) for n in range(3)]
     model = plant.models["casing"]
     body = kept(folder, model) if model in ("static", "craig-bampton") else casing_body(plant)
     return system(plant, laws, body)
