@@ -149,7 +149,9 @@ def shares(folder: Path) -> list[dict[str, Any]]:
     machine, n, block = rig(folder), 6000, 480
     clock = time.process_time()
     method = make_integrator("exponential", machine, STEP)
-    recorder, balance = Recorder(machine, method, 3, n), EnergyBalance(machine, method, STEP, n)
+    values = np.zeros((len(machine.channels.names), n // 3))
+    recorder = Recorder(machine, method, 3, 1.0 / (3 * STEP), values)
+    balance = EnergyBalance(machine, method, STEP, n)
     spent = {"set-up (s)": time.process_time() - clock, "loop": 0.0, "channels": 0.0, "energy balance": 0.0}
     start = method.start(equilibrium(machine))
     recorder.take(start)
