@@ -117,7 +117,7 @@ def test_a_named_surface_is_known_in_every_format_that_has_names(folder, name):
 
 def test_folded_elements_of_a_file_are_straightened_and_counted(folder, native, tmp_path):
     """A mid-side node of the bore pushed through its element: the file is used, and says so."""
-    raw = read_mesh_file(folder / "block.msh")
+    raw = read_mesh_file(folder / "block.msh", 1.0)
     edge = raw.nodes[raw.elements[:, 4]] - raw.nodes[raw.elements[:, :2]].mean(axis=1)
     worst = int(np.linalg.norm(edge, axis=1).argmax())
     nodes = raw.nodes.copy()

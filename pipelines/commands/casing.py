@@ -35,6 +35,11 @@ def main(options: argparse.Namespace) -> int:
         sys.stdout.write(f"{describe(casing.modes)}\n{extrapolated}{casing.checkup.report(0)}\n{table}\n")
         if casing.limits is not None:
             sys.stdout.write(f"{limit_table(casing.limits, options.modes)}\n")
+    if casing.mesh is not None and casing.mesh.divided:
+        sys.stdout.write(
+            f"{casing.mesh.divided} of the file were divided into {len(casing.mesh.elements)} tetrahedra between the "
+            "same nodes\n"
+        )
     if casing.mesh is not None and casing.mesh.straightened:
         sys.stdout.write(
             f"{casing.mesh.straightened} of {len(casing.mesh.elements)} curved elements of the file were folded or "

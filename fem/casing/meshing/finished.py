@@ -35,6 +35,7 @@ class RawMesh:
     elements: np.ndarray
     facets: Mapping[str, np.ndarray] = field(default_factory=dict)
     node_sets: Mapping[str, np.ndarray] = field(default_factory=dict)
+    divided: str = ""  # elements of a file that were divided into these, in words
 
 
 def finished_mesh(
@@ -100,10 +101,10 @@ def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None
     parts, sizes = np.unique(label, return_counts=True)
     if len(parts) > 1:
         loose = parts[sizes.argmin()]
-        x, y, z = nodes[corners[label == loose]].mean(axis=(0, 1))
+        x, y, z = 1000 * nodes[corners[label == loose]].mean(axis=(0, 1))
         raise MeshError(
             f"{name} falls into {len(parts)} unconnected parts; the smallest has {sizes.min()} of {len(elements)} "
-            f"elements around x=({x:.4g}, {y:.4g}, {z:.4g}) m. Merge coincident nodes, or leave the loose part out"
+            f"elements around ({x:.5g}, {y:.5g}, {z:.5g}) mm. Merge coincident nodes, or leave the loose part out"
         )
 
 

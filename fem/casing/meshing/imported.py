@@ -123,23 +123,25 @@ def mesh_from_file(housing: ImportedHousing, element: str) -> CasingMesh:
         unconnected parts, a size that does not fit the shafts (wrong unit), a key point that is not found
     """
     path = housing.file
-    raw = read_mesh_file(path)
+    raw = read_mesh_file(path, 1000 * UNITS[housing.unit])
     given, wanted = solid_element(raw.elements), SOLIDS[element]
-    shape = "tetrahedra" if given.corners == 4 else "hexahedra"
+    words = raw.divided or f"{len(raw.elements)} {'tetrahedra' if given.corners == 4 else 'hexahedra'}"
     if given.corners != wanted.corners:
         fitting = [name for name in CHOICES if SOLIDS[name].corners == given.corners]
+        cut = " are divided into tetrahedra and" if raw.divided else ""
         raise MeshError(
-            f"{path.name} has {shape}, which cannot become {element} elements. Set casing.element to "
+            f"{path.name} has {words}, which{cut} cannot become {element} elements. Set casing.element to "
             f"{' or '.join(map(repr, fitting))}"
         )
     check_extent(housing, raw.nodes, UNITS[housing.unit])
     if given.degree < wanted.degree and not housing.upgrade:
         raise MeshError(
-            f"{path.name} has linear {shape} ({len(raw.elements)}): far too stiff in bending. Set upgrade = true "
+            f"{path.name} has linear elements ({words}), far too stiff in bending. Set upgrade = true "
             f"for mid-side nodes on straight edges, or export {element} elements, which follow the bores"
         )
     mended, count = _unfolded(raw)
-    return replace(finish(housing, mended, element=element, element_size=None), straightened=count)
+    mesh = finish(housing, mended, element=element, element_size=None)
+    return replace(mesh, straightened=count, divided=raw.divided)
 
 
 def _unfolded(raw: RawMesh) -> tuple[RawMesh, int]:

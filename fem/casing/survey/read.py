@@ -139,7 +139,7 @@ def _of_triangles(path: Path, unit: str) -> Contents:
 
 
 def _of_mesh(path: Path, unit: str) -> Contents:
-    raw = read_mesh_file(path)
+    raw = read_mesh_file(path, MM * UNITS[unit])
     linear = SOLIDS["tetrahedron-4" if solid_element(raw.elements).corners == 4 else "hexahedron-8"]
     nodes, elements = converted(UNITS[unit] * raw.nodes, raw.elements, linear)
     facets = outer_facets(nodes, elements)
