@@ -227,5 +227,5 @@ def test_divided_hexahedra_have_the_frequencies_of_whole_ones_within_their_error
 
     whole, parts = elastic(nodes, elements), elastic(*converted(*cut, SOLIDS["tetrahedron-10"]))
     assert (parts > whole).all()
-    assert (parts[:3] / whole[:3] - 1).max() < 0.01
-    assert (parts / whole - 1).max() < 0.03
+    assert np.median(parts / whole - 1) < 0.02
+    assert (parts / whole - 1).max() < 0.05
