@@ -19,7 +19,7 @@ from fem.casing.meshing.quality import checked_quality
 from fem.casing.meshing.sizes import mean_edge
 from fem.casing.meshing.surface import Surface
 from fem.elements.facets import corner_triangles, outer_facets
-from fem.elements.solid_elements import SOLIDS, converted, curved, solid_element
+from fem.elements.solid_elements import SOLIDS, converted, curved, solid_element, solid_mesh
 from fem.storage.ledger import count
 
 _log = logging.getLogger(__name__)
@@ -93,7 +93,7 @@ def finished_mesh(
 
 
 def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None:
-    """MeshError if the mesh falls into parts that share no node."""
+    """MeshError if the mesh falls into parts that share no node, or no side: they would turn as in a hinge."""
     corners = elements[:, : solid_element(elements).corners]
     rows = np.repeat(corners[:, 0], corners.shape[1] - 1)
     graph = sp.coo_matrix((np.ones(len(rows)), (rows, corners[:, 1:].ravel())), shape=(len(nodes),) * 2)
@@ -106,6 +106,24 @@ def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None
             f"{name} falls into {len(parts)} unconnected parts; the smallest has {sizes.min()} of {len(elements)} "
             f"elements around ({x:.5g}, {y:.5g}, {z:.5g}) mm. Merge coincident nodes, or leave the loose part out"
         )
+    label = _over_sides(corners)
+    parts, sizes = np.unique(label, return_counts=True)
+    if len(parts) > 1:
+        loose = label == parts[sizes.argmin()]
+        shared = np.intersect1d(corners[loose], corners[~loose])
+        x, y, z = 1000 * nodes[shared].mean(axis=0)
+        raise MeshError(
+            f"{name}: {int(loose.sum())} of {len(elements)} elements hang on the others by {len(shared)} nodes around "
+            f"({x:.5g}, {y:.5g}, {z:.5g}) mm alone, as on a hinge. Let the two parts touch with a face, or leave one out"
+        )
+
+
+def _over_sides(corners: np.ndarray) -> np.ndarray:
+    """Number (e,) of the part to which an element belongs, parts sharing no side; corners (e, 4 or 8)."""
+    mesh = solid_mesh(np.zeros((corners.max() + 1, 3)), corners)
+    inner = mesh.f2t[:, mesh.f2t[1] >= 0]
+    graph = sp.coo_matrix((np.ones(inner.shape[1]), (inner[0], inner[1])), shape=(len(corners),) * 2)
+    return np.asarray(connected_components(graph, directed=False)[1])
 
 
 def _facet_groups(raw: RawMesh, facets: np.ndarray) -> dict[str, np.ndarray]:

@@ -140,7 +140,7 @@ def mesh_from_file(housing: ImportedHousing, element: str) -> CasingMesh:
             f"for mid-side nodes on straight edges, or export {element} elements, which follow the bores"
         )
     mended, count = _unfolded(raw)
-    mesh = finish(housing, mended, element=element, element_size=None)
+    mesh = finish(housing, mended, element=element, element_size=None, remedy=f"Repair the mesh {path.name}")
     return replace(mesh, straightened=count, divided=raw.divided)
 
 
@@ -153,7 +153,9 @@ def _unfolded(raw: RawMesh) -> tuple[RawMesh, int]:
     return replace(raw, nodes=nodes), int(moved[raw.elements].any(axis=1).sum())
 
 
-def finish(housing: ImportedHousing, raw: RawMesh, *, element: str, element_size: float | None) -> CasingMesh:
+def finish(
+    housing: ImportedHousing, raw: RawMesh, *, element: str, element_size: float | None, remedy: str
+) -> CasingMesh:
     """Check a mesh, find its surface and its key points.
 
     Parameters
@@ -162,6 +164,7 @@ def finish(housing: ImportedHousing, raw: RawMesh, *, element: str, element_size
     raw : nodes in units of the file, or in m if `element_size` is given
     element : one of `fem.elements.solid_elements.SOLIDS`, of the same shape
     element_size : m, that a solid was meshed with; None for a mesh from a file
+    remedy : what to do about a bad element
 
     Raises
     ------
@@ -174,7 +177,7 @@ def finish(housing: ImportedHousing, raw: RawMesh, *, element: str, element_size
         name=name,
         element=element,
         element_size=element_size,
-        remedy=f"Use an element size below {1000 * element_size:.4g} mm" if element_size else f"Repair the mesh {name}",
+        remedy=remedy,
     )
 
 

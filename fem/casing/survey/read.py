@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.csgraph import breadth_first_order, connected_components
+from scipy.sparse.csgraph import connected_components
 
 from fem.casing.meshing.gmsh_session import session
 from fem.casing.meshing.imported import STEP_SUFFIXES, STL_SUFFIXES, UNITS
@@ -98,7 +98,7 @@ def _surface(gmsh: Any, tags: list[int]) -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 def outward(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """The triangles (t, 3) of a closed surface turned so that they are seen from outside counter-clockwise."""
+    """The triangles (t, 3) of the surface of one body turned so that they are seen from outside counter-clockwise."""
     sides = triangles[:, [[0, 1], [1, 2], [2, 0]]]
     forward = (sides[:, :, 0] < sides[:, :, 1]).reshape(-1)
     number = np.unique(np.sort(sides, axis=2).reshape(-1, 2), axis=0, return_inverse=True)[1].ravel()
@@ -106,22 +106,20 @@ def outward(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     owner = np.repeat(np.arange(len(triangles)), 3)[order]
     pair = np.flatnonzero(np.diff(number[order]) == 0)
     one, two = owner[pair], owner[pair + 1]
-    against = (forward[order][pair] == forward[order][pair + 1]).astype(float)  # an edge is run through both ways
-    graph = sp.coo_matrix((1.0 + np.tile(against, 2), (np.append(one, two), np.append(two, one)))).tocsr()
-    graph.resize((len(triangles),) * 2)
-    turned = np.zeros(len(triangles), bool)
-    label = connected_components(graph, directed=False)[1]
-    for part in range(label.max() + 1):
-        members = np.flatnonzero(label == part)
-        visited, before = breadth_first_order(graph, members[0], directed=False)
-        for triangle in visited[1:]:
-            turned[triangle] = turned[before[triangle]] ^ (graph[before[triangle], triangle] > 1.5)
+    against = forward[order][pair] == forward[order][pair + 1]  # an edge is run through both ways
+    # every triangle stands once as it is and once turned over; from the first of a part one of the two is reached
+    count = len(triangles)
+    rows = np.concatenate([one, one + count])
+    columns = np.concatenate([two + count * against, two + count * ~against])
+    graph = sp.coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(2 * count,) * 2)
+    either = connected_components(graph, directed=False)[1].reshape(2, count)
+    label = np.unique(either.min(axis=0), return_inverse=True)[1].ravel()
+    first = np.unique(label, return_index=True)[1]
+    turned = either[0] != either[0, first][label]
     triangles = np.where(turned[:, None], triangles[:, [0, 2, 1]], triangles)
-    for part in range(label.max() + 1):
-        corners = points[triangles[label == part]]
-        if np.linalg.det(corners - points[triangles].mean(axis=(0, 1))).sum() < 0.0 and label.max() == 0:
-            triangles = triangles[:, [0, 2, 1]]
-    return triangles
+    volume = np.bincount(label, weights=np.linalg.det(points[triangles] - points[triangles].mean(axis=(0, 1))))
+    hollow = np.arange(len(volume)) != np.abs(volume).argmax()  # parts inside the outermost one
+    return np.where(((volume < 0.0) ^ hollow)[label][:, None], triangles[:, [0, 2, 1]], triangles)
 
 
 def _of_triangles(path: Path, unit: str) -> Contents:
