@@ -23,7 +23,7 @@ from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.solid_elements import SOLIDS, converted, solid_element
 
 _log = logging.getLogger(__name__)
-_AROUND = 16  # elements of a full turn
+_AROUND = 12  # elements of a full turn
 _COARSE, _FINE = 10, 400  # elements along the diagonal of the box, at least and at most
 
 
@@ -74,6 +74,7 @@ def _surface(gmsh: Any, tags: list[int]) -> tuple[np.ndarray, np.ndarray, np.nda
     gmsh.option.setNumber("Mesh.MeshSizeMax", diagonal / _COARSE)
     gmsh.option.setNumber("Mesh.MeshSizeMin", diagonal / _FINE)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", _AROUND)
+    gmsh.option.setNumber("Mesh.Algorithm", 5)  # Delaunay: looked at, not computed with; less work than frontal
     try:
         gmsh.model.mesh.generate(2)
     except Exception as error:  # gmsh raises this class itself
