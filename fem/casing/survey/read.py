@@ -23,7 +23,7 @@ from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.solid_elements import SOLIDS, converted, solid_element
 
 _log = logging.getLogger(__name__)
-_AROUND = 12  # elements of a full turn
+_AROUND = 16  # elements of a full turn; with 12, the wide triangles of short bores lean too far to be told from cones
 _COARSE, _FINE = 10, 400  # elements along the diagonal of the box, at least and at most
 
 
