@@ -113,8 +113,8 @@ def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None
         shared = np.intersect1d(corners[loose], corners[~loose])
         x, y, z = 1000 * nodes[shared].mean(axis=0)
         raise MeshError(
-            f"{name}: {int(loose.sum())} of {len(elements)} elements hang on the others by {len(shared)} nodes around "
-            f"({x:.5g}, {y:.5g}, {z:.5g}) mm alone, as on a hinge. Let the two parts touch with a face, or leave one out"
+            f"{name}: {int(loose.sum())} of {len(elements)} elements hang on the others by an edge or a corner alone, "
+            f"around ({x:.5g}, {y:.5g}, {z:.5g}) mm, as on a hinge. Let the parts touch with a face, or leave one out"
         )
 
 

@@ -246,7 +246,8 @@ def check_touching(gmsh: Any, name: str, solids: Sequence[int], numbers: Sequenc
     (one, two), (gap, (x, y, z)) = min(gaps.items(), key=lambda item: item[1][0])
     raise MeshError(
         f"{name} falls into {len(parts)} parts that do not touch: solids {'; '.join(parts)}; solids {numbers[one]} and "
-        f"{numbers[two]} are {gap:.3g} mm apart at ({x:.5g}, {y:.5g}, {z:.5g}) mm. Choose those of one part by solids = [...], or close the gap in the CAD program"
+        f"{numbers[two]} are {gap:.3g} mm apart at ({x:.5g}, {y:.5g}, {z:.5g}) mm. Choose those of "
+        "one part by solids = [...], or close the gap in the CAD program"
     )
 
 
