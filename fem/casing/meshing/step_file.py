@@ -89,9 +89,9 @@ def read_step(gmsh: Any, housing: ImportedHousing) -> None:
     if len(solids) == 1:
         return
     numbers = sorted(set(housing.solids)) or range(1, len(solids) + 1)
-    if twins := same_bodies(gmsh, solids):
-        one, two = (numbers[place] for place in twins[0])
-        x, y, z = gmsh.model.occ.getCenterOfMass(3, solids[twins[0][0]])
+    if doubles := same_bodies(gmsh, solids):
+        one, two = (numbers[place] for place in doubles[0])
+        x, y, z = gmsh.model.occ.getCenterOfMass(3, solids[doubles[0][0]])
         raise MeshError(
             f"{path.name}: solids {one} and {two} are one body twice, both around ({x:.5g}, {y:.5g}, {z:.5g}) mm of "
             "the file; leave one out by solids = [...]"
