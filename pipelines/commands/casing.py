@@ -42,6 +42,11 @@ def main(options: argparse.Namespace) -> int:
             sys.stdout.write(f"{limit_table(casing.limits, options.modes)}\n")
     if casing.joint:
         sys.stdout.write(f"joint: {casing.joint}\n")
+    if casing.mesh is not None and casing.mesh.divided:
+        sys.stdout.write(
+            f"{casing.mesh.divided} of the file were divided into {len(casing.mesh.elements)} tetrahedra between the "
+            "same nodes\n"
+        )
     if casing.mesh is not None and casing.mesh.straightened:
         sys.stdout.write(
             f"{casing.mesh.straightened} of {len(casing.mesh.elements)} curved elements of the file were folded or "
