@@ -9,7 +9,7 @@ presets take `solid`. The slices of the face add tones at their own passing freq
 of the casing, which fall with n^2 and more: 15 instead of 101 move the RMS of the sensors by 0.6 % (1.5 % at most), the
 lines of the fault by 0.12 dB. The flexibility of the bearing seats moves these lines more than the rest of the casing
 does. A plain parametric housing takes hexahedra with thin layers at its inner edges: on the rig `standard` has 130,000
-unknowns, frequencies 0.15 % too high and seats 0.2 % too stiff. Other housings take tetrahedra, finest at the bores,
+unknowns, frequencies 0.7 % too high and seats 1.2 % too stiff. Other housings take tetrahedra, finest at the bores,
 and are extrapolated from three meshes: without that, twice as fine elements move these lines by 3.4 dB.
 """
 
