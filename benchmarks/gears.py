@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +13,16 @@ import numpy as np
 from numba import njit
 
 from benchmarks.clock import timed
+from benchmarks.gear_pairs import gear_pair
 from benchmarks.rig import Laws, keep, plane_law, read, stage_law
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.kernel import evaluate
+from fem.contact.models.solid import Solid
+from fem.contact.wheels.crack_surface import crack_surface
 
 CALLS = 20_000
+CRACK = math.radians(70.0)  # to the centre line of the tooth
 
 
 @njit
@@ -27,17 +34,30 @@ def _many(tables, cycle, delta, psi, pinion, wheel):
 
 
 def laws(folder: Path) -> list[dict[str, Any]]:
-    """Seconds of models iso and plane for every stage of the rig; keeps the plane laws."""
-    rows, found = [], []
+    """Seconds of the models iso, plane and solid and of a crack surface for every stage of the rig, and of a wide pair.
+
+    Keeps the laws of the rig as shipped.
+    """
+    rows, found, plant = [], [], read()
     cheap = read(**{f"stages__{n}__mesh__model": "iso" for n in (1, 2, 3)})
-    plant = read()
-    plane_law(plant.layout.pairs[0], 1, 0.5)  # imports and first calls are not the law's
-    for stage, pair in enumerate(plant.layout.pairs):
-        iso, _ = timed(lambda n=stage: stage_law(cheap, n))
-        plane, pair_laws = timed(lambda n=stage: stage_law(plant, n))
-        found.append(pair_laws)
-        for model, time_taken in (("iso", iso), ("plane", plane)):
-            rows.append({"stage": stage + 1, "pair": pair.label.split()[-1], "model": model, **time_taken})
+    small, wide = gear_pair((17, 23), 2, 15, 10), gear_pair((100, 150), 2, 20, 80, bores_mm=(40, 60))
+    plane_law(small, 1, 0.5)  # imports, compiled code and first calls are not the law's
+    Solid(refinement=0.6, positions=8).laws(small)
+    for stage, (pair, spec) in enumerate(zip(plant.layout.pairs, plant.laws, strict=True)):
+        surface = spec.mesh.crack_surface(pair, "pinion", CRACK)
+        works: dict[str, Callable[[], Any]] = {
+            "iso": partial(stage_law, cheap, stage),
+            "plane": partial(plane_law, pair),
+            "solid": spec.laws,
+            "surface of a crack": partial(crack_surface, surface),
+        }
+        for model, work in works.items():
+            taken, made = timed(work, 1 if model == "solid" else 3)
+            rows.append({"stage": str(stage + 1), "pair": pair.label.split()[-1], "model": model, **taken})
+            if model == "solid":
+                found.append(made)
+    taken, _ = timed(partial(Solid(refinement=0.7).laws, wide), 1)
+    rows.append({"stage": "b 40 m_n", "pair": wide.label.split()[-1], "model": "solid", **taken})
     keep(folder, "laws", found)
     return rows
 

@@ -30,7 +30,7 @@ def run(machine: System, end: float, step: float = STEP, method: str = "exponent
 def rig(folder: Path, **settings: Any) -> System:
     """The rig with a moving start, from what the earlier parts kept as far as the settings leave it valid."""
     plant = moving(**settings)
-    laws = kept(folder, "laws") if plant.laws[0].model == "plane" else [stage_law(plant, n) for n in range(3)]
+    laws = kept(folder, "laws") if plant.laws == read().laws else [stage_law(plant, n) for n in range(3)]
     model = plant.models["casing"]
     body = kept(folder, model) if model in ("static", "craig-bampton") else casing_body(plant)
     return system(plant, laws, body)
@@ -149,7 +149,9 @@ def shares(folder: Path) -> list[dict[str, Any]]:
     machine, n, block = rig(folder), 6000, 480
     clock = time.process_time()
     method = make_integrator("exponential", machine, STEP)
-    recorder, balance = Recorder(machine, method, 3, n), EnergyBalance(machine, method, STEP, n)
+    values = np.zeros((len(machine.channels.names), n // 3))
+    recorder = Recorder(machine, method, 3, 1.0 / (3 * STEP), values)
+    balance = EnergyBalance(machine, method, STEP, n)
     spent = {"set-up (s)": time.process_time() - clock, "loop": 0.0, "channels": 0.0, "energy balance": 0.0}
     start = method.start(equilibrium(machine))
     recorder.take(start)

@@ -1,7 +1,7 @@
-"""Run every test, the slow ones too, file by file; a part that passed on this source tree is not run again.
+"""Run every test, the slow ones too, two files at a time; one that passed on this source tree is not run again.
 
-Usage: python tests/all_parts.py [--restart]. Marks are kept in .test-all/<hash of the sources>/. Processor seconds of
-every part are printed, of the extremes also what they counted; a part may take 8 minutes.
+Usage: python tests/all_parts.py [--restart]. Marks are kept in .test-all/<hash of the sources>/. What the extremes
+counted is printed with them; a file may take 8 minutes.
 """
 
 from __future__ import annotations
@@ -12,10 +12,12 @@ import shutil
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 SECONDS_PER_PART = 8 * 60
+SIDE_BY_SIDE = 2
 NO_TESTS_COLLECTED = 5
 
 
@@ -33,16 +35,27 @@ def source_hash() -> str:
     return total.hexdigest()[:16]
 
 
-def run_part(path: Path) -> bool:
-    """Run one test file with all markers; True if it passed."""
+def one_part(path: Path, mark: Path) -> tuple[bool, float]:
+    """Run one test file with all markers, and print what it says at once; whether it passed, and its seconds."""
+    if mark.exists():
+        print(
+            f"{path.relative_to(ROOT)}: passed before on the same sources, {mark.read_text('utf-8').strip()}",
+            flush=True,
+        )
+        return True, 0.0
     counts = ("-s",) if "extremes" in path.parts else ()
     command = [sys.executable, "-m", "pytest", "-m", "slow or not slow", *counts, str(path)]
+    started = time.monotonic()
     try:
-        code = subprocess.run(command, cwd=ROOT, timeout=SECONDS_PER_PART, check=False).returncode
-    except subprocess.TimeoutExpired:
-        print(f"{path.name}: not finished after {SECONDS_PER_PART} s", flush=True)
-        return False
-    return code in (0, NO_TESTS_COLLECTED)
+        done = subprocess.run(command, cwd=ROOT, timeout=SECONDS_PER_PART, check=False, capture_output=True, text=True)
+        passed, said = done.returncode in (0, NO_TESTS_COLLECTED), done.stdout + done.stderr
+    except subprocess.TimeoutExpired as error:
+        passed, said = False, f"{(error.stdout or b'').decode()}\nnot finished after {SECONDS_PER_PART} s\n"
+    seconds = time.monotonic() - started
+    print(f"{path.relative_to(ROOT)}: {seconds:.1f} s\n{said}", flush=True)
+    if passed:
+        mark.write_text(f"{seconds:.1f} s\n", encoding="utf-8")
+    return passed, seconds
 
 
 def processor_seconds() -> float:
@@ -57,25 +70,14 @@ def main() -> int:
         shutil.rmtree(marks, ignore_errors=True)
     marks.mkdir(parents=True, exist_ok=True)
     parts = sorted((ROOT / "tests").rglob("test_*.py"))
-    failed = []
-    taken: dict[str, float] = {}
-    for number, path in enumerate(parts, 1):
-        mark = marks / path.stem
-        started, before = time.monotonic(), processor_seconds()
-        print(f"[{number}/{len(parts)}] {path.relative_to(ROOT)}", flush=True)
-        if mark.exists():
-            print(f"passed before on the same sources, {mark.read_text(encoding='utf-8').strip()}", flush=True)
-            continue
-        passed = run_part(path)
-        taken[path.name] = processor_seconds() - before
-        words = f"{time.monotonic() - started:.1f} s, {taken[path.name]:.1f} s of the processor"
-        print(words, flush=True)
-        if passed:
-            mark.write_text(words + "\n", encoding="utf-8")
-        else:
-            failed.append(path.name)
+    before = processor_seconds()
+    with ThreadPoolExecutor(SIDE_BY_SIDE) as pool:
+        ended = list(pool.map(lambda path: one_part(path, marks / path.stem), parts))
+    failed = [path.name for path, (passed, _) in zip(parts, ended, strict=True) if not passed]
+    taken = {path.name: seconds for path, (_, seconds) in zip(parts, ended, strict=True)}
     longest = sorted(taken, key=lambda name: -taken[name])[:5]
     print("longest: " + ", ".join(f"{name} {taken[name]:.0f} s" for name in longest), flush=True)
+    print(f"{processor_seconds() - before:.0f} s of the processor", flush=True)
     print(f"{len(parts) - len(failed)} passed, {len(failed)} failed {' '.join(failed)}", flush=True)
     return 1 if failed else 0
 

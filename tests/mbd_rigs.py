@@ -178,7 +178,8 @@ def no_casing():
     return ReducedBody(
         model="none", mass=np.zeros((0, 0)), stiffness=np.zeros((0, 0)), damping=np.zeros((0, 0)),
         coordinate_names=(), row_names=(), rows=np.zeros((0, 0)), point_names=(), point_positions=np.zeros((0, 3)),
-        ground_inertia=np.zeros((0, 3)), row_shifts=np.zeros((0, 3)),
+        ground_inertia=np.zeros((0, 3)), row_shifts=np.zeros((0, 3)), foot_stiffness=np.zeros((0, 0)),
+        foot_inertia=np.zeros((0, 3)),
     )  # fmt: skip
 
 
@@ -208,4 +209,5 @@ def rigid_casing(machine, mass=40.0, mount=4e7, extra=0, ratio=0.01, seed=0):
         model="rigid", mass=m, stiffness=k, damping=c, coordinate_names=tuple(f"q{i}" for i in range(6 + extra)),
         row_names=tuple(names), rows=np.array(rows), point_names=tuple(points),
         point_positions=np.array(list(points.values())), ground_inertia=m[:, :3], row_shifts=np.array(rows)[:, :3],
+        foot_stiffness=np.zeros((0, 6 + extra)), foot_inertia=np.zeros((0, 3)),
     )  # fmt: skip

@@ -108,6 +108,41 @@ def test_a_bore_a_little_off_its_shaft_is_offered_with_the_distance(small, step)
     assert fit_shafts(survey(step).bores, shafts(small, x={"bearing_3": 0.03})) is None
 
 
+def test_a_short_wide_bore_and_a_void_are_known(tmp_path):
+    """A plate of 6.35 mm with bores of 38.1 and 28.575 mm, and a block with a closed void beside its bore."""
+    path = tmp_path / "plate.step"
+    with session() as gmsh:
+        occ = gmsh.model.occ
+        occ.addBox(0, 0, 0, 254, 6.35, 170)
+        wide = [occ.addCylinder(60, -1, 60, 0, 9, 0, 38.1 / 2), occ.addCylinder(120, -1, 60, 0, 9, 0, 28.575 / 2)]
+        occ.cut([(3, 1)], [(3, tag) for tag in wide])
+        block = occ.addBox(0, 50, 0, 60, 30, 40)
+        hollow = [occ.addBox(5, 55, 5, 15, 20, 15), occ.addCylinder(40, 49, 20, 0, 32, 0, 10)]
+        occ.cut([(3, block)], [(3, tag) for tag in hollow])
+        occ.synchronize()
+        gmsh.write(str(path))
+    contents = survey(path)
+    assert [bore.diameter for bore in contents.bores] == pytest.approx([0.0381, 0.028575, 0.020], rel=1e-6)
+    assert contents.parts == 2
+    ((one, two, gap, _),) = contents.gaps
+    assert (one, two) == (1, 2)
+    assert gap == pytest.approx(0.05 - 0.00635)
+
+
+def test_parts_are_led_to_each_other_by_their_narrowest_gaps(tmp_path):
+    """Five blocks in a row, two of which touch: three gaps, each to the neighbour; none across another block."""
+    path = tmp_path / "row.step"
+    with session() as gmsh:
+        for start in (0, 12, 22, 35, 49):
+            gmsh.model.occ.addBox(start, 0, 0, 10, 10, 10)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(path))
+    contents = survey(path)
+    assert [solid.part for solid in contents.solids] == [1, 2, 2, 3, 4]
+    found = {(one, two): gap for one, two, gap, _ in contents.gaps}
+    assert found == pytest.approx({(1, 2): 0.002, (3, 4): 0.003, (4, 5): 0.004})
+
+
 def test_a_bolt_circle_is_known_by_its_bore(tmp_path):
     path = tmp_path / "flange.step"
     with session() as gmsh:

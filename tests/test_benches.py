@@ -193,6 +193,7 @@ def bench_run(tmp_path_factory):
     return gearcase.run(gearcase.Scene.from_file("bench").changed(SHORT | {"faults": missing}), out=folder), folder
 
 
+@pytest.mark.slow
 def test_a_bench_speaks_of_no_hoist_in_any_output(bench_run):
     _, folder = bench_run
     for file in sorted(folder.iterdir()):

@@ -116,6 +116,7 @@ drive.speeds_rpm = [0.0, "$speed", "$0.5 * speed + 100"]{CASES}"""
         assert scene.control is None
 
 
+@pytest.mark.slow
 def test_constraints_hold_in_every_scene(tmp_path):
     text = f"""scenes = 64
 constraints = ["speed * mass < 6e4", "speed > 650 or mass < 80"]

@@ -88,6 +88,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 def test_nobody_else_can_talk_to_a_scheduler_of_our_own(tmp_path):
     """Neither without a certificate nor with another one; every user of the machine can reach the port."""
     pytest.importorskip("distributed")

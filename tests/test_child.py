@@ -56,6 +56,7 @@ def harmless(folder):
     return not list(folder.rglob("planted"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", ["", "work", "absolute"])
 def test_a_worker_runs_nothing_of_the_working_folder(planted, tmp_path, monkeypatch, first):
     here = look_around(None)

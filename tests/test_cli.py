@@ -250,6 +250,7 @@ def test_a_plot_that_cannot_be_written_is_refused_before_anything_is_computed(ca
     assert "end it in .png, .svg or .pdf" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_inspect_writes_a_picture_or_says_why_not(capsys, here):
     code, out, _ = gearcase(capsys, "inspect", "minimal", "--out", "pictures", "--quiet")
     assert code == 0

@@ -122,6 +122,7 @@ def test_without_a_place_to_write_code_is_compiled_in_memory_and_that_is_said_on
     assert answer(program(3.0), said="set GEARCASE_CACHE to a folder that can be written") == (6.0, 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("harm", ["flip", "cut", "swap", "empty"])
 def test_damaged_code_is_compiled_again(program, tmp_path, harm):
     assert answer(program(3.0)) == (6.0, 0)
@@ -135,6 +136,7 @@ def test_damaged_code_is_compiled_again(program, tmp_path, harm):
     assert answer(program(3.0)) == (6.0, 1)
 
 
+@pytest.mark.slow
 @posix
 @pytest.mark.parametrize("which", ["folder", "file"])
 def test_code_that_others_could_have_written_is_not_run(program, tmp_path, which):

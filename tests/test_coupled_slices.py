@@ -122,6 +122,7 @@ FIVE_PAIRS = made_up_law(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "law",
     [FIVE_PAIRS, FIVE_PAIRS.replaced(body_compliance=8e-10, tilt_compliance=4e-6)],

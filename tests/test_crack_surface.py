@@ -67,6 +67,7 @@ def test_an_even_load_on_a_crack_over_the_whole_face_is_plane():
         assert (np.diag(even) * FACE).mean() == pytest.approx(plane.mean(), rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("series", ["depth", "extent", "far depth"])
 def test_compliance_grows_evenly_with_the_crack_from_nothing(series):
     found, where = surface(HELICAL), places(HELICAL.pinion)
@@ -110,6 +111,7 @@ def test_a_crack_is_closed_on_the_other_flank():
     assert not drive.pinion_variant_compliance.any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", ["pinion", "wheel"])
 def test_mirrored_damage_mirrors_the_law(gear):
     other = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5), hands=("left", "right"))

@@ -56,6 +56,7 @@ def test_force_moment_and_slopes_are_derivatives_of_one_energy(law):
     assert (errors < 1e-3).mean() > 0.9
 
 
+@pytest.mark.slow
 @EVERY_LAW
 def test_the_energy_is_convex_in_approach_and_tilt(law):
     law = cracked(law, 2.0)
@@ -120,6 +121,7 @@ def test_line_loads_carry_the_force():
         assert (loads @ law.slice_width).sum() == pytest.approx(float(evaluator.evaluate(*state, wheel=terms).force))
 
 
+@pytest.mark.slow
 def test_a_mode_that_tips_the_tooth_finds_the_contacts_that_it_closes():
     """Pressed at one end, the other end comes out by more than the approach there was: the load returns to it."""
     law = LAWS["modes alone"]

@@ -28,6 +28,7 @@ def example():
     return module
 
 
+@pytest.mark.slow
 def test_the_example_goes_through_on_known_signals(example, tmp_path, monkeypatch, capsys):
     folder = make_dataset(tmp_path / "known", PLAN.replace("scenes = 8", "scenes = 30"))
     monkeypatch.setattr(example, "REPEATS", 1)

@@ -195,6 +195,7 @@ def python(folder, *words):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pipelines", "meshes.py", "fem", "mbd", "queue.py"])
 def test_the_import_names_the_folder_that_hides_a_package(tmp_path, name):
     write(tmp_path, name)
@@ -215,12 +216,14 @@ def test_a_folder_without_init_hides_nothing_or_is_named(tmp_path):
     assert done.stdout == "minimal\n" or "hides the package pipelines" in done.stderr
 
 
+@pytest.mark.slow
 def test_a_file_named_like_a_module_that_nobody_needs_is_no_obstacle(tmp_path):
     write(tmp_path, "wave.py")
     done = python(tmp_path, "-c", "import gearcase; print(gearcase.Scene.from_file('minimal').name)")
     assert done.stdout == "minimal\n", done.stderr
 
 
+@pytest.mark.slow
 def test_the_command_works_where_every_package_is_hidden(tmp_path):
     for name in ("pipelines", "meshes.py", "fem", "mbd", "queue.py", "gearcase"):
         write(tmp_path, name)
@@ -232,6 +235,7 @@ def test_the_command_works_where_every_package_is_hidden(tmp_path):
     assert "secant" in done.stdout
 
 
+@pytest.mark.slow
 def test_as_a_module_the_command_takes_nothing_from_the_working_folder(tmp_path):
     for name in ("pipelines", "meshes.py", "queue.py"):
         write(tmp_path, name)

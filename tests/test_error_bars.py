@@ -19,7 +19,7 @@ from fem.casing.uncertain.frequency_errors import FrequencyErrors, frequency_err
 from fem.casing.uncertain.modal_form import ModalForm, modal_form
 from mbd.system.blocked_forces import MachineAtSeats
 from pipelines.bars.casing_changes import CasingPath
-from pipelines.bars.line_bars import LineBars
+from pipelines.bars.line_bars import Band, LineBar, LineBars
 from pipelines.bars.made import line_bars
 from pipelines.bars.uncertain import Uncertain, uncertain
 from pipelines.bars.words import bars_words
@@ -30,6 +30,7 @@ from pipelines.signals.diagnosis import diagnose
 from pipelines.signals.response import make_response
 from pipelines.steps.motion import moved
 from pipelines.steps.study import plan_study
+from pipelines.trade.known_lines import known_lines, widths
 
 MASS, STIFFNESS, RATIO = 3.0, 4e6, 0.02  # of a casing that moves along one axis
 BEARING, ROTOR = 2e7, 1.5  # N/m of the bearing, kg of the rotor in it
@@ -186,6 +187,7 @@ def test_errors_are_counted_from_the_corrected_frequency():
         orders=np.array([2.0, 2.0]),
         limits=np.array([99.0, 196.0]),
         bands=np.array([1.0, 2.0]),
+        fixed_bands=np.zeros(2),
         correction=0.02,
     )
     found = frequency_errors(limits)
@@ -249,5 +251,24 @@ def test_without_errors_of_the_mesh_the_inputs_are_shown_alone(diagnosed):
     bars = line_bars(run, found, system, uncertain(plant.casing, None, (), plant.looked_for.damping_spread))
     assert bars.bars
     assert all(bar.numerical is None and bar.inputs.low < bar.inputs.high for bar in bars.bars)
-    assert "choose casing.model craig-bampton" in bars_words(bars)
+    words = bars_words(bars)
+    assert "choose casing.model craig-bampton" in words
+    assert "numerical dB" not in words
+    assert "inputs dB" in words
     assert LineBars(bars=bars.bars, notes=bars.notes).to_dict()["bars"][0]["numerical"] is None
+
+
+def test_a_trade_says_how_well_lines_are_known_before_it_compares_them():
+    def bar(half, *, detected=True):
+        ends = Band(low=-half, high=half, source="mesh", share=1.0)
+        return LineBar(
+            window="lifting", kind="envelope", label="f_r", frequency=5.0, level=1.0, detected=detected,
+            numerical=ends, inputs=ends,
+        )  # fmt: skip
+
+    told = widths(LineBars(bars=(bar(0.2), bar(0.6), bar(0.4), bar(9.0, detected=False)), notes=()))
+    assert "3 detected lines of the fault known to 0.4 dB in the median, 0.6 dB at worst" in told
+    missing = {"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 0}
+    scene = load_scene("minimal", {"faults": [missing], "control": "without-faults", "diagnosis.gear": "pinion"})
+    assert "casing.extrapolated = true alone" in known_lines(scene, Work())
+    assert known_lines(load_scene("minimal"), Work()) == ""

@@ -64,6 +64,7 @@ def test_an_extension_touches_few_files(example, most):
     assert len({path for _, path, _ in blocks(example) if path}) <= most
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_what_the_page_says_holds(copy, example):
     (code,) = [text for kind, _, text in blocks(example) if kind == "holds"]

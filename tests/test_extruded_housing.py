@@ -112,13 +112,14 @@ def test_a_scene_takes_hexahedra_and_says_what_it_refuses():
     for settings, message in (
         ({"casing.housing.inner_fillet_mm": 3.0}, "flange, ribs, fillets or bolt pads"),
         ({"casing.bore_element_size_mm": 10.0}, "no smaller at seats and feet"),
+        ({"casing.element_size_mm": 1.5}, "million nodes or more, limit 2.0 million"),
     ):
         with pytest.raises(SceneError, match=message):
             checked_plant(load_scene("rig-healthy", {"casing.element": "hexahedron-27", **settings}).scene, "scene")
     with pytest.raises(SceneError, match="a STEP file is meshed with tetrahedra"):
         load_scene("rig-step", {"casing.element": "hexahedron-27"})
     with pytest.raises(SceneError, match="only hexahedra of a parametric housing have layers"):
-        load_scene("rig-healthy", {"casing.edge_element_size_mm": 2.0})
+        load_scene("rig-healthy", {"casing.element": "tetrahedron-10", "casing.edge_element_size_mm": 2.0})
 
 
 @pytest.mark.parametrize(

@@ -96,6 +96,7 @@ def rattling():
     return found
 
 
+@pytest.mark.slow
 def test_oil_softens_the_blows_of_a_rattling_pair_and_its_losses_are_booked(rattling):
     dry, oil = rattling["dry"], rattling["oil"]
     assert oil.energy("stage_1 film", "dissipated") > 0.0

@@ -29,6 +29,7 @@ HOLDS = {  # what a script ends in
 SLOW = ("bearing_envelope", "craig_bampton", "mode_shape", "speed_and_accuracy")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in SCRIPTS]
 )

@@ -6,9 +6,10 @@ import pytest
 import scipy.io
 import scipy.sparse as sp
 
+from fem.casing.foreign.ansys import mapped_equations
 from fem.casing.foreign.body import ForeignError, foreign_body
 from fem.casing.foreign.checks import check_foreign, lowest_frequencies
-from fem.casing.foreign.files import MatrixFiles, read_body
+from fem.casing.foreign.files import MatrixFiles, read_body, read_matrices
 from fem.casing.meshing.gmsh_session import session
 from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
 from fem.casing.meshing.locate import ByCylinder, ByGroup, ByPlane
@@ -20,6 +21,7 @@ from fem.casing.meshing.step_file import read_triangles
 from fem.elements.solids import assemble
 
 IRON = {"elastic_modulus": 1.1e11, "poisson_ratio": 0.26, "density": 7200.0}
+STRAIGHT = "straight.msh"
 MESHES = ("block.msh", "block22.msh", "block.inp", "block.bdf", "block.unv", "block.med", "block.vtu")
 SOLIDS = ("block.step", "block.brep", "block.iges", "block.stl")
 SIZES = Sizes(element=0.014)
@@ -48,6 +50,11 @@ def folder(tmp_path_factory):
             gmsh.write(str(made / name))
         gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)
         gmsh.write(str(made / MESHES[1]))
+        gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
+        gmsh.option.setNumber("Mesh.SecondOrderLinear", 1)
+        gmsh.model.mesh.setOrder(1)
+        gmsh.model.mesh.setOrder(2)
+        gmsh.write(str(made / STRAIGHT))
         gmsh.model.removePhysicalGroups()
         gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 48)
         gmsh.model.mesh.clear()
@@ -90,6 +97,14 @@ def test_the_same_mesh_in_another_format_has_the_same_frequencies(folder, wanted
     assert np.abs(frequencies(*matrices(mesh)) / wanted - 1).max() < 1e-6
 
 
+def test_straight_elements_of_the_same_mesh_have_a_smaller_bore_and_nearly_the_same_frequencies(folder, native, wanted):
+    """A bore of twelve sides leaves 0.4 % more material than a round one."""
+    mesh = mesh_geometry(imported(folder / STRAIGHT), SIZES)
+    assert native.curved
+    assert not mesh.curved
+    assert 0.0 < np.abs(frequencies(*matrices(mesh)) / wanted - 1).max() < 0.02
+
+
 @pytest.fixture(scope="module")
 def stepped(folder):
     return frequencies(*matrices(mesh_geometry(imported(folder / "block.step"), SIZES)))
@@ -117,7 +132,7 @@ def test_a_named_surface_is_known_in_every_format_that_has_names(folder, name):
 
 def test_folded_elements_of_a_file_are_straightened_and_counted(folder, native, tmp_path):
     """A mid-side node of the bore pushed through its element: the file is used, and says so."""
-    raw = read_mesh_file(folder / "block.msh")
+    raw = read_mesh_file(folder / "block.msh", 1.0)
     edge = raw.nodes[raw.elements[:, 4]] - raw.nodes[raw.elements[:, :2]].mean(axis=1)
     worst = int(np.linalg.norm(edge, axis=1).argmax())
     nodes = raw.nodes.copy()
@@ -179,6 +194,30 @@ def test_solids_are_chosen_and_bonded_and_loose_ones_are_found_before_meshing(tm
         volume(solids=(4,))
 
 
+def write_harwell_boeing(path, matrix):
+    """The lower triangle in the fixed fields of Fortran, with a right-hand side, as HBMAT writes it."""
+    lower = sp.csc_array(sp.tril(matrix))
+    lower.sort_indices()
+
+    def lines(values, per_line, form):
+        fields = [form(value) for value in values]
+        return ["".join(fields[at : at + per_line]) for at in range(0, len(fields), per_line)]
+
+    pointers = lines(lower.indptr + 1, 8, "{:10d}".format)
+    indices = lines(lower.indices + 1, 8, "{:10d}".format)
+    values = lines(lower.data, 3, lambda value: f"{value:25.16E}".replace("E", "D"))
+    forces = lines(np.zeros(matrix.shape[0]), 3, "{:25.16E}".format)
+    counts = [len(pointers), len(indices), len(values), len(forces)]
+    head = [
+        f"{'STIFFNESS':<72}{'K':<8}",
+        "".join(f"{count:14d}" for count in (sum(counts), *counts)),
+        f"{'RSA':<14}" + "".join(f"{count:14d}" for count in (*matrix.shape, lower.nnz, 0)),
+        f"{'(8I10)':<16}{'(8I10)':<16}{'(3D25.16)':<20}{'(3E25.16)':<20}",
+        f"{'F':<14}{1:14d}{0:14d}",
+    ]
+    path.write_text("\n".join([*head, *pointers, *indices, *values, *forces]) + "\n", encoding="utf-8")
+
+
 def saved(folder, form, K, M, nodes):
     """Files of the matrices in t, mm, s."""
     per_mm = sp.diags_array(np.full(K.shape[0], 1e-3))
@@ -190,6 +229,12 @@ def saved(folder, form, K, M, nodes):
     elif form == "npz":
         for name, matrix in (("K", K), ("M", M)):
             sp.save_npz(folder / f"{name}.npz", sp.csr_matrix(matrix))
+    elif form == "ansys":  # the equations in the order of a solver, not of the nodes
+        order = np.random.default_rng(7).permutation(K.shape[0])
+        for name, matrix in (("K", K), ("M", M)):
+            write_harwell_boeing(folder / f"{name}.matrix", sp.csr_array(matrix)[order][:, order])
+        rows = [f"{row:10d}{one // 3 + 1:10d}   U{'XYZ'[one % 3]}" for row, one in enumerate(order, 1)]
+        (folder / "K.mapping").write_text("\n".join(["Matrix Eqn      Node   DOF", *rows]), encoding="utf-8")
     elif form == "abaqus":
         for name, matrix in (("K", K), ("M", M)):
             lower = sp.coo_matrix(sp.tril(matrix))
@@ -202,12 +247,14 @@ def saved(folder, form, K, M, nodes):
         op4 = pytest.importorskip("pyyeti.nastran.op4")
         for name, matrix in (("K", K), ("M", M)):
             op4.write(str(folder / f"{name}.op4"), {f"{name}GG": sp.coo_matrix(matrix)}, sparse="bigmat")
-    ending = {"abaqus": "mtx", "mtx": "mtx", "npz": "npz", "op4": "op4"}[form]
+    ending = {"abaqus": "mtx", "ansys": "matrix"}.get(form, form)
     K_file, M_file = (str(folder / f"{name}.{ending}") for name in "KM")
-    return MatrixFiles(stiffness=K_file, mass=M_file, nodes=str(folder / "nodes.csv"), system="t-mm-s")
+    equations = str(folder / "K.mapping") if form == "ansys" else None
+    nodes_file = str(folder / "nodes.csv")
+    return MatrixFiles(stiffness=K_file, mass=M_file, nodes=nodes_file, equations=equations, system="t-mm-s")
 
 
-@pytest.mark.parametrize("form", ["mtx", "npz", "abaqus", "op4"])
+@pytest.mark.parametrize("form", ["mtx", "npz", "abaqus", "ansys", "op4"])
 def test_matrices_in_another_system_of_units_have_the_same_frequencies_and_mass(native, wanted, tmp_path, form):
     K, M = matrices(native)
     body = read_body(saved(tmp_path, form, K, M, native.nodes))
@@ -217,6 +264,25 @@ def test_matrices_in_another_system_of_units_have_the_same_frequencies_and_mass(
     assert np.abs(check.centre - [0.03, 0.015, 0.01]).max() < 1e-5
     assert check.rigid_modes == 6
     assert check.wrong == ()
+
+
+def test_harwell_boeing_files_that_are_cut_off_or_of_another_kind_are_refused(tmp_path):
+    path = tmp_path / "K.matrix"
+    write_harwell_boeing(path, sp.eye_array(300))
+    text = path.read_text(encoding="utf-8")
+    for words, changed in (
+        ("is cut off: it holds", "\n".join(text.splitlines()[:100])),
+        ("is of the type CSA", text.replace("RSA", "CSA")),
+        ("is no Harwell-Boeing file", "nothing"),
+    ):
+        path.write_text(changed, encoding="utf-8")
+        with pytest.raises(ForeignError, match=f"^K.matrix {words}"):
+            read_matrices(path)
+    heat = tmp_path / "K.mapping"
+    for words, rows in (("has the unknowns TEMP", "1 1 TEMP"), ("does not name every equation once", "2 1 UX")):
+        heat.write_text(f"Matrix Eqn  Node  DOF\n{rows}\n", encoding="utf-8")
+        with pytest.raises(ForeignError, match=words):
+            mapped_equations(heat)
 
 
 def test_the_check_up_says_what_is_wrong_with_a_foreign_body(native):

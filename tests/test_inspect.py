@@ -239,6 +239,7 @@ def saturated(image):
     return int(np.maximum(red - 60, 0).sum())
 
 
+@pytest.mark.slow
 def test_a_tooth_that_is_damaged_but_there_is_drawn_solid():
     view = gear_view(thick_rimmed_pair(12.0), ("wheel", 3), missing=False)
     there, gone = (drawn(render_gears(replace(view, missing=missing), (400, 320))) for missing in (False, True))
@@ -266,6 +267,7 @@ def test_pictures_show_contact_lines_and_the_missing_tooth_in_the_faulty_half_al
     assert (red > 40).sum() > 100 > (healthy[..., 0].astype(int) - healthy[..., 1:].max(axis=2) > 40).sum()
 
 
+@pytest.mark.slow
 def test_film_and_page_hold_every_frame(mesh_view, tmp_path, monkeypatch):
     from PIL import Image
 

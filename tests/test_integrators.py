@@ -136,6 +136,7 @@ def nonlinear_system(**options):
     return assemble(machine, rigid_casing(machine), ("sensor_1:az", "stage_1:delta", "stage_1:drive_force"))
 
 
+@pytest.mark.slow
 def test_two_independent_integrators_agree():
     system = nonlinear_system()
     a, b = (

@@ -55,6 +55,7 @@ def undisturbed(tmp_path_factory):
     return first[0], seconds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["SIGINT", "SIGKILL"])
 def test_the_next_run_goes_on_and_gives_the_same_bits(undisturbed, tmp_path, name):
     wanted, seconds = undisturbed

@@ -37,6 +37,7 @@ def test_a_missing_tooth_is_found_blind_against_other_healthy_machines(tmp_path)
     assert "stage 1 pinion is damaged and ranks first" in (tmp_path / "faulty" / "verdict.txt").read_text()
 
 
+@pytest.mark.slow
 def test_a_healthy_machine_raises_no_alarm(tmp_path):
     _, verdict = judged(tmp_path / "healthy", {**SHORT, "control": None, "deviations.seed": 20}, baseline=6)
     assert not verdict["alarm"]
@@ -49,6 +50,7 @@ def test_a_result_folder_may_have_a_dot_in_its_name(tmp_path):
     assert recording_path(tmp_path / "record.csv") == tmp_path / "record.csv"
 
 
+@pytest.mark.slow
 def test_against_the_exact_control_there_is_an_order_and_no_p_value(tmp_path):
     finished, verdict = judged(tmp_path / "control", MISSING)
     assert verdict["alarm"] is None

@@ -60,6 +60,7 @@ def test_the_values_in_a_file_are_those_in_memory(machine, tmp_path):
     assert held.motors == ("motor_1", "motor_2")
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_by_the_signals_of_a_longer_motion(machine, tmp_path):
     ends = (0.5, 1.5)
     peaks = [
@@ -90,6 +91,7 @@ def motion(loaded, cache):
     return outcome.value("simulate")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["nc", "csv"])
 def test_memory_does_not_grow_by_the_signals_that_are_written(tmp_path, form):
     writers = {
@@ -225,6 +227,7 @@ def test_a_motion_that_fails_leaves_nothing_half(own_cache, monkeypatch):
     assert next(Cache().entries("simulate"), None) is None
 
 
+@pytest.mark.slow
 def test_run_and_diagnose_print_the_same(own_cache, tmp_path, capsys):
     settings = {name: value for name, value in diagnosable("rig-missing-tooth").items() if "casing" not in name}
     settings |= {"casing.model": "rigid", "casing.mount_stiffness_N_per_um": 200.0}

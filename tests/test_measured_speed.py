@@ -58,6 +58,7 @@ def critical():
     return (2.5 + np.sqrt(2.5**2 - 1)) / 30
 
 
+@pytest.mark.slow
 def test_levels_are_those_of_the_same_machine_at_a_prescribed_speed():
     """Two heavy rotors behind the couplings of the motors of prescribed speed: all clear lines agree to 0.001 dB."""
     torque = 30.0 * 20 / 55

@@ -90,6 +90,7 @@ def test_every_list_of_our_packages_is_the_same():
     )
 
 
+@pytest.mark.slow
 def test_a_type_checker_reads_the_first_page_outside_the_checkout(installed, tmp_path):
     """Strictly, against the installed wheel: names, arguments and results of the door have types."""
     steps = (ROOT / "docs" / "first-steps.md").read_text(encoding="utf-8")

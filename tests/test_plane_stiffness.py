@@ -131,6 +131,7 @@ def test_single_pair_stiffness_against_a_contact_solution(spur):
         assert load / plane.approach(spur, load) / 1e9 == pytest.approx(truth, rel=0.005)
 
 
+@pytest.mark.slow
 def test_result_is_independent_of_the_patch_and_of_the_mesh(spur):
     variants = [spur_law(refinement=2.0, patch=patch) for patch in (0.04, 0.08)]
     for xi in (-0.6, -0.3, 0.0, 0.3, 0.6):

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import numpy as np
+import pytest
 from measured import RATE
 
 from pipelines.recordings.formats import BY_ENDING
@@ -36,6 +37,7 @@ def write_record(name, depth, seed):
     return ends[0]
 
 
+@pytest.mark.slow
 def test_the_five_lines_of_the_page_are_enough_for_a_verdict(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert len(block("toml").splitlines()) == 5

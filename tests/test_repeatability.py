@@ -49,6 +49,7 @@ def test_rattle_is_told_with_what_to_do():
     assert "gearcase starts" in sentence
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("settings", [{}, {"load.container_kg": 5.0}, {"bearings": RATTLE["bearings"]}])
 def test_regular_motion_is_not_called_unrepeatable(settings):
     """Loaded; light, with contacts that open; loaded on bearings with clearance."""

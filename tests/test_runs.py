@@ -89,6 +89,7 @@ def test_three_runs_started_together_leave_three_results(here):
     assert all((path / run_folder.RESPONSE).is_file() for path in folders)
 
 
+@pytest.mark.slow
 def test_a_report_whose_pictures_were_left_out_is_made_again(here):
     """The reason may be gone next time; a page without its pictures was kept for good."""
     assert main(RUN) == 0
@@ -96,6 +97,7 @@ def test_a_report_whose_pictures_were_left_out_is_made_again(here):
     assert list(Cache().entries("diagnose"))
 
 
+@pytest.mark.slow
 def test_provenance_is_what_the_stages_say_of_themselves(here):
     """A scene without finite elements names none of their libraries; a list by hand did, and left out losses."""
     assert main(RUN) == 0

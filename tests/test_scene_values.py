@@ -55,6 +55,13 @@ HOUSING = {
     "pad_height_mm": 5.0, "bolt_diameter_mm": 6.0,
     "ribs": {"thickness_mm": 8.0, "height_mm": 20.0, "per_boss": 1},
     "flange": {"width_mm": 12.0, "height_mm": 16.0},
+    "joint": {"bolt": "M6", "pitch_mm": 70.0, "positions_mm": [[60.0, 86.0]], "outer_diameter_mm": 15.0,
+              "stiffness_N_per_um": [500.0, 300.0]},
+}  # fmt: skip
+JOINT = {
+    "bolt": "M12", "through_mm": [0.0, 0.0, 10.0], "normal": [0.0, 0.0, 1.0], "clamped_mm": [15.0, 20.0],
+    "tapped": True, "positions_mm": [[100.0, 50.0, 10.0], [-100.0, 50.0, 10.0]], "outer_diameter_mm": 30.0,
+    "stiffness_N_per_um": [500.0, 300.0],
 }  # fmt: skip
 TORQUE = {"model": "torque", "shaft": 2, "position_mm": 0.0, "times_s": [0.0, 0.5], "torques_N_m": [0.0, 12.0]}
 SWEEP = {"model": "sweep", "start_s": 0.1, "end_s": 0.4, "from_Hz": 10.0, "to_Hz": 500.0, "ramp_s": 0.05}
@@ -104,6 +111,8 @@ CONTROLLED = {
 ELASTIC = {
     "model": "craig-bampton", "ground": "springs", "bore_element_size_mm": 10.0, "foot_element_size_mm": 10.0,
     "frequency_error": 1e-3,
+    "damped_parts": [{"name": "joints", "loss_factor": 0.1},
+                     {"name": "side", "loss_factor": 0.03, "box_mm": [[-80.0, -90.0, -70.0], [-50.0, 90.0, -20.0]]}],
 }  # fmt: skip
 GROUNDS = [{"group": "B"}, {"point_mm": [0.0, 0.0, -144.0]}, {"box_mm": [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]]}]
 
@@ -136,6 +145,7 @@ SCENES = {
     }),
     "imported": ("rig-step", {
         "casing.elements_per_wavelength": 30.0, "stages.1.mesh": {"model": "energy"}, "casing.housing.solids": [1],
+        "casing.housing.joint": JOINT,
     }),
     "mesh file": ("rig-step", {
         "casing.housing.model": "mesh", "casing.housing.bearings.1": {"name": "bearing_1", "group": "A"},

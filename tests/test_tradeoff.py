@@ -47,22 +47,26 @@ def found(tmp_path_factory):
         return trade(load_scene("minimal", SHORT), Work(cache=Cache(tmp_path_factory.mktemp("cache")), processes=1))
 
 
+@pytest.mark.slow
 def test_the_reference_has_no_error_and_stands_on_the_front(found):
     first = found.priced[0]
     assert (first.choice.name, first.error, first.dominated) == ("preset: reference", 0.0, False)
     assert all(error == 0.0 for error in (*first.errors.values(), *first.decibels.values()))
 
 
+@pytest.mark.slow
 def test_a_coarser_step_errs_more(found):
     steps = {p.choice.label: p for p in found.priced if p.choice.effect == "step"}
     assert 0.0 < steps["33.4 us"].error < steps["100 us"].error
 
 
+@pytest.mark.slow
 def test_what_is_sure_to_be_beaten_is_not_run_and_named(found):
     assert list(found.refused) == ["integrator: generalised-alpha"]
     assert any("generalised-alpha is left out" in line for line in answers(found, 0.02, 1.0))
 
 
+@pytest.mark.slow
 def test_nothing_beats_what_is_on_the_front(found):
     for one in found.front:
         assert not any(p.seconds < one.seconds and p.error < one.error for p in found.priced)
@@ -80,6 +84,7 @@ def test_a_choice_with_truer_lines_of_the_fault_is_not_beaten_by_a_truer_rms():
     assert tradeoff._beaten((22.0, math.nan, 0.0), [true])
 
 
+@pytest.mark.slow
 def test_the_answers_name_the_cheapest_and_the_most_accurate(found):
     cheap, exact = found.cheapest(0.02), found.most_accurate(1e6)
     assert cheap.error <= 0.02
@@ -89,6 +94,7 @@ def test_the_answers_name_the_cheapest_and_the_most_accurate(found):
     assert "No choice takes" in words[1]
 
 
+@pytest.mark.slow
 def test_the_plot_names_its_axes_every_choice_and_the_front(found):
     axes = trade_figure(found).axes[0]
     assert "minimal" in axes.get_title(loc="left")

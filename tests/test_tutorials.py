@@ -40,6 +40,7 @@ def test_every_command_line_of_a_page_is_one_that_the_command_takes(page):
         parser().parse_args(shlex.split(line.partition(" > ")[0], comments=True)[1:])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
 def test_the_files_of_a_tutorial_are_valid(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -107,6 +107,7 @@ def test_every_folder_is_the_users_own(shared):
     assert {(path.stat().st_uid, stat.S_IMODE(path.stat().st_mode)) for path in made} == {(ONE, 0o700)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("victim", [OTHER, 0], ids=["another user", "root"])
 def test_what_one_user_laid_ready_is_not_used_by_another(shared, victim):
     program(ONE, shared, shared / "cache", "planted")

@@ -77,7 +77,8 @@ def system() -> System:
     ground = ReducedBody(
         model="none", mass=nothing, stiffness=nothing, damping=nothing, coordinate_names=(), row_names=(),
         rows=nothing, point_names=(), point_positions=np.zeros((0, 3)),
-        ground_inertia=np.zeros((0, 3)), row_shifts=np.zeros((0, 3)),
+        ground_inertia=np.zeros((0, 3)), row_shifts=np.zeros((0, 3)), foot_stiffness=nothing,
+        foot_inertia=np.zeros((0, 3)),
     )  # fmt: skip
     return assemble(machine(), ground)
 

@@ -1,14 +1,14 @@
-"""Static condensation of a prism by nested bisection: its interior is eliminated in dense blocks, box by box.
+"""Static condensation of a prism by nested dissection: its interior is eliminated in dense blocks, box by box.
 
-The prism (section elements x axial elements) is cut in two again and again, across its longest side. A box is assembled
-from its halves and whatever lies inside it for good is eliminated by a dense Cholesky factor,
+The prism (section elements x axial elements) is cut in two again and again (`fem.elements.dissection`). A box is
+assembled from its halves and whatever lies inside it for good is eliminated by a dense Cholesky factor,
 
     S = K_bb - K_bi K_ii^-1 K_ib.
 
 Unknowns marked as kept survive to the root: the result is the Schur complement on them, at the price of one
-factorisation and with no right sides at all. This is nested dissection (George, 1973, SIAM J. Numer. Anal. 10, 345-363)
-by the multifrontal method (Duff & Reid, 1983, ACM TOMS 9, 302-325). Loaded nodes "ordered last" are far cheaper than
-one solution for every load.
+factorisation and with no right sides at all, by the multifrontal method (Duff & Reid, 1983, ACM TOMS 9, 302-325).
+Loaded nodes "ordered last" are far cheaper than one solution for every load. Unknowns of a box stand in the order of
+their elimination, so that what goes in it comes first and blocks are added without being turned.
 
 Nodes on a side may be tied to few shape functions, u = W q (`Ties`): the rows q are kept in their place.
 
@@ -17,18 +17,18 @@ Parts of the prism may be empty (`Prism.filled`): there are no elements, and wha
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from fem.elements.prisms import SectionBlocks, axial_matrices, product_stiffness
+from fem.elements.dissection import Box, Dissection
+from fem.elements.prisms import AxialMatrices, SectionBlocks, axial_matrices, product_stiffness
 from fem.numerics import blas
 from fem.numerics.compiled import stored
 
 INNER, KEPT, FIXED, TIED = range(4)
-_LEAF_SECTION, _LEAF_AXIAL = 6, 2  # largest box that is assembled at once
 
-_Part = tuple[np.ndarray, np.ndarray]  # numbers of unknowns, rising, and a matrix on them whose lower triangle counts
+_Part = tuple[np.ndarray, np.ndarray]  # turns of unknowns in the elimination, rising; matrix, its lower triangle counts
 
 
 class CondensationError(RuntimeError):
@@ -72,17 +72,13 @@ class Prism:
     """A prism to condense. roles (section nodes, 3) hold INNER, KEPT, FIXED or TIED for every component."""
 
     elements: np.ndarray  # (elements, 9) of the section
-    centres: np.ndarray  # (elements, 2), m
+    grid: np.ndarray  # (elements, 2), row and column of the section
     blocks: SectionBlocks
     ends: np.ndarray  # axial element ends, m
     roles: np.ndarray
     ties: Ties
     filled: np.ndarray  # bool (elements, axial elements), False where there is no material
     fronts: list[Front] | None = None  # give a list to keep what recovery needs
-    _touched: np.ndarray = field(init=False)
-
-    def __post_init__(self) -> None:
-        self._touched = self._touching(np.arange(len(self.elements)), 0, len(self.ends) - 1)
 
     @property
     def size(self) -> int:
@@ -96,9 +92,18 @@ class Prism:
         ------
         CondensationError : a part of the body is not held, or has a negative modulus
         """
-        numbers, matrix = self._box(np.arange(len(self.elements)), 0, len(self.ends) - 1)
+        inner = self.roles == INNER
+        dissection = Dissection(self.elements, self.grid, inner.sum(axis=1), self.filled)
+        order, stops = self._eliminated(dissection, inner)
+        turn = np.argsort(order)
+        layers = [axial_matrices(ends) for ends in np.column_stack([self.ends[:-1], self.ends[1:]])]
+        waiting: dict[int, _Part] = {}
+        for number, box in enumerate(dissection.boxes):
+            parts = [waiting.pop(half) for half in box.halves] or [self._leaf(box, layers[box.low], turn)]
+            waiting[number] = self._eliminate(parts, order, stops[number])
+        [(left, matrix)] = waiting.values()
         lower = np.tril(matrix)
-        return numbers, lower + np.tril(matrix, -1).T
+        return order[left], lower + np.tril(matrix, -1).T
 
     def recover(self, numbers: np.ndarray, values: np.ndarray) -> np.ndarray:
         """All unknowns (size + tied, columns) from the surviving ones, when nothing loads the interior."""
@@ -108,61 +113,30 @@ class Prism:
             out[front.inner] = -front.solution @ out[front.rest]
         return out
 
-    def _box(self, members: np.ndarray, low: int, high: int) -> _Part:
-        layers = high - low
-        members = members[self.filled[members, low:high].any(axis=1)]
-        if not len(members):
-            return np.zeros(0, dtype=int), np.zeros((0, 0))
-        if len(members) <= _LEAF_SECTION and layers <= _LEAF_AXIAL and self.filled[members, low:high].all():
-            halves = [self._leaf(members, low, high)]
-        else:
-            spread = self.centres[members] - self.centres[members].mean(axis=0)
-            longer = self.ends[high] - self.ends[low] > 1.2 * np.ptp(spread, axis=0).max()
-            if layers > 1 and (longer or len(members) <= _LEAF_SECTION):
-                middle = (low + high) // 2
-                halves = [self._box(members, low, middle), self._box(members, middle, high)]
-            else:
-                axis = np.linalg.eigh(spread.T @ spread)[1][:, 1]
-                order = members[np.argsort(spread @ axis, kind="stable")]
-                cut = len(members) // 2
-                halves = [self._box(np.sort(part), low, high) for part in (order[:cut], order[cut:])]
-        return self._eliminate(halves, members, low, high)
+    def _eliminated(self, dissection: Dissection, inner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Unknowns in the order of elimination, those that survive at the end, and where those of every box end."""
+        count = len(dissection.boxes)
+        owner = np.where(inner, dissection.owners()[:, :, None], count).ravel()
+        owner = np.append(owner, np.full(2 * self.ties.count, count))
+        order = np.argsort(owner, kind="stable")
+        return order, np.searchsorted(owner[order], np.arange(count), side="right")
 
     def _place(self, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Section node, axial node and component of unknowns of the mesh."""
         return numbers // 3 % len(self.roles), numbers // self.roles.size, numbers % 3
 
-    def _touching(self, members: np.ndarray, low: int, high: int) -> np.ndarray:
-        """Number of elements of a box at its nodes, (axial nodes of the box, section nodes)."""
-        out = np.zeros((2 * (high - low) + 1, len(self.roles)), dtype=int)
-        for layer in range(low, high):
-            here = members[self.filled[members, layer]]
-            at = 2 * (layer - low)
-            out[at : at + 3] += np.bincount(self.elements[here].ravel(), minlength=len(self.roles))
-        return out
-
-    def _inside(self, numbers: np.ndarray, members: np.ndarray, low: int, high: int) -> np.ndarray:
-        """Which of the unknowns no element outside the box touches, and are not kept."""
-        full = self._touching(members, low, high) == self._touched[2 * low : 2 * high + 1]
-        mesh = numbers < self.size
-        node, place, component = self._place(np.where(mesh, numbers, self.roles.size * 2 * low))
-        return mesh & full[place - 2 * low, node] & (self.roles[node, component] == INNER)
-
-    def _eliminate(self, parts: list[_Part], members: np.ndarray, low: int, high: int) -> _Part:
-        """Add the parts of a box and eliminate what lies inside it for good: those unknowns come first in the front."""
-        numbers = parts[0][0] if len(parts) == 1 else np.union1d(parts[0][0], parts[1][0])
-        inside = self._inside(numbers, members, low, high)
-        inner, rest = numbers[inside], numbers[~inside]
-        place = np.where(inside, np.cumsum(inside) - 1, len(inner) + np.cumsum(~inside) - 1)
-        front = np.zeros((len(numbers), len(numbers)), order="F")
+    def _eliminate(self, parts: list[_Part], order: np.ndarray, stop: int) -> _Part:
+        """Add the parts of a box and eliminate what comes before `stop`."""
+        turns = parts[0][0] if len(parts) == 1 else np.union1d(parts[0][0], parts[1][0])
+        k = int(np.searchsorted(turns, stop))
+        panel, C = np.zeros((len(turns), k), order="F"), np.zeros((len(turns) - k,) * 2, order="F")
         for own, matrix in parts:
-            _add_lower(front, matrix, place[np.searchsorted(numbers, own)])
-        k = len(inner)
+            _add_lower(panel, C, matrix, np.searchsorted(turns, own))
         if not k:
-            return rest, front
-        L, B, C = front[:k, :k], front[k:, :k], front[k:, k:]
+            return turns, C
+        L, B = panel[:k], panel[k:]
         if failed := blas.cholesky(L):
-            node, layer, _ = self._place(inner[failed - 1 : failed])
+            node, layer, _ = self._place(order[turns[failed - 1 : failed]])
             raise CondensationError(
                 f"solid mesh: the stiffness of a box of {k} unknowns near section node {node[0]}, layer {layer[0]} is "
                 "not positive definite. Check bore radius, material and mesh refinement."
@@ -171,35 +145,50 @@ class Prism:
         if self.fronts is not None:
             solution = B.copy(order="F")
             blas.solve_right(L, solution)
-            self.fronts.append(Front(inner, rest, solution.T))
+            self.fronts.append(Front(order[turns[:k]], order[turns[k:]], solution.T))
         blas.add_square(B, C, -1.0)
-        return rest, C.copy(order="F")
+        return turns[k:], C
 
-    def _leaf(self, members: np.ndarray, low: int, high: int) -> _Part:
-        nodes = np.unique(self.elements[members])
-        at = np.searchsorted(nodes, self.elements[members])
-        dofs = (3 * at[:, :, None] + np.arange(3)).reshape(len(members), 27)
-        chosen = SectionBlocks(self.blocks.plane[members], self.blocks.mixed[members], self.blocks.axial[members])
-        matrix = product_stiffness(chosen, dofs, 3 * len(nodes), axial_matrices(self.ends[low : high + 1]))
-        layer = np.arange(2 * low, 2 * high + 1)
-        numbers = ((layer[:, None] * len(self.roles) + nodes)[:, :, None] * 3 + np.arange(3)).ravel()
-        node, place, component = self._place(numbers)
-        role = self.roles[node, component]
+    def _leaf(self, box: Box, axial: AxialMatrices, turn: np.ndarray) -> _Part:
+        """Stiffness of the elements of a box in one layer on its unknowns, in the order of elimination."""
+        nodes, at = np.unique(self.elements[box.members], return_inverse=True)
+        layer = 2 * box.low + np.arange(3)[:, None]
+        numbers = ((layer * len(self.roles) + nodes)[:, :, None] * 3 + np.arange(3)).ravel()
+        role = np.tile(self.roles[nodes].ravel(), 3)
         tied, free = np.flatnonzero(role == TIED), np.flatnonzero((role != TIED) & (role != FIXED))
+        free = free[np.argsort(turn[numbers[free]])]
+        count = len(free)
+        place = np.full(len(numbers), -1)
+        place[free], place[tied] = np.arange(count), count + np.arange(len(tied))
+        dofs = (3 * at.reshape(-1, 1, 9, 1) + np.arange(3)).reshape(len(box.members), 1, 27)
+        place = place[3 * len(nodes) * np.arange(3)[:, None] + dofs]
+        matrix = product_stiffness(self.blocks.of(box.members), axial, place, count + len(tied))
+        turns = turn[numbers[free]]
         if not len(tied):
-            return numbers[free], matrix[np.ix_(free, free)]
-        rows, columns = self.ties.rows(node[tied], place[tied], component[tied])
-        right = matrix[:, tied] @ rows
-        joined = np.block([[matrix[np.ix_(free, free)], right[free]], [right[free].T, rows.T @ right[tied]]])
-        return np.concatenate([numbers[free], self.size + columns]), joined
+            return turns, matrix.T
+        rows, columns = self.ties.rows(*self._place(numbers[tied]))
+        right = rows.T @ matrix[count:]  # of the functions q: they survive and stand behind all others
+        square = right[:, count:] @ rows
+        matrix = np.block([[matrix[:count, :count], right[:, :count].T], [right[:, :count], square]])
+        return np.append(turns, turn[self.size + columns]), matrix.T
 
 
 @stored(__file__)
-def _add_lower(front: np.ndarray, matrix: np.ndarray, place: np.ndarray) -> None:
-    """Add the lower triangle of `matrix` to that of `front`; unknown i of it stands at place[i] there."""
-    for j in range(len(place)):
-        for i in range(j, len(place)):
-            row, column = place[i], place[j]
-            if row < column:
-                row, column = column, row
-            front[row, column] += matrix[i, j]
+def _add_lower(panel: np.ndarray, C: np.ndarray, matrix: np.ndarray, place: np.ndarray) -> None:
+    """Add the lower triangle of `matrix` to that of a front, its first columns in `panel`, the others in `C`.
+
+    Unknown i stands at place[i], rising, of the front; what is together there is added together.
+    """
+    k, count = panel.shape[1], len(place)
+    ends = np.empty(count, np.int64)  # of the run of places without a gap that holds i
+    for i in range(count - 1, -1, -1):
+        ends[i] = ends[i + 1] if i + 1 < count and place[i + 1] == place[i] + 1 else i + 1
+    for j in range(count):
+        column, i = place[j], j
+        while i < count:
+            end, row = ends[i], place[i]
+            if column < k:
+                panel[row : row + end - i, column] += matrix[i:end, j]
+            else:
+                C[row - k : row - k + end - i, column - k] += matrix[i:end, j]
+            i = end

@@ -23,7 +23,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
 
 from fem.elements.sections import (
     elasticity,
@@ -34,6 +33,7 @@ from fem.elements.sections import (
     shape_functions,
     strains_in_space,
 )
+from fem.numerics.compiled import stored
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +43,10 @@ class SectionBlocks:
     plane: np.ndarray
     mixed: np.ndarray
     axial: np.ndarray
+
+    def of(self, members: np.ndarray) -> SectionBlocks:
+        """Those of some elements."""
+        return SectionBlocks(self.plane[members], self.mixed[members], self.axial[members])
 
     def turned(self, frames: np.ndarray) -> SectionBlocks:
         """The same in other components: frames (elements, 9, 3, 3) hold the new unit vectors as columns."""
@@ -120,22 +124,45 @@ def axial_matrices(ends: np.ndarray) -> AxialMatrices:
     return AxialMatrices(*parts)
 
 
-def product_stiffness(section: SectionBlocks, dofs: np.ndarray, size: int, axial: AxialMatrices) -> np.ndarray:
-    """Dense stiffness matrix (N/m) of the hexahedra over some section elements and a piece of the axis.
+def product_stiffness(section: SectionBlocks, axial: AxialMatrices, place: np.ndarray, size: int) -> np.ndarray:
+    """Dense stiffness matrix (size, size), N/m, of the hexahedra over some section elements and a piece of the axis.
 
     Parameters
     ----------
     section, axial : integrals over these elements and over this piece
-    dofs : int (elements, 27), positions of their unknowns among those of one section
-    size : number of unknowns of one section
+    place : int (elements, axial nodes, 27), rows of their unknowns in the matrix; -1 leaves one out
+    size : number of rows
     """
-    rows, cols = np.repeat(dofs, 27, axis=1).ravel(), np.tile(dofs, (1, 27)).ravel()
-    plane, mixed, along = (
-        sparse.coo_matrix((block.ravel(), (rows, cols)), shape=(size, size)).toarray()
-        for block in (section.plane, section.mixed, section.axial)
-    )
-    across = np.kron(axial.mixed, mixed)
-    return np.kron(axial.mass, plane) + across + across.T + np.kron(axial.stiffness, along)
+    out = np.zeros((size, size))
+    _add_products(out, place, section.plane, section.mixed, section.axial, axial.mass, axial.mixed, axial.stiffness)
+    return out
+
+
+@stored(__file__)
+def _add_products(
+    out: np.ndarray,
+    place: np.ndarray,
+    plane: np.ndarray,
+    mixed: np.ndarray,
+    along: np.ndarray,
+    mass: np.ndarray,
+    slope: np.ndarray,
+    bending: np.ndarray,
+) -> None:
+    """Add M x A_00 + D x A_01 + D^T x A_01^T + S x A_11 of every element."""
+    for e in range(len(place)):
+        for i in range(len(mass)):
+            for j in range(max(0, i - 2), min(len(mass), i + 3)):
+                m, d, turned, s = mass[i, j], slope[i, j], slope[j, i], bending[i, j]
+                for a in range(27):
+                    row = place[e, i, a]
+                    if row < 0:
+                        continue
+                    for b in range(27):
+                        column = place[e, j, b]
+                        if column >= 0:
+                            both = d * mixed[e, a, b] + turned * mixed[e, b, a]
+                            out[row, column] += m * plane[e, a, b] + s * along[e, a, b] + both
 
 
 def slice_means(ends: np.ndarray, bounds: np.ndarray) -> np.ndarray:

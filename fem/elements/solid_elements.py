@@ -199,10 +199,10 @@ def _determinant(
     if (bad := found <= 0.0).any():
         worst = int(np.argmin(found.min(axis=1)))
         kind = solid_element(elements)
-        x, y, z = nodes[elements[part[worst], : kind.corners]].mean(axis=0)
+        x, y, z = 1000 * nodes[elements[part[worst], : kind.corners]].mean(axis=0)
         raise ElementError(
             f"{int(bad.any(axis=1).sum())} {kind.name} elements are inverted (Jacobian <= 0); the worst is element "
-            f"{int(part[worst])} near ({x:.4g}, {y:.4g}, {z:.4g}) m with {found.min():.3g} m3. "
+            f"{int(part[worst])} near ({x:.5g}, {y:.5g}, {z:.5g}) mm with {found.min():.3g} m3. "
             "Use a smaller element size, straight sides, or check the order of the nodes"
         )
     return found

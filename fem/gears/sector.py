@@ -37,6 +37,7 @@ class SectorMesh:
     twist: float  # rad/m, 2 pi / lead of the helix
     points: np.ndarray  # (nodes, 2)
     elements: np.ndarray  # (elements, 9), tensor order
+    grid: np.ndarray  # (elements, 2), row from the bore outwards and column from the low cut
     bore: np.ndarray  # nodes held rigid, without those on the cut lines
     cut_low: np.ndarray  # nodes of the cut at -pi/z, root to bore, without the bore node
     cut_high: np.ndarray  # same radii at +pi/z
@@ -183,6 +184,7 @@ def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -
     lower_side = body.copy()
     lower_side[0, first : first + len(across)][cracked] = len(points) + np.arange(len(on_slit))[::-1]
     quads = (_quads(lower_side[::-1]), _quads(tooth))
+    below, above = (np.argwhere(np.ones((len(n) // 2, len(n[0]) // 2))) for n in (body, tooth))
     web_elements = np.zeros(len(quads[0]) + len(quads[1]), dtype=bool)
     web_elements[: len(quads[0]) - rim_rows * ((len(body[0]) - 1) // 2)] = True  # inner rows come first
     return SectorMesh(
@@ -190,6 +192,7 @@ def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -
         twist=math.tan(gear.helix_angle) / gear.reference_radius,
         points=np.vstack([points, points[on_slit]]),
         elements=np.vstack(quads),
+        grid=np.vstack([below, above + (len(body) // 2, first // 2)]),
         bore=body[-1, 1:-1].copy(),
         cut_low=body[:-1, 0].copy(),
         cut_high=body[:-1, -1].copy(),

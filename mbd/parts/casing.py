@@ -51,6 +51,13 @@ class Casing(Component):
             found[lay.index(NAME)] = self.body.ground_inertia
         return found
 
+    def constant_force(self, lay: Coordinates) -> np.ndarray:
+        """Its weight; what of it rests on clamped nodes goes into the ground."""
+        found = np.zeros(lay.size)
+        if len(self.body.coordinate_names):
+            found[lay.index(NAME)] = self.body.own_weight(lay.gravity)
+        return found
+
     def parts(self, lay: Coordinates) -> Iterator[Part]:
         """The body, if it moves."""
         n = len(self.body.coordinate_names)

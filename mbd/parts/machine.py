@@ -34,9 +34,8 @@ class Machine:
     """Shafts in bearings, geared by meshes, driven and loaded.
 
     Without ``couplings`` to motors of prescribed speed, torques among ``forces`` drive the shaft ``input_shaft``, and
-    ``profile`` gives only its speed at the start. ``gravity`` (m/s2, along -z) acts on shafts, disks and container; the
-    casing's own weight only shifts its rest position and is left out. ``gyroscopic`` adds the gyroscopic moments of
-    shafts and disks.
+    ``profile`` gives only its speed at the start. ``gravity`` (m/s2, along -z) acts on shafts, disks, container and
+    casing. ``gyroscopic`` adds the gyroscopic moments of shafts and disks.
     """
 
     shafts: tuple[ShaftSpec, ...]

@@ -34,7 +34,7 @@ from mbd.elements.table import instant, slope_matrix
 from mbd.parts.checks import MachineError, finite, positive
 from mbd.parts.machine import Machine
 from mbd.reference.modal_basis import SMALLEST_FREQUENCY
-from mbd.system.statics import State, equilibrium
+from mbd.system.statics import State, equilibrium, foot_forces
 from mbd.system.system import System
 
 DEFAULT_UP_TO = 10e3  # Hz
@@ -76,6 +76,8 @@ class LinearModes(Record):
     mesh_names: tuple[str, ...] = names("mesh")
     mesh_forces: np.ndarray = array("mesh", units="N")
     mesh_stiffness: np.ndarray = array("mesh", units="N/m")
+    foot_names: tuple[str, ...] = names("foot")
+    foot_forces: np.ndarray = array("foot", "axis", units="N")  # of the ground on the casing at rest
     overdamped: int = integer()  # motions of any frequency that do not oscillate
 
     @property
@@ -191,6 +193,8 @@ def linear_modes(
         mesh_names=tuple(system.contacts),
         mesh_forces=small.mesh_forces,
         mesh_stiffness=small.mesh_stiffness,
+        foot_names=system.layout.casing.feet,
+        foot_forces=foot_forces(system, state),
         overdamped=overdamped,
     )
 

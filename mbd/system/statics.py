@@ -78,6 +78,13 @@ def equilibrium(system: System, speed: float = 0.0) -> State:
     )
 
 
+def foot_forces(system: System, state: State) -> np.ndarray:
+    """Force (foot, 3) of the ground on the feet of the casing at a state of rest, N; the feet are those of
+    `fem.casing.reduced.body.ReducedBody.feet`."""
+    body = system.layout.casing
+    return body.foot_forces(state.displacement[system.layout.index("casing")], system.machine.gravity)
+
+
 class _PressedContact:
     """A contact that holds the train (see `mbd.elements.element.Contact`): rows of the approach on both sides, and the
     approach at which each just touches."""

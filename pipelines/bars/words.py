@@ -7,18 +7,17 @@ from collections.abc import Sequence
 from pipelines.bars.line_bars import Band, LineBar, LineBars
 from pipelines.border.grid import Grid
 
-HEADERS = ("line", "Hz", "m/s²", "numerical dB", "mostly by", "inputs dB")
-
 
 def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:
-    """The bars of the lines of a window."""
+    """The bars of the lines of a window; where no numerical error is known there is no column for it."""
+    numerical = any(bar.numerical is not None for bar in bars)
+    headers = ("line", "Hz", "m/s²", *(("numerical dB", "mostly by") if numerical else ()), "inputs dB")
     rows = tuple(
         (
             f"envelope {bar.label}" if bar.kind == "envelope" else bar.label,
             f"{bar.frequency:.3f}",
             f"{bar.level:.3g}",
-            "" if bar.numerical is None else _ends(bar.numerical),
-            "" if bar.numerical is None else f"{bar.numerical.source} ({100 * bar.numerical.share:.0f} %)",
+            *(_numerical_cells(bar.numerical) if numerical else ()),
             _ends(bar.inputs),
         )
         for bar in bars
@@ -26,7 +25,7 @@ def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:
     title = f"Error bars, {window}: 5 to 95 %, over the level of the faulty run"
     return Grid(
         title=title,
-        headers=HEADERS,
+        headers=headers,
         rows=rows,
         marked=frozenset(i for i, bar in enumerate(bars) if bar.detected),
     )
@@ -41,5 +40,10 @@ def bars_words(found: LineBars | str) -> str:
     return "\n\n".join([*parts, "\n".join(found.notes)]) + "\n"
 
 
+def _numerical_cells(band: Band | None) -> tuple[str, str]:
+    return ("", "") if band is None else (_ends(band), f"{band.source} ({100 * band.share:.0f} %)")
+
+
 def _ends(band: Band) -> str:
-    return f"{band.low:+.2f} to {band.high:+.2f}"
+    low, high = (round(end, 2) + 0.0 for end in (band.low, band.high))  # + 0.0 makes a plain zero of minus zero
+    return f"{low:+.2f} to {high:+.2f}" if low or high else "below 0.01"

@@ -16,15 +16,9 @@ if TYPE_CHECKING:
 def main(options: argparse.Namespace) -> int:
     """Print the listing, the seats and the block; write the picture, the page and the block."""
     from fem.casing.foreign.files import SUFFIXES
-    from pipelines.border.errors import InputError
-    from pipelines.border.shown import shown
-    from pipelines.border.user_files import regular_file
+    from pipelines.scene.shipped_files import find_file
 
-    path = Path(options.file)
-    try:
-        regular_file(path)
-    except FileNotFoundError as error:
-        raise InputError(f"{shown(path)}: no such file. Give a STEP, BREP, IGES, STL or mesh file.") from error
+    path = find_file(options.file)
     if path.suffix.lower() in SUFFIXES:
         return _matrices(path, options)
     return _geometry(path, options)

@@ -91,8 +91,8 @@ def _write_casing(graph: Graph, plant: Plant, folder: Path, work: Work) -> None:
     if "casing mesh" not in graph.steps:
         sys.stdout.write(f"casing {plant.models['casing']}: no mesh to show\n")
         return
-    outcome = work.build(graph, ["casing mesh", "casing"])
-    picture = reporting.casing_picture(outcome.value("casing mesh"), outcome.value("casing"))
+    mesh = work.build(graph, ["casing mesh"]).value("casing mesh")
+    picture = reporting.casing_picture(mesh, plant.sensors)
     if picture is None or isinstance(picture, LeftOut):
         sys.stdout.write(f"casing.png: {picture.reason if picture else 'nothing to show'}\n")
         return
@@ -105,7 +105,7 @@ def _casing_mode(graph: Graph, plant: Plant, number: int, folder: Path, work: Wo
 
     if "casing mesh" not in graph.steps or "casing modes" not in graph.steps:
         raise InputError(f"--casing-mode: a {plant.models['casing']} casing has no mesh with elastic modes")
-    outcome = work.build(graph, ["casing", "casing modes", "casing mesh"])
+    outcome = work.build(graph, ["casing", "casing modes"])
     sys.stdout.write(_listed(_casing_mode_files(outcome, graph, plant.title, number, folder)))
     return 0
 
@@ -127,7 +127,7 @@ def _casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int, 
     from pipelines.figures.mode_pictures import ModeView, write_mode
     from pipelines.runs.casing_export import mode_shapes
 
-    modes, mesh = outcome.value("casing modes")[0], outcome.value("casing mesh")
+    modes = outcome.value("casing modes")[0]
     factor = outcome.value("casing").stiffness_factor
     natural = natural_modes(modes, graph.steps["casing"].spec.mounts, stiffness_factor=factor)
     if number > len(natural.frequencies):
@@ -136,8 +136,8 @@ def _casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int, 
         title=f"Casing of {title}",
         number=number,
         frequency=float(natural.frequencies[number - 1]),
-        nodes=mesh.nodes,
-        facets=mesh.facets,
+        nodes=modes.nodes,
+        facets=modes.facets,
         shape=mode_shapes(modes, natural, [number - 1])[0],
     )
     return write_mode(view, folder)

@@ -36,6 +36,7 @@ def main(options: argparse.Namespace) -> int:
             "scene": loaded.name,
             "cycle": cycle,
             "modes": mode_rows(modes),
+            "foot_forces_N": dict(zip(modes.foot_names, modes.foot_forces.tolist(), strict=True)),
             "notes": notes(plant, modes, options.up_to),
         }
         sys.stdout.write(json_text(found))
@@ -86,6 +87,10 @@ def notes(plant: Plant, modes: LinearModes, up_to: float) -> list[str]:
     found = [
         f"{name.replace('_', ' ')}: {force:.4g} N, tangent stiffness {stiffness / 1e6:.4g} N/um"
         for name, force, stiffness in zip(modes.mesh_names, modes.mesh_forces, modes.mesh_stiffness, strict=True)
+    ]
+    found += [
+        f"{name.replace('_', ' ')}: the ground pushes with ({x:.4g}, {y:.4g}, {z:.4g}) N along x, y, z"
+        for name, (x, y, z) in zip(modes.foot_names, modes.foot_forces, strict=True)
     ]
     if modes.overdamped:
         found.append(f"{modes.overdamped} overdamped motions do not oscillate and are not listed.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -14,12 +15,15 @@ from fem.casing.models.registry import elastic_casing
 from fem.elements.materials import Material
 from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.bearings import bearing_points
+from pipelines.plant.casing_parts.damped import loss_factors, regions
+from pipelines.plant.casing_parts.joint import bolted_joint
 from pipelines.plant.foreign_housing import foreign_housing
 from pipelines.plant.housing import housing
 from pipelines.plant.layout import Layout, material
 from pipelines.plant.units import si_options
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import (
+    EDGE_LAYER,
     CraigBamptonCasingTable,
     ElasticBase,
     FlexibleBase,
@@ -28,7 +32,7 @@ from pipelines.scene.tables.casing import (
     StaticCasingTable,
     percent,
 )
-from pipelines.scene.tables.housing import ImportedTable, MatricesHousingTable
+from pipelines.scene.tables.housing import HousingTable, ImportedTable, MatricesHousingTable
 
 if TYPE_CHECKING:
     from fem.casing.reduced.damping import DampingRatio
@@ -62,8 +66,8 @@ class RigidMeshed:
 class ElasticPart:
     """A casing of finite elements, reduced by its `model`.
 
-    `mounts` in N/m, a row for all feet or one per foot, None on fixed ground. `error`: median band of the frequencies
-    that the mesh is made for, None where its size is given.
+    `loss_factors` of the parts that have their own; `mounts` in N/m, a row for all feet or one per foot, None on fixed
+    ground. `error`: median band of the frequencies that the mesh is made for, None where its size is given.
     """
 
     model: ElasticCasing
@@ -72,6 +76,7 @@ class ElasticPart:
     sizes: Sizes
     element: str
     damping: DampingRatio
+    loss_factors: Mapping[str, float]
     mounts: tuple[tuple[float, float, float], ...] | None
     frequency_error: float | None
     extrapolated: bool
@@ -85,6 +90,7 @@ class MatricesPart:
     model: ElasticCasing
     geometry: ForeignHousing
     damping: DampingRatio
+    loss_factors: Mapping[str, float]
     mounts: tuple[tuple[float, float, float], ...] | None
     frequency_error: float | None
 
@@ -116,12 +122,20 @@ def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
             damping=table.damping_ratio,
         )
     return ElasticPart(
-        model=elastic_casing(table.model, ground=table.ground, attachment=table.attachment, **_options(table)),
+        model=elastic_casing(
+            table.model,
+            ground=table.ground,
+            attachment=table.attachment,
+            regions=regions(table, box),
+            joint=bolted_joint(table.housing.joint, box, source),
+            **_options(table),
+        ),
         geometry=box,
         material=iron,
         sizes=element_sizes(table, box, iron, source),
         element=table.element,
         damping=table.damping_ratio,
+        loss_factors=loss_factors(table),
         mounts=_mounts(table),
         frequency_error=getattr(table, "frequency_error", None),
         extrapolated=table.extrapolated or table.error is not None,
@@ -146,6 +160,7 @@ def _of_matrices(
         model=elastic_casing(table.model, ground=table.ground, attachment=table.attachment, **_options(table)),
         geometry=foreign_housing(matrices, scene.sensors, bearing_points(scene.shafts, layout), source),
         damping=table.damping_ratio,
+        loss_factors=loss_factors(table),
         mounts=_mounts(table),
         frequency_error=getattr(table, "frequency_error", None),
     )
@@ -180,4 +195,6 @@ def element_sizes(table: FlexibleBase, box: Geometry, iron: Material, source: st
         size = min(size, bending_wavelength(iron, wall, table.band_Hz) / table.elements_per_wavelength)
     local = (table.bore_element_size_mm, table.foot_element_size_mm, table.edge_element_size_mm)
     bore, foot, edge = (None if one is None else one / 1000 for one in local)
+    if edge is None and table.element.startswith("hexahedron") and isinstance(table.housing, HousingTable):
+        edge = EDGE_LAYER * size
     return Sizes(element=size, bore=bore, foot=foot, edge=edge)

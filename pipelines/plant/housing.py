@@ -124,6 +124,7 @@ def _parametric(table: HousingTable, layout: Layout, placed: tuple[Sensor, ...])
         flange=None if table.flange is None else _flange(table.flange),
         ribs=None if table.ribs is None else _ribs(table.ribs),
         fillets=Fillets(foot=table.foot_fillet_mm / 1000, inner=table.inner_fillet_mm / 1000),
+        bolted=table.joint is not None,
     )
 
 

@@ -90,7 +90,9 @@ def healthy_faulty(contents: ReportContents) -> list[str]:
         for window in diagnosis.settings.windows:
             bars = contents.bars.of(window) if isinstance(contents.bars, LineBars) and number == 0 else ()
             caption = f"{_named(diagnosis, window)}: both runs with the same deviations. Triangles: detected lines."
-            caption += " Black on a line: its error bar; yellow beside: what the inputs do." if bars else ""
+            if any(bar.numerical is not None for bar in bars):
+                caption += " Black on a line: its error bar."
+            caption += " Yellow beside a line: what the inputs do." if bars else ""
             parts.append(page.picture(healthy_faulty_figure(diagnosis, window, bars), caption))
             for spall in diagnosis.settings.passes:
                 parts.append(page.picture(pass_figure(diagnosis, window, spall), f"{caption} Dashed: {spall.label}."))

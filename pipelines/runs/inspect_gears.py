@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -96,14 +97,15 @@ class InspectedStage:
         from pipelines.steps.reporting import gear_names, stiffness_plots
 
         view = stage_view(self.plant, self.laws.stage, self.laws.healthy)
-        picture = render_gears(view)
-        near = render_tooth(view) if view.tooth is not None else None
-        for drawn in (picture, near):
-            if isinstance(drawn, LeftOut):
-                return drawn
-        assert not isinstance(picture, LeftOut)
-        assert not isinstance(near, LeftOut)
-        curve = stiffness_plots([self.laws])[0]
+        with ThreadPoolExecutor(2) as pool:  # each picture is drawn by a process of its own
+            drawn = pool.submit(render_gears, view)
+            drawn_near = pool.submit(render_tooth, view) if view.tooth is not None else None
+            curve = stiffness_plots([self.laws])[0]
+            picture, near = drawn.result(), None if drawn_near is None else drawn_near.result()
+        if isinstance(picture, LeftOut):
+            return picture
+        if isinstance(near, LeftOut):
+            return near
         names = gear_names(self.plant, self.laws.stage)
         save_figure(gear_figure(picture, curve, names, self.gears_title(), near, view.tooth), path, dpi=115)
         return path

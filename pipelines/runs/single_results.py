@@ -45,6 +45,7 @@ class Casing:
     error: ErrorStatement | None  # against the full model, if it was asked for
     records: tuple[StepRecord, ...]  # seconds and memory of its steps
     band: float  # Hz
+    joint: str = ""  # what holds its halves together; the mesh is then the one cut in two
 
     @property
     def frequencies(self) -> np.ndarray:
@@ -88,6 +89,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
     """
     from pipelines.engine.step import Graph
     from pipelines.plant.casing import ElasticPart, MatricesPart
+    from pipelines.plant.casing_parts.joint import joint_words
     from pipelines.steps.graph import COARSER, casing_error_step
 
     graph, plant = scene_graph(loaded)
@@ -115,9 +117,21 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
             from fem.casing.mesh_error.extrapolation import measured_limits
 
             limits = measured_limits(modes, [outcome.value(name) for name in COARSER])
+    mesh = outcome.value("casing mesh") if meshed else None
+    words = ""
+    if mesh is not None and isinstance(plant.casing, ElasticPart) and plant.casing.model.joint is not None:
+        from fem.casing.parts.bolted_joint import contact_areas
+        from fem.casing.parts.split import split_mesh
+
+        joint = plant.casing.model.joint
+        split = split_mesh(mesh, joint.plane)
+        mesh, shares = split.mesh, contact_areas(joint, split) / joint.bolt.contact_area
+        low, high = (f"{100 * min(share, 1.0):.0f} %" for share in (shares.min(), shares.max()))
+        words = f"{joint_words(joint, plant.casing.material)}; in contact on {low} to {high} of their rings"
     return Casing(
         body=body,
-        mesh=outcome.value("casing mesh") if meshed else None,
+        mesh=mesh,
+        joint=words,
         modes=modes,
         natural=natural,
         checkup=checkup,

@@ -25,6 +25,7 @@ _UNITS = {
 RENAMED = {"casing.coupling": "attachment"}  # keys of earlier versions
 _MOST_WORDED = 50  # findings of one validation; a file of another program has thousands
 _MOST_ITEMS = 30  # of one list, when keys are looked for elsewhere
+_ONE_QUANTITY = 0.62  # of the letters of two keys without their units, in common: width and depth share 0.6
 _Paths = Callable[[], list[tuple[str, ...]]]
 
 
@@ -175,15 +176,22 @@ def _unknown_key(
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """The known word closest to `word` (case and order of its parts forgiven), or ""."""
+    """The known word closest to `word` (case and order of its parts forgiven), or ""; a common unit is no nearness."""
     names = list(known)
     folded = {name.lower(): name for name in names}
     word = word[:MOST_CHARACTERS]
     for cutoff, table in ((0.6, folded), (0.8, {"_".join(sorted(n.split("_"))): folded[n] for n in folded})):
         asked = word.lower() if table is folded else "_".join(sorted(word.lower().split("_")))
-        if match := nearest_name(asked, table, cutoff):
+        match = nearest_name(asked, table, cutoff)
+        if match and nearest_name(_quantity(asked), [_quantity(match)], _ONE_QUANTITY):
             return table[match]
     return ""
+
+
+def _quantity(key: str) -> str:
+    """A key without its unit."""
+    head, _, unit = key.rpartition("_")
+    return head if head and unit in map(str.lower, _UNITS) else key
 
 
 def known_keys(path: tuple[str, ...], model: Any, tree: Any) -> list[str]:

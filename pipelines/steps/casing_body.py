@@ -52,12 +52,13 @@ class RigidMeshSpec:
 class ElasticSpec:
     """Models `static` and `craig-bampton`: what is added to the modes, and how many of them are kept.
 
-    `mounts` in N/m, a row for all feet or one per foot, None on fixed ground; `limit` (Hz) of the kept modes, None for
-    the model static.
+    `loss_factors` of the parts that have their own; `mounts` in N/m, a row for all feet or one per foot, None on fixed
+    ground; `limit` (Hz) of the kept modes, None for the model static.
     """
 
     sensors: tuple[Sensor, ...]
     damping: DampingRatio
+    loss_factors: Mapping[str, float]
     mounts: tuple[tuple[float, float, float], ...] | None
     limit: float | None
     frequency_error: float | None
@@ -108,6 +109,7 @@ def build_elastic(spec: ElasticSpec, modes: tuple[CasingModes, CheckUp], *coarse
             modes[0],
             sensors=spec.sensors,
             damping=spec.damping,
+            loss_factors=spec.loss_factors,
             mounts=spec.mounts,
             limit=spec.limit,
             frequency_error=spec.frequency_error,

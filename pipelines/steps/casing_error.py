@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,7 @@ class CasingErrorSpec:
     band: float
     sensors: tuple[Sensor, ...]
     damping: DampingRatio
+    loss_factors: Mapping[str, float]
     mounts: tuple[tuple[float, float, float], ...] | None
 
 
@@ -49,5 +51,6 @@ def build(
         band=spec.band,
         sensors=spec.sensors,
         damping=spec.damping,
+        loss_factors=spec.loss_factors,
         springs=modes[0].springs(spec.mounts),
     )

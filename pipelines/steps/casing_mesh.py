@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.meshing.mesh import CasingMesh, MeshError
 from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.source import Geometry, mesh_geometry
 from pipelines.border.errors import WorkError
@@ -37,6 +37,23 @@ class AskedMeshSpec:
 def build(spec: CasingMeshSpec) -> CasingMesh:
     """The mesh."""
     return mesh_geometry(spec.housing, spec.sizes, spec.element)
+
+
+def build_coarser(spec: CasingMeshSpec) -> CasingMesh:
+    """A mesh that the errors of a finer one are measured by.
+
+    Raises
+    ------
+    WorkError : elements as large as that make no sound mesh
+    """
+    try:
+        return mesh_geometry(spec.housing, spec.sizes, spec.element)
+    except MeshError as error:
+        raise WorkError(
+            f"casing: its error is measured by a mesh with larger elements, {1000 * spec.sizes.element:.3g} mm, which "
+            f"is not sound: {error}. Use a smaller casing.element_size_mm, or leave casing.extrapolated and "
+            "casing.error out"
+        ) from error
 
 
 def build_asked(spec: AskedMeshSpec, trial: LowestModes, *coarser: LowestModes) -> CasingMesh:

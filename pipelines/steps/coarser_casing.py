@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fem.casing.parts.bolted_joint import BoltedJoint
 from fem.elements.materials import Material
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ class CoarserSpec:
     interfaces: Mapping[str, tuple[str, ...]]
     ground: Ground
     attachment: Attachment
+    joint: BoltedJoint | None
 
 
 def build(spec: CoarserSpec, mesh: CasingMesh) -> LowestModes:
@@ -38,4 +40,5 @@ def build(spec: CoarserSpec, mesh: CasingMesh) -> LowestModes:
         interfaces=spec.interfaces,
         ground=spec.ground,
         attachment=spec.attachment,
+        joint=spec.joint,
     )

@@ -189,6 +189,7 @@ def _elastic_step(plant: Plant, part: ElasticPart | MatricesPart, coarser: Seque
         spec=body.ElasticSpec(
             sensors=plant.sensors,
             damping=part.damping,
+            loss_factors=part.loss_factors,
             mounts=part.mounts,
             limit=part.model.limit,
             frequency_error=part.frequency_error,
@@ -200,11 +201,13 @@ def _elastic_step(plant: Plant, part: ElasticPart | MatricesPart, coarser: Seque
 def _coarser_steps(mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str, tuple[str, ...]]) -> list[Step]:
     """Two more meshes with larger elements, and their lowest modes."""
     from fem.casing.mesh_error.extrapolation import coarser_sizes
+    from pipelines.steps import casing_mesh
 
     steps: list[Step] = []
     for name, sizes in zip(COARSER, coarser_sizes(mesh.spec.sizes, mesh.spec.element), strict=True):
         larger, ratio = replace(mesh.spec, sizes=sizes), sizes.element / mesh.spec.sizes.element
-        steps += _lowest(replace(mesh, spec=larger, seconds=mesh.seconds / ratio**2), name, reduced, interfaces)
+        coarser = replace(mesh, build=casing_mesh.build_coarser, spec=larger, seconds=mesh.seconds / ratio**2)
+        steps += _lowest(coarser, name, reduced, interfaces)
     return steps
 
 
@@ -246,6 +249,7 @@ def _lowest(
             interfaces=interfaces,
             ground=reduced.model.ground,
             attachment=reduced.model.attachment,
+            joint=reduced.model.joint,
         ),
         takes=(f"{name} mesh",),
         libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
@@ -268,6 +272,7 @@ def casing_error_step(graph: Graph, band: float) -> Step:
             band=band,
             sensors=body.sensors,
             damping=body.damping,
+            loss_factors=body.loss_factors,
             mounts=body.mounts,
         ),
         takes=("casing mesh", "casing modes", "casing"),

@@ -23,6 +23,7 @@ from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, law_
 if TYPE_CHECKING:
     import xarray
 
+    from fem.casing.geometry.dimensions import Sensor
     from fem.casing.meshing.mesh import CasingMesh
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
@@ -81,7 +82,7 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
     pairs = pair_laws(plant, laws)
     curves = stiffness_plots(pairs)
     gears = gear_picture(plant, asked.stage, pairs[asked.stage - 1].healthy)
-    casing = casing_picture(mesh, body)
+    casing = casing_picture(mesh, plant.sensors)
     settings, failure = _settings(plant, found, responses[0], spec.failure)
     runs = _runs(spec, responses)
     contents = ReportContents(
@@ -246,15 +247,17 @@ def gear_names(plant: Plant, stage: int) -> dict[str, str]:
     return names | ({"marked": fault.name.replace("-", " ")} if fault else {})
 
 
-def casing_picture(mesh: CasingMesh | None, body: ReducedBody) -> Picture | LeftOut | None:
+def casing_picture(mesh: CasingMesh | None, sensors: Sequence[Sensor]) -> Picture | LeftOut | None:
     """The meshed casing with ground, bearing and sensor points; None without a mesh."""
     if mesh is None:
         return None
+    from fem.casing.reduced.attachment import nearest_surface_point
     from pipelines.figures.render import render_casing
     from pipelines.figures.shapes import casing_view
 
     points = dict(zip(mesh.patch_names, mesh.patch_points, strict=True))
-    points |= dict(zip(body.point_names, body.point_positions, strict=True))
+    for sensor in sensors:
+        _, _, points[sensor.name] = nearest_surface_point(mesh.nodes, mesh.facets, np.array(sensor.position))
     return render_casing(casing_view(mesh.nodes, mesh.facets, list(points), np.array(list(points.values()))))
 
 

@@ -10,7 +10,7 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from pipelines.scene.presets import EDGE_SIZE, PRESETS, preset_settings
+from pipelines.scene.presets import PRESETS, preset_settings
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import CraigBamptonCasingTable, NoCasingTable, RigidCasingTable
 
@@ -74,9 +74,8 @@ def _single(scene: Scene, best: Settings) -> Iterator[tuple[str, str, Settings]]
         for size, band in CASINGS:
             length, highest = casing.element_size_mm * size, casing.band_Hz * band
             settings: Settings = {"casing.element_size_mm": length, "casing.band_Hz": highest}
-            extruded = "casing.edge_element_size_mm" in best
-            local = {"edge": EDGE_SIZE} if extruded else {"bore": 0.5}
-            settings |= {f"casing.{place}_element_size_mm": share * length for place, share in local.items()}
+            if not str(best.get("casing.element", casing.element)).startswith("hexahedron"):
+                settings["casing.bore_element_size_mm"] = 0.5 * length
             yield "casing", f"{length:.3g} mm, {highest:g} Hz", settings
         extrapolated = bool(best.get("casing.extrapolated"))
         label = "not extrapolated" if extrapolated else "extrapolated"

@@ -12,6 +12,7 @@ from pipelines.engine.working import Work
 from pipelines.plant.plant import motion_settings
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.trade.choices import PRESET, Choice, choices
+from pipelines.trade.known_lines import known_lines
 from pipelines.trade.probes import DECIBEL, PROBES, Value
 from pipelines.trade.variants import Measured, measure, step_costs
 
@@ -42,11 +43,15 @@ class Priced:
 
 @dataclass(frozen=True, kw_only=True)
 class Tradeoff:
-    """All choices, the reference first; `refused` names those the scene cannot take, with the reason."""
+    """All choices, the reference first; `refused` names those the scene cannot take, with the reason.
+
+    `known` says how well the lines of the fault are known in the reference itself, "" without a fault.
+    """
 
     name: str
     priced: tuple[Priced, ...]
     refused: Mapping[str, str]
+    known: str
 
     def _repr_html_(self) -> str:
         """Every choice with its cost and its error, for a notebook."""
@@ -105,7 +110,7 @@ def trade(loaded: LoadedScene, work: Work) -> Tradeoff:
         )
         for name, one in measured.items()
     )
-    return Tradeoff(name=loaded.name, priced=priced, refused=refused)
+    return Tradeoff(name=loaded.name, priced=priced, refused=refused, known=known_lines(best, work))
 
 
 def _variants(loaded: LoadedScene) -> tuple[dict[str, Choice], dict[str, LoadedScene], dict[str, str]]:

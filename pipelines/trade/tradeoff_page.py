@@ -58,6 +58,7 @@ def answers(found: Tradeoff, error: float, seconds: float) -> list[str]:
         else f"No choice stays within {100 * error:g} % of sensor rms.",
         f"Within {seconds:g} s the most accurate is {_words(exact)}." if exact else f"No choice takes {seconds:g} s.",
     ]
+    lines += [f"Reference: {found.known}"] if found.known else []
     return lines + [f"{name} is left out: {reason}" for name, reason in found.refused.items()]
 
 

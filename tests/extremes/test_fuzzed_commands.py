@@ -51,6 +51,7 @@ def fuzz(capsys, folder, seed, count) -> tuple[list[int], float]:
     return codes, slowest
 
 
+@pytest.mark.slow
 def test_a_hostile_command_is_answered_in_words(capsys, tmp_path):
     codes, _ = fuzz(capsys, tmp_path, 0, 120)
     assert codes.count(2) > 60

@@ -14,10 +14,13 @@ from waiting import HANGING
 
 import gearcase
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits as POSIX has them")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(os.name != "posix", reason="signals and limits as POSIX has them"),
+]
 
 
-@pytest.mark.parametrize("limit", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in (3000, 40_000))])
+@pytest.mark.parametrize("limit", [0, 3000, 40_000])
 def test_a_full_disk_is_said_and_nothing_half_is_left(undisturbed, tmp_path, limit):
     process = start(tmp_path, limit=limit)
     _, err = process.communicate(timeout=HANGING)
@@ -32,7 +35,6 @@ def test_a_full_disk_is_said_and_nothing_half_is_left(undisturbed, tmp_path, lim
     assert set(whole_results(tmp_path).values()) == {undisturbed[0]}
 
 
-@pytest.mark.slow
 def test_two_runs_at_once_on_one_cache(undisturbed, tmp_path):
     folders = [tmp_path / "one", tmp_path / "two"]
     for folder in folders:
@@ -59,7 +61,6 @@ def runner(tmp_path, own_cache):
     return go
 
 
-@pytest.mark.slow
 def test_every_file_of_the_cache_cut_or_flipped_in_turn(undisturbed, own_cache, runner):
     assert runner() == undisturbed[0]
     draw, damaged = random.Random(1), 0
@@ -100,7 +101,6 @@ def test_a_cache_that_cannot_be_written_is_only_a_warning(undisturbed, tmp_path)
     assert set(whole_results(tmp_path).values()) == {undisturbed[0]}
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(
     not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root can mount a small or locked disk"
 )

@@ -92,6 +92,7 @@ def check(rounds, folder):
     assert counts[True] >= rounds // 4
 
 
+@pytest.mark.slow
 def test_a_dozen_machines(tmp_path):
     check(ROUNDS["fast"], tmp_path)
 

@@ -17,6 +17,7 @@ from fem.casing.foreign.checks import ForeignCheck, check_foreign, rigid_motion
 from fem.casing.foreign.files import MatrixFiles, read_body
 from fem.casing.foreign.reduce import Coupling, Point, ReducedForeign, reduce_foreign
 from fem.casing.geometry.dimensions import Sensor
+from fem.casing.parts.feet import clamped_reactions, foot_sums
 from fem.casing.reduced.checkup import CheckUp
 from fem.casing.reduced.grounded import GROUND_AXES
 from fem.casing.reduced.modes import CasingModes
@@ -132,9 +133,10 @@ def _modes(
     places = dict(reduced.places)
     for name, nodes in _feet(housing):
         places.setdefault(name, np.mean([body.place(number) for number in nodes], axis=0))
+    foot_stiffness, foot_inertia = _clamped_feet(housing, reduced, body.mass @ R[:, :3], ground)
     return CasingModes(
         model=model,
-        solver=reduced.solver,
+        solver=reduced.interface.factor.name,
         ground=ground,
         attachment=attachment,
         mass=reduction.mass,
@@ -146,6 +148,10 @@ def _modes(
         counted=-1,
         unknowns=reduced.free_stiffness.shape[0],
         participation=basis.T @ (body.mass @ R),
+        foot_stiffness=foot_stiffness,
+        foot_inertia=foot_inertia,
+        part_names=(),
+        part_stiffness=np.zeros((0, *reduction.mass.shape)),
         total_mass=check.mass,
         centre=check.centre,
         inertia=check.inertia,
@@ -155,6 +161,22 @@ def _modes(
         facets=np.zeros((0, 3), np.int32),
         basis=nodal,
     )
+
+
+def _clamped_feet(
+    housing: ForeignHousing, reduced: ReducedForeign, MX: np.ndarray, ground: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """What `clamped_reactions` gives; zeros where the feet stand on springs."""
+    body, interface, count = reduced.body, reduced.interface, 3 * len(housing.grounds)
+    if ground == "springs":
+        return np.zeros((count, len(reduced.coordinate_names))), np.zeros((count, 3))
+    unknowns = [
+        np.flatnonzero(np.isin(body.node, nodes) & (body.axis == axis))
+        for nodes in housing.grounds
+        for axis in range(3)
+    ]
+    sums = foot_sums(unknowns, len(body.node))
+    return clamped_reactions(sums, body.stiffness, MX, reduced.expansion, interface.constraint, interface.inverse)
 
 
 def _check_up(reduced: ReducedForeign, check: ForeignCheck) -> CheckUp:

@@ -3,6 +3,7 @@
 .op4   Nastran OUTPUT4, ASCII or binary (package pyyeti); no map of equations
 .pch   Nastran punch file of DMIG, which names node and axis of each equation (package pyyeti)
 .mtx   Matrix Market; or Abaqus *MATRIX GENERATE, rows of node, axis, node, axis, value
+.matrix, .hb, .rsa  Harwell-Boeing (Ansys HBMAT); the file .mapping names node and axis of each equation
 .sti   CalculiX (with .mas and .dof beside it)
 .npz   NumPy: arrays stiffness and mass, or one sparse matrix of scipy.sparse.save_npz; nodes, equations if there
 .h5    HDF5: datasets stiffness and mass, or groups of data, indices and indptr; nodes, equations if there
@@ -22,9 +23,10 @@ import numpy as np
 import scipy.io
 import scipy.sparse as sp
 
+from fem.casing.foreign.ansys import harwell_boeing, mapped_equations
 from fem.casing.foreign.body import ForeignBody, ForeignError, foreign_body
 
-SUFFIXES = (".op4", ".pch", ".mtx", ".sti", ".npz", ".h5", ".hdf5")
+SUFFIXES = (".op4", ".pch", ".mtx", ".matrix", ".hb", ".rsa", ".sti", ".npz", ".h5", ".hdf5")
 _STIFFNESS, _MASS = (
     ("stiffness", "k", "kaa", "kgg", "kxx", "kbb", "kaax"),
     ("mass", "m", "maa", "mgg", "mxx", "mbb", "maax"),
@@ -158,6 +160,10 @@ def _matrix_text(path: Path) -> Found:
     return Found({"matrix": sp.coo_matrix((rows[:, 4], (one, two)), shape=(len(pairs),) * 2)}, pairs)
 
 
+def _harwell_boeing(path: Path) -> Found:
+    return Found({"matrix": harwell_boeing(path)})
+
+
 def _calculix(path: Path) -> Found:
     labels = [line.split(".") for line in path.with_suffix(".dof").read_text(encoding="latin-1").split()]
     equations = np.array(labels, int)
@@ -201,6 +207,8 @@ def _of_arrays(arrays: Mapping[str, Any]) -> Found:
 def _table(path: Path, what: str, columns: int) -> np.ndarray:
     """Rows of numbers of a text file, or the GRID cards of a Nastran file."""
     try:
+        if path.suffix.lower() == ".mapping":
+            return mapped_equations(path)
         if path.suffix.lower() in (".bdf", ".dat", ".nas", ".blk"):
             from pyyeti.nastran import bulk
 
@@ -232,6 +240,7 @@ _READERS = {
     ".op4": _op4,
     ".pch": _punch,
     ".mtx": _matrix_text,
+    **dict.fromkeys((".matrix", ".hb", ".rsa"), _harwell_boeing),
     ".sti": _calculix,
     ".npz": _npz,
     ".h5": _hdf5,

@@ -20,7 +20,7 @@ import scipy.sparse as sp
 from fem.casing.foreign.body import ForeignBody, ForeignError
 from fem.casing.foreign.checks import rigid_motion
 from fem.casing.reduced.attachment import AXES
-from fem.casing.reduced.reduction import Reduction, held_interface, reduce_body
+from fem.casing.reduced.reduction import Interface, Reduction, held_interface, reduce_body
 
 Coupling = Literal["mean", "rigid"]
 _WELL = 1e10  # largest condition of the inertia of a point's nodes
@@ -46,7 +46,7 @@ class ReducedForeign:
     places: Mapping[str, np.ndarray]  # (3,) m, of the points
     expansion: sp.csr_matrix  # E (n, q)
     springs: np.ndarray  # (interface,) N/m, reference springs while factorising
-    solver: str  # that factorised
+    interface: Interface  # factorised
     free_stiffness: sp.csr_matrix  # (q, q)
     free_mass: sp.csr_matrix
 
@@ -86,7 +86,7 @@ def reduce_foreign(
         reduction = reduce_body(interface, K, M, count=0, enrich=False)
     else:
         reduction = reduce_body(interface, K, M, highest=band)
-    return ReducedForeign(body, reduction, tuple(names), places, expansion, springs, interface.factor.name, K, M)
+    return ReducedForeign(body, reduction, tuple(names), places, expansion, springs, interface, K, M)
 
 
 def _coupled(

@@ -76,6 +76,7 @@ class Dimensions:
     flange: Flange | None = None
     ribs: Ribs | None = None
     fillets: Fillets = Fillets()
+    bolted: bool = False  # cover and lower part are two bodies that touch at `cover_start`
 
     def wall(self, name: str) -> float:
         """Thickness of the wall "side", "end", "floor" or "cover"."""
@@ -104,6 +105,11 @@ class Dimensions:
         low, high = self.box
         end, side = self.wall("end"), self.wall("side")
         return low + [end, side, self.wall("floor")], high - [end, side, self.wall("cover")]
+
+    @property
+    def cover_start(self) -> float:
+        """z where the cover begins: the split plane of the flange, without one the underside of the top wall."""
+        return float(self.cavity[1][2]) if self.flange is None else self.flange.split
 
     def bore(self, name: str) -> Bore:
         """The bore called `name`; `HousingError` with the known names if absent."""

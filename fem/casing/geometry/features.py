@@ -37,7 +37,7 @@ class Feet:
 class Flange:
     """A rim around the outside of the walls at the split plane; the cover is bonded to the lower part over it.
 
-    Cover and lower part are modelled as one body: a bolted joint under preload does not open, so its contact is bonded.
+    Unless the cover is bolted on (`Dimensions.bolted`), both are one body, as if their joint were closed everywhere.
     Around the bearing bosses the rim is interrupted.
     """
 

@@ -24,6 +24,7 @@ from fem.casing.mesh_error.frequency_limits import LEAST_MODES, FrequencyLimits,
 from fem.casing.mesh_error.pairing import counterparts, sample_nodes
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.meshing.sizes import Sizes
+from fem.casing.parts.bolted_joint import BoltedJoint
 from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.casing.reduced.grounded import Attachment, Ground, ground_casing
 from fem.casing.reduced.lanczos import block_lanczos
@@ -72,6 +73,7 @@ def lowest_modes(
     interfaces: Mapping[str, Sequence[str]] | None = None,
     ground: Ground = "fixed",
     attachment: Attachment = "mean",
+    joint: BoltedJoint | None = None,
 ) -> LowestModes:
     """The modes on a coarser mesh.
 
@@ -80,14 +82,14 @@ def lowest_modes(
     mesh, material : of the casing
     divided_edges : whether the mesh was made so
     static : take the matrices condensed to the interface, as the model static has
-    interfaces, ground, attachment : those of `ground_casing`
+    interfaces, ground, attachment, joint : those of `ground_casing`
 
     Raises
     ------
     as `ground_casing` and `reduce_body`
     """
     with threadpool_limits(1):  # the heavy steps run in two halves side by side
-        casing = ground_casing(mesh, material, interfaces=interfaces, ground=ground, attachment=attachment)
+        casing = ground_casing(mesh, material, interfaces=interfaces, ground=ground, attachment=attachment, joint=joint)
         if ground == "fixed" and not static:  # definite as it stands: no interface needs to be held
             theta, phi = block_lanczos(casing.interface.factor.solve, casing.M_free, count=MODES)
             frequencies = 1.0 / (2.0 * np.pi * np.sqrt(theta))
@@ -96,7 +98,7 @@ def lowest_modes(
             reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=count, enrich=not static)
             frequencies, vectors = _elastic(reduction.stiffness, reduction.mass, ground)
             phi = reduction.basis @ vectors
-    unknowns = (3 * sample_nodes(mesh.nodes)[:, None] + np.arange(3)).ravel()
+    unknowns = (3 * sample_nodes(casing.mesh.nodes)[:, None] + np.arange(3)).ravel()
     return LowestModes(
         frequencies=frequencies,
         shapes=casing.expanded(phi)[unknowns],
@@ -129,7 +131,18 @@ def measured_limits(modes: CasingModes, coarser: Sequence[LowestModes]) -> Frequ
 def limits_from(
     frequencies: np.ndarray, shapes: np.ndarray, element_size: float, coarser: Sequence[LowestModes]
 ) -> FrequencyLimits:
-    """As `measured_limits`, of frequencies (mode,), Hz, and shapes (k, mode) on elements of a size (m)."""
+    """As `measured_limits`, of modes that are read already.
+
+    Parameters
+    ----------
+    frequencies, shapes : (mode,) Hz and (k, mode) on the finest mesh
+    element_size : of that mesh, m
+    coarser : modes on the meshes of `coarser_sizes`, in this order
+
+    Raises
+    ------
+    as `measured_limits`
+    """
     rows = [frequencies]
     for other in coarser:
         number = counterparts(shapes, other.shapes)

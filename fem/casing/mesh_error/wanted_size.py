@@ -36,8 +36,8 @@ def wanted_factor(limits: FrequencyLimits, error: float, trial: LowestModes, coa
         left = limits.median_band_at(float(_FACTORS[-1]))
         raise ExtrapolationError(
             f"casing.error: smaller elements do not reach {100 * error:g} %: those of a fifth of "
-            f"{1000 * trial.element_size:.3g} mm leave a median band of {100 * left:.2g} %, most of it by the inner edges. "
-            "Ask for more than that"
+            f"{1000 * trial.element_size:.3g} mm leave a median band of {100 * left:.2g} %, most of it by the inner "
+            "edges. Ask for more than that"
         )
     factor = enough[0]
     unknowns = trial.unknowns * factor**-growth

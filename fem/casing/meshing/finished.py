@@ -19,7 +19,7 @@ from fem.casing.meshing.quality import checked_quality
 from fem.casing.meshing.sizes import mean_edge
 from fem.casing.meshing.surface import Surface
 from fem.elements.facets import corner_triangles, outer_facets
-from fem.elements.solid_elements import SOLIDS, converted, curved, solid_element
+from fem.elements.solid_elements import SOLIDS, converted, curved, solid_element, solid_mesh
 from fem.storage.ledger import count
 
 _log = logging.getLogger(__name__)
@@ -35,6 +35,7 @@ class RawMesh:
     elements: np.ndarray
     facets: Mapping[str, np.ndarray] = field(default_factory=dict)
     node_sets: Mapping[str, np.ndarray] = field(default_factory=dict)
+    divided: str = ""  # elements of a file that were divided into these, in words
 
 
 def finished_mesh(
@@ -92,7 +93,7 @@ def finished_mesh(
 
 
 def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None:
-    """MeshError if the mesh falls into parts that share no node."""
+    """MeshError if the mesh falls into parts that share no node, or no side: they would turn as in a hinge."""
     corners = elements[:, : solid_element(elements).corners]
     rows = np.repeat(corners[:, 0], corners.shape[1] - 1)
     graph = sp.coo_matrix((np.ones(len(rows)), (rows, corners[:, 1:].ravel())), shape=(len(nodes),) * 2)
@@ -100,11 +101,29 @@ def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None
     parts, sizes = np.unique(label, return_counts=True)
     if len(parts) > 1:
         loose = parts[sizes.argmin()]
-        x, y, z = nodes[corners[label == loose]].mean(axis=(0, 1))
+        x, y, z = 1000 * nodes[corners[label == loose]].mean(axis=(0, 1))
         raise MeshError(
             f"{name} falls into {len(parts)} unconnected parts; the smallest has {sizes.min()} of {len(elements)} "
-            f"elements around x=({x:.4g}, {y:.4g}, {z:.4g}) m. Merge coincident nodes, or leave the loose part out"
+            f"elements around ({x:.5g}, {y:.5g}, {z:.5g}) mm. Merge coincident nodes, or leave the loose part out"
         )
+    label = _over_sides(corners)
+    parts, sizes = np.unique(label, return_counts=True)
+    if len(parts) > 1:
+        loose = label == parts[sizes.argmin()]
+        shared = np.intersect1d(corners[loose], corners[~loose])
+        x, y, z = 1000 * nodes[shared].mean(axis=0)
+        raise MeshError(
+            f"{name}: {int(loose.sum())} of {len(elements)} elements hang on the others by an edge or a corner alone, "
+            f"around ({x:.5g}, {y:.5g}, {z:.5g}) mm, as on a hinge. Let the parts touch with a face, or leave one out"
+        )
+
+
+def _over_sides(corners: np.ndarray) -> np.ndarray:
+    """Number (e,) of the part to which an element belongs, parts sharing no side; corners (e, 4 or 8)."""
+    mesh = solid_mesh(np.zeros((corners.max() + 1, 3)), corners)
+    inner = mesh.f2t[:, mesh.f2t[1] >= 0]
+    graph = sp.coo_matrix((np.ones(inner.shape[1]), (inner[0], inner[1])), shape=(len(corners),) * 2)
+    return np.asarray(connected_components(graph, directed=False)[1])
 
 
 def _facet_groups(raw: RawMesh, facets: np.ndarray) -> dict[str, np.ndarray]:

@@ -123,23 +123,25 @@ def mesh_from_file(housing: ImportedHousing, element: str) -> CasingMesh:
         unconnected parts, a size that does not fit the shafts (wrong unit), a key point that is not found
     """
     path = housing.file
-    raw = read_mesh_file(path)
+    raw = read_mesh_file(path, 1000 * UNITS[housing.unit])
     given, wanted = solid_element(raw.elements), SOLIDS[element]
-    shape = "tetrahedra" if given.corners == 4 else "hexahedra"
+    words = raw.divided or f"{len(raw.elements)} {'tetrahedra' if given.corners == 4 else 'hexahedra'}"
     if given.corners != wanted.corners:
         fitting = [name for name in CHOICES if SOLIDS[name].corners == given.corners]
+        cut = " are divided into tetrahedra and" if raw.divided else ""
         raise MeshError(
-            f"{path.name} has {shape}, which cannot become {element} elements. Set casing.element to "
+            f"{path.name} has {words}, which{cut} cannot become {element} elements. Set casing.element to "
             f"{' or '.join(map(repr, fitting))}"
         )
     check_extent(housing, raw.nodes, UNITS[housing.unit])
     if given.degree < wanted.degree and not housing.upgrade:
         raise MeshError(
-            f"{path.name} has linear {shape} ({len(raw.elements)}): far too stiff in bending. Set upgrade = true "
+            f"{path.name} has linear elements ({words}), far too stiff in bending. Set upgrade = true "
             f"for mid-side nodes on straight edges, or export {element} elements, which follow the bores"
         )
     mended, count = _unfolded(raw)
-    return replace(finish(housing, mended, element=element, element_size=None), straightened=count)
+    mesh = finish(housing, mended, element=element, element_size=None, remedy=f"Repair the mesh {path.name}")
+    return replace(mesh, straightened=count, divided=raw.divided)
 
 
 def _unfolded(raw: RawMesh) -> tuple[RawMesh, int]:
@@ -151,7 +153,9 @@ def _unfolded(raw: RawMesh) -> tuple[RawMesh, int]:
     return replace(raw, nodes=nodes), int(moved[raw.elements].any(axis=1).sum())
 
 
-def finish(housing: ImportedHousing, raw: RawMesh, *, element: str, element_size: float | None) -> CasingMesh:
+def finish(
+    housing: ImportedHousing, raw: RawMesh, *, element: str, element_size: float | None, remedy: str
+) -> CasingMesh:
     """Check a mesh, find its surface and its key points.
 
     Parameters
@@ -160,6 +164,7 @@ def finish(housing: ImportedHousing, raw: RawMesh, *, element: str, element_size
     raw : nodes in units of the file, or in m if `element_size` is given
     element : one of `fem.elements.solid_elements.SOLIDS`, of the same shape
     element_size : m, that a solid was meshed with; None for a mesh from a file
+    remedy : what to do about a bad element
 
     Raises
     ------
@@ -172,7 +177,7 @@ def finish(housing: ImportedHousing, raw: RawMesh, *, element: str, element_size
         name=name,
         element=element,
         element_size=element_size,
-        remedy=f"Use an element size below {1000 * element_size:.4g} mm" if element_size else f"Repair the mesh {name}",
+        remedy=remedy,
     )
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.storage.records import Record, array, integer, names, scalar
+from fem.storage.records import Record, array, integer, names, scalar, text
 
 
 class MeshError(ValueError):
@@ -28,6 +28,7 @@ class CasingMesh(Record):
     quality: float = scalar(units="1")  # worst signed inverse condition number, 1 is equilateral
     curved: int = integer()  # 1: nodes lie off the straight lines between corners, on the curved surfaces
     straightened: int = dataclasses.field(default=0, metadata=integer().metadata)  # elements of a file that were folded
+    divided: str = dataclasses.field(default="", metadata=text().metadata)  # of a file, into tetrahedra, in words
 
     def patch(self, name: str) -> np.ndarray:
         """Facets (f, k) of a patch; `MeshError` with the known names if absent or empty."""

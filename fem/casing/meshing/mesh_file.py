@@ -24,56 +24,87 @@ import numpy as np
 
 from fem.casing.meshing.finished import RawMesh
 from fem.casing.meshing.mesh import CasingMesh, MeshError
-from fem.elements.solid_elements import SOLIDS, solid_element
+from fem.elements.division import OFF_MIDDLE, cut_quadrilaterals, described, divided
+from fem.elements.solid_elements import SOLIDS, ElementError, solid_element
 
 _log = logging.getLogger(__name__)
 SUFFIXES = (".msh", ".inp", ".bdf", ".nas", ".vtu", ".vtk", ".unv", ".med", ".mesh", ".xdmf", ".cgns", ".e")
 _SWAPPED = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 _MIRRORED = [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]
 _IDENTIFIERS = ("gmsh:physical", "nastran:ref")
-_OFF_MIDDLE = 0.3  # of the edge length: a mid-side node farther from the middle belongs to another edge
+_SOLID = ("tetra", "pyramid", "wedge", "hexahedron")
+KINDS = {  # of meshio, by the number of nodes
+    "tetra": 4,
+    "tetra10": 10,
+    "pyramid": 5,
+    "pyramid13": 13,
+    "pyramid14": 14,
+    "wedge": 6,
+    "wedge15": 15,
+    "wedge18": 18,
+    "hexahedron": 8,
+    "hexahedron20": 20,
+    "hexahedron27": 27,
+}
 
 
-def read_mesh_file(path: Path) -> RawMesh:
-    """The solid elements of a file, nodes in its unit.
+def read_mesh_file(path: Path, scale: float) -> RawMesh:
+    """The solid elements of a file, nodes in its unit; elements of several kinds, wedges and pyramids as tetrahedra.
+
+    Parameters
+    ----------
+    path : the file
+    scale : mm per unit of the file, for places in messages
 
     Raises
     ------
-    MeshError : unknown kind, unreadable, no or several kinds of solid elements, nodes in an unknown order
+    MeshError : unknown kind, unreadable, no solid elements, kinds that do not fit together, nodes in an unknown order
     """
     if path.suffix.lower() not in SUFFIXES:
         raise MeshError(f"{path.name}: meshes are read from {', '.join(SUFFIXES)}; convert it, or give a STEP file")
     mesh = read_quietly(path)
-    solids = {one.meshio: one for one in SOLIDS.values()}
-    kinds = {block.type: len(block.data) for block in mesh.cells}
-    others = [k for k in kinds if k.startswith(("hexa", "wedge", "pyramid", "tetra")) and k not in solids]
-    if others:
-        raise MeshError(
-            f"{path.name} has {', '.join(f'{kinds[k]} {k}' for k in others)} elements; only {', '.join(solids)} are "
-            "known. Mesh the part with ten-node tetrahedra"
-        )
-    found = [kind for kind in solids if kind in kinds]
-    if len(found) != 1:
-        words = f"several kinds: {', '.join(found)}" if found else f"no solid elements (it has {kinds or 'nothing'})"
-        raise MeshError(f"{path.name} has {words}; give one volume mesh, best of ten-node tetrahedra")
-    kind = solids[found[0]]
-    sizes = {block.data.shape[1] for block in mesh.cells if block.type == kind.meshio}
-    if sizes != {kind.nodes}:
-        raise MeshError(
-            f"{path.name} has {kind.meshio} elements of {sorted(sizes)} nodes; {kind.nodes} are known. Write "
-            "continuation lines with +"
-        )
-    elements = np.vstack([block.data for block in mesh.cells if block.type == kind.meshio]).astype(np.int64)
+    blocks = _solid_blocks(path.name, mesh)
     nodes = np.asarray(mesh.points, float)
     if nodes.shape[1] != 3:
         raise MeshError(f"{path.name} is flat: its nodes have {nodes.shape[1]} coordinates; a housing needs 3")
-    facets, node_sets = _groups(mesh)
-    return RawMesh(
-        nodes=nodes,
-        elements=_ordered(path.name, nodes, _turned(nodes, elements[:, np.argsort(kind.in_vtk)])),
-        facets=facets,
-        node_sets=node_sets,
-    )
+    whole = {one.meshio: one for one in SOLIDS.values()}
+    cut = ""
+    if len(blocks) == 1 and next(iter(blocks)) in whole:
+        kind, elements = whole[next(iter(blocks))], next(iter(blocks.values()))
+        elements = _ordered(path.name, nodes, _turned(nodes, elements[:, np.argsort(kind.in_vtk)]), scale)
+    else:
+        try:
+            more, elements = divided(scale * nodes, list(blocks.values()))
+        except ElementError as error:
+            raise MeshError(f"{path.name}: {error}") from error
+        nodes = np.vstack([nodes, more[len(nodes) :] / scale])
+        cut = described(list(blocks.values()))
+    facets, node_sets = _groups(mesh, corners=3 if solid_element(elements).corners == 4 else 4)
+    return RawMesh(nodes=nodes, elements=elements, facets=facets, node_sets=node_sets, divided=cut)
+
+
+def _solid_blocks(name: str, mesh: Any) -> dict[str, np.ndarray]:
+    """Solid elements by their kind, each once: Gmsh 2.2 writes an element again for every group that it is in."""
+    found: dict[str, np.ndarray] = {}
+    for kind in dict.fromkeys(block.type for block in mesh.cells if block.type.startswith(_SOLID)):
+        sizes = {block.data.shape[1] for block in mesh.cells if block.type == kind}
+        if sizes != {KINDS.get(kind)}:
+            known = ", ".join(KINDS)
+            raise MeshError(
+                f"{name} has {kind} elements of {', '.join(map(str, sorted(sizes)))} nodes; known are {known}. Mesh "
+                "the part with ten-node tetrahedra, and in a Nastran file write continuation lines with +"
+            )
+        elements = np.vstack([block.data for block in mesh.cells if block.type == kind]).astype(np.int64)
+        once = np.unique(np.sort(elements, axis=1), axis=0, return_index=True)[1]
+        if len(once) < len(elements):
+            _log.info("%s: %d elements stand there twice and count once", name, len(elements) - len(once))
+        found[kind] = elements[np.sort(once)]
+    if not any(map(len, found.values())):
+        kinds = ", ".join(f"{len(block.data)} {block.type}" for block in mesh.cells) or "nothing"
+        raise MeshError(
+            f"{name} has no solid elements (it has {kinds}); give a volume mesh, best of ten-node tetrahedra"
+        )
+    return {kind: elements for kind, elements in found.items() if len(elements)}
 
 
 def read_quietly(path: Path) -> Any:
@@ -84,7 +115,9 @@ def read_quietly(path: Path) -> Any:
     MeshError : unreadable
     """
     import meshio
+    from meshio._mesh import topological_dimension
 
+    topological_dimension.update(pyramid13=3, wedge15=3)  # meshio 5.3 reads them, but for this
     said = io.StringIO()
     try:
         with (
@@ -97,7 +130,8 @@ def read_quietly(path: Path) -> Any:
         words = str(error) if isinstance(error, MeshError) or str(error) not in ("", "1") else said.getvalue()
         words = " ".join(re.sub(r"\x1b\[[0-9;]*m", "", words).split())[:200] or type(error).__name__
         raise MeshError(
-            f"{path.name} cannot be read as a mesh ({words}); it is cut off or damaged. Export it again"
+            f"{path.name} cannot be read as a mesh ({words}); it is cut off or damaged, or holds "
+            "what no reader here knows. Export it again"
         ) from error
     for line in said.getvalue().splitlines():
         _log.info("meshio: %s", line)
@@ -122,11 +156,13 @@ def _nastran(path: Path) -> Any:
 def _abaqus(path: Path) -> Any:
     """An input deck; plane elements, which gmsh writes on the faces of a body, are read as shells."""
     import meshio
+    from meshio.abaqus._abaqus import abaqus_to_meshio_type
 
+    abaqus_to_meshio_type.update(C3D5="pyramid", C3D13="pyramid13", C3D6H="wedge", C3D15H="wedge15")
     text = path.read_text(encoding="latin-1")
-    shells = {"3": "S3", "4": "S4", "6": "STRI65", "8": "S8R"}
+    shells = {"3": "S3", "4": "S4", "6": "STRI65", "8": "S8R", "9": "S9R5"}
     known = re.sub(
-        r"(TYPE\s*=\s*)(?:CPS|CPE|M3D)([3468])R?(?=\s*(?:,|$))",
+        r"(TYPE\s*=\s*)(?:CPS|CPE|M3D)([34689])R?(?=\s*(?:,|$))",
         lambda found: found[1] + shells[found[2]],
         text,
         flags=re.IGNORECASE | re.MULTILINE,
@@ -137,6 +173,16 @@ def _abaqus(path: Path) -> Any:
         copy = Path(folder) / "deck.inp"
         copy.write_text(known, encoding="latin-1")
         return meshio.read(copy, "abaqus")
+
+
+def _med(path: Path) -> Any:
+    """A MED file; gmsh knows what meshio does not: files without groups, hexahedra of 27 nodes."""
+    import meshio
+
+    try:
+        return meshio.read(path, "med")
+    except KeyError:
+        return _through_gmsh(path)
 
 
 def _through_gmsh(path: Path) -> Any:
@@ -153,7 +199,14 @@ def _through_gmsh(path: Path) -> Any:
         return meshio.read(copy)
 
 
-_READERS = {".bdf": _nastran, ".nas": _nastran, ".inp": _abaqus, ".unv": _through_gmsh, ".mesh": _through_gmsh}
+_READERS = {
+    ".bdf": _nastran,
+    ".nas": _nastran,
+    ".inp": _abaqus,
+    ".unv": _through_gmsh,
+    ".mesh": _through_gmsh,
+    ".med": _med,
+}
 
 
 def _turned(nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
@@ -166,7 +219,7 @@ def _turned(nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
     return elements[:, _MIRRORED[: elements.shape[1]]]
 
 
-def _ordered(name: str, nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
+def _ordered(name: str, nodes: np.ndarray, elements: np.ndarray, scale: float) -> np.ndarray:
     """The elements with every mid-side node on its edge."""
     kind = solid_element(elements)
     if kind.degree == 1:
@@ -178,27 +231,31 @@ def _ordered(name: str, nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
         ends = nodes[trial[:, edges]]
         length = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2)
         off = np.linalg.norm(nodes[trial[:, middles]] - ends.mean(axis=2), axis=2)
-        if (off < _OFF_MIDDLE * length).all():
+        if (off < OFF_MIDDLE * length).all():
             if order is _SWAPPED:
                 _log.info("%s: mid-side nodes 13 and 23 stand in swapped order; put right", name)
             return trial
     far = int((off / np.maximum(length, 1e-300)).max(axis=1).argmax())
-    x, y, z = nodes[elements[far, : kind.corners]].mean(axis=0)
+    x, y, z = scale * nodes[elements[far, : kind.corners]].mean(axis=0)
     raise MeshError(
-        f"{name}: mid-side nodes do not lie near the middles of their edges (limit {_OFF_MIDDLE:g} edge lengths), the "
-        f"worst in element {far} near ({x:.5g}, {y:.5g}, {z:.5g}) in the file's unit; check the order of the nodes"
+        f"{name}: mid-side nodes do not lie near the middles of their edges (limit {OFF_MIDDLE:g} edge lengths), the "
+        f"worst in element {far} near ({x:.5g}, {y:.5g}, {z:.5g}) mm; check the order of the nodes"
     )
 
 
-def _groups(mesh: Any) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+def _groups(mesh: Any, *, corners: int) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Groups by their facets of 3 or 4 corners, quadrilaterals of divided elements cut as these are, or by nodes."""
     facets: dict[str, list[np.ndarray]] = {}
     node_sets: dict[str, list[np.ndarray]] = {}
     for name, number, cells in _named_cells(mesh):
         block = mesh.cells[number]
-        if block.type.startswith(("triangle", "quad")):
-            corners = 3 if block.type.startswith("triangle") else 4
-            facets.setdefault(name, []).append(block.data[cells][:, :corners])
-        elif not block.type.startswith(("tetra", "hexahedron")):
+        if block.type.startswith("triangle"):
+            if corners == 3:
+                facets.setdefault(name, []).append(block.data[cells][:, :3])
+        elif block.type.startswith("quad"):
+            sides = block.data[cells][:, :4]
+            facets.setdefault(name, []).append(sides if corners == 4 else cut_quadrilaterals(sides))
+        elif not block.type.startswith(_SOLID):
             node_sets.setdefault(name, []).append(block.data[cells].ravel())
     for name, nodes in mesh.point_sets.items():
         node_sets.setdefault(name, []).append(np.asarray(nodes, np.int64).ravel())

@@ -21,7 +21,7 @@ from fem.casing.meshing.quality import GOOD_QUALITY, straightened
 from fem.casing.meshing.seats import seat_points
 from fem.casing.meshing.sizes import MM, Refinement, Sizes, set_sizes
 from fem.casing.meshing.solid import build_solid, find_patches
-from fem.casing.meshing.step_file import named, read_step, refinements
+from fem.casing.meshing.step_file import SMALL_EDGE, named, read_step, refinements, small_edges
 
 _TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # gmsh stores the mid-sides 23 and 13 the other way round
 
@@ -98,8 +98,16 @@ def mesh_step(housing: ImportedHousing, sizes: Sizes, element: str) -> CasingMes
     """
     with session() as gmsh:
         read_step(gmsh, housing)
+        small = small_edges(gmsh)
         raw = tetrahedra(gmsh, sizes.element, refinements(gmsh, housing, sizes), {}, curved=True)
-    return finish(housing, raw, element=element, element_size=sizes.element)
+    remedy = f"Use an element size below {MM * sizes.element:.4g} mm"
+    if small:
+        extent, (x, y, z) = small[0]
+        remedy = (
+            f"{len(small)} edges of the file are smaller than {SMALL_EDGE:g} mm, the smallest of {extent:.2g} mm at "
+            f"({x:.5g}, {y:.5g}, {z:.5g}) mm of the file: remove such features in the CAD program"
+        )
+    return finish(housing, raw, element=element, element_size=sizes.element, remedy=remedy)
 
 
 def find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:

@@ -125,8 +125,8 @@ def checked_quality(nodes: np.ndarray, elements: np.ndarray, remedy: str) -> flo
 
 
 def _place(nodes: np.ndarray, elements: np.ndarray, element: int) -> str:
-    x, y, z = nodes[elements[element, : solid_element(elements).corners]].mean(axis=0)
-    return f"near x=({x:.4g}, {y:.4g}, {z:.4g}) m"
+    x, y, z = 1000 * nodes[elements[element, : solid_element(elements).corners]].mean(axis=0)
+    return f"near ({x:.5g}, {y:.5g}, {z:.5g}) mm"
 
 
 def _sicn(S: np.ndarray) -> np.ndarray:

@@ -45,7 +45,7 @@ class Sizes:
         for name in ("element", "bore", "foot", "edge"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0.0):
-                raise MeshError(f"{name} size is {value!r} m; give a positive, finite length")
+                raise MeshError(f"{name} size is {1000 * value!r} mm; give a positive, finite length")
 
     def times(self, factor: float) -> Sizes:
         """All edge lengths longer by a factor."""

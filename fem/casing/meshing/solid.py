@@ -2,6 +2,8 @@
 
     ((box - cavity) + bosses + feet, foot edges rounded) + pads + flange + ribs - bores - bolt holes
 
+A bolted cover is cut off where it begins.
+
 Functions take the gmsh module of an open session (`fem.casing.meshing.mesher`) and work on its current model.
 """
 
@@ -20,7 +22,7 @@ _Solid = tuple[int, int]
 
 
 def build_solid(gmsh: Any, housing: Housing) -> None:
-    """Make the one solid of a housing.
+    """Make the one solid of a housing, or two that share their faces where the cover is bolted on.
 
     Raises
     ------
@@ -39,9 +41,11 @@ def build_solid(gmsh: Any, housing: Housing) -> None:
     for bore in housing.bores:
         start, end = housing.bore_span(bore)
         holes.append(_cylinder_y(occ, bore.x, bore.z, start - wall / 2, end + wall / 2, bore.diameter))
-    occ.cut(body, holes)
+    body, _ = occ.cut(body, holes)
+    if housing.bolted:
+        _part_cover(occ, housing, body)
     occ.synchronize()
-    if len(solids := gmsh.model.getEntities(3)) != 1:
+    if len(solids := gmsh.model.getEntities(3)) != (2 if housing.bolted else 1):
         raise MeshError(f"housing falls into {len(solids)} bodies; check bosses and feet")
 
 
@@ -159,6 +163,16 @@ def _flange(occ: Any, housing: Housing) -> list[_Solid]:
         tools.append(_cylinder_y(occ, bore.x, bore.z, start, end, bore.boss_diameter))
     frame, _ = occ.cut([_block(occ, low - out, high + out)], tools)
     return list(frame)
+
+
+def _part_cover(occ: Any, housing: Housing, body: list[_Solid]) -> None:
+    """Cut the body where the cover begins; both pieces keep the faces in which they touch."""
+    far, start = 10.0 * sum((housing.length, housing.width, housing.height)), housing.cover_start
+    below = _block(occ, np.full(3, -far), np.array([far, far, start]))
+    above = _block(occ, np.array([-far, -far, start]), np.full(3, far))
+    cover, _ = occ.intersect(body, [above], removeObject=False)
+    lower, _ = occ.intersect(body, [below])
+    occ.fragment(lower, cover)
 
 
 def _ribs(occ: Any, housing: Housing) -> list[_Solid]:

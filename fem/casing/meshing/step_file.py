@@ -5,11 +5,11 @@ And what names the content of a file that was written.
 
 from __future__ import annotations
 
+import heapq
 import logging
 import math
 import re
 from collections.abc import Sequence
-from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +33,8 @@ from fem.casing.meshing.surface import Surface
 _log = logging.getLogger(__name__)
 _KINDS = {".step": "step", ".stp": "step", ".brep": "brep", ".brp": "brep", ".iges": "iges", ".igs": "iges"}
 _TOUCHING = 1e-3  # mm
+SMALL_EDGE = 0.1  # mm: elements beside a smaller one are needles
+_NO_EXTENT = 1e-5  # mm
 _SEWING = (1e-4, 1e-2)  # mm, between the edges of loose faces
 _ENDS = {"step": r"END-ISO-10303-21\s*;", "brep": r"^[+-]\d+ \d+\s*\Z", "iges": r"^.{72}T.*\Z"}
 _DECLARED = {"": "m", ".MILLI.": "mm", ".CENTI.": "cm", ".MICRO.": "um"}
@@ -86,12 +88,20 @@ def read_step(gmsh: Any, housing: ImportedHousing) -> None:
         solids = chosen
     if len(solids) == 1:
         return
+    numbers = sorted(set(housing.solids)) or range(1, len(solids) + 1)
+    if doubles := same_bodies(gmsh, solids):
+        one, two = (numbers[place] for place in doubles[0])
+        x, y, z = gmsh.model.occ.getCenterOfMass(3, solids[doubles[0][0]])
+        raise MeshError(
+            f"{path.name}: solids {one} and {two} are one body twice, both around ({x:.5g}, {y:.5g}, {z:.5g}) mm of "
+            "the file; leave one out by solids = [...]"
+        )
     if not housing.glue:
         raise MeshError(
             f"{path.name} has {len(solids)} solids that belong to the housing; set glue = true to bond them where they "
             "touch, or choose some by solids = [1]. `gearcase housing` numbers them and says which touch"
         )
-    check_touching(gmsh, path.name, solids, housing.solids or range(1, len(solids) + 1))
+    check_touching(gmsh, path.name, solids, numbers)
     gmsh.model.occ.fragment([(3, solids[0])], [(3, tag) for tag in solids[1:]])
     gmsh.model.occ.synchronize()
     _log.info("%s: %d solids, bonded where they touch", path.name, len(solids))
@@ -156,8 +166,33 @@ def import_solids(gmsh: Any, path: Path, unit: str | None) -> list[int]:
     return solids
 
 
+def same_bodies(gmsh: Any, solids: Sequence[int]) -> list[tuple[int, int]]:
+    """Pairs of places in `solids` (tags, in mm) with the same box, volume and centre of gravity: one body twice."""
+    occ = gmsh.model.occ
+    marks = np.array(
+        [(*gmsh.model.getBoundingBox(3, t), *occ.getCenterOfMass(3, t), np.cbrt(occ.getMass(3, t))) for t in solids]
+    )
+    return sorted(cKDTree(marks).query_pairs(_TOUCHING))
+
+
+def small_edges(gmsh: Any) -> list[tuple[float, np.ndarray]]:
+    """Extent and middle (3,) in mm of the edges of the current solids below `SMALL_EDGE`, the smallest first.
+
+    The tip of a cone and the poles of a sphere are edges without extent and do not count.
+    """
+    found = []
+    for _, tag in gmsh.model.getEntities(1):
+        box = np.array(gmsh.model.getBoundingBox(1, tag)).reshape(2, 3)
+        if _NO_EXTENT < (extent := float(np.ptp(box, axis=0).max())) < SMALL_EDGE:
+            found.append((extent, box.mean(axis=0)))
+    return sorted(found, key=lambda one: one[0])
+
+
 def touching(gmsh: Any, solids: Sequence[int]) -> tuple[np.ndarray, dict[tuple[int, int], tuple[float, np.ndarray]]]:
     """Which solids hang together, and how far the others are apart.
+
+    The least spanning tree of the solids by their distances (Kruskal). A distance between boxes bounds that of the
+    solids from below and costs nothing; the true one is asked for only where the bound comes first.
 
     Parameters
     ----------
@@ -167,23 +202,30 @@ def touching(gmsh: Any, solids: Sequence[int]) -> tuple[np.ndarray, dict[tuple[i
     Returns
     -------
     label : int (solid,), the same for solids that touch, also through others
-    gaps : (mm, place (3,) in mm) of pairs of places in `solids` that do not touch but are near each other
+    gaps : (mm, place (3,) in mm) of pairs of places in `solids`: the narrowest that lead from part to part
     """
     boxes = np.array([gmsh.model.getBoundingBox(3, tag) for tag in solids]).reshape(-1, 2, 3)
-    near = 0.1 * float(np.linalg.norm(boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)))
-    pairs, gaps = [], {}
-    for one, two in combinations(range(len(solids)), 2):
-        apart = np.maximum(boxes[one, 0] - boxes[two, 1], boxes[two, 0] - boxes[one, 1]).max()
-        if apart > near:
+    first, second = np.triu_indices(len(solids), 1)
+    apart = np.maximum(boxes[first, 0] - boxes[second, 1], boxes[second, 0] - boxes[first, 1])
+    bounds = np.linalg.norm(np.maximum(apart, 0.0), axis=1)
+    waiting = [(*row, None) for row in zip(bounds.tolist(), first.tolist(), second.tolist(), strict=True)]
+    heapq.heapify(waiting)
+    label, joined = np.arange(len(solids)), np.arange(len(solids))
+    gaps: dict[tuple[int, int], tuple[float, np.ndarray]] = {}
+    while waiting and joined.any():
+        gap, one, two, ends = heapq.heappop(waiting)
+        if joined[one] == joined[two]:
             continue
-        gap, *ends = gmsh.model.occ.getDistance(3, solids[one], 3, solids[two])
+        if ends is None:
+            gap, *ends = gmsh.model.occ.getDistance(3, solids[one], 3, solids[two])
+            heapq.heappush(waiting, (gap, one, two, ends))
+            continue
+        joined[joined == max(joined[one], joined[two])] = min(joined[one], joined[two])
         if gap < _TOUCHING:
-            pairs.append((one, two))
+            label = joined.copy()
         else:
             gaps[one, two] = (gap, np.array(ends).reshape(2, 3).mean(axis=0))
-    rows, columns = np.array(pairs, int).reshape(-1, 2).T
-    graph = sp.coo_matrix((np.ones(len(pairs)), (rows, columns)), shape=(len(solids),) * 2)
-    return connected_components(graph, directed=False)[1], gaps
+    return np.unique(label, return_inverse=True)[1].ravel(), gaps
 
 
 def check_touching(gmsh: Any, name: str, solids: Sequence[int], numbers: Sequence[int]) -> None:
@@ -201,14 +243,10 @@ def check_touching(gmsh: Any, name: str, solids: Sequence[int], numbers: Sequenc
     parts = [
         " and ".join(str(numbers[int(i)]) for i in np.flatnonzero(label == part)) for part in range(label.max() + 1)
     ]
-    between = {pair: gap for pair, gap in gaps.items() if label[pair[0]] != label[pair[1]]}
-    where = ""
-    if between:
-        (one, two), (gap, place) = min(between.items(), key=lambda item: item[1][0])
-        x, y, z = place
-        where = f"; solids {numbers[one]} and {numbers[two]} are {gap:.3g} mm apart at ({x:.5g}, {y:.5g}, {z:.5g}) mm"
+    (one, two), (gap, (x, y, z)) = min(gaps.items(), key=lambda item: item[1][0])
     raise MeshError(
-        f"{name} falls into {len(parts)} parts that do not touch: solids {'; '.join(parts)}{where}. Choose those of "
+        f"{name} falls into {len(parts)} parts that do not touch: solids {'; '.join(parts)}; solids {numbers[one]} and "
+        f"{numbers[two]} are {gap:.3g} mm apart at ({x:.5g}, {y:.5g}, {z:.5g}) mm. Choose those of "
         "one part by solids = [...], or close the gap in the CAD program"
     )
 
@@ -317,6 +355,8 @@ def _first_surface(gmsh: Any, housing: ImportedHousing, sizes: Sizes) -> tuple[S
     """A coarse mesh of the outer faces in the frame of the scene, and the face each triangle belongs to."""
     gmsh.option.setNumber("Mesh.MeshSizeMax", MM * sizes.element)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 12)
+    seats = [one.locator.diameter for one in housing.seats if isinstance(one.locator, ByCylinder)]
+    gmsh.option.setNumber("Mesh.MeshSizeMin", MM * min(sizes.element, *seats) / 20)  # the tip of a cone has no radius
     gmsh.model.mesh.generate(2)
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     number = np.zeros(int(tags.max()) + 1, np.int64)
@@ -331,5 +371,6 @@ def _first_surface(gmsh: Any, housing: ImportedHousing, sizes: Sizes) -> tuple[S
     else:
         gmsh.model.mesh.clear()
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", 0)
     points = housing.placed(coordinates.reshape(-1, 3), 1 / MM)
     return Surface(points, np.vstack(triangles)), np.concatenate(face)

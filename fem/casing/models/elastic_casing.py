@@ -11,6 +11,8 @@ from fem.casing.geometry.housing import Housing
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.source import mesh_geometry
+from fem.casing.parts.bolted_joint import BoltedJoint
+from fem.casing.parts.regions import Region
 from fem.casing.reduced.body import ReducedBody
 from fem.casing.reduced.checkup import CheckUp
 from fem.casing.reduced.damping import DampingRatio
@@ -36,6 +38,8 @@ class ElasticCasing(ABC):
     forced: tuple[ForcedPoint, ...] = ()  # surface points that bear outside forces
     mounts: Mounts | None = None  # stiffness of the feet, if the ground is "springs"
     damping: DampingRatio = 0.01
+    regions: tuple[Region, ...] = ()  # parts whose strain energy is told from that of the rest
+    joint: BoltedJoint | None = None  # bolts between two halves; None: one body
     solver: Solver = "auto"
 
     @property
@@ -56,6 +60,8 @@ class ElasticCasing(ABC):
             forced=self.forced,
             ground=self.ground,
             attachment=self.attachment,
+            regions=self.regions,
+            joint=self.joint,
             solver=self.solver,
         )
 

@@ -17,7 +17,7 @@ Reference: Leung (1978), J. Sound Vib. 59(4), 563-580; Qu (2000), AIAA J. 38(2),
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,9 +25,10 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from fem.casing.geometry.dimensions import Sensor
+from fem.casing.parts.names import MOUNTS
 from fem.casing.reduced.attachment import nearest_surface_point
 from fem.casing.reduced.body import MODES_OVER_BAND, ReducedBody
-from fem.casing.reduced.damping import DampingRatio, damping_ratios
+from fem.casing.reduced.damping import DampingRatio, damping_ratios, ratios_with_parts
 from fem.casing.reduced.grounded import GroundedCasing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.numerics.linear_solver import Solver, factorize
@@ -84,6 +85,7 @@ def state_error(
     band: float,
     sensors: Sequence[Sensor],
     damping: DampingRatio,
+    loss_factors: Mapping[str, float] | None = None,
     springs: np.ndarray | None = None,
     solver: Solver = "auto",
 ) -> ErrorStatement:
@@ -95,7 +97,7 @@ def state_error(
     body : reduced from it
     band : Hz, up to which both are compared
     sensors : whose responses are compared, along their own axes
-    damping : of the full model, as it was given to the body
+    damping, loss_factors : of the full model, as they were given to the body
     springs : (interface,) N/m of the mounts, if the casing stands on springs; one factorisation more
     solver : of that factorisation, see `fem.numerics.linear_solver.factorize`
 
@@ -116,7 +118,7 @@ def state_error(
     bearing_rows = np.array([not n.startswith("ground_") for n in casing.coordinate_names])
     used = loads[np.flatnonzero(bearing_rows)]
     readings = sensor_rows(casing, sensors) if sensors else sp.csr_matrix((0, loads.shape[1]))
-    zeta = damping_ratios(damping, full)
+    zeta = _ratios(casing, theta, phi, damping, loss_factors or {}, springs)
     exact = full_response(solve, casing.M_free, theta, phi, zeta, used, readings, frequencies)
     names_used = [n for n, is_bearing in zip(casing.coordinate_names, bearing_rows, strict=True) if is_bearing]
     found = reduced_response(body, names_used, [s.name for s in sensors], frequencies)
@@ -138,6 +140,25 @@ def state_error(
         sensors=tuple(sensor.name for sensor in sensors),
         response_errors=errors,
     )
+
+
+def _ratios(
+    casing: GroundedCasing,
+    theta: np.ndarray,
+    phi: np.ndarray,
+    damping: DampingRatio,
+    loss_factors: Mapping[str, float],
+    springs: np.ndarray | None,
+) -> np.ndarray:
+    """Zeta (mode,) of the modes of the full model, see `fem.casing.reduced.damping`."""
+    ratios = damping_ratios(damping, 1.0 / (2.0 * math.pi * np.sqrt(theta)))
+    if not loss_factors:
+        return ratios
+    parts, held = dict(casing.parts), casing.interface.rows
+    if springs is not None:
+        parts[MOUNTS] = sp.csr_matrix(held.T @ sp.diags_array(springs) @ held)
+    shares = np.array([theta * np.einsum("ik,ik->k", phi, parts[name] @ phi) for name in loss_factors])
+    return ratios_with_parts(ratios, shares, list(loss_factors.values()))
 
 
 def third_octaves(band: float) -> tuple[np.ndarray, np.ndarray]:

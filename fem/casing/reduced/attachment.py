@@ -88,4 +88,4 @@ def nearest_surface_point(
 
 
 def _place(point: np.ndarray) -> str:
-    return f"x=({', '.join(f'{value:.4g}' for value in point)}) m"
+    return f"({', '.join(f'{1000 * value:.5g}' for value in point)}) mm"

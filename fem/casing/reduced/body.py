@@ -19,7 +19,8 @@ class ReducedBody(Record):
 
     Coordinates are relative to the ground (grounding is already in `stiffness`). ``row_names`` are
     ``"<point>:<axis>"`` with axis in ux uy uz (m) rx ry rz (rad), e.g. ``"bearing_3:ux"``, ``"sensor_3:uz"``;
-    a bearing's generalised force enters by the transposed row. Model `none` has 0 coordinates and zero rows.
+    a bearing's generalised force enters by the transposed row. Model `none` has 0 coordinates and zero rows. Feet are
+    the points ``"ground_1"``, ..., with x, y, z of each along ``foot_axis``.
     """
 
     model: str = text()  # "none" | "rigid" | "static" | "craig-bampton"
@@ -33,7 +34,28 @@ class ReducedBody(Record):
     row_shifts: np.ndarray = array("row", "axis", units="1")  # X at every row: what it reads of a shifted body
     point_names: tuple[str, ...] = names("point")
     point_positions: np.ndarray = array("point", "axis", units="m")
+    foot_stiffness: np.ndarray = array("foot_axis", "coordinate", units="SI")  # force on the feet, see `foot_forces`
+    foot_inertia: np.ndarray = array("foot_axis", "axis", units="kg")
     stiffness_factor: float = dataclasses.field(default=1.0, metadata=scalar(units="1").metadata)  # by extrapolation
+
+    @property
+    def feet(self) -> tuple[str, ...]:
+        """Names of the feet, in the order of ``foot_axis``."""
+        return tuple(name for name in self.point_names if name.startswith("ground_"))
+
+    def foot_forces(self, displacement: np.ndarray, gravity: float) -> np.ndarray:
+        """Force (foot, 3) of the ground on every foot along x, y, z, N, at rest.
+
+        Parameters
+        ----------
+        displacement : (coordinate,) in balance with the forces at the bearings and the body's own weight
+        gravity : m/s2, along -z
+        """
+        return (self.foot_stiffness @ displacement + gravity * self.foot_inertia[:, 2]).reshape(-1, 3)
+
+    def own_weight(self, gravity: float) -> np.ndarray:
+        """Force (coordinate,) of its weight, gravity in m/s2 along -z."""
+        return -gravity * self.ground_inertia[:, 2]
 
     def row(self, name: str) -> np.ndarray:
         """The row (coordinate,) of ``"<point>:<axis>"``; KeyError with the known names if absent."""

@@ -100,8 +100,8 @@ class CheckUp(Record):
             value = getattr(self, name)
             verdict = "ok  " if value < _LIMITS[name] else "FAIL"
             lines.append(f"  {verdict} {name:<27} {value:9.2e}  (limit {_LIMITS[name]:.0e})  {_MEANING[name]}")
-        x, y, z = self.centre
-        lines.append(f"  mass {self.mass:.6g} kg, centre of gravity ({x:.6g}, {y:.6g}, {z:.6g}) m")
+        x, y, z = 1000 * self.centre
+        lines.append(f"  mass {self.mass:.6g} kg, centre of gravity ({x:.6g}, {y:.6g}, {z:.6g}) mm")
         lines.append("  inertia about it (kg m2): " + "; ".join(" ".join(f"{v:.5g}" for v in r) for r in self.inertia))
         if n_modes:
             lines += self._mode_lines(n_modes)

@@ -1,4 +1,14 @@
-"""Damping of a reduced body: a damping ratio for every mode, by one number or by a table over frequency."""
+"""Damping of a reduced body: a damping ratio for every mode, by one number, by a table over frequency, or by part.
+
+Parts with loss factors eta_p of their own damp a mode by their shares s_p of its strain energy,
+
+    zeta = sum_p s_p eta_p / 2 + (1 - sum_p s_p) zeta_0,    s_p = phi^T K_p phi / phi^T K phi
+
+zeta_0 being the ratio of all the rest. The modes stay those of the undamped body, which is good for small damping.
+
+References: Ungar & Kerwin (1962), J. Acoust. Soc. Am. 34(7), 954-957; Johnson & Kienholz (1982), AIAA J. 20(9),
+1284-1290 (modal strain energy method).
+"""
 
 from __future__ import annotations
 
@@ -7,6 +17,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import scipy.linalg as la
+
+from fem.casing.parts.names import LARGEST_LOSS_FACTOR
 
 DampingRatio = float | Sequence[Sequence[float]]  # zeta, or rows (Hz, zeta) with rising frequencies
 
@@ -28,18 +40,54 @@ def damping_ratios(damping: DampingRatio, frequencies: np.ndarray) -> np.ndarray
     return np.interp(frequencies, table[:, 0], table[:, 1])
 
 
-def modal_damping(mass: np.ndarray, stiffness: np.ndarray, damping: DampingRatio) -> np.ndarray:
+def ratios_with_parts(ratios: np.ndarray, shares: np.ndarray, loss_factors: Sequence[float]) -> np.ndarray:
+    """Zeta (mode,) of modes some of whose parts have loss factors of their own.
+
+    Parameters
+    ----------
+    ratios : (mode,), zeta_0 of all the rest at the frequencies of the modes
+    shares : (part, mode) of the strain energy, see `energy_shares`
+    loss_factors : (part,)
+
+    Raises
+    ------
+    ValueError : a loss factor outside 0 <= eta < 2
+    """
+    eta = np.asarray(loss_factors, float)
+    if (wrong := eta[~((eta >= 0.0) & (eta < LARGEST_LOSS_FACTOR))]).size:
+        raise ValueError(f"casing: loss factor {wrong[0]:g}; give a value from 0 to below {LARGEST_LOSS_FACTOR:g}")
+    return np.asarray(ratios + shares.T @ (0.5 * eta) - shares.sum(axis=0) * ratios)
+
+
+def energy_shares(parts: Sequence[np.ndarray], vectors: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+    """Share (part, mode) of the strain energy of every vector (coordinate, mode) that parts of a stiffness store."""
+    whole = np.einsum("ik,ij,jk->k", vectors, stiffness, vectors, optimize=True)
+    found = [np.einsum("ik,ij,jk->k", vectors, part, vectors, optimize=True) for part in parts]
+    return np.array(found).reshape(len(parts), vectors.shape[1]) / np.maximum(whole, np.finfo(float).tiny)
+
+
+def modal_damping(
+    mass: np.ndarray,
+    stiffness: np.ndarray,
+    damping: DampingRatio,
+    parts: Sequence[tuple[np.ndarray, float]] = (),
+) -> np.ndarray:
     """C = M Phi diag(2 zeta_k omega_k) Phi^T M of the modes of (K, M).
 
     Parameters
     ----------
     mass, stiffness : float (n, n), positive definite
     damping : zeta of all modes, or rows (Hz, zeta)
+    parts : stiffness (n, n) of every part that has a loss factor of its own, and that factor
     """
     if not len(mass):
         damping_ratios(damping, np.zeros(1))
         return np.zeros((0, 0))
     square, phi = la.eigh(stiffness, mass)
     omega = np.sqrt(np.maximum(square, 0.0))
+    ratios = damping_ratios(damping, omega / (2.0 * math.pi))
+    if parts:
+        shares = energy_shares([part for part, _ in parts], phi, stiffness)
+        ratios = ratios_with_parts(ratios, shares, [eta for _, eta in parts])
     weighted = mass @ phi
-    return (weighted * (2.0 * damping_ratios(damping, omega / (2.0 * math.pi)) * omega)) @ weighted.T
+    return (weighted * (2.0 * ratios * omega)) @ weighted.T

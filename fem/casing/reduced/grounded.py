@@ -19,6 +19,10 @@ import scipy.sparse as sp
 
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.parts.bolted_joint import BoltedJoint, joint_stiffness
+from fem.casing.parts.names import JOINTS
+from fem.casing.parts.regions import Region, elements_inside, stiffness_of
+from fem.casing.parts.split import split_mesh
 from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.reduction import Interface, held_interface
@@ -48,7 +52,7 @@ class GroundedCasing:
     material: Material
     ground: Ground
     attachment: Attachment
-    K: sp.csr_matrix  # (3 node, 3 node), the free body
+    K: sp.csr_matrix  # (3 node, 3 node), the free body with its joints
     M: sp.csr_matrix
     expansion: sp.csr_matrix  # E (3 node, n)
     clamped: np.ndarray  # of the 3 node unknowns; empty on springs
@@ -57,6 +61,7 @@ class GroundedCasing:
     coordinate_names: tuple[str, ...]  # of the interface, "ground_1:ux", ..., "bearing_1:ux", ...
     springs: np.ndarray  # (interface,), reference springs D, N/m; zero but at feet on springs
     interface: Interface
+    parts: Mapping[str, sp.csr_matrix]  # what parts bring to K_free (n, n), by their names
 
     @property
     def K_held(self) -> sp.csr_matrix:
@@ -83,6 +88,8 @@ def ground_casing(
     forced: Sequence[ForcedPoint] = (),
     ground: Ground = "fixed",
     attachment: Attachment = "mean",
+    regions: Sequence[Region] = (),
+    joint: BoltedJoint | None = None,
     solver: Solver = "auto",
 ) -> GroundedCasing:
     """Assemble, hold or free the feet, tie the points, and factorise.
@@ -94,14 +101,18 @@ def ground_casing(
     forced : surface points that bear outside forces, interfaces too
     ground : "fixed" clamps the feet, "springs" leaves them free and holds them by springs while factorising
     attachment : a point has the "mean" motion of its patch, or the patch is "rigid"
+    regions : parts of the housing whose stiffness is told from that of the rest
+    joint : bolts that hold two halves together, else they are one body
     solver : see `fem.numerics.linear_solver.factorize`
 
     Raises
     ------
     AttachmentError : no ground patch, an interface that touches the clamped nodes, rigid patches that share nodes
-    MeshError : unknown patch
+    MeshError : unknown patch, a region without elements or with those of another, a joint that is none of this mesh
     SingularMatrixError : a part of the mesh hangs loose
     """
+    split = None if joint is None else split_mesh(mesh, joint.plane)
+    mesh = mesh if split is None else split.mesh
     K, M = assemble(
         mesh.nodes,
         mesh.elements,
@@ -109,6 +120,8 @@ def ground_casing(
         poisson_ratio=material.poisson_ratio,
         density=material.density,
     )
+    bolts = None if split is None or joint is None else joint_stiffness(joint, split, material)
+    K = K if bolts is None else sp.csr_matrix(K + bolts)
     feet = mesh.patches("ground_")
     if not feet:
         raise AttachmentError("casing mesh has no patch ground_1, ...; name at least one foot")
@@ -130,6 +143,13 @@ def ground_casing(
         rows = sp.csr_matrix(sp.vstack([rows, *(_point_rows(mesh, point) @ expansion for point in forced)]))
         names += tuple(f"{point.sensor.name}:{axis}" for point in forced for axis in point.axes)
     K_free, M_free = _projected(K, expansion), _projected(M, expansion)
+    inside = elements_inside(mesh.nodes, mesh.elements, regions)
+    parts = {
+        region.name: _projected(stiffness_of(mesh.nodes, mesh.elements[chosen], material), expansion)
+        for region, chosen in zip(regions, inside, strict=True)
+    }
+    if bolts is not None:
+        parts[JOINTS] = _projected(bolts, expansion)
     reference = material.elastic_modulus * mesh.element_size
     springs = np.array([reference if name.startswith("ground_") else 0.0 for name in names])
     return GroundedCasing(
@@ -146,6 +166,7 @@ def ground_casing(
         coordinate_names=names,
         springs=springs,
         interface=held_interface(K_free, rows, penalty=springs if on_springs else None, solver=solver),
+        parts=parts,
     )
 
 

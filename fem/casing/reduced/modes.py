@@ -16,9 +16,11 @@ import numpy as np
 import scipy.linalg as la
 
 from fem.casing.geometry.dimensions import Sensor
+from fem.casing.parts.feet import clamped_reactions, foot_sums
+from fem.casing.parts.names import MOUNTS
 from fem.casing.reduced.attachment import nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES, ReducedBody
-from fem.casing.reduced.damping import DampingRatio, modal_damping
+from fem.casing.reduced.damping import DampingRatio, energy_shares, modal_damping
 from fem.casing.reduced.grounded import GROUND_AXES, GroundedCasing
 from fem.casing.reduced.reduction import Reduction
 from fem.casing.reduced.truncation import ModeSet, fewest_modes, kept
@@ -48,6 +50,10 @@ class CasingModes(Record):
     counted: int = integer()  # fixed-interface modes below the limit by the law of inertia; -1: not counted
     unknowns: int = integer()  # of the grounded mesh
     participation: np.ndarray = array("coordinate", "motion", units="SI")  # T^T M R, R about the centre of gravity
+    foot_stiffness: np.ndarray = array("foot_axis", "interface", units="SI")  # of clamped feet, see
+    foot_inertia: np.ndarray = array("foot_axis", "axis", units="kg")  # `fem.casing.parts.feet`; 0 on springs
+    part_names: tuple[str, ...] = names("part")  # parts whose damping may be their own, see `fem.casing.parts.regions`
+    part_stiffness: np.ndarray = array("part", "coordinate", "coordinate", units="SI")  # what they bring to `stiffness`
     total_mass: float = scalar(units="kg")
     centre: np.ndarray = array("axis", units="m")  # of gravity
     inertia: np.ndarray = array("axis", "axis", units="kg m2")  # about the centre
@@ -113,7 +119,8 @@ def casing_modes(
     extra = reduction.modes.shape[1] - reduction.n_fixed
     mode_names = [f"mode_{i + 1}" for i in range(reduction.n_fixed)] + [f"inertia_{i + 1}" for i in range(extra)]
     mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)
-    force = casing.expansion.T @ (casing.M @ rigid_body_modes(mesh.nodes, centre))
+    inertial = casing.M @ rigid_body_modes(mesh.nodes, centre)
+    foot_stiffness, foot_inertia = _clamped_feet(casing, inertial[:, :3])
     return CasingModes(
         model=model,
         solver=casing.interface.factor.name,
@@ -127,7 +134,11 @@ def casing_modes(
         band_limit=band_limit,
         counted=counted,
         unknowns=casing.K_free.shape[0],
-        participation=basis.T @ force,
+        participation=basis.T @ (casing.expansion.T @ inertial),
+        foot_stiffness=foot_stiffness,
+        foot_inertia=foot_inertia,
+        part_names=tuple(casing.parts),
+        part_stiffness=_of_parts(casing, basis),
         total_mass=mass,
         centre=centre,
         inertia=inertia,
@@ -138,6 +149,22 @@ def casing_modes(
         basis=_expanded(casing, basis).reshape(len(mesh.nodes), 3, -1),
         element_size=mesh.element_size,
     )
+
+
+def _of_parts(casing: GroundedCasing, basis: np.ndarray) -> np.ndarray:
+    """T^T K_p T (part, coordinate, coordinate)."""
+    found = [basis.T @ (stiffness @ basis) for stiffness in casing.parts.values()]
+    return np.array(found).reshape(len(found), basis.shape[1], basis.shape[1])
+
+
+def _clamped_feet(casing: GroundedCasing, MX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What `clamped_reactions` gives; zeros where the feet stand on springs."""
+    mesh, interface = casing.mesh, casing.interface
+    feet = [np.unique(mesh.patch(name)) for name in mesh.patches("ground_")]
+    if casing.ground == "springs":
+        return np.zeros((3 * len(feet), len(casing.springs))), np.zeros((3 * len(feet), 3))
+    sums = foot_sums([3 * nodes + axis for nodes in feet for axis in range(3)], len(MX))
+    return clamped_reactions(sums, casing.K, MX, casing.expansion, interface.constraint, interface.inverse)
 
 
 def _expanded(casing: GroundedCasing, basis: np.ndarray) -> np.ndarray:
@@ -181,6 +208,7 @@ def reduced_body(
     limit: float | None = None,
     frequency_error: float | None = None,
     stiffness_factor: float = 1.0,
+    loss_factors: Mapping[str, float] | None = None,
 ) -> ReducedBody:
     """The casing as the multibody model sees it.
 
@@ -192,17 +220,22 @@ def reduced_body(
     mounts : stiffness of every foot (N/m), if and only if the modes are those of a casing on springs
     limit, frequency_error : see `kept_modes`
     stiffness_factor : of all but the mounts, see `fem.casing.mesh_error.extrapolation`
+    loss_factors : of parts whose damping is their own, by name; `damping` is that of the rest
 
     Raises
     ------
     AttachmentError : a sensor far from the surface
-    ValueError : damping ratio out of range, mounts that do not fit, more modes than are known
+    ValueError : damping out of range, mounts that do not fit, more modes than are known, a part that is not known
     """
     springs = modes.springs(mounts)
     chosen = kept_modes(modes, springs, limit=limit, frequency_error=frequency_error)
     b, extra = chosen.n_interface, len(chosen.mass) - chosen.n_interface - chosen.n_fixed
     stiffness = stiffness_factor * chosen.stiffness
     stiffness[np.arange(b), np.arange(b)] += springs
+    known = part_matrices(modes, chosen, springs, stiffness_factor)
+    if unknown := [name for name in loss_factors or () if name not in known]:
+        raise ValueError(f"casing: no part {unknown[0]!r} has a loss factor; known: {', '.join(known) or 'none'}")
+    parts = [(known[name], eta) for name, eta in (loss_factors or {}).items()]
     rows, row_names = [*np.eye(b, len(stiffness))], list(modes.interface_names)
     places = dict(zip(modes.point_names, modes.point_positions, strict=True))
     for sensor in sensors:
@@ -218,7 +251,7 @@ def reduced_body(
         model=modes.model,
         mass=chosen.mass,
         stiffness=stiffness,
-        damping=modal_damping(chosen.mass, stiffness, damping),
+        damping=modal_damping(chosen.mass, stiffness, damping, parts),
         coordinate_names=(*modes.interface_names, *mode_names),
         row_names=tuple(row_names),
         rows=np.array(rows).reshape(len(rows), len(stiffness)),
@@ -226,8 +259,38 @@ def reduced_body(
         row_shifts=_row_shifts(row_names, sensors),
         point_names=tuple(places),
         point_positions=np.array(list(places.values())),
+        foot_stiffness=_foot_rows(modes, springs, stiffness_factor, len(stiffness)),
+        foot_inertia=modes.foot_inertia,
         stiffness_factor=stiffness_factor,
     )
+
+
+def part_matrices(modes: CasingModes, chosen: ModeSet, springs: np.ndarray, factor: float) -> dict[str, np.ndarray]:
+    """Stiffness (coordinate, coordinate) of every part by its name, mounts among them if there are any.
+
+    Parameters
+    ----------
+    modes, chosen, springs : the casing, the modes kept of it, and its mounts (interface,) in N/m
+    factor : of all but the mounts
+    """
+    found = {
+        name: factor * (chosen.basis.T @ stiffness @ chosen.basis)
+        for name, stiffness in zip(modes.part_names, modes.part_stiffness, strict=True)
+    }
+    if springs.any():
+        found[MOUNTS] = np.diag(np.append(springs, np.zeros(len(chosen.mass) - len(springs))))
+    return found
+
+
+def _foot_rows(modes: CasingModes, springs: np.ndarray, factor: float, size: int) -> np.ndarray:
+    """Force (3 feet, coordinate) of the ground on the feet: through clamped nodes, or through mounts."""
+    rows = np.zeros((len(modes.foot_stiffness), size))
+    rows[:, : len(springs)] = factor * modes.foot_stiffness
+    feet = [name for name in modes.point_names if name.startswith("ground_")]
+    for place in np.flatnonzero(springs):
+        point, axis = modes.interface_names[place].split(":")
+        rows[3 * feet.index(point) + GROUND_AXES.index(axis), place] -= springs[place]
+    return rows
 
 
 def _row_shifts(row_names: Sequence[str], sensors: Sequence[Sensor]) -> np.ndarray:
@@ -249,6 +312,8 @@ class NaturalModes(Record):
     effective_mass: np.ndarray = array("mode", "motion", units="SI")  # kg; about the centre of gravity kg m2
     total: np.ndarray = array("motion", units="SI")  # mass and inertia of the body
     vectors: np.ndarray = array("coordinate", "mode", units="SI")  # of the stored coordinates, mass-normalised
+    part_names: tuple[str, ...] = names("part")
+    shares: np.ndarray = array("part", "mode", units="1")  # of the strain energy that parts store
 
 
 def natural_modes(
@@ -266,11 +331,14 @@ def natural_modes(
     stiffness[np.arange(chosen.n_interface), np.arange(chosen.n_interface)] += springs
     square, phi = la.eigh(stiffness, chosen.mass)
     vectors = chosen.basis @ phi
+    parts = part_matrices(modes, chosen, springs, stiffness_factor)
     return NaturalModes(
         frequencies=np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi),
         effective_mass=(vectors.T @ modes.participation) ** 2,
         total=np.concatenate([np.full(3, modes.total_mass), np.diag(modes.inertia)]),
         vectors=vectors,
+        part_names=tuple(parts),
+        shares=energy_shares(list(parts.values()), phi, stiffness),
     )
 
 
@@ -290,4 +358,6 @@ def grounded_body(bearings: Mapping[str, Sequence[float]]) -> ReducedBody:
         row_shifts=np.zeros((len(row_names), 3)),
         point_names=tuple(bearings),
         point_positions=np.array([list(place) for place in bearings.values()], float).reshape(-1, 3),
+        foot_stiffness=nothing,
+        foot_inertia=np.zeros((0, 3)),
     )

@@ -151,6 +151,8 @@ def _on_springs(
         row_shifts=np.vstack(rows)[:, :3],
         point_names=tuple(places),
         point_positions=np.array(list(places.values())),
+        foot_stiffness=-mount_stiffness * mounts,
+        foot_inertia=np.zeros((len(mounts), 3)),
     )
 
 

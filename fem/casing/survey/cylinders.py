@@ -17,6 +17,7 @@ import numpy as np
 _PERPENDICULAR = 0.01  # largest mean square cosine between the normals and the axis
 _ROUND = 0.004  # of the radius, largest deviation of a corner
 _LEAST_TURN = 0.003  # least second eigenvalue: about 20 degrees of a cylinder
+_ENOUGH = 400  # corners for five unknowns; the others are compared with the result
 _FLAT = math.cos(math.radians(0.5))
 
 
@@ -31,25 +32,26 @@ class Cylinder:
     corners: np.ndarray  # (k, 3)
 
 
-def fitted_cylinder(corners: np.ndarray, area_vectors: np.ndarray) -> Cylinder | None:
-    """The cylinder through triangles with corners (t, 3, 3) m and outward area vectors (t, 3) m2, or None."""
+def fitted_cylinder(points: np.ndarray, triangles: np.ndarray, area_vectors: np.ndarray) -> Cylinder | None:
+    """The cylinder through triangles (t, 3) of points (n, 3) m with outward area vectors (t, 3) m2, or None."""
     area = np.linalg.norm(area_vectors, axis=1)
     normals = area_vectors / np.maximum(area, 1e-300)[:, None]
     share = np.einsum("t,ti,tj->ij", area / area.sum(), normals, normals)
     values, vectors = np.linalg.eigh(share)
     if values[0] > _PERPENDICULAR or values[1] < _LEAST_TURN:
         return None
-    points = np.unique(corners.reshape(-1, 3).round(12), axis=0)
+    middles = points[triangles].mean(axis=1)
+    points = points[np.unique(triangles)]
     if len(points) < 5:
         return None
-    refined = _refined(points, vectors[:, 0])
+    refined = _refined(points[:: -(-len(points) // _ENOUGH)], vectors[:, 0])
     if refined is None:
         return None
     axis, point, radius = refined
     radial = points - point - np.outer((points - point) @ axis, axis)
     if abs(np.linalg.norm(radial, axis=1) - radius).max() > _ROUND * radius:
         return None
-    middle = corners.mean(axis=1) - point
+    middle = middles - point
     middle = middle - np.outer(middle @ axis, axis)
     hole = float((area_vectors * middle).sum()) < 0.0
     return Cylinder(axis, point, radius, hole, points)

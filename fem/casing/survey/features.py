@@ -38,7 +38,7 @@ def faces_of(
     for members in np.split(order, np.flatnonzero(np.diff(face[order])) + 1):
         if is_flat(vectors[members]):
             flats.append(_flat(corners[members], vectors[members], int(solid[members[0]])))
-        elif (found := fitted_cylinder(corners[members], vectors[members])) is not None and found.hole:
+        elif (found := fitted_cylinder(points, triangles[members], vectors[members])) is not None and found.hole:
             cylinders.append((found, int(solid[members[0]])))
     flats.sort(key=lambda one: -one.area)
     named = tuple(

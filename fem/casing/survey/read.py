@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.csgraph import breadth_first_order, connected_components
+from scipy.sparse.csgraph import connected_components
 
 from fem.casing.meshing.gmsh_session import session
 from fem.casing.meshing.imported import STEP_SUFFIXES, STL_SUFFIXES, UNITS
@@ -23,7 +23,7 @@ from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.solid_elements import SOLIDS, converted, solid_element
 
 _log = logging.getLogger(__name__)
-_AROUND = 16  # elements of a full turn
+_AROUND = 16  # elements of a full turn; with 12, the wide triangles of short bores lean too far to be told from cones
 _COARSE, _FINE = 10, 400  # elements along the diagonal of the box, at least and at most
 
 
@@ -74,6 +74,7 @@ def _surface(gmsh: Any, tags: list[int]) -> tuple[np.ndarray, np.ndarray, np.nda
     gmsh.option.setNumber("Mesh.MeshSizeMax", diagonal / _COARSE)
     gmsh.option.setNumber("Mesh.MeshSizeMin", diagonal / _FINE)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", _AROUND)
+    gmsh.option.setNumber("Mesh.Algorithm", 5)  # Delaunay: looked at, not computed with; less work than frontal
     try:
         gmsh.model.mesh.generate(2)
     except Exception as error:  # gmsh raises this class itself
@@ -98,7 +99,7 @@ def _surface(gmsh: Any, tags: list[int]) -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 def outward(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """The triangles (t, 3) of a closed surface turned so that they are seen from outside counter-clockwise."""
+    """The triangles (t, 3) of the surface of one body turned so that they are seen from outside counter-clockwise."""
     sides = triangles[:, [[0, 1], [1, 2], [2, 0]]]
     forward = (sides[:, :, 0] < sides[:, :, 1]).reshape(-1)
     number = np.unique(np.sort(sides, axis=2).reshape(-1, 2), axis=0, return_inverse=True)[1].ravel()
@@ -106,22 +107,20 @@ def outward(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     owner = np.repeat(np.arange(len(triangles)), 3)[order]
     pair = np.flatnonzero(np.diff(number[order]) == 0)
     one, two = owner[pair], owner[pair + 1]
-    against = (forward[order][pair] == forward[order][pair + 1]).astype(float)  # an edge is run through both ways
-    graph = sp.coo_matrix((1.0 + np.tile(against, 2), (np.append(one, two), np.append(two, one)))).tocsr()
-    graph.resize((len(triangles),) * 2)
-    turned = np.zeros(len(triangles), bool)
-    label = connected_components(graph, directed=False)[1]
-    for part in range(label.max() + 1):
-        members = np.flatnonzero(label == part)
-        visited, before = breadth_first_order(graph, members[0], directed=False)
-        for triangle in visited[1:]:
-            turned[triangle] = turned[before[triangle]] ^ (graph[before[triangle], triangle] > 1.5)
+    against = forward[order][pair] == forward[order][pair + 1]  # an edge is run through both ways
+    # every triangle stands once as it is and once turned over; from the first of a part one of the two is reached
+    count = len(triangles)
+    rows = np.concatenate([one, one + count])
+    columns = np.concatenate([two + count * against, two + count * ~against])
+    graph = sp.coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(2 * count,) * 2)
+    either = connected_components(graph, directed=False)[1].reshape(2, count)
+    label = np.unique(either.min(axis=0), return_inverse=True)[1].ravel()
+    first = np.unique(label, return_index=True)[1]
+    turned = either[0] != either[0, first][label]
     triangles = np.where(turned[:, None], triangles[:, [0, 2, 1]], triangles)
-    for part in range(label.max() + 1):
-        corners = points[triangles[label == part]]
-        if np.linalg.det(corners - points[triangles].mean(axis=(0, 1))).sum() < 0.0 and label.max() == 0:
-            triangles = triangles[:, [0, 2, 1]]
-    return triangles
+    volume = np.bincount(label, weights=np.linalg.det(points[triangles] - points[triangles].mean(axis=(0, 1))))
+    hollow = np.arange(len(volume)) != np.abs(volume).argmax()  # parts inside the outermost one
+    return np.where(((volume < 0.0) ^ hollow)[label][:, None], triangles[:, [0, 2, 1]], triangles)
 
 
 def _of_triangles(path: Path, unit: str) -> Contents:
@@ -139,7 +138,7 @@ def _of_triangles(path: Path, unit: str) -> Contents:
 
 
 def _of_mesh(path: Path, unit: str) -> Contents:
-    raw = read_mesh_file(path)
+    raw = read_mesh_file(path, MM * UNITS[unit])
     linear = SOLIDS["tetrahedron-4" if solid_element(raw.elements).corners == 4 else "hexahedron-8"]
     nodes, elements = converted(UNITS[unit] * raw.nodes, raw.elements, linear)
     facets = outer_facets(nodes, elements)

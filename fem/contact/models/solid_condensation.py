@@ -185,19 +185,19 @@ def _spread(
     """Length a (m) and coefficients of the parabola g(xi), sqrt(m2/N), from the pairs' own blocks off the diagonal."""
     if y.size < 3:
         return 0.0, np.zeros(3)
-    own = [(places[c, p], here[c, p], rest[c, p, :, p]) for c, p in np.argwhere(here.any(axis=2))]
-    apart = ~np.eye(y.size, dtype=bool)
-    scale = max(np.mean([abs(block[np.ix_(s, s)]).mean() for _, s, block in own]) * w.sum(), 1e-300)
+    cycle, pair = np.nonzero(here.any(axis=2))
+    blocks, touching = rest[cycle, pair, :, pair], here[cycle, pair]
+    both = touching[:, :, None] & touching[:, None, :]
+    of, one, other = np.nonzero(both & ~np.eye(y.size, dtype=bool))  # entries off the diagonal, block by block
     face = w.sum()
+    sizes = [abs(block[np.ix_(s, s)]).mean() for block, s in zip(blocks, touching, strict=True)]
+    scale = max(np.mean(sizes) * face, 1e-300)
+    target = blocks[of, one, other] * face / scale
 
     def difference(unknown: np.ndarray) -> np.ndarray:
         influence = _influence(y, w, face * math.exp(unknown[0])) * face
-        found = []
-        for xi, s, block in own:
-            g = np.polynomial.polynomial.polyval(xi, unknown[1:])
-            error = block * face / scale - np.multiply.outer(g, g) * influence
-            found.append(error[np.ix_(s, s)][apart[np.ix_(s, s)]])
-        return np.concatenate(found)
+        g = np.polynomial.polynomial.polyval(places[cycle, pair], unknown[1:])
+        return target - g[of, one] * g[of, other] * influence[one, other]
 
     shortest = math.log(0.5 * w.min() / face)  # below, N is diagonal and a large g would stand for any small rest
     bounds = [shortest, -np.inf, -np.inf, -np.inf], [math.log(LONGEST), np.inf, np.inf, np.inf]

@@ -31,7 +31,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
 from threadpoolctl import threadpool_limits
 
 from fem.contact.wheels.plane_section import PlaneSection
@@ -133,24 +132,26 @@ def _add_ring(out: np.ndarray, at: _Contacts, body: _Body, turn: int) -> None:
     Tooth pair p + n, which follows pair p, is tooth -n of the pinion and tooth n of the wheel, counted towards the
     loaded flank.
     """
-    ends = body.flank.ends
+    ends, rows = body.flank.ends, len(body.flank.rows)
     means = slice_means(ends, np.linspace(ends[0], ends[-1], out.shape[2] + 1))[::turn]
-    load = np.einsum("ci,cj->cij", body.weight, means[at.slice]).reshape(len(at.cycle), -1)
-    seen = sparse.csr_matrix(load)
     starts = np.flatnonzero(np.diff(at.cycle * out.shape[1] + at.pair, prepend=-1))
-    groups = [slice(a, b) for a, b in zip(starts, [*starts[1:], len(at.cycle)], strict=True)]
+    groups = {(at.cycle[a], at.pair[a]): slice(a, b) for a, b in zip(starts, [*starts[1:], len(at.cycle)], strict=True)}
+    moved = np.empty((len(at.cycle), rows, out.shape[2]))  # rows and slices by a contact
     for apart in range(out.shape[1]):  # pair p by loads on pair q = p - apart; the others by symmetry
-        moved = seen @ body.flank.matrix[-turn * apart].T  # row j: displacement of all nodes by contact j
-        for p in groups:
-            for q in groups:
-                c = at.cycle[p.start]
-                if at.cycle[q.start] != c or at.pair[p.start] - at.pair[q.start] != apart:
-                    continue
-                block = seen[p] @ moved[q].T
-                here, there = (at.pair[p.start], at.slice[p]), (at.pair[q.start], at.slice[q])
-                out[c, here[0], here[1][:, None], there[0], there[1]] += block
-                if apart:
-                    out[c, there[0], there[1][:, None], here[0], here[1]] += block.T
+        matrix = body.flank.matrix[-turn * apart].reshape(rows, len(means[0]), rows, -1)
+        by_slice = np.einsum("sa,rabz,tz->srbt", means, matrix, means, optimize=True)
+        for place in range(out.shape[2]):
+            here = at.slice == place
+            moved[here] = np.tensordot(body.weight[here], by_slice[place], 1)
+        for (c, number), p in groups.items():
+            q = groups.get((c, number - apart))
+            if q is None:
+                continue
+            block = np.einsum("irj,jr->ij", moved[p][:, :, at.slice[q]], body.weight[q])
+            here, there = (number, at.slice[p]), (number - apart, at.slice[q])
+            out[c, here[0], here[1][:, None], there[0], there[1]] += block
+            if apart:
+                out[c, there[0], there[1][:, None], here[0], here[1]] += block.T
 
 
 def contact_compliance(

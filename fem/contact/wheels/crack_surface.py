@@ -30,6 +30,7 @@ from fem.contact.wheels.ring import flank_loads
 from fem.elements.materials import Material
 from fem.gears.gear import Gear
 from fem.gears.sector import SectorMesh, Slit, root_chord, sector_mesh
+from fem.numerics.threads import side_by_side
 from fem.storage.records import Record, array, scalar
 
 DEEPEST = 0.8  # of the tooth's root chord: the deepest crack
@@ -103,8 +104,10 @@ def crack_surface(spec: CrackSurfaceSpec) -> CrackSurface:
     rows = _loaded_rows(coarse)
     depth = chord * DEEPEST * np.linspace(0.0, 1.0, DEPTHS) ** 1.5
     with threadpool_limits(1):
-        ring = solid_cracked_ring(coarse, young, poisson, ends, rows, REACH)
-        found = [_plane_release(mesh, young, poisson, deepest) for mesh in (coarse, fine)]
+        ring, found = side_by_side(
+            lambda: solid_cracked_ring(coarse, young, poisson, ends, rows, REACH),
+            lambda: [_plane_release(mesh, young, poisson, deepest) for mesh in (coarse, fine)],
+        )
     grid = np.linspace(0.0, deepest, 4 * DEPTHS)
     reached = np.array([found[0](float(d)) for d in grid])
     front = np.interp([found[1](float(d)) for d in depth], reached, grid)

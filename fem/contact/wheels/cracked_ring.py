@@ -24,7 +24,7 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import cho_factor, cho_solve
 
-from fem.contact.wheels.ring import SectorReduction, condensed, cut_rotation, degrees_of
+from fem.contact.wheels.ring import SectorReduction, condensed, cut_flexibility, cut_rotation, degrees_of
 from fem.contact.wheels.solid_ring import CUT, load_size, node_frames, sector_prism
 from fem.elements.nested_condensation import KEPT
 from fem.elements.sections import stiffness
@@ -59,12 +59,11 @@ def plane_cracked_ring(mesh: SectorMesh, young: float, poisson: float, loads: sp
     full = stiffness(mesh.points, mesh.elements, young, poisson, mesh.twist, mesh.filling)
     components, first = full.shape[0] // len(mesh.points), mesh.slit_first
     turn = cut_rotation(mesh, components)
-    join = sparse.identity(full.shape[0], format="lil")  # the doubles: u(body) = u(tooth) - g
     on_tooth = degrees_of(mesh.slit, components)
     opening = components * first + np.arange(len(on_tooth))
-    join[opening, on_tooth] = 1.0
-    join[opening, opening] = -1.0
-    turn = (turn @ join.tocsc()).tocsc()
+    places = np.tile(opening, 2), np.concatenate([on_tooth, opening])
+    change = sparse.csc_matrix((np.repeat([1.0, -2.0], len(opening)), places), shape=full.shape)
+    turn = (turn @ (sparse.identity(full.shape[0], format="csc") + change)).tocsc()  # doubles: u(body) = u(tooth) - g
     full = (turn.T @ full @ turn).tocsc()
     cut = degrees_of(np.concatenate([mesh.cut_low, mesh.cut_high]), components)
     schur, transfer, _ = condensed(mesh, full, np.concatenate([opening, cut]), loads)
@@ -140,18 +139,3 @@ def _closed_to_ring(teeth: int, size: int, schur: np.ndarray, transfer: np.ndarr
         force[n] = -coupling @ np.vstack(moved)
     force[0] = force[0] + transfer[g]
     return CrackedRing(stiffness=(matrix + matrix.T) / 2, force=force)
-
-
-def cut_flexibility(sector: SectorReduction, reach: int) -> dict[int, np.ndarray]:
-    """Motion (cut, cut) of the low cut of tooth n by unit forces on the low cut of tooth 0, n = -reach .. reach."""
-    z, half = sector.teeth, sector.stiffness.shape[0] // 2
-    s, low, high = sector.stiffness, slice(0, half), slice(half, None)
-    same, ahead = s[low, low] + s[high, high], s[low, high]
-    out = {n: np.zeros((half, half)) for n in range(-reach, reach + 1)}
-    for k in range(z // 2 + 1):
-        phase = np.exp(2j * np.pi * k / z)
-        inverse = np.linalg.inv(same + ahead * phase + ahead.T / phase)
-        twice = 1.0 if 2 * k in (0, z) else 2.0
-        for n in out:
-            out[n] += twice / z * (inverse * phase**n).real
-    return out

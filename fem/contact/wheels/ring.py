@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from fem.elements.sections import lagrange, stiffness
 from fem.gears.sector import SectorMesh
+from fem.numerics.linear_solver import SingularMatrixError, factorize
 from fem.storage.ledger import count
 
 
@@ -145,8 +145,8 @@ def condensed(
     inner[degrees_of(np.concatenate([mesh.bore, mesh.cut_bore]), full.shape[0] // len(mesh.points))] = False
     k_ii, k_ic = full[inner][:, inner].tocsc(), full[inner][:, kept]
     try:
-        factor = splu(k_ii, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    except RuntimeError as error:
+        factor = factorize(k_ii, block=full.shape[0] // len(mesh.points))
+    except SingularMatrixError as error:
         raise RingError(
             f"gear z={mesh.teeth}: the stiffness matrix of the tooth sector ({k_ii.shape[0]} unknowns) is singular "
             f"({error}). Check bore radius and material."
@@ -159,23 +159,28 @@ def condensed(
     return schur, -(k_ic.T @ by_load), p.T @ by_load
 
 
-def ring_response(sector: SectorReduction, reach: int = 2) -> dict[int, np.ndarray]:
-    """Displacement along load i of tooth n by unit load j on tooth 0, m2/N; (p, p) for each n = -reach .. reach."""
-    z, cut = sector.teeth, sector.stiffness.shape[0] // 2
-    s, h = sector.stiffness, sector.transfer
-    low, high = slice(0, cut), slice(cut, 2 * cut)
+def cut_flexibility(sector: SectorReduction, reach: int) -> dict[int, np.ndarray]:
+    """Motion (cut, cut) of the low cut of tooth n by unit forces on the low cut of tooth 0, n = -reach .. reach."""
+    z, half = sector.teeth, sector.stiffness.shape[0] // 2
+    s, low, high = sector.stiffness, slice(0, half), slice(half, None)
     same, ahead = s[low, low] + s[high, high], s[low, high]
-    offsets = np.arange(-reach, reach + 2)
-    motion = np.zeros((len(offsets), cut, h.shape[1]))  # of the low cut of tooth n
+    out = {n: np.zeros((half, half)) for n in range(-reach, reach + 1)}
     for k in range(z // 2 + 1):
         phase = np.exp(2j * np.pi * k / z)
-        answer = np.linalg.solve(same + ahead * phase + ahead.T / phase, h[low] + h[high] / phase)
+        inverse = np.linalg.inv(same + ahead * phase + ahead.T / phase)
         twice = 1.0 if 2 * k in (0, z) else 2.0  # harmonic z - k is the conjugate
-        for row, n in enumerate(offsets):
-            motion[row] += twice / z * (answer * phase**n).real
-    out = {}
-    for row, n in enumerate(offsets[:-1]):
-        out[int(n)] = h[low].T @ motion[row] + h[high].T @ motion[row + 1]
+        for n in out:
+            out[n] += twice / z * (inverse * phase**n).real
+    return out
+
+
+def ring_response(sector: SectorReduction, reach: int = 2) -> dict[int, np.ndarray]:
+    """Displacement along load i of tooth n by unit load j on tooth 0, m2/N; (p, p) for each n = -reach .. reach."""
+    cut = sector.stiffness.shape[0] // 2
+    low, high = sector.transfer[:cut], sector.transfer[cut:]
+    ring = cut_flexibility(sector, reach + 1)
+    motion = {n: ring[n] @ low + ring[n - 1] @ high for n in range(-reach, reach + 2)}  # of the low cut of tooth n
+    out = {n: low.T @ motion[n] + high.T @ motion[n + 1] for n in range(-reach, reach + 1)}
     out[0] = out[0] + sector.direct
     return out
 
@@ -199,19 +204,9 @@ def changed_tooth(sound: SectorReduction, changed: SectorReduction) -> np.ndarra
     With the flexibility G of the sound ring at the two cuts of the tooth and D = S_changed - S_sound the motion of the
     cuts under the loads h of the changed tooth is (1 + G D)^-1 G h: exact, at the cost of the sound ring.
     """
-    z, cut = sound.teeth, sound.stiffness.shape[0] // 2
-    s, h = sound.stiffness, changed.transfer
-    low, high = slice(0, cut), slice(cut, 2 * cut)
-    same, ahead = s[low, low] + s[high, high], s[low, high]
-    block = {n: np.zeros((cut, cut)) for n in (-1, 0, 1)}
-    for k in range(z // 2 + 1):
-        phase = np.exp(2j * np.pi * k / z)
-        inverse = np.linalg.inv(same + ahead * phase + ahead.T / phase)
-        twice = 1.0 if 2 * k in (0, z) else 2.0
-        for n in block:
-            block[n] += twice / z * (inverse * phase**n).real
+    s, h, block = sound.stiffness, changed.transfer, cut_flexibility(sound, 1)
     ring = np.block([[block[0], block[-1]], [block[1], block[0]]])
-    motion = np.linalg.solve(np.eye(2 * cut) + ring @ (changed.stiffness - s), ring @ h)
+    motion = np.linalg.solve(np.eye(len(s)) + ring @ (changed.stiffness - s), ring @ h)
     answer = h.T @ motion + changed.direct
     return (answer + answer.T) / 2
 

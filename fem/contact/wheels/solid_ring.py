@@ -98,7 +98,7 @@ def sector_prism(
     blocks = section_blocks(mesh.points, mesh.elements, young, poisson, mesh.twist, filling)
     return Prism(
         elements=mesh.elements,
-        centres=mesh.points[mesh.elements[:, 4]],
+        grid=mesh.grid,
         blocks=blocks.turned(frames[mesh.elements]),
         ends=ends,
         roles=roles,

@@ -12,6 +12,7 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.engine.working import Work
     from pipelines.figures.film import save_figure
     from pipelines.scene.presets import load_asked
+    from pipelines.trade.known_lines import known_lines
     from pipelines.trade.refinement import refine
     from pipelines.trade.refinement_page import convergence_figure, convergence_table, not_refined, verdict
     from pipelines.trade.slicing import slicing_table
@@ -26,6 +27,8 @@ def main(options: argparse.Namespace) -> int:
     models = [stage.mesh.model for stage in loaded.scene.stages]
     left = not_refined(models, loaded.scene.casing.model, options.over)
     sys.stdout.write(f"{verdict(found, options.error)}\n{left}\n")
+    if options.over == "casing-mesh" and (known := known_lines(loaded, work)):
+        sys.stdout.write(f"{known}\n")
     save_figure(convergence_figure(loaded.name, found), path, dpi=130)
     sys.stdout.write(f"plot: {path}\n")
     return 0

@@ -25,6 +25,8 @@ from pipelines.scene.tables.casing import FlexibleBase, RigidCasingTable
 from pipelines.scene.tables.housing import ImportedTable
 
 MOST_ELEMENTS = 1_500_000  # quadratic tetrahedra, 2 million nodes: about 60 GB to factorise
+MOST_NODES = 2_000_000
+OR_BAND = ", or a lower casing.band_Hz if elements_per_wavelength is set"
 LARGEST_LOOK = 10e6  # bytes of a housing file that is looked into without being asked for its mesh
 
 
@@ -63,7 +65,7 @@ def bad_casing(scene: Scene, layout: Layout, made: Geometry, source: str) -> Ite
             yield Problem("casing.element_size_mm", str(error), "", f"{table.element_size_mm:g}")
             return
         if table.element.startswith("hexahedron"):
-            yield from _no_hexahedra(made, sizes, table.element)
+            yield from _no_hexahedra(made, sizes, table.element, table.element_size_mm)
             return
         count = _elements(made, sizes.element)
         if count > MOST_ELEMENTS:
@@ -72,30 +74,49 @@ def bad_casing(scene: Scene, layout: Layout, made: Geometry, source: str) -> Ite
                 "casing.element_size_mm",
                 f"elements of {1000 * sizes.element:.3g} mm make about {count / 1e6:.1f} million tetrahedra, limit "
                 f"{MOST_ELEMENTS / 1e6:.1f} million",
-                f"Give {1000 * least:.2g} mm or more, or a lower casing.band_Hz if elements_per_wavelength is set",
+                f"Give {1000 * least:.2g} mm or more{OR_BAND}",
                 f"{table.element_size_mm:g}",
             )
 
 
-def _no_hexahedra(made: Housing, sizes: Sizes, element: str) -> Iterator[Problem]:
+def _no_hexahedra(made: Housing, sizes: Sizes, element: str, asked: float) -> Iterator[Problem]:
     """Why a housing cannot be meshed with hexahedra."""
     from fem.casing.hexahedra.section import shaft_places
 
+    count = _nodes(made, sizes.element)
+    if count > MOST_NODES:
+        yield Problem(
+            "casing.element_size_mm",
+            f"hexahedra of {1000 * sizes.element:.3g} mm make {count / 1e6:.1f} million nodes or more, limit "
+            f"{MOST_NODES / 1e6:.1f} million",
+            f"Give {1000 * sizes.element * (count / MOST_NODES) ** (1 / 2):.2g} mm or more{OR_BAND}",
+            f"{asked:g}",
+        )
+        return
     try:
         shaft_places(made, sizes.element, sizes.edge)
     except HousingError as error:
         yield Problem("casing.element", str(error), "", element)
 
 
+def _walls(made: Housing) -> list[tuple[float, float]]:
+    """Area (m2) and thickness (m) of the walls of a housing, both of each kind together."""
+    length, width, height = made.length, made.width, made.height
+    return [
+        (2 * length * width, max(made.wall("floor"), made.wall("cover"))),
+        (2 * length * height, made.wall("side")),
+        (2 * width * height, made.wall("end")),
+    ]
+
+
 def _elements(made: Housing, size: float) -> float:
     """About how many tetrahedra of an edge length (m) fill the walls of a housing."""
-    length, width, height = made.length, made.width, made.height
-    walls = 2 * (
-        length * width * max(made.wall("floor"), made.wall("cover"))
-        + length * height * made.wall("side")
-        + width * height * made.wall("end")
-    )
-    return walls / (size**3 / (6 * math.sqrt(2)))
+    return sum(area * thickness for area, thickness in _walls(made)) / (size**3 / (6 * math.sqrt(2)))
+
+
+def _nodes(made: Housing, size: float) -> float:
+    """Nodes of hexahedra of an edge length (m) in the walls of a housing, one or more through each, without bosses."""
+    return sum(4 * area / size**2 * (2 * math.ceil(thickness / size) + 1) for area, thickness in _walls(made))
 
 
 def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], what: str) -> Iterator[Problem]:

@@ -1,7 +1,8 @@
 """What a run costs before it is run: time steps, samples, seconds, memory and disk; and what is too much.
 
-The seconds follow from the loop benchmark (docs/benchmarks.md): 4 us and 0.06 us per mode and time step on one core of
-the machine it was measured on. Casings of finite elements add about as many modes as the shipped rig's.
+The seconds follow from the loop benchmark (docs/benchmarks.md): for a time step 4 us, 0.06 us per mode, and 4 us per
+sixteen slices of every stage, on one core of the machine it was measured on; twice as much where that is busy. Casings
+of finite elements add about as many modes as the shipped rig's.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from pipelines.scene.scene import Scene
 
 MOST_STEPS = 1e9  # of one simulation: half a day
 MOST_VALUES = 1e9  # samples times channels of one simulation: 8 GB
-_STEP_SECONDS, _MODE_SECONDS = 4e-6, 0.06e-6
+_STEP_SECONDS, _MODE_SECONDS, _SLICES_SECONDS = 4e-6, 0.06e-6, 4e-6
 _WRITTEN = 2  # responses in a result folder: the scene's own and that of its control
 _PACKED = 0.5  # size of a response file against the motion that the cache holds
 _HELD = 5e8  # bytes of signals that may be held in memory where the cache has no room for them
@@ -45,7 +46,8 @@ def cost(scene: Scene) -> Cost:
     table = scene.simulation
     samples = table.end_s * table.output_rate_Hz
     steps = samples * max(1.0, math.ceil(1e6 / table.output_rate_Hz / max(table.step_us, 1e-12) - 1e-9))
-    seconds = steps * (_STEP_SECONDS + _MODE_SECONDS * _modes(scene))
+    blocks = sum(math.ceil(stage.mesh.slices / 16) for stage in scene.stages)
+    seconds = steps * (_STEP_SECONDS + _MODE_SECONDS * _modes(scene) + _SLICES_SECONDS * blocks)
     return Cost(samples=samples, steps=steps, channels=_channels(scene), seconds=seconds)
 
 

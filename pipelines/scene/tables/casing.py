@@ -7,6 +7,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from fem.casing.parts.names import JOINTS, LARGEST_LOSS_FACTOR, MOUNTS
 from pipelines.scene.tables.base import MaterialTable, NotNegative, Number, Positive, Table
 from pipelines.scene.tables.housing import (
     Axes,
@@ -14,13 +15,44 @@ from pipelines.scene.tables.housing import (
     HousingTable,
     MatricesHousingTable,
     MeshHousingTable,
+    Vector,
 )
 
 Damping = Annotated[Number, Field(ge=0, lt=1)]
 Spring = Annotated[Number, Field(gt=0, le=1e7)]
+COVER, FEET = "cover", "feet"
+KNOWN_PARTS = (COVER, FEET, MOUNTS, JOINTS)
 POINTS = re.compile(
     r"(bearing|ground)_|(bearing|ground|casing|shaft|mesh|motor|load|rope|container)(_[0-9]+)?$|(origin|[xyz])$"
 )
+EDGE_LAYER = 0.09  # thickness of the layers of hexahedra along inner edges, over the size of elements
+
+
+class DampedPartTable(Table):
+    """A part of the casing that damps a mode in proportion to its share of the strain energy."""
+
+    name: Annotated[
+        str,
+        Field(
+            pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,39}$",
+            description="cover or feet of a parametric housing, mounts, joints (bolts), or any other with box_mm",
+        ),
+    ]
+    loss_factor: Annotated[
+        Number, Field(ge=0, lt=LARGEST_LOSS_FACTOR, description="twice the damping ratio of a body of this part alone")
+    ]
+    box_mm: Annotated[
+        tuple[Vector, Vector] | None, Field(description="lower and upper corner: the elements whose middle is inside")
+    ] = None
+
+    @model_validator(mode="after")
+    def _placed(self) -> DampedPartTable:
+        if (self.box_mm is None) != (self.name in KNOWN_PARTS):
+            what = "is known without box_mm; leave it out" if self.name in KNOWN_PARTS else "needs box_mm"
+            raise ValueError(f"name: {self.name!r} {what} (known: {', '.join(KNOWN_PARTS)})")
+        if self.box_mm is not None and not all(a < b for a, b in zip(*self.box_mm, strict=True)):
+            raise ValueError(f"box_mm: the corners {self.box_mm} must rise in x, y and z")
+        return self
 
 
 MOST_ERROR = 0.05  # that can be asked of frequencies
@@ -57,7 +89,10 @@ class FlexibleBase(Table):
     foot_element_size_mm: Annotated[Positive | None, Field(description="at the ground faces, where smaller")] = None
     edge_element_size_mm: Annotated[
         Positive | None,
-        Field(description="hexahedra of a parametric housing: thickness of thin ones along its inner edges; none"),
+        Field(
+            description="hexahedra of a parametric housing: thickness of the layers along its inner edges; left out: "
+            f"{EDGE_LAYER:g} of element_size_mm"
+        ),
     ] = None
     damping_ratio: Annotated[
         Damping | tuple[tuple[NotNegative, Damping], ...],
@@ -122,6 +157,10 @@ class ElasticBase(FlexibleBase):
         Literal["mean", "rigid"],
         Field(description="of bearing and mount points to their faces: mean motion (RBE3) or rigid (RBE2)"),
     ] = "mean"
+    damped_parts: Annotated[
+        tuple[DampedPartTable, ...],
+        Field(description="parts with loss factors of their own, by strain energy; damping_ratio is that of the rest"),
+    ] = ()
     extrapolated: Annotated[
         bool,
         Field(description="stiffness extrapolated to elements of size zero, by two coarser meshes"),
@@ -154,6 +193,23 @@ class ElasticBase(FlexibleBase):
             )
         if self.extrapolated and isinstance(self.housing, MeshHousingTable | MatricesHousingTable):
             raise ValueError("extrapolated: the file has one element size only; give a STEP file, or leave this out")
+        return self
+
+    @model_validator(mode="after")
+    def _parts(self) -> ElasticBase:
+        names = [part.name for part in self.damped_parts]
+        if repeated := sorted({name for name in names if names.count(name) > 1}):
+            raise ValueError(f"damped_parts: {repeated[0]} is given {names.count(repeated[0])} times")
+        if JOINTS in names and getattr(self.housing, "joint", None) is None:
+            raise ValueError("damped_parts: the housing has no joint; give casing.housing.joint, or leave joints out")
+        if MOUNTS in names and self.ground != "springs":
+            raise ValueError('damped_parts: a casing with ground "fixed" has no mounts; leave them out')
+        if isinstance(self.housing, MatricesHousingTable) and set(names) - {MOUNTS}:
+            raise ValueError("damped_parts: of matrices only the mounts are known; leave the other parts out")
+        if not isinstance(self.housing, HousingTable) and (unknown := {COVER, FEET} & set(names)):
+            raise ValueError(
+                f"damped_parts: {sorted(unknown)[0]} of a housing from a file is not known; take box_mm, another name"
+            )
         return self
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from fem.casing.parts.bolts import Size
 from pipelines.scene.tables.base import Flag, Number, Positive, Table, Whole
 
 Vector = tuple[Number, Number, Number]
@@ -17,6 +18,7 @@ LARGEST = 1e5  # mm; beyond it products of lengths lose all digits
 Length = Annotated[Number, Field(gt=0, le=LARGEST)]
 Depth = Annotated[Number, Field(ge=0, le=LARGEST)]
 Place = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
+Stiffness = Annotated[Number, Field(gt=0, le=1e9)]
 OptionalWall = Annotated[Length | None, Field(description="where it differs from wall_thickness_mm")]
 
 
@@ -31,11 +33,58 @@ class RibTable(Table):
 
 
 class FlangeTable(Table):
-    """The rim at the split plane over which the cover is bonded to the lower part."""
+    """The rim at the split plane over which the cover is bonded or bolted to the lower part."""
 
     split_plane_mm: Annotated[Place, Field(description="z of the split plane; shaft 1 is z = 0")] = 0.0
     width_mm: Annotated[Length, Field(description="beyond the outer faces of the walls")]
     height_mm: Annotated[Length, Field(description="of both halves together")]
+
+
+class JointTable(Table):
+    """Bolts that hold two parts of a housing together; without them the parts are bonded."""
+
+    bolt: Annotated[Size, Field(description="size of all bolts, hexagon heads, holes of ISO 273 medium")]
+    outer_diameter_mm: Annotated[
+        Length | None,
+        Field(description="of the clamped parts, D_A of VDI 2230; left out: as far as they stay closed"),
+    ] = None
+    stiffness_N_per_um: Annotated[
+        tuple[Stiffness, Stiffness] | None,
+        Field(description="of each bolt along and across its axis; left out: by the deformation cone of VDI 2230"),
+    ] = None
+
+
+class CoverJointTable(JointTable):
+    """Bolts of the cover: in the flange, or without a flange down through the cover into the walls."""
+
+    pitch_mm: Annotated[
+        Length | None, Field(description="largest distance of neighbouring bolts, set at corners and beside bosses")
+    ] = None
+    positions_mm: Annotated[
+        tuple[tuple[Place, Place], ...], Field(description="x, y of bolts; with pitch_mm of further ones")
+    ] = ()
+
+    @model_validator(mode="after")
+    def _some(self) -> CoverJointTable:
+        if self.pitch_mm is None and not self.positions_mm:
+            raise ValueError("has no bolts; give pitch_mm, positions_mm or both")
+        return self
+
+
+class PlaneJointTable(JointTable):
+    """Bolts across a plane in which two solids of a file touch, or elements of a mesh meet."""
+
+    through_mm: Annotated[Vector, Field(description="a point of the plane")]
+    normal: Annotated[Vector, Field(description="of the plane, towards the heads of the bolts")] = (0.0, 0.0, 1.0)
+    clamped_mm: Annotated[tuple[Length, Length], Field(description="thickness under the heads, and beyond the plane")]
+    tapped: Annotated[Flag, Field(description="the threads are beyond the plane, without nuts")] = False
+    positions_mm: Annotated[tuple[Vector, ...], Field(min_length=1, description="a point on the axis of every bolt")]
+
+    @model_validator(mode="after")
+    def _direction(self) -> PlaneJointTable:
+        if not any(self.normal):
+            raise ValueError("normal: has no length; give a direction")
+        return self
 
 
 class HousingTable(Table):
@@ -68,6 +117,7 @@ class HousingTable(Table):
     foot_fillet_mm: Annotated[Depth, Field(description="radius where feet meet floor or wall; 0: sharp")] = 0.0
     inner_fillet_mm: Annotated[Depth, Field(description="radius of the edges of the cavity; 0: sharp")] = 0.0
     flange: FlangeTable | None = None
+    joint: Annotated[CoverJointTable | None, Field(description="bolts of the cover; left out: bonded")] = None
     ribs: RibTable | None = None
 
     @property
@@ -136,6 +186,7 @@ class ImportedTable(Table):
     wall_thickness_mm: Annotated[
         Positive | None, Field(description="of the thinnest wall, for casing.elements_per_wavelength")
     ] = None
+    joint: Annotated[PlaneJointTable | None, Field(description="bolts between two parts; left out: bonded")] = None
 
     @model_validator(mode="after")
     def _names(self) -> Any:

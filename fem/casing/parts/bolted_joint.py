@@ -1,0 +1,130 @@
+"""Two halves of a casing that hold together by bolts: closed in a ring around every bolt, open elsewhere.
+
+A preloaded joint stays closed where the pressure cone of a bolt meets the interface, between its hole and the diameter
+of the cone there; beyond, the halves may part and slide. In the ring of area A they are held by springs, evenly spread,
+
+    K = int N^T [k_n n n^T + k_t (1 - n n^T)] N dA / A,      N u = u_above - u_below
+
+with k_n from the deformation cone (`fem.casing.parts.bolts`) and k_t = k_n 2 (1 - nu)/(2 - nu), the ratio of an area
+that sticks (Mindlin 1949, J. Appl. Mech. 16, 259-268). A rigid motion of both halves strains none of them.
+
+The cone is the resilience of the parts between head and nut. The elements of both halves have most of it as well, so
+that these springs are on the soft side; ten times as stiff, they leave it to the elements. Far stiffer ones close all
+of a facet of which the ring holds a part, and the result depends on the mesh. Joints that open beyond their rings, or
+slip, are not linear and lie outside this model; halves may pass through each other between the rings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem.casing.meshing.mesh import MeshError
+from fem.casing.parts.bolts import Bolt
+from fem.casing.parts.split import Plane, SplitMesh
+from fem.elements.facets import facet_element
+from fem.elements.materials import Material
+from fem.elements.solid_elements import shapes
+
+_FINE = 12  # pieces along the side of a facet, of which those within the ring count
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoltedJoint:
+    """Equal bolts across a plane; `places` (m) lie on their axes, which stand on it.
+
+    `stiffness` (N/m, normal and tangential, of every bolt) replaces what follows from the deformation cone.
+    """
+
+    plane: Plane
+    bolt: Bolt
+    places: tuple[tuple[float, float, float], ...]
+    stiffness: tuple[float, float] | None = None
+
+    def stiffness_in(self, material: Material) -> tuple[float, float]:
+        """Of every bolt along and across its axis, N/m, in parts of a material."""
+        if self.stiffness is not None:
+            return self.stiffness
+        normal, nu = self.bolt.stiffness(material.elastic_modulus), material.poisson_ratio
+        return normal, normal * 2.0 * (1.0 - nu) / (2.0 - nu)
+
+
+def contact_areas(joint: BoltedJoint, split: SplitMesh) -> np.ndarray:
+    """Area (bolt,) on which each bolt holds the halves together, m2; less than its ring where the interface ends."""
+    points, weights, _, _ = _pieces(split)
+    return np.array([float(weights[_inside(joint, np.array(place), points)].sum()) for place in joint.places])
+
+
+def _inside(joint: BoltedJoint, place: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Which points (q, 3) of the interface lie in the ring of a bolt."""
+    off, normal = points - place, np.array(joint.plane.normal)
+    radius = np.linalg.norm(off - np.outer(off @ normal, normal), axis=1)
+    return np.asarray((radius > joint.bolt.hole / 2.0) & (radius < joint.bolt.contact_diameter / 2.0))
+
+
+def joint_stiffness(joint: BoltedJoint, split: SplitMesh, material: Material) -> sp.csr_matrix:
+    """Stiffness (3 node, 3 node) of all bolts, N/m.
+
+    Parameters
+    ----------
+    joint, split, material : the bolts, the halves that they hold, and what these are made of
+
+    Raises
+    ------
+    MeshError : a bolt around which the halves do not touch
+    """
+    points, weights, values, numbers = _pieces(split)
+    nodes = split.mesh.nodes
+    normal = np.array(joint.plane.normal)
+    along, across = joint.stiffness_in(material)
+    density = np.zeros(len(points))
+    for number, place in enumerate(np.array(joint.places), 1):
+        ring = _inside(joint, place, points)
+        if not ring.any():
+            x, y, z = 1000 * place
+            raise MeshError(
+                f"casing joint: the halves do not touch around bolt {number} at ({x:.4g}, {y:.4g}, {z:.4g}) mm, "
+                f"between diameters {1000 * joint.bolt.hole:.4g} and {1000 * joint.bolt.contact_diameter:.4g} mm; move "
+                "the bolt"
+            )
+        density[ring] += weights[ring] / weights[ring].sum()
+    used = np.flatnonzero(density)
+    row = np.repeat(np.arange(len(used)), values.shape[1])
+    shape = (len(used), len(nodes))
+    facet = numbers[used]
+    apart = sp.csr_matrix((values[used].ravel(), (row, split.above[facet].ravel())), shape=shape)
+    apart -= sp.csr_matrix((values[used].ravel(), (row, split.below[facet].ravel())), shape=shape)
+    held = sp.csr_matrix(apart.T @ sp.diags_array(density[used]) @ apart)
+    tensor = across * np.eye(3) + (along - across) * np.outer(normal, normal)
+    return sp.csr_matrix(sp.kron(held, tensor))
+
+
+def _pieces(split: SplitMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Middles (q, 3) of small pieces of the interface, their areas (q,), shape functions (q, k) and facets (q,)."""
+    element = facet_element(split.above)
+    local, share = _middles(element.refdom.nnodes)
+    values, slopes = shapes(element, local)
+    corners = split.mesh.nodes[split.above]
+    tangents = np.einsum("qar,fad->fqrd", slopes, corners, optimize=True)
+    areas = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=2) * share
+    count = len(corners)
+    return (
+        (values @ corners).reshape(-1, 3),
+        areas.ravel(),
+        np.tile(values, (count, 1)),
+        np.repeat(np.arange(count), values.shape[0]),
+    )
+
+
+def _middles(corners: int) -> tuple[np.ndarray, float]:
+    """Middles (2, q) of equal pieces of the reference triangle or square, and the area of one."""
+    step = (np.arange(_FINE) + 0.5) / _FINE
+    if corners == 4:
+        return np.array(np.meshgrid(step, step)).reshape(2, -1), 1.0 / _FINE**2
+    i, j = np.array([(i, j) for i in range(_FINE) for j in range(_FINE - i)]).T
+    upright = (np.array([i, j]) + 1.0 / 3.0) / _FINE
+    inner = i + j < _FINE - 1
+    turned = (np.array([i[inner], j[inner]]) + 2.0 / 3.0) / _FINE
+    return np.hstack([upright, turned]), 0.5 / _FINE**2

@@ -1,0 +1,53 @@
+"""Forces of the ground on clamped feet, from what moves above them: rows of a reduced casing at rest.
+
+A body K u = f - M X a at rest, u = E q with clamped nodes left out, bearings at u_b = B q, and f forces at the bearings
+alone. With the constraint modes Psi and P, the inverse of E^T K E on B q = 0 (see `fem.casing.reduced.reduction`),
+
+    q = Psi u_b - P E^T M X a,    F = W (K E q + M X a) = (W K E Psi) u_b + W (M X - K E P E^T M X) a
+
+W sums the nodes of every foot along x, y, z, X moves all of the body by 1 along these axes. The second term does not
+come from the modes that a reduction keeps, so that all feet together carry the whole weight, whatever these are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import scipy.sparse as sp
+
+
+def foot_sums(unknowns: Sequence[np.ndarray], size: int) -> sp.csr_matrix:
+    """W (3 feet, size), which sums the unknowns of every foot; what two feet share counts half for each.
+
+    Parameters
+    ----------
+    unknowns : of every foot those along x, along y, along z
+    size : number of unknowns
+    """
+    rows = np.repeat(np.arange(len(unknowns)), [len(one) for one in unknowns])
+    at = np.concatenate(unknowns)
+    shared = np.bincount(at, minlength=size)
+    return sp.csr_matrix((1.0 / shared[at], (rows, at)), shape=(len(unknowns), size))
+
+
+def clamped_reactions(
+    sums: sp.csr_matrix,
+    K: sp.csr_matrix,
+    MX: np.ndarray,
+    expansion: sp.csr_matrix,
+    constraint: np.ndarray,
+    inverse: Callable[[np.ndarray], np.ndarray],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Force (3 feet, b) per displacement of the b interface coordinates (N/m, N/rad), and force (3 feet, 3) per
+    acceleration of the ground along x, y, z with the interface held (kg).
+
+    Parameters
+    ----------
+    sums : W (3 feet, n)
+    K : sparse (n, n), N/m, of the free body
+    MX : (n, 3), kg, M X of the free body
+    expansion, constraint, inverse : E (n, q), Psi (q, b) and Y (q, k) -> P Y of the held body
+    """
+    WK = sums @ K @ expansion
+    return WK @ constraint, sums @ MX - WK @ inverse(expansion.T @ MX)

@@ -1,0 +1,69 @@
+"""Parts of a meshed housing: the elements whose middle lies in a box, and the stiffness that they bring.
+
+Whatever lies in no region is the rest of the housing. Mounts under the feet and bolted joints are parts, too, without
+elements (`fem.casing.parts.names`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem.casing.meshing.mesh import MeshError
+from fem.elements.materials import Material
+from fem.elements.solid_elements import solid_element
+from fem.elements.solids import assemble
+
+
+@dataclass(frozen=True, kw_only=True)
+class Region:
+    """A box (m), open on the sides whose corners are infinite."""
+
+    name: str
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+
+
+def elements_inside(nodes: np.ndarray, elements: np.ndarray, regions: Sequence[Region]) -> list[np.ndarray]:
+    """Numbers of the elements of every region.
+
+    Parameters
+    ----------
+    nodes, elements : of the mesh, (n, 3) in m and (e, k)
+    regions : boxes
+
+    Raises
+    ------
+    MeshError : a region without elements, or an element in two of them
+    """
+    middle = nodes[elements[:, : solid_element(elements).corners]].mean(axis=1)
+    inside = [((middle > region.low) & (middle < region.high)).all(axis=1) for region in regions]
+    for number, (region, chosen) in enumerate(zip(regions, inside, strict=True)):
+        if not chosen.any():
+            raise MeshError(f"casing part {region.name}: no element lies in it; correct its box")
+        for other, taken in zip(regions[:number], inside[:number], strict=True):
+            if both := int((chosen & taken).sum()):
+                raise MeshError(
+                    f"casing parts {other.name} and {region.name} share {both} elements; separate the boxes"
+                )
+    return [np.flatnonzero(chosen) for chosen in inside]
+
+
+def stiffness_of(nodes: np.ndarray, elements: np.ndarray, material: Material) -> sp.csr_matrix:
+    """Stiffness (3 node, 3 node) of some elements (e, k) of a mesh with these nodes, N/m."""
+    used, flat = np.unique(elements, return_inverse=True)
+    K, _ = assemble(
+        nodes[used],
+        flat.reshape(elements.shape),
+        elastic_modulus=material.elastic_modulus,
+        poisson_ratio=material.poisson_ratio,
+        density=material.density,
+    )
+    unknowns = (3 * used[:, None] + np.arange(3)).ravel()
+    entries = K.tocoo()
+    return sp.csr_matrix(
+        (entries.data, (unknowns[entries.row], unknowns[entries.col])), shape=(3 * len(nodes), 3 * len(nodes))
+    )

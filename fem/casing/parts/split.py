@@ -1,0 +1,83 @@
+"""A mesh cut in two along a plane in which its elements meet: every node of the plane becomes two."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.casing.meshing.mesh import CasingMesh, MeshError
+from fem.elements.facets import outer_facets
+from fem.elements.solid_elements import solid_element
+
+_IN_PLANE = 1e-3  # of the element size: as far as nodes may lie off the plane
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plane:
+    """A plane through a point (m); `normal` has unit length."""
+
+    through: tuple[float, float, float]
+    normal: tuple[float, float, float]
+
+    def height(self, points: np.ndarray) -> np.ndarray:
+        """Distance of points (..., 3) from the plane along its normal."""
+        return np.asarray((points - np.array(self.through)) @ np.array(self.normal))
+
+
+@dataclass(frozen=True, eq=False)
+class SplitMesh:
+    """Two halves that touch facet by facet; column by column the nodes of `below` and `above` (f, k) coincide."""
+
+    mesh: CasingMesh
+    below: np.ndarray
+    above: np.ndarray
+
+
+def split_mesh(mesh: CasingMesh, plane: Plane) -> SplitMesh:
+    """The mesh with what lies above the plane (along its normal) apart from what lies below.
+
+    Raises
+    ------
+    MeshError : elements on both sides of the plane, or no facet in it
+    """
+    height, near = plane.height(mesh.nodes), _IN_PLANE * mesh.element_size
+    corners = height[mesh.elements[:, : solid_element(mesh.elements).corners]]
+    crossed = (corners.min(axis=1) < -near) & (corners.max(axis=1) > near)
+    x, y, z = (1000 * value for value in plane.through)
+    where = f"casing joint in the plane through ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+    if crossed.any():
+        middle = 1000 * mesh.nodes[mesh.elements[crossed][0]].mean(axis=0)
+        raise MeshError(
+            f"{where}: {int(crossed.sum())} of {len(crossed)} elements cross it, one around "
+            f"({', '.join(f'{value:.4g}' for value in middle)}) mm; two solids must touch in it (of a STEP file: with "
+            "glue = true), a parametric housing without flange needs its cover there"
+        )
+    upper = corners.mean(axis=1) > 0.0
+    shared = np.intersect1d(mesh.elements[upper], mesh.elements[~upper])
+    moved = np.arange(len(mesh.nodes))
+    moved[shared] = len(mesh.nodes) + np.arange(len(shared))
+    nodes = np.vstack([mesh.nodes, mesh.nodes[shared]])
+    elements = np.where(upper[:, None], moved[mesh.elements], mesh.elements)
+    origin = np.concatenate([np.arange(len(mesh.nodes)), shared])
+    facets = outer_facets(nodes, elements)
+    owner = {tuple(key): patch for key, patch in zip(_keys(mesh.facets), mesh.facet_patch.tolist(), strict=True)}
+    keys = [tuple(key) for key in _keys(origin[facets])]
+    inner = np.array([key not in owner for key in keys])
+    above = facets[inner & (facets >= len(mesh.nodes)).all(axis=1)]
+    if not len(above):
+        raise MeshError(f"{where}: no facet of the mesh lies in it; correct the plane")
+    return SplitMesh(
+        mesh=mesh.replaced(
+            nodes=nodes,
+            elements=elements,
+            facets=facets,
+            facet_patch=np.array([owner.get(key, -1) for key in keys]),
+        ),
+        below=origin[above],
+        above=above,
+    )
+
+
+def _keys(facets: np.ndarray) -> list[list[int]]:
+    return np.sort(facets, axis=1).tolist()

@@ -1,0 +1,265 @@
+"""Hexahedra, wedges and pyramids divided into tetrahedra between the same nodes, so that elements of any kind conform.
+
+A quadrilateral is cut along the diagonal through the lowest number among its corners; both its elements do that alike.
+An element becomes the tetrahedra from its own lowest corner to the triangles of the faces that do not hold it: 6 of a
+hexahedron, 3 of a wedge, 2 of a pyramid. Mid-side nodes stay where they are. The middle of a diagonal is the node in
+the face where there is one, else it lies where the shape functions of the face or of the element map its middle, so
+that a curved side stays curved. Corners stand in the order of VTK; mid-side nodes are recognised by their places.
+
+Reference: Dompierre, Labbe, Vallet & Camarero (1999), How to subdivide pyramids, prisms, and hexahedra into
+tetrahedra, Proc. 8th Int. Meshing Roundtable, 195-204.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.elements.solid_elements import SOLIDS, ElementError
+
+OFF_MIDDLE = 0.3  # of the edge length: a mid-side node farther from the middle belongs to another edge
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """Edges and outward faces of an element by its corners."""
+
+    word: str
+    edges: tuple[tuple[int, int], ...]
+    faces: tuple[tuple[int, ...], ...]
+
+    @property
+    def quadrilaterals(self) -> list[tuple[int, ...]]:
+        return [face for face in self.faces if len(face) == 4]
+
+
+_TETRAHEDRON = _Shape(
+    "tetrahedra", ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)), ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
+)
+_PYRAMID = _Shape(
+    "pyramids",
+    ((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)),
+    ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)),
+)
+_WEDGE = _Shape(
+    "wedges",
+    ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)),
+    ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)),
+)
+_HEXAHEDRON = _Shape(
+    "hexahedra",
+    ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
+    ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
+)
+_SHAPES = {  # corners and shape by the number of nodes
+    **dict.fromkeys((4, 10), (4, _TETRAHEDRON)),
+    **dict.fromkeys((5, 13, 14), (5, _PYRAMID)),
+    **dict.fromkeys((6, 15, 18), (6, _WEDGE)),
+    **dict.fromkeys((8, 20, 27), (8, _HEXAHEDRON)),
+}
+
+
+def divided(nodes: np.ndarray, blocks: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """All elements as tetrahedra of 4 nodes, or of 10 where the elements have mid-side nodes.
+
+    Parameters
+    ----------
+    nodes : float (n, 3), mm (which is only said in messages)
+    blocks : int (e, k) each, the elements of one kind: tetrahedra of 4 or 10 nodes, pyramids of 5, 13 or 14, wedges of
+        6, 15 or 18, hexahedra of 8, 20 or 27
+
+    Returns
+    -------
+    nodes : float (m, 3), those given and behind them the middles of diagonals
+    elements : int (t, 4 or 10)
+
+    Raises
+    ------
+    ElementError : linear beside quadratic elements, mid-side nodes off their edges, triangles on quadrilaterals
+    """
+    blocks = [np.asarray(block, np.int64) for block in blocks if len(block)]
+    quadratic = {block.shape[1] != _SHAPES[block.shape[1]][0] for block in blocks}
+    if len(quadratic) > 1:
+        counts = ", ".join(f"{len(b)} {_SHAPES[b.shape[1]][1].word} of {b.shape[1]} nodes" for b in blocks)
+        raise ElementError(
+            f"elements with and without mid-side nodes do not fit together ({counts}); make all of them quadratic"
+        )
+    ordered = [_ordered(nodes, block) for block in blocks]
+    _check_conforming(nodes, ordered)
+    parts = [_outwards(nodes, _corner_tetrahedra(block)) for block in ordered]
+    corners = np.vstack(parts)
+    if not quadratic.pop():
+        return nodes, corners
+    return _with_middles(nodes, ordered, corners)
+
+
+def described(blocks: Sequence[np.ndarray]) -> str:
+    """How many elements of which shape the blocks hold, in words."""
+    counts: dict[str, int] = {}
+    for block in blocks:
+        word = _SHAPES[block.shape[1]][1].word
+        counts[word] = counts.get(word, 0) + len(block)
+    return ", ".join(f"{count} {word}" for word, count in counts.items())
+
+
+def cut_quadrilaterals(faces: np.ndarray) -> np.ndarray:
+    """The triangles (2 f, 3) of quadrilaterals (f, 4), two of each, along the diagonal through the lowest corner."""
+    first = faces.argmin(axis=1)
+    a, b, c, d = np.take_along_axis(faces, (first[:, None] + np.arange(4)) % 4, axis=1).T
+    return np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+
+
+def _ordered(nodes: np.ndarray, block: np.ndarray) -> np.ndarray:
+    """The elements with every mid-side and mid-face node in the order of the edges and faces of its shape."""
+    count, shape = _SHAPES[block.shape[1]]
+    if block.shape[1] == count:
+        return block
+    edges, quadrilaterals = np.array(shape.edges), shape.quadrilaterals
+    ends = nodes[block[:, edges]]
+    length = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2)
+    found = block.copy()
+    places = np.arange(count, block.shape[1])
+    some = slice(None, None, 1 + len(block) // 1000)  # elements that tell the order of all
+    order = _places(nodes, block[some], places, ends.mean(axis=2)[some])
+    found[:, count : count + len(edges)] = block[:, order]
+    far = np.linalg.norm(nodes[found[:, count : count + len(edges)]] - ends.mean(axis=2), axis=2)
+    if not (far < OFF_MIDDLE * length).all() or len(set(order.tolist())) < len(edges):
+        worst = int((far / np.maximum(length, 1e-300)).max(axis=1).argmax())
+        raise ElementError(
+            f"mid-side nodes do not lie near the middles of their edges (limit {OFF_MIDDLE:g} edge lengths), the worst "
+            f"in one of the {shape.word} {_near(nodes, block[worst, :count])}; check the order of the nodes"
+        )
+    rest = np.setdiff1d(places, order)
+    if len(rest):
+        centres = [nodes[block[some][:, list(corners)]].mean(axis=1) for corners in (*quadrilaterals, range(count))]
+        of_rest = _places(nodes, block[some], rest, np.stack(centres[: len(rest)], axis=1))
+        found[:, count + len(edges) :] = block[:, of_rest]
+    return found
+
+
+def _places(nodes: np.ndarray, block: np.ndarray, among: np.ndarray, middles: np.ndarray) -> np.ndarray:
+    """Of the places `among` in the elements (e, k), those whose nodes lie nearest to the middles (e, m, 3)."""
+    off = np.linalg.norm(nodes[block[:, among]][:, None] - middles[:, :, None], axis=3)  # (e, m, among)
+    size = np.maximum(np.ptp(nodes[block], axis=1).max(axis=1), 1e-300)
+    found: np.ndarray = among[np.median(off / size[:, None, None], axis=0).argmin(axis=1)]
+    return found
+
+
+def _check_conforming(nodes: np.ndarray, blocks: Sequence[np.ndarray]) -> None:
+    """ElementError where two triangles lie on one quadrilateral: its diagonal need not be the one that we cut along."""
+    triangles, quadrilaterals = [np.zeros((0, 3), np.int64)], [np.zeros((0, 4), np.int64)]
+    for block in blocks:
+        for face in _SHAPES[block.shape[1]][1].faces:
+            (triangles if len(face) == 3 else quadrilaterals).append(np.sort(block[:, list(face)], axis=1))
+    if len(triangles) == 1 or len(quadrilaterals) == 1:
+        return
+    loose, open_ones = (_used_once(np.vstack(faces)) for faces in (triangles, quadrilaterals))
+    corners = np.vstack([np.delete(open_ones, left_out, axis=1) for left_out in range(4)])
+    size = len(nodes)
+    shared = loose[np.isin(_key(loose, size), _key(corners, size))]
+    if len(shared):
+        raise ElementError(
+            f"{len(shared)} triangles lie on quadrilaterals of other elements, one {_near(nodes, shared[0])}: "
+            "tetrahedra meet hexahedra or wedges there without pyramids in between. Mesh the part with pyramids, or "
+            "with tetrahedra alone"
+        )
+
+
+def _used_once(faces: np.ndarray) -> np.ndarray:
+    unique, uses = np.unique(faces, axis=0, return_counts=True)
+    return unique[uses == 1]
+
+
+def _key(triangles: np.ndarray, size: int) -> np.ndarray:
+    """One number for three sorted ones below `size`; exact to two million nodes."""
+    return (triangles[:, 0] * size + triangles[:, 1]) * size + triangles[:, 2]
+
+
+def _corner_tetrahedra(block: np.ndarray) -> np.ndarray:
+    """Corners (t, 4) of the tetrahedra of all elements of a block; those of a collapsed side are left out."""
+    count, shape = _SHAPES[block.shape[1]]
+    corners = block[:, :count]
+    lowest = corners.argmin(axis=1)
+    parts = []
+    for top in range(count):
+        own = corners[lowest == top]
+        for face in shape.faces:
+            if top in face:
+                continue
+            outer = own[:, list(face)]
+            triangles = outer if len(face) == 3 else cut_quadrilaterals(outer)
+            parts.append(np.column_stack([np.tile(own[:, top], len(triangles) // max(len(own), 1)), triangles]))
+    found = np.vstack(parts)
+    ordered = np.sort(found, axis=1)
+    return found[(np.diff(ordered, axis=1) > 0).all(axis=1)]
+
+
+def _outwards(nodes: np.ndarray, tetrahedra: np.ndarray) -> np.ndarray:
+    """The tetrahedra; turned over if all are inside out, as those of a program that numbers the other way round."""
+    corners = nodes[tetrahedra]
+    if (np.linalg.det(corners[:, 1:] - corners[:, :1]) >= 0.0).any():
+        return tetrahedra
+    return tetrahedra[:, [0, 2, 1, 3]]
+
+
+def _with_middles(
+    nodes: np.ndarray, blocks: Sequence[np.ndarray], corners: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Ten-node tetrahedra: the mid-side nodes of the file, and nodes in the middles of the diagonals."""
+    ends, middles = [], []  # pairs of corners, and the node between them
+    places = [nodes]
+    count = len(nodes)
+    for block in blocks:
+        for pairs, node, place in _middles(nodes, block):
+            ends.append(np.sort(pairs, axis=1))
+            if place is not None:
+                node = count + np.arange(len(place))
+                places.append(place)
+                count += len(place)
+            middles.append(node)
+    every, between = np.vstack(ends), np.concatenate(middles)
+    key, first = np.unique(every[:, 0] * len(nodes) + every[:, 1], return_index=True)
+    edges = np.sort(corners[:, np.array(SOLIDS["tetrahedron-10"].library.refdom.edges)], axis=2)
+    where = np.searchsorted(key, edges[..., 0] * len(nodes) + edges[..., 1])
+    return np.vstack(places), np.column_stack([corners, between[first[where]]])
+
+
+_Middles = tuple[np.ndarray, np.ndarray, np.ndarray | None]
+
+
+def _middles(nodes: np.ndarray, block: np.ndarray) -> list[_Middles]:
+    """Pairs of corners (e, 2) with the nodes (e,) between them, or the places (e, 3) where nodes are missing."""
+    count, shape = _SHAPES[block.shape[1]]
+    found: list[_Middles] = [
+        (block[:, list(edge)], block[:, count + place], None) for place, edge in enumerate(shape.edges)
+    ]
+    of_edge = {frozenset(edge): count + place for place, edge in enumerate(shape.edges)}
+    none = np.zeros(0, np.int64)
+    for place, face in enumerate(shape.quadrilaterals):
+        own = block[:, list(face)]
+        first = own.argmin(axis=1)[:, None]
+        diagonal = np.hstack([np.take_along_axis(own, (first + step) % 4, axis=1) for step in (0, 2)])
+        in_face = count + len(shape.edges) + place
+        if in_face < block.shape[1]:
+            found.append((diagonal, block[:, in_face], None))
+            continue
+        sides = [of_edge[frozenset((face[i], face[(i + 1) % 4]))] for i in range(4)]
+        found.append((diagonal, none, 0.5 * nodes[block[:, sides]].sum(axis=1) - 0.25 * nodes[own].sum(axis=1)))
+    if shape is _HEXAHEDRON:
+        lowest = block[:, :8].argmin(axis=1)
+        opposite = np.array([6, 7, 4, 5, 2, 3, 0, 1])[lowest]
+        rows = np.arange(len(block))
+        diagonal = np.column_stack([block[rows, lowest], block[rows, opposite]])
+        if block.shape[1] == 27:
+            found.append((diagonal, block[:, 26], None))
+        else:
+            inside = 0.25 * nodes[block[:, 8:20]].sum(axis=1) - 0.25 * nodes[block[:, :8]].sum(axis=1)
+            found.append((diagonal, none, inside))
+    return found
+
+
+def _near(nodes: np.ndarray, corners: np.ndarray) -> str:
+    x, y, z = nodes[corners].mean(axis=0)
+    return f"near ({x:.5g}, {y:.5g}, {z:.5g}) mm"

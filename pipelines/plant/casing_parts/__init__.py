@@ -1,0 +1,1 @@
+"""Parts of a casing and the joints between them, from the scene to SI."""
