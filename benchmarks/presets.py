@@ -1,11 +1,13 @@
 """Part `presets`: the full rig under each preset, cold, and how far its answers are from those of the reference.
 
 Cold: an empty cache, compiled code on disk (a run of its own before compiles it), `gearcase simulate` as a user types
-it, from the start of the process to the written signals. The presets share no stage, so one cache serves all three.
+it, from the start of the process to the written signals. Each has a cache of its own, because the scene as written and
+`standard` share steps; the errors are read from all of them together.
 """
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import time
 from pathlib import Path
@@ -32,7 +34,9 @@ def presets(folder: Path) -> list[dict[str, Any]]:
     run(folder / "compiled", *COMPILED)
     walls = {}
     for preset in (AS_WRITTEN, *PRESETS):
-        walls[preset] = run(cold, SCENE, *(() if preset == AS_WRITTEN else ("--preset", preset)))
+        own = folder / preset
+        walls[preset] = run(own, SCENE, *(() if preset == AS_WRITTEN else ("--preset", preset)))
+        shutil.copytree(own / "cache", cold / "cache", dirs_exist_ok=True)
     asked = {preset: preset_settings(loaded.scene, preset) for preset in PRESETS}
     laws = {key: value for key, value in asked[REFERENCE].items() if key.endswith(".mesh")}
     asked |= {f"{preset}, laws of {REFERENCE}": asked[preset] | laws for preset in PRESETS if preset != REFERENCE}
