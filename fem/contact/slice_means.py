@@ -26,6 +26,7 @@ PLACES = 17  # in a slice, at which its gap is read
 EVEN = 1e-12  # m: a gap that varies less is the same everywhere in a slice
 MOST_EVEN = 0.95  # what is left of a slice that only just meets a steep end counts for nothing
 WIDEST = 0.1  # mesh cycles
+NARROWEST = 0.5  # steps of the grid of the law
 CLOSED = 1e-9  # fraction of a slice that is rounding
 ROUNDS = 40
 
@@ -92,13 +93,13 @@ def _closing_loads(law: MeshLaw, at: np.ndarray, xi: np.ndarray, above: np.ndarr
 def _gap(law: MeshLaw, at: np.ndarray, gap: np.ndarray, xi: np.ndarray, straight: tuple[bool, bool]) -> np.ndarray:
     """Gap (position, PLACES), m, at the places of slices about xi; at, xi in steps of the grid.
 
-    Slices narrower than a step of the grid (spur gears) and wider than `WIDEST` have one gap all over.
+    Slices narrower than half a step of the grid (spur gears) and wider than `WIDEST` have one gap all over.
 
     straight : whether it goes on straight before the first and behind the last of its points
     """
     width = float(np.ptp(law.cycle_shift)) / max(law.cycle_shift.size - 1, 1)
     half = width / 2 / law.position_step
-    if not law.position_step < width <= WIDEST:
+    if not NARROWEST * law.position_step < width <= WIDEST:
         return np.broadcast_to(np.interp(xi, at, gap)[:, None], (xi.size, PLACES))
     far = max(half, 1.0)
     first = gap[0] - straight[0] * far * (gap[1] - gap[0])
