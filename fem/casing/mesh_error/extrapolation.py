@@ -27,7 +27,7 @@ from fem.casing.meshing.sizes import Sizes
 from fem.casing.parts.bolted_joint import BoltedJoint
 from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.casing.reduced.grounded import Attachment, Ground, ground_casing
-from fem.casing.reduced.lanczos import block_lanczos
+from fem.casing.reduced.halves import lowest
 from fem.casing.reduced.modes import CasingModes
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import Material
@@ -91,7 +91,7 @@ def lowest_modes(
     with threadpool_limits(1):  # the heavy steps run in two halves side by side
         casing = ground_casing(mesh, material, interfaces=interfaces, ground=ground, attachment=attachment, joint=joint)
         if ground == "fixed" and not static:  # definite as it stands: no interface needs to be held
-            theta, phi = block_lanczos(casing.interface.factor.solve, casing.M_free, count=MODES)
+            theta, phi = lowest(casing.interface, casing.M_free, MODES)
             frequencies = 1.0 / (2.0 * np.pi * np.sqrt(theta))
         else:
             count = 0 if static else 2 * MODES  # as many as leave no error in the lowest half

@@ -11,8 +11,8 @@ from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.casing.reduced.checkup import CheckUp, check_up
+from fem.casing.reduced.halves import reduced_and_counted
 from fem.casing.reduced.modes import CasingModes, casing_modes
-from fem.casing.reduced.reduction import reduced_and_counted
 from fem.elements.materials import Material
 
 

@@ -25,7 +25,8 @@ from fem.casing.parts.regions import Region, elements_inside, stiffness_of
 from fem.casing.parts.split import split_mesh
 from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES
-from fem.casing.reduced.reduction import Interface, held_interface
+from fem.casing.reduced.halves import interface_of
+from fem.casing.reduced.reduction import Interface
 from fem.elements.materials import Material
 from fem.elements.solids import assemble, rigid_body_modes
 from fem.numerics.linear_solver import Solver
@@ -152,6 +153,7 @@ def ground_casing(
         parts[JOINTS] = _projected(bolts, expansion)
     reference = material.elastic_modulus * mesh.element_size
     springs = np.array([reference if name.startswith("ground_") else 0.0 for name in names])
+    nodes = mesh.nodes[:0] if attachment == "rigid" else np.delete(mesh.nodes, clamped_nodes, axis=0)
     return GroundedCasing(
         mesh=mesh,
         material=material,
@@ -165,7 +167,7 @@ def ground_casing(
         M_free=M_free,
         coordinate_names=names,
         springs=springs,
-        interface=held_interface(K_free, rows, penalty=springs if on_springs else None, solver=solver),
+        interface=interface_of(nodes, K_free, M_free, rows, penalty=springs if on_springs else None, solver=solver),
         parts=parts,
     )
 

@@ -170,7 +170,7 @@ def count_fixed_modes(interface: Interface, K: sp.spmatrix, M: sp.spmatrix, high
     raise EigenError(f"the modes below {highest:g} Hz cannot be counted ({reason}); choose another band")
 
 
-def reduced_and_counted(
+def reduce_and_count(
     interface: Interface, K: sp.spmatrix, M: sp.spmatrix, *, highest: float, enrich: bool = True
 ) -> tuple[Reduction, int]:
     """`reduce_body` and, side by side with it, `count_fixed_modes`.

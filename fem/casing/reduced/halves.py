@@ -1,0 +1,277 @@
+"""A body with a mirror plane, taken apart into its symmetric and its antisymmetric half.
+
+A reflection S (S S = 1) maps the unknowns of such a body and its interface onto themselves, S K S = K, S M S = M and
+B S = R B. Motions with S u = u and with S u = -u then have nothing to do with each other:
+
+    u = Q_s q_s + Q_a q_a,   u_b = C_s v_s + C_a v_a,   K_h = Q_h^T K Q_h,   M_h = Q_h^T M Q_h,   B_h = C_h^T B Q_h
+
+Each half has half of the unknowns and about half of the modes, its factor less than half of the numbers, and both are
+worked on side by side. On the plane one half or the other moves: the unknowns that rest stay there alone, with a
+stiffness and without mass, so that every node keeps three.
+
+Reference: Bossavit (1986), Comput. Methods Appl. Mech. Eng. 56(2), 167-215 (symmetry of boundary value problems).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+from scipy.spatial import cKDTree
+
+from fem.casing.reduced.lanczos import block_lanczos
+from fem.casing.reduced.reduction import Interface, Reduction, held_interface, reduce_and_count
+from fem.numerics.linear_solver import Factor, Solver
+from fem.numerics.threads import side_by_side
+
+Result = TypeVar("Result")
+
+_SAME = 1e-7  # of the size of the body: a node this close to the image of another is its image
+_ROUNDING = 1e-10  # relative difference of products that ought to be equal
+_SHARE = 0.6  # of the modes wanted that are sought in each half at first
+
+
+@dataclass(frozen=True, eq=False)
+class Half:
+    """One of the two, with its own interface."""
+
+    motions: sp.csr_matrix  # Q (n, n_h), orthonormal columns; those of unknowns at rest are 0
+    coordinates: np.ndarray  # C (b, b_h), orthonormal
+    K: sp.csr_matrix
+    M: sp.csr_matrix
+    interface: Interface
+
+
+@dataclass(frozen=True, eq=False)
+class MirroredInterface(Interface):
+    """The interface of a whole body, held by halves."""
+
+    halves: tuple[Half, Half]
+
+
+@dataclass(frozen=True, eq=False)
+class _Reflection:
+    """S u = sign * u[image], and the numbers of the unknowns on one side of the plane (or on it)."""
+
+    image: np.ndarray
+    sign: np.ndarray
+    kept: np.ndarray
+
+    def __call__(self, u: np.ndarray) -> np.ndarray:
+        return self.sign * u[self.image]
+
+    def share(self, parity: float) -> np.ndarray:
+        """Entries of Q (n_h,) at the unknowns that are kept; 0 of those at rest."""
+        alone = self.image[self.kept] == self.kept
+        return np.where(alone, np.where(self.sign[self.kept] == parity, 1.0, 0.0), math.sqrt(0.5))
+
+    def motions(self, parity: float) -> sp.csr_matrix:
+        """Q of the motions with S u = parity u."""
+        k, own, image = np.arange(len(self.kept)), self.share(parity), self.image[self.kept]
+        other = np.where(image == self.kept, 0.0, own * parity * self.sign[self.kept])
+        place = np.concatenate([self.kept, image]), np.concatenate([k, k])
+        Q = sp.csr_matrix((np.concatenate([own, other]), place), shape=(len(self.image), len(k)))
+        Q.eliminate_zeros()
+        return Q
+
+
+def interface_of(
+    nodes: np.ndarray,
+    K: sp.csr_matrix,
+    M: sp.csr_matrix,
+    rows: sp.csr_matrix,
+    *,
+    penalty: np.ndarray | None = None,
+    solver: Solver = "auto",
+) -> Interface:
+    """`held_interface`, by halves if the body has a mirror plane normal to an axis.
+
+    Parameters
+    ----------
+    nodes : (n / 3, 3), m, of the unknowns 3 node + axis; (0, 3): not to be looked at
+    K, rows, penalty, solver : those of `held_interface`
+    M : sparse (n, n), kg
+
+    Raises
+    ------
+    as `held_interface`
+    """
+    for axis in range(3 if len(nodes) else 0):
+        reflection = _reflection(nodes, axis)
+        if reflection is None or not all(_unchanged(matrix, reflection) for matrix in (K, M)):
+            continue
+        turned = _of_interface(rows, reflection)
+        stiffness = np.zeros(rows.shape[0]) if penalty is None else penalty
+        if turned is not None and np.allclose(turned * stiffness, stiffness[:, None] * turned):
+            return _mirrored(reflection, turned, K, M, rows, penalty, solver)
+    return held_interface(K, rows, penalty=penalty, solver=solver)
+
+
+def reduced_and_counted(
+    interface: Interface, K: sp.spmatrix, M: sp.spmatrix, *, highest: float, enrich: bool = True
+) -> tuple[Reduction, int]:
+    """`reduce_and_count`, of both halves if there are any.
+
+    Parameters
+    ----------
+    interface, K, M, highest, enrich : those of `reduce_body`
+
+    Raises
+    ------
+    EigenError : not as many modes found as the law of inertia counts; or see `reduce_body`
+    """
+    if not isinstance(interface, MirroredInterface):
+        return reduce_and_count(interface, K, M, highest=highest, enrich=enrich)
+
+    def reduced(half: Half) -> tuple[Reduction, int]:
+        return reduce_and_count(half.interface, half.K, half.M, highest=highest, enrich=enrich)
+
+    (one, first), (other, second) = _by_halves(reduced, interface)
+    return _joined(interface, one, other), first + second
+
+
+def lowest(interface: Interface, M: sp.csr_matrix, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The lowest natural modes of a body that is definite as it stands, its interface free.
+
+    Parameters
+    ----------
+    interface : of the body, without penalty
+    M : sparse (n, n), kg
+    count : number of modes
+
+    Returns
+    -------
+    theta = 1 / omega^2 (count,), descending, in s2, and vectors (n, count), orthonormal in M
+
+    Raises
+    ------
+    EigenError : no convergence
+    """
+    if not isinstance(interface, MirroredInterface):
+        return block_lanczos(interface.factor.solve, M, count=count)
+    found = _lowest_of_halves(interface, math.ceil(_SHARE * count))
+    theta = np.concatenate([values for values, _ in found])
+    order = np.argsort(-theta)[:count]
+    if theta[order[-1]] < max(values[-1] for values, _ in found):  # one half may have more above it
+        found = _lowest_of_halves(interface, count)
+        theta = np.concatenate([values for values, _ in found])
+        order = np.argsort(-theta)[:count]
+    vectors = [half.motions @ modes for half, (_, modes) in zip(interface.halves, found, strict=True)]
+    return theta[order], np.hstack(vectors)[:, order]
+
+
+def _lowest_of_halves(interface: MirroredInterface, count: int) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+    return _by_halves(lambda half: block_lanczos(half.interface.factor.solve, half.M, count=count), interface)
+
+
+def _by_halves(work: Callable[[Half], Result], interface: MirroredInterface) -> tuple[Result, Result]:
+    one, other = interface.halves
+    return side_by_side(lambda: work(one), lambda: work(other))
+
+
+def _reflection(nodes: np.ndarray, axis: int) -> _Reflection | None:
+    """The reflection about the middle of the body, None if its nodes have no images."""
+    low, high = nodes.min(axis=0), nodes.max(axis=0)
+    mirrored = nodes.copy()
+    mirrored[:, axis] = low[axis] + high[axis] - nodes[:, axis]
+    distance, image = cKDTree(nodes).query(mirrored, distance_upper_bound=_SAME * float(np.linalg.norm(high - low)))
+    if not np.isfinite(distance).all() or (image[image] != np.arange(len(nodes))).any():
+        return None
+    sign = np.ones((len(nodes), 3))
+    sign[:, axis] = -1.0
+    kept = np.flatnonzero((nodes[:, axis] < mirrored[:, axis]) | (image == np.arange(len(nodes))))
+    if 2 * len(kept) < len(nodes):
+        return None
+    return _Reflection(_unknowns(image), sign.ravel(), _unknowns(kept))
+
+
+def _unknowns(nodes: np.ndarray) -> np.ndarray:
+    return (3 * nodes[:, None] + np.arange(3)).ravel()
+
+
+def _unchanged(matrix: sp.csr_matrix, reflection: _Reflection) -> bool:
+    """Whether S A S = A, by products with a random vector."""
+    x = np.random.default_rng(0).standard_normal(matrix.shape[0])
+    difference = matrix @ reflection(x) - reflection(matrix @ x)
+    return bool(abs(difference).max() <= _ROUNDING * abs(matrix).max() * np.linalg.norm(x))
+
+
+def _of_interface(rows: sp.csr_matrix, reflection: _Reflection) -> np.ndarray | None:
+    """R of B S = R B, None if there is no such matrix or it is no reflection itself."""
+    B = rows.toarray()
+    turned = B[:, reflection.image] * reflection.sign
+    gram = B @ B.T
+    R = la.solve(gram, B @ turned.T, assume_a="pos").T if len(B) else gram
+    if abs(R @ B - turned).max(initial=0.0) > _ROUNDING * abs(B).max(initial=0.0) or not np.allclose(R, R.T):
+        return None
+    return 0.5 * (R + R.T)
+
+
+def _mirrored(
+    reflection: _Reflection,
+    turned: np.ndarray,
+    K: sp.csr_matrix,
+    M: sp.csr_matrix,
+    rows: sp.csr_matrix,
+    penalty: np.ndarray | None,
+    solver: Solver,
+) -> MirroredInterface:
+    value, vector = la.eigh(turned)
+    largest = float(K.diagonal().max())
+
+    def held(parity: float) -> Half:
+        Q, C, share = reflection.motions(parity), vector[:, value * parity > 0.0], reflection.share(parity)
+        scale = sp.diags_array(np.divide(1.0, share, out=np.zeros_like(share), where=share > 0.0))
+        at_rest = sp.diags_array(np.where(share > 0.0, 0.0, largest))
+        # Q_i^T K Q_j = K_i Q_j / share_i: the images of the rows give the same products
+        own_K = sp.csr_matrix(scale @ (K[reflection.kept] @ Q) + at_rest)
+        own_M = sp.csr_matrix(scale @ (M[reflection.kept] @ Q))
+        own_rows = sp.csr_matrix(C.T @ (rows @ Q).toarray())
+        own_penalty = None if penalty is None else np.einsum("ij,i,ij->j", C, penalty, C)
+        return Half(Q, C, own_K, own_M, held_interface(own_K, own_rows, penalty=own_penalty, solver=solver))
+
+    halves = side_by_side(lambda: held(1.0), lambda: held(-1.0))
+
+    def solve(b: np.ndarray) -> np.ndarray:
+        def of(half: Half) -> np.ndarray:
+            return np.asarray(half.motions @ half.interface.factor.solve(half.motions.T @ b))
+
+        one, other = side_by_side(lambda: of(halves[0]), lambda: of(halves[1]))
+        return one + other
+
+    return MirroredInterface(
+        factor=Factor(f"{halves[0].interface.factor.name}, by symmetric and antisymmetric halves", K.shape[0], solve),
+        rows=rows,
+        constraint=sum(half.motions @ (half.interface.constraint @ half.coordinates.T) for half in halves),
+        stiffness=sum(half.coordinates @ half.interface.stiffness @ half.coordinates.T for half in halves),
+        halves=halves,
+    )
+
+
+def _joined(interface: MirroredInterface, *reductions: Reduction) -> Reduction:
+    """The reduction of the whole body by those of its halves."""
+    b = len(interface.stiffness)
+    mass, between, modes, frequencies, late = np.zeros((b, b)), [], [], [], []
+    for half, own in zip(interface.halves, reductions, strict=True):
+        C, own_b = half.coordinates, half.coordinates.shape[1]
+        mass += C @ own.mass[:own_b, :own_b] @ C.T
+        between.append(C @ own.mass[:own_b, own_b:])
+        modes.append(half.motions @ own.modes)
+        frequencies.append(own.frequencies)
+        late.append(np.arange(len(own.frequencies)) >= own.n_fixed)
+    together, inertia = np.concatenate(frequencies), np.concatenate(late)
+    order = np.lexsort((together, inertia))
+    cross = np.hstack(between)[:, order]
+    return Reduction(
+        constraint=interface.constraint,
+        modes=np.hstack(modes)[:, order],
+        frequencies=together[order],
+        n_fixed=int((~inertia).sum()),
+        stiffness=la.block_diag(interface.stiffness, np.diag((2.0 * math.pi * together[order]) ** 2)),
+        mass=np.block([[mass, cross], [cross.T, np.eye(len(order))]]),
+    )

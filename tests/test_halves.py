@@ -1,0 +1,120 @@
+"""A casing with a mirror plane is reduced by its symmetric and its antisymmetric half: the same casing, sooner."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+from housings import small_housing
+from threadpoolctl import threadpool_limits
+
+from fem.casing.meshing.sizes import Sizes
+from fem.casing.meshing.source import mesh_geometry
+from fem.casing.reduced.grounded import ForcedPoint, ground_casing
+from fem.casing.reduced.halves import MirroredInterface, interface_of, lowest, reduced_and_counted
+from fem.casing.reduced.reduction import held_interface, reduce_and_count
+from fem.elements.materials import CAST_IRON
+
+HIGHEST = 3000.0
+SIZES = Sizes(element=0.03, edge=0.003)
+
+
+def meshed(housing):
+    return mesh_geometry(housing, SIZES, "hexahedron-20")
+
+
+@pytest.fixture(autouse=True, scope="module")
+def single_threads():
+    """As the models of the casing run it: the halves are the threads."""
+    with threadpool_limits(1):
+        yield
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return meshed(small_housing(width=0.16))
+
+
+@pytest.fixture(scope="module")
+def fixed(mesh):
+    """The casing on fixed feet, and its interface in one piece."""
+    casing = ground_casing(mesh, CAST_IRON)
+    return casing, whole_interface(casing)
+
+
+def whole_interface(casing):
+    """Of the same casing in one piece."""
+    springs = casing.springs if casing.springs.any() else None
+    return held_interface(casing.K_free, casing.interface.rows, penalty=springs)
+
+
+@pytest.mark.parametrize("ground", ["fixed", "springs"])
+def test_both_halves_together_are_the_whole(mesh, ground):
+    casing = ground_casing(mesh, CAST_IRON, ground=ground)
+    assert isinstance(casing.interface, MirroredInterface)
+    whole = whole_interface(casing)
+    assert casing.interface.stiffness == pytest.approx(
+        whole.stiffness, rel=1e-9, abs=1e-10 * abs(whole.stiffness).max()
+    )
+    assert casing.interface.constraint == pytest.approx(whole.constraint, abs=1e-9 * abs(whole.constraint).max())
+    found, number = reduced_and_counted(casing.interface, casing.K_free, casing.M_free, highest=HIGHEST)
+    expected, exact = reduce_and_count(whole, casing.K_free, casing.M_free, highest=HIGHEST)
+    assert number == exact == found.n_fixed > 3
+    assert found.frequencies[:number] == pytest.approx(expected.frequencies[:number], rel=1e-9)
+    held = np.diag(np.append(casing.springs, np.zeros(len(found.frequencies))))
+    natural, of_whole = (la.eigh(one.stiffness + held, one.mass, eigvals_only=True) for one in (found, expected))
+    assert natural == pytest.approx(of_whole, rel=1e-6)
+    assert found.modes.T @ (casing.M_free @ found.modes) == pytest.approx(np.eye(len(found.frequencies)), abs=1e-9)
+
+
+def test_loads_find_the_same_displacements(fixed):
+    casing, whole = fixed
+    loads = np.random.default_rng(1).standard_normal((casing.K_free.shape[0], 3))
+    exact = whole.factor.solve(loads)
+    assert casing.interface.factor.solve(loads) == pytest.approx(exact, abs=1e-9 * abs(exact).max())
+    assert casing.interface.factor.solve(loads[:, 0]) == pytest.approx(exact[:, 0], abs=1e-9 * abs(exact).max())
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 12])
+def test_none_of_the_lowest_modes_is_left_out(fixed, count):
+    """However they fall to the halves: the first few may all be of one of them."""
+    casing, whole = fixed
+    found, modes = lowest(casing.interface, casing.M_free, count)
+    exact, _ = lowest(whole, casing.M_free, count)
+    assert found == pytest.approx(exact, rel=1e-9)
+    assert modes.T @ (casing.M_free @ modes) == pytest.approx(np.eye(count), abs=1e-9)
+
+
+def test_each_half_moves_as_it_is_called(mesh, fixed):
+    casing, _ = fixed
+    free = np.delete(mesh.nodes, casing.clamped[::3] // 3, axis=0)
+    key = np.round(free * 1e6).astype(int)
+    place = {tuple(row): number for number, row in enumerate(key.tolist())}
+    image = [place[x, -y, z] for x, y, z in key.tolist()]
+    for half, parity in zip(casing.interface.halves, (1.0, -1.0), strict=True):
+        motion = (half.motions @ np.random.default_rng(2).standard_normal(half.K.shape[0])).reshape(-1, 3)
+        assert motion[image] * [1.0, -1.0, 1.0] == pytest.approx(parity * motion, abs=1e-12)
+
+
+def test_a_casing_without_a_mirror_plane_stays_in_one_piece(mesh):
+    """A wider bore on one side, a force at one sensor: half of it is not like the other half."""
+    housing = small_housing(width=0.16)
+    first = replace(housing.bores[0], diameter=0.8 * housing.bores[0].diameter)
+    one_sided = ground_casing(meshed(replace(housing, bores=(first, *housing.bores[1:]))), CAST_IRON)
+    assert not isinstance(one_sided.interface, MirroredInterface)
+    pushed = ground_casing(mesh, CAST_IRON, forced=[ForcedPoint(sensor=housing.sensors[0], axes=("uz",))])
+    assert not isinstance(pushed.interface, MirroredInterface)
+
+
+def test_springs_that_differ_from_side_to_side_keep_it_whole(mesh):
+    casing = ground_casing(mesh, CAST_IRON, ground="springs")
+    free, rows = mesh.nodes, casing.interface.rows
+    feet = np.flatnonzero(casing.springs)
+    for penalty, mirrored in (
+        (casing.springs, True),
+        (np.where(np.arange(len(casing.springs)) == feet[0], 2.0, 1.0) * casing.springs, False),
+    ):
+        found = interface_of(free, casing.K_free, casing.M_free, rows, penalty=penalty)
+        assert isinstance(found, MirroredInterface) == mirrored
