@@ -125,8 +125,10 @@ def test_a_scene_takes_hexahedra_and_says_what_it_refuses():
 @pytest.mark.parametrize(
     ("change", "element"),
     [
-        ({}, "hexahedron-27"),
-        ({"stages.1.direction_deg": 90.0}, "hexahedron-27"),
+        ({}, "hexahedron-20"),
+        ({"casing.element": "hexahedron-27"}, "hexahedron-20"),
+        ({"casing.extrapolated": True}, "hexahedron-27"),
+        ({"stages.1.direction_deg": 90.0}, "hexahedron-20"),
         ({"stages.1.direction_deg": 40.0}, "tetrahedron-10"),  # bosses overlap seen along x and along z
         ({"casing.housing.inner_fillet_mm": 5.0}, "tetrahedron-10"),
         ({"casing.element": "tetrahedron-10"}, "tetrahedron-10"),

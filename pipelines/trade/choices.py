@@ -71,15 +71,17 @@ def _single(scene: Scene, best: Settings) -> Iterator[tuple[str, str, Settings]]
         yield "mesh law", label, {f"stages.{n}.mesh": table for n in stages}
     casing = scene.casing
     if isinstance(casing, CraigBamptonCasingTable):
+        element = str(best.get("casing.element", casing.element))
         for size, band in CASINGS:
             length, highest = casing.element_size_mm * size, casing.band_Hz * band
             settings: Settings = {"casing.element_size_mm": length, "casing.band_Hz": highest}
-            if not str(best.get("casing.element", casing.element)).startswith("hexahedron"):
+            if not element.startswith("hexahedron"):
                 settings["casing.bore_element_size_mm"] = 0.5 * length
             yield "casing", f"{length:.3g} mm, {highest:g} Hz", settings
         extrapolated = bool(best.get("casing.extrapolated"))
         label = "not extrapolated" if extrapolated else "extrapolated"
-        yield "casing", label, {"casing.extrapolated": not extrapolated}
+        known = {"casing.element": "hexahedron-27"} if element == "hexahedron-20" else {}
+        yield "casing", label, {"casing.extrapolated": not extrapolated, **known}
         yield "casing", "static", {"casing.model": "static", "casing.element_size_mm": casing.element_size_mm}
     if not isinstance(casing, NoCasingTable | RigidCasingTable):
         yield "casing", "rigid", {"casing.model": "rigid"}
