@@ -49,26 +49,26 @@ SHORT: dict[str, Any] = {
 
 def tetrahedra(size: float, bore: float) -> dict[str, Any]:
     """Settings of an extrapolated mesh, sizes in mm."""
-    return {"casing.element_size_mm": size, "casing.bore_element_size_mm": bore, "casing.extrapolated": True}
+    sizes = {"casing.element_size_mm": size, "casing.bore_element_size_mm": bore}
+    return {"casing.element": "tetrahedron-10", "casing.extrapolated": True, **sizes}
 
 
-def hexahedra(element: str, size: float, edge: float) -> dict[str, Any]:
-    """Settings of a mesh of hexahedra, sizes in mm; those of 27 nodes are extrapolated."""
-    extrapolated = element == "hexahedron-27"
+def hexahedra(size: float, edge: float) -> dict[str, Any]:
+    """Settings of an extrapolated mesh of 27-node hexahedra, sizes in mm."""
     sizes = {"casing.element_size_mm": size, "casing.edge_element_size_mm": edge}
-    return {"casing.element": element, "casing.extrapolated": extrapolated, **sizes}
+    return {"casing.element": "hexahedron-27", "casing.extrapolated": True, **sizes}
 
 
-FIRST = "tetrahedra 17.6"
+FIRST = "hexahedra-27 22"
 FINEST = "hexahedra-27 19"
 MESHES = {
-    FIRST: tetrahedra(17.6, 7.0),
+    FIRST: hexahedra(22.0, 2.0),
+    "hexahedra-27 25": hexahedra(25.0, 2.25),
+    FINEST: hexahedra(19.0, 1.7),
     "tetrahedra 20": tetrahedra(20.0, 8.0),
+    "tetrahedra 17.6": tetrahedra(17.6, 7.0),
     "tetrahedra 17.1": tetrahedra(17.1, 6.8),
     "tetrahedra 15.5": tetrahedra(15.5, 6.0),
-    "hexahedra-27 22": hexahedra("hexahedron-27", 22.0, 2.0),
-    FINEST: hexahedra("hexahedron-27", 19.0, 1.7),
-    "hexahedra-20 20": hexahedra("hexahedron-20", 20.0, 1.8),
 }
 DRAWS, SEED = 44, 7
 
