@@ -12,6 +12,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import zipfile
 from collections.abc import Mapping
 from contextlib import redirect_stderr, redirect_stdout
@@ -25,8 +26,11 @@ import scipy.sparse as sp
 
 from fem.casing.foreign.ansys import harwell_boeing, mapped_equations
 from fem.casing.foreign.body import ForeignBody, ForeignError, foreign_body
+from fem.processes.own_process import DAMAGED, opened_apart
 
+_log = logging.getLogger(__name__)
 SUFFIXES = (".op4", ".pch", ".mtx", ".matrix", ".hb", ".rsa", ".sti", ".npz", ".h5", ".hdf5")
+_COMPILED = (".h5", ".hdf5")  # read by HDF5: may crash
 _STIFFNESS, _MASS = (
     ("stiffness", "k", "kaa", "kgg", "kxx", "kbb", "kaax"),
     ("mass", "m", "maa", "mgg", "mxx", "mbb", "maax"),
@@ -83,13 +87,18 @@ def read_matrices(path: Path) -> Found:
     ------
     ForeignError : unreadable, or of unknown kind; ImportError becomes one, too, naming the package
     """
-    reader = _READERS.get(path.suffix.lower())
-    if reader is None:
+    if path.suffix.lower() not in _READERS:
         raise ForeignError(f"{path.name}: matrices are read from {', '.join(SUFFIXES)}; convert it")
+    if path.suffix.lower() in _COMPILED:
+        return opened_apart(path, ForeignError, DAMAGED, _read, path)
+    return _read(path)
+
+
+def _read(path: Path) -> Found:
     said = io.StringIO()
     try:
         with redirect_stdout(said), redirect_stderr(said):
-            return reader(path)
+            return _READERS[path.suffix.lower()](path)
     except ForeignError:
         raise
     except ImportError as error:
@@ -97,10 +106,8 @@ def read_matrices(path: Path) -> Found:
     except FileNotFoundError as error:
         raise ForeignError(f"{error.filename}: no such file") from error
     except (Exception, SystemExit) as error:  # whatever a reader meets in a damaged file
-        words = " ".join(f"{error} {said.getvalue()}".split())[:200] or type(error).__name__
-        raise ForeignError(
-            f"{path.name} cannot be read ({words}); it is cut off or damaged. Export it again"
-        ) from error
+        _log.info("%s: %s %s", path.name, error, said.getvalue())
+        raise ForeignError(f"{path.name} cannot be read; {DAMAGED}") from error
 
 
 def _without_reader(path: Path) -> ForeignError:
@@ -179,7 +186,7 @@ def _npz(path: Path) -> Found:
     with zipfile.ZipFile(path) as archive:
         names = {name.removesuffix(".npy") for name in archive.namelist()}
     if {"data", "shape", "format"} <= names:
-        return Found({"matrix": sp.load_npz(path)})
+        return Found({"matrix": _sound(sp.load_npz(path))})
     with np.load(path, allow_pickle=False) as stored:
         arrays = {name.lower(): stored[name] for name in stored.files}
     return _of_arrays(arrays)
@@ -193,10 +200,18 @@ def _hdf5(path: Path) -> Found:
         for name, item in file.items():
             if isinstance(item, h5py.Group):
                 if {"data", "indices", "indptr"} <= set(item):
-                    arrays[name.lower()] = sp.csr_matrix(tuple(item[part][:] for part in ("data", "indices", "indptr")))
+                    packed = tuple(item[part][:] for part in ("data", "indices", "indptr"))
+                    arrays[name.lower()] = _sound(sp.csr_matrix(packed))
             elif item.ndim == 2:
                 arrays[name.lower()] = item[:]
     return _of_arrays(arrays)
+
+
+def _sound(matrix: Any) -> Any:
+    """A sparse matrix whose indices lie within it: SciPy follows others beyond its memory. ValueError otherwise."""
+    if hasattr(matrix, "check_format"):
+        matrix.check_format(full_check=True)
+    return matrix
 
 
 def _of_arrays(arrays: Mapping[str, Any]) -> Found:

@@ -11,13 +11,15 @@ import numpy as np
 class Solid:
     """A body: its number from 1, volume (m3), corners of its box (2, 3) m, and the number of the part it belongs to.
 
-    Solids of one part touch each other; a file of one part is a connected body.
+    Solids of one part touch each other; a file of one part is a connected body. `open_at` (3,) m is where its faces do
+    not close, or cannot be meshed; None if they close.
     """
 
     number: int
     volume: float
     box: np.ndarray
     part: int
+    open_at: np.ndarray | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
