@@ -3,6 +3,7 @@
 Every file is damaged in ten ways, drawn from a seed, and given to `gearcase housing` in the shell.
 """
 
+import re
 import subprocess
 import sys
 import zlib
@@ -169,12 +170,12 @@ def commanded(folder, *names):
         [sys.executable, "-c", EVERY, *names], cwd=folder, capture_output=True, check=False, timeout=600
     )
     assert done.returncode == 0, f"the process ended with {done.returncode}: {done.stderr[-2000:]!r}"
-    texts = [stream.decode("utf-8").split(MARK)[:-1] for stream in (done.stdout, done.stderr)]
-    found = {}
-    for place, name in enumerate(names):
-        ends = [stream.decode("utf-8").split(f"{MARK} {name} ")[1].split("\n")[0] for stream in (done.stdout,)]
-        found[name] = (int(ends[0]), *(text[place].partition("\n")[2] if place else text[place] for text in texts))
-    return found
+    printed, said = ({}, {})
+    for stream, found in ((done.stdout, printed), (done.stderr, said)):
+        pieces = re.split(rf"{MARK} (\S+) (\d+)\n", stream.decode("utf-8"))
+        for text, name, code in zip(pieces[::3], pieces[1::3], pieces[2::3], strict=False):
+            found[name] = (int(code), text)
+    return {name: (*printed[name], said[name][1]) for name in names}
 
 
 def damaged(sound, folder, name, ways):

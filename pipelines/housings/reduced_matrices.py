@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.casing.foreign.body import ForeignBody
-from fem.casing.foreign.checks import lowest_frequencies
+from fem.casing.foreign.checks import frequency_lines, lowest_frequencies
 from pipelines.border.errors import InputError
 from pipelines.border.user_files import whole_file
 
@@ -76,6 +76,20 @@ def _write(target: Path, reduction: Reduction, equations: np.ndarray, nodes: np.
         if np.isfinite(nodes).all():
             file["nodes"] = nodes
         file.attrs["units"] = "kg-m-s"
+
+
+def held_text(body: ForeignBody, hold: Sequence[int], count: int = 20) -> str:
+    """The lowest frequencies with all motion of some nodes held, as other programs publish them of reduced bodies.
+
+    Raises
+    ------
+    ForeignError : unknown nodes
+    """
+    for number in hold:
+        body.place(number)
+    free = np.flatnonzero(~(np.isin(body.node, hold) & (body.axis >= 0)))
+    found, _ = lowest_frequencies(body.stiffness[free][:, free], body.mass[free][:, free], count)
+    return "\n".join([f"  with the nodes {', '.join(map(str, hold))} held, Hz:", *frequency_lines(found)])
 
 
 def reduced_text(body: ForeignBody, made: tuple[Reduction, np.ndarray], band: float) -> str:

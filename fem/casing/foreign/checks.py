@@ -51,13 +51,16 @@ class ForeignCheck:
         else:
             lines.append("  places of the nodes are not known: no mass, no test of the ground")
         lines.append(f"  {self.rigid_modes} modes without stiffness; frequencies as exported, Hz:")
-        shown = self.frequencies[:count]
-        lines += [
-            "    " + "  ".join(f"{f:12.6g}" for f in row) for row in np.array_split(shown, -(-len(shown) // 5) or 1)
-        ]
+        lines += frequency_lines(self.frequencies[:count])
         lines += [f"  WRONG: {words}" for words in self.wrong] + [f"  doubtful: {words}" for words in self.doubtful]
         lines += [] if self.wrong or self.doubtful else ["  nothing is wrong"]
         return "\n".join(lines)
+
+
+def frequency_lines(frequencies: np.ndarray) -> list[str]:
+    """Frequencies in Hz to the seven digits that Nastran prints, five in a line."""
+    rows = np.array_split(frequencies, -(-len(frequencies) // 5) or 1)
+    return ["    " + "  ".join(f"{one:12.7g}" for one in row) for row in rows]
 
 
 def check_foreign(body: ForeignBody, count: int = 30) -> ForeignCheck:

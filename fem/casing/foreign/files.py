@@ -14,8 +14,8 @@ from __future__ import annotations
 import io
 import logging
 import zipfile
-from collections.abc import Mapping
-from contextlib import redirect_stderr, redirect_stdout
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,8 @@ import scipy.sparse as sp
 
 from fem.casing.foreign.ansys import harwell_boeing, mapped_equations
 from fem.casing.foreign.body import ForeignBody, ForeignError, foreign_body
+from fem.casing.foreign.nastran import SUFFIXES as NASTRAN
+from fem.casing.foreign.nastran import grid_points, output4, punched, superelement_equations
 from fem.processes.own_process import DAMAGED, opened_apart
 
 _log = logging.getLogger(__name__)
@@ -53,7 +55,7 @@ class MatrixFiles:
     stiffness: str
     mass: str | None = None
     nodes: str | None = None  # rows of number, x, y, z; or a Nastran file with GRID cards
-    equations: str | None = None  # rows of node, axis
+    equations: str | None = None  # rows of node, axis; or a Nastran file with EXTRN cards
     system: str = "kg-m-s"
     digests: tuple[str, ...] = field(default=())  # of the files, in this order
 
@@ -68,14 +70,15 @@ def read_body(files: MatrixFiles) -> ForeignBody:
     path = Path(files.stiffness)
     first = read_matrices(path)
     second = first if files.mass is None else read_matrices(Path(files.mass))
-    nodes = first.nodes if files.nodes is None else _table(Path(files.nodes), "nodes", 4)
-    equations = first.equations if files.equations is None else _table(Path(files.equations), "equations", 2)
+    nodes, frames = (first.nodes, None) if files.nodes is None else _nodes(Path(files.nodes))
+    equations = first.equations if files.equations is None else _equations(Path(files.equations))
     return foreign_body(
         path.name,
         _chosen(path, first, _STIFFNESS, "stiffness", alone=files.mass is not None),
         _chosen(Path(files.mass or path), second, _MASS, "mass", alone=files.mass is not None),
         equations=equations,
         nodes=nodes,
+        frames=frames,
         system=files.system,
     )
 
@@ -95,17 +98,24 @@ def read_matrices(path: Path) -> Found:
 
 
 def _read(path: Path) -> Found:
+    with _in_our_words(path):
+        return _READERS[path.suffix.lower()](path)
+
+
+@contextmanager
+def _in_our_words(path: Path) -> Iterator[None]:
+    """Whatever a reader meets in a damaged file is one sentence; what the reader says goes to the log."""
     said = io.StringIO()
     try:
         with redirect_stdout(said), redirect_stderr(said):
-            return _READERS[path.suffix.lower()](path)
+            yield
     except ForeignError:
         raise
     except ImportError as error:
         raise _without_reader(path) from error
     except FileNotFoundError as error:
         raise ForeignError(f"{error.filename}: no such file") from error
-    except (Exception, SystemExit) as error:  # whatever a reader meets in a damaged file
+    except (Exception, SystemExit) as error:
         _log.info("%s: %s %s", path.name, error, said.getvalue())
         raise ForeignError(f"{path.name} cannot be read; {DAMAGED}") from error
 
@@ -127,27 +137,11 @@ def _chosen(path: Path, found: Found, names: tuple[str, ...], what: str, *, alon
 
 
 def _op4(path: Path) -> Found:
-    from pyyeti.nastran import op4
-
-    return Found({name.lower(): sp.csr_matrix(m) for name, m in op4.read(str(path), sparse=None).items()})
+    return Found(output4(path))
 
 
 def _punch(path: Path) -> Found:
-    from pyyeti.nastran import bulk
-
-    tables = bulk.rddmig(str(path), expanded=False, square=True)
-    square = {name.lower(): table for name, table in tables.items() if table.shape[0] == table.shape[1]}
-    if not square:
-        raise ForeignError(f"{path.name} holds no square DMIG matrix; export KAAX and MAAX (PARAM,EXTOUT,DMIGPCH)")
-    every = sorted(set().union(*(set(table.index) for table in square.values())))
-    place = {label: number for number, label in enumerate(every)}
-    matrices = {}
-    for name, table in square.items():
-        where = np.array([place[label] for label in table.index])
-        values = sp.coo_matrix(table.to_numpy())
-        shape = (len(every), len(every))
-        matrices[name] = sp.coo_matrix((values.data, (where[values.row], where[values.col])), shape=shape)
-    return Found(matrices, np.array(every, int).reshape(-1, 2))
+    return Found(*punched(path))
 
 
 def _matrix_text(path: Path) -> Found:
@@ -219,35 +213,32 @@ def _of_arrays(arrays: Mapping[str, Any]) -> Found:
     return Found(square, arrays.get("equations"), arrays.get("nodes"))
 
 
-def _table(path: Path, what: str, columns: int) -> np.ndarray:
-    """Rows of numbers of a text file, or the GRID cards of a Nastran file."""
-    try:
-        if path.suffix.lower() == ".mapping":
-            return mapped_equations(path)
-        if path.suffix.lower() in (".bdf", ".dat", ".nas", ".blk"):
-            from pyyeti.nastran import bulk
+def _nodes(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
+    """Numbers and places, with the frames of the nodes where the file is one of Nastran."""
+    if path.suffix.lower() not in NASTRAN:
+        return _table(path, "nodes", (3, 4)), None
+    with _in_our_words(path):
+        return grid_points(path)
 
-            grids = bulk.rdgrids(str(path))
-            if grids is None:
-                raise ForeignError(f"{path.name} has no GRID cards")
-            if grids[:, 1].any():
-                raise ForeignError(
-                    f"{path.name}: nodes in coordinate systems of their own; give places in the basic one"
-                )
-            return np.asarray(grids[:, [0, 2, 3, 4]])
+
+def _equations(path: Path) -> np.ndarray:
+    """Node and axis of every equation, as a file of Ansys or Nastran names them, or rows of them."""
+    if path.suffix.lower() not in (".mapping", *NASTRAN):
+        return _table(path, "equations", (2,))
+    with _in_our_words(path):
+        return (mapped_equations if path.suffix.lower() == ".mapping" else superelement_equations)(path)
+
+
+def _table(path: Path, what: str, columns: tuple[int, ...]) -> np.ndarray:
+    """Rows of numbers of a text file."""
+    with _in_our_words(path):
         text = path.read_text(encoding="latin-1").replace(",", " ").replace(";", " ")
         rows = [line.split() for line in text.splitlines() if line.strip() and line.strip()[0] in "-+.0123456789"]
+        if len({len(row) for row in rows}) > 1:
+            raise ForeignError(f"{path.name}: the rows of the {what} do not all have the same count of numbers")
         found = np.array(rows, float)
-    except ForeignError:
-        raise
-    except ImportError as error:
-        raise _without_reader(path) from error
-    except OSError as error:
-        raise ForeignError(f"{path}: cannot be read ({error.strerror})") from error
-    except ValueError as error:
-        raise ForeignError(f"{path.name}: the rows of the {what} do not all have the same count of numbers") from error
-    if found.ndim != 2 or found.shape[1] not in {columns, 3 if columns == 4 else columns}:
-        raise ForeignError(f"{path.name}: {what} are rows of {columns} numbers; these have the shape {found.shape}")
+    if found.ndim != 2 or found.shape[1] not in columns:
+        raise ForeignError(f"{path.name}: {what} are rows of {columns[-1]} numbers; these have the shape {found.shape}")
     return found
 
 
