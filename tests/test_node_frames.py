@@ -70,9 +70,7 @@ def test_without_the_frames_the_same_matrices_seem_grounded(tmp_path):
 
 def test_a_frame_that_the_file_does_not_define_is_refused(tmp_path):
     cards = CORD | {10: "CORD1R,10,1,2,3"}
-    with pytest.raises(
-        ForeignError, match=r"nodes.bdf: nodes use the coordinate system 10, which no CORD2R"
-    ):
+    with pytest.raises(ForeignError, match=r"nodes.bdf: nodes use the coordinate system 10, which no CORD2R"):
         read_body(written(tmp_path, [0, 10, 20, 30], cards))
 
 

@@ -2,7 +2,8 @@
 
 .op4   Nastran OUTPUT4, ASCII or binary (package pyyeti); no map of equations
 .pch   Nastran punch file of DMIG, which names node and axis of each equation (package pyyeti)
-.mtx   Matrix Market; or Abaqus *MATRIX GENERATE, rows of node, axis, node, axis, value
+.mtx, .mmf  Matrix Market (Ansys *EXPORT,,MMF); or Abaqus *MATRIX GENERATE, rows of node, axis, node, axis, value
+       (FORMAT=MATRIX INPUT) or of row, column, value (COORDINATE)
 .matrix, .hb, .rsa  Harwell-Boeing (Ansys HBMAT); the file .mapping names node and axis of each equation
 .sti   CalculiX (with .mas and .dof beside it)
 .npz   NumPy: arrays stiffness and mass, or one sparse matrix of scipy.sparse.save_npz; nodes, equations if there
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 import io
 import logging
+import re
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
@@ -31,7 +33,7 @@ from fem.casing.foreign.nastran import grid_points, output4, punched, supereleme
 from fem.processes.own_process import DAMAGED, opened_apart
 
 _log = logging.getLogger(__name__)
-SUFFIXES = (".op4", ".pch", ".mtx", ".matrix", ".hb", ".rsa", ".sti", ".npz", ".h5", ".hdf5")
+SUFFIXES = (".op4", ".pch", ".mtx", ".mmf", ".matrix", ".hb", ".rsa", ".sti", ".npz", ".h5", ".hdf5")
 _COMPILED = (".h5", ".hdf5")  # read by HDF5: may crash
 _STIFFNESS, _MASS = (
     ("stiffness", "k", "kaa", "kgg", "kxx", "kbb", "kaax"),
@@ -54,7 +56,7 @@ class MatrixFiles:
 
     stiffness: str
     mass: str | None = None
-    nodes: str | None = None  # rows of number, x, y, z; or a Nastran file with GRID cards
+    nodes: str | None = None  # rows of number, x, y, z; GRID cards of Nastran; or *NODE of Abaqus
     equations: str | None = None  # rows of node, axis; or a Nastran file with EXTRN cards
     system: str = "kg-m-s"
     digests: tuple[str, ...] = field(default=())  # of the files, in this order
@@ -149,11 +151,15 @@ def _matrix_text(path: Path) -> Found:
         head = file.readline()
     if head.startswith("%%MatrixMarket"):
         return Found({"matrix": sp.coo_matrix(scipy.io.mmread(path))})
-    rows = np.loadtxt(path, delimiter=",", comments="*", ndmin=2)
+    text = path.read_text(encoding="latin-1").replace(",", " ")
+    rows = np.loadtxt(io.StringIO(text), comments="*", ndmin=2)
+    if rows.shape[1] == 3:
+        one, two = rows[:, :2].astype(int).T - 1
+        return Found({"matrix": sp.coo_matrix((rows[:, 2], (one, two)), shape=(1 + max(one.max(), two.max()),) * 2)})
     if rows.shape[1] != 5:
         raise ForeignError(
             f"{path.name}: rows have {rows.shape[1]} numbers; Matrix Market begins with %%MatrixMarket, Abaqus writes "
-            "node, axis, node, axis, value (*MATRIX OUTPUT, FORMAT=MATRIX INPUT)"
+            "node, axis, node, axis, value (*MATRIX OUTPUT, FORMAT=MATRIX INPUT) or row, column, value (COORDINATE)"
         )
     labels = rows[:, :4].astype(int)
     pairs, number = np.unique(np.vstack([labels[:, :2], labels[:, 2:]]), axis=0, return_inverse=True)
@@ -215,10 +221,26 @@ def _of_arrays(arrays: Mapping[str, Any]) -> Found:
 
 def _nodes(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
     """Numbers and places, with the frames of the nodes where the file is one of Nastran."""
-    if path.suffix.lower() not in NASTRAN:
+    if path.suffix.lower() not in (".inp", *NASTRAN):
         return _table(path, "nodes", (3, 4)), None
     with _in_our_words(path):
-        return grid_points(path)
+        return (_abaqus_nodes(path), None) if path.suffix.lower() == ".inp" else grid_points(path)
+
+
+def _abaqus_nodes(path: Path) -> np.ndarray:
+    """Number and place (k, 4) of the nodes of a flat input file (no parts and instances with numbers of their own)."""
+    rows, inside = [], False
+    for line in path.read_text(encoding="latin-1").splitlines():
+        if line.startswith("*"):
+            inside = re.match(r"\*NODE\s*(,|$)", line, re.IGNORECASE) is not None or (inside and line.startswith("**"))
+        elif inside and line.strip():
+            rows.append([float(word) for word in line.split(",")[:4]])
+    if not rows:
+        raise ForeignError(f"{path.name} has no *NODE block")
+    found = np.array(rows)
+    if len(np.unique(found[:, 0])) < len(found):
+        raise ForeignError(f"{path.name} numbers nodes twice, by parts; write it flat (a job without parts)")
+    return found
 
 
 def _equations(path: Path) -> np.ndarray:
@@ -245,7 +267,7 @@ def _table(path: Path, what: str, columns: tuple[int, ...]) -> np.ndarray:
 _READERS = {
     ".op4": _op4,
     ".pch": _punch,
-    ".mtx": _matrix_text,
+    **dict.fromkeys((".mtx", ".mmf"), _matrix_text),
     **dict.fromkeys((".matrix", ".hb", ".rsa"), _harwell_boeing),
     ".sti": _calculix,
     ".npz": _npz,
