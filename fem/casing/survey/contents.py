@@ -71,6 +71,7 @@ class Contents:
     declared: str  # unit that the file declares, "" for none
     points: np.ndarray  # (n, 3) m, of the surface
     triangles: np.ndarray  # (t, 3), seen from outside counter-clockwise
+    solid: np.ndarray  # (t,), number of the solid of each triangle
     solids: tuple[Solid, ...]
     gaps: tuple[tuple[int, int, float, np.ndarray], ...]
     bores: tuple[Bore, ...]  # the widest first

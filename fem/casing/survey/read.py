@@ -199,6 +199,7 @@ def _contents(
         declared=declared,
         points=points,
         triangles=triangles,
+        solid=solid,
         solids=solids,
         gaps=gaps,
         bores=bores,
