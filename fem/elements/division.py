@@ -149,7 +149,7 @@ def _places(nodes: np.ndarray, block: np.ndarray, among: np.ndarray, middles: np
 
 
 def _check_conforming(nodes: np.ndarray, blocks: Sequence[np.ndarray]) -> None:
-    """ElementError where two triangles lie on a quadrilateral (its diagonal need not be ours), or a pyramid is missing."""
+    """ElementError where triangles lie on a quadrilateral, whose diagonal need not be ours, or pyramids are missing."""
     triangles, quadrilaterals = [np.zeros((0, 3), np.int64)], [np.zeros((0, 4), np.int64)]
     for block in blocks:
         for face in _SHAPES[block.shape[1]][1].faces:
