@@ -302,6 +302,13 @@ def test_unknowns_without_mass_may_have_any_stiffness():
     assert lowest_frequencies(K, M, 4)[0][0] == pytest.approx(wanted, rel=1e-9)
 
 
+def test_a_direction_without_mass_and_with_negative_stiffness_has_no_frequencies_and_is_counted():
+    K, M = sp.diags_array([1.0, -2.0], format="csr"), sp.diags_array([1.0, 0.0], format="csr")
+    frequencies, negative = lowest_frequencies(K, M, 2)
+    assert len(frequencies) == 0
+    assert negative == 1
+
+
 def test_the_check_up_says_what_is_wrong_with_a_foreign_body(native):
     K, M = matrices(native)
 

@@ -20,15 +20,15 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import ParamSpec, TypeVar
+from typing import TypeVar, TypeVarTuple
 
 from fem.processes.child import command, environment
 
 _log = logging.getLogger(__name__)
 _JOB, _ANSWER, _SAID = "job", "answer", "said"
-_Parameters = ParamSpec("_Parameters")
+_Arguments = TypeVarTuple("_Arguments")
 _Result = TypeVar("_Result")
-_MEMORY, _PER_BYTE = 4 << 30, 200  # STEP files of 0.3 to 5 MB take 0.6 GB and 20 to 50 times their size
+_MEMORY, _PER_BYTE = 4 << 30, 200  # a STEP file of 3 MB took 0.55 GB and 20 times its size
 DAMAGED = "it is damaged, or not what its ending says. Export it again"
 
 
@@ -36,9 +36,8 @@ def opened_apart(
     file: Path,
     error: type[Exception],
     remedy: str,
-    call: Callable[_Parameters, _Result],
-    *arguments: _Parameters.args,
-    **options: _Parameters.kwargs,
+    call: Callable[[*_Arguments], _Result],
+    *arguments: *_Arguments,
 ) -> _Result:
     """What a call of a function of a module returns, or raises, in a child process.
 
@@ -47,7 +46,7 @@ def opened_apart(
     file : that the call opens, for the message
     error : raised where the child ends without an answer
     remedy : the rest of its message
-    call, arguments, options : the work; they and the result must survive pickle
+    call, *arguments : the work; they and the result must survive pickle
 
     Raises
     ------
@@ -55,12 +54,13 @@ def opened_apart(
     """
     with tempfile.TemporaryDirectory(prefix="gearcase-", ignore_cleanup_errors=True) as name:
         folder = Path(name)
-        (folder / _JOB).write_bytes(pickle.dumps((call, arguments, options)))
+        (folder / _JOB).write_bytes(pickle.dumps((call, arguments)))
         code = _run(folder)
         for line in (folder / _SAID).read_text("utf-8", "replace").splitlines():
             _log.info("library: %s", line)
         if not (folder / _ANSWER).exists():
             how = signal.Signals(-code).name if code < 0 else f"code {code}"
+            how += ", perhaps for lack of memory" if how == "SIGKILL" else ""
             raise error(f"{file.name}: the library that reads it crashed ({how}); {remedy}")
         done, content = pickle.loads((folder / _ANSWER).read_bytes())
     if done:
@@ -115,12 +115,14 @@ def _end_with_parent() -> None:
 def _main(folder: Path) -> None:
     threading.Thread(target=_end_with_parent, name="parent watch", daemon=True).start()
     logging.basicConfig(level=logging.INFO, format="%(message)s")
-    call, arguments, options = pickle.loads((folder / _JOB).read_bytes())
+    call, arguments = pickle.loads((folder / _JOB).read_bytes())
     try:
-        answer = (True, call(*arguments, **options))
+        answer = (True, call(*arguments))
     except Exception as error:
         answer = (False, error)
-    (folder / _ANSWER).write_bytes(pickle.dumps(answer))
+    partial = folder / "partial"
+    partial.write_bytes(pickle.dumps(answer))
+    os.replace(partial, folder / _ANSWER)
 
 
 if __name__ == "__main__":

@@ -100,7 +100,7 @@ def reduced_text(body: ForeignBody, made: tuple[Reduction, np.ndarray], band: fl
     b, modes = reduction.constraint.shape[1], reduction.n_fixed
     whole, _ = lowest_frequencies(body.stiffness[free][:, free], body.mass[free][:, free], 60)
     small, _ = lowest_frequencies(sp.csr_matrix(reduction.stiffness), sp.csr_matrix(reduction.mass), 60)
-    inside = (whole[: len(small)] <= band) & (whole[: len(small)] > 1e-3 * max(float(whole[-1]), 1e-300))
+    inside = (whole[: len(small)] <= band) & (whole[: len(small)] > 1e-3 * whole.max(initial=1e-300))
     count = int(inside.sum())
     errors = small[: len(inside)][inside] / whole[: len(inside)][inside] - 1.0
     worst = f", largest error {abs(errors).max():.1e}" if count else ""

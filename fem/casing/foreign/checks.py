@@ -126,14 +126,19 @@ def rigid_motion(body: ForeignBody, centre: np.ndarray) -> np.ndarray:
 def lowest_frequencies(K: sp.csr_matrix, M: sp.csr_matrix, count: int) -> tuple[np.ndarray, int]:
     """The lowest frequencies (Hz) of K u = omega^2 M u, zeros for rigid modes, and how many squares are negative.
 
-    Shift and invert: dense for small bodies, larger ones by ARPACK.
+    Shift and invert: dense for small bodies, larger ones by ARPACK. None are found where the stiffness is negative in a
+    direction without mass; then negative values of K are counted.
     """
     K, M = 0.5 * (K + K.T), 0.5 * (M + M.T)
     n = K.shape[0]
     if not abs(M).max() > 0.0:
         return np.zeros(0), 0
     if n <= _DENSE:
-        squares = _dense(K.toarray(), M.toarray())
+        found = _dense(K.toarray(), M.toarray())
+        if found is None:
+            scaled = K.toarray() / max(abs(K).max(), 1e-300)
+            return np.zeros(0), int((la.eigvalsh(scaled) < -_SYMMETRIC).sum())
+        squares = found
     else:
         from scipy.sparse.linalg import LinearOperator, eigsh
 
@@ -150,24 +155,23 @@ def lowest_frequencies(K: sp.csr_matrix, M: sp.csr_matrix, count: int) -> tuple[
     return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi), int((squares < -max(noise, 1.0)).sum())
 
 
-def _dense(K: np.ndarray, M: np.ndarray) -> np.ndarray:
+def _dense(K: np.ndarray, M: np.ndarray) -> np.ndarray | None:
     """Squares of the angular frequencies: 1 / m - s of the values m of L^-1 M L^-T, K + s M = L L^T.
 
     Directions without mass have m = 0 and drop out; to condense them first loses digits where their stiffness is large.
-    The shift s is the smallest of a ladder from 1 Hz on that makes the sum definite.
+    The shift s is the smallest of a ladder from 1 Hz on that makes the sum definite; None where none does.
     """
     for shift in (2.0 * math.pi * 10.0 ** np.arange(7.0)) ** 2:
         A = K + shift * M
         size = np.sqrt(np.maximum(np.diag(A), 1e-300))
         try:
             lower = la.cholesky(A / np.outer(size, size), lower=True)
-        except la.LinAlgError:
+        except (la.LinAlgError, ValueError):  # not definite, or beyond the largest number
             continue
         half = la.solve_triangular(lower, M / np.outer(size, size), lower=True)
         values = la.eigvalsh(la.solve_triangular(lower, half.T, lower=True))
         return 1.0 / values[values > _MASSLESS * values.max()] - shift
-    squares = la.eigvals(K, M)  # not definite below its modes either: wrong, and told as such
-    return np.sort(squares[np.isfinite(squares)].real)
+    return None
 
 
 def _wrong(asymmetry: list[float], mass: float, grounding: float, rigid: int, negative: int) -> Iterator[str]:
