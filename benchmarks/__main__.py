@@ -20,7 +20,7 @@ from typing import Any
 from benchmarks import page
 from benchmarks.child import PARTS
 from benchmarks.clock import conditions
-from pipelines.engine.child import command, environment
+from fem.processes.child import command, environment
 
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "benchmarks" / "results" / "latest.json"

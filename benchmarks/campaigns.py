@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from pipelines.engine.child import command, environment
+from fem.processes.child import command, environment
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = {"bench": (48, 2.0, ""), "rig-missing-tooth": (14, 5.0, 'preset = "standard"\n')}

@@ -13,8 +13,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+from fem.processes.child import command, environment
 from pipelines.engine.cache import Cache
-from pipelines.engine.child import command, environment
 from pipelines.engine.working import Work
 from pipelines.scene.file import LoadedScene, changed, load_scene
 from pipelines.scene.presets import PRESETS, preset_settings

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.clock import conditions
-from pipelines.engine.child import command, environment
+from fem.processes.child import command, environment
 
 CASES = (  # mm, Hz, solver
     (26.0, 5000.0, "multifrontal"),

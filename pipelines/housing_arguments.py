@@ -28,9 +28,14 @@ def housing_arguments(sub: argparse.ArgumentParser) -> None:
     matrices = sub.add_argument_group("matrices of another program")
     matrices.add_argument("--mass", metavar="FILE", type=path, help="of the mass, where FILE holds the stiffness alone")
     matrices.add_argument(
-        "--nodes", metavar="FILE", type=path, help="rows of number, x, y, z; or GRID cards of Nastran"
+        "--nodes", metavar="FILE", type=path, help="rows of number, x, y, z; GRID cards of Nastran; *NODE of Abaqus"
     )
-    matrices.add_argument("--equations", metavar="FILE", type=path, help="rows of node and axis (1-6, 0 modal)")
+    matrices.add_argument(
+        "--equations",
+        metavar="FILE",
+        type=path,
+        help="rows of node, axis (1-6, 0 modal); .mapping; EXTRN cards",
+    )
     matrices.add_argument(
         "--units",
         choices=("kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s"),

@@ -1,6 +1,7 @@
 """`gearcase housing`: bores, seats, tilt and unit are found in a file; the block it writes makes the scene fit."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from fem.casing.survey.shaft_fit import ShaftPlace, fit_shafts
 from fem.elements.materials import Material
 from fem.elements.solids import assemble
 from pipelines.cli import main
+from pipelines.housings.thinned import thinned
 from pipelines.plant.housing_file import main as write_housing
 from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
@@ -167,17 +169,35 @@ def test_the_block_of_a_file_makes_the_scene_fit(tmp_path, monkeypatch, capsys):
     """A housing written by a scene, read back by one command and one paste: the seats are where the bearings are."""
     monkeypatch.chdir(tmp_path)
     assert write_housing(["minimal", "box.step"]) == 0
-    assert main(["housing", "box.step", "--scene", "minimal", "--out", "found"]) == 0
+    far = 'extends = "minimal"\n[[sensors]]\nname = "sensor_3"\nposition_mm = [0.0, -400.0, 0.0]\n'
+    (tmp_path / "far.toml").write_text(far, encoding="utf-8")
+    assert main(["housing", "box.step", "--scene", "far.toml", "--out", "found"]) == 0
     told = capsys.readouterr().out
     assert "4 bores, the widest first" in told
     assert "units of length in which bores lie at the shafts of the scene: mm" in told
     block = (tmp_path / "found" / "housing.toml").read_text(encoding="utf-8")
     assert block in told
+    assert re.search(r"# sensor sensor_3 is \d+ mm off the housing \(limit 50 mm\): set position_mm = \[", block)
     (tmp_path / "mine.toml").write_text(f'extends = "minimal"\n{block}', encoding="utf-8")
     assert check_scene(load_scene("mine.toml")).plant.casing.geometry.is_step
     page = (tmp_path / "found" / "box.html").read_text(encoding="utf-8")
     assert "bearing_1" in page
     assert (tmp_path / "found" / "box.png").stat().st_size > 10_000
+
+
+def test_a_thinned_sphere_is_a_sphere_of_fewer_triangles():
+    """20,000 triangles as 3000 at most: every point is one of the sphere, and its volume is lost by little."""
+    u, v = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 101), np.linspace(0.0, np.pi, 101), indexing="ij")
+    points = np.column_stack([(np.sin(v) * np.cos(u)).ravel(), (np.sin(v) * np.sin(u)).ravel(), np.cos(v).ravel()])
+    corner = (101 * np.arange(100)[:, None] + np.arange(100)).ravel()
+    triangles = np.vstack(
+        [np.column_stack([corner, corner + 1, corner + 102]), np.column_stack([corner, corner + 102, corner + 101])]
+    )
+    fewer, left = thinned(points, triangles, most=3000)
+    assert 1000 < len(left) <= 3000
+    assert np.linalg.norm(fewer, axis=1) == pytest.approx(1.0)
+    volume = abs(np.linalg.det(fewer[left]).sum()) / 6.0
+    assert volume == pytest.approx(4.0 / 3.0 * np.pi, rel=0.03)
 
 
 def test_what_is_no_housing_is_refused_in_a_sentence(tmp_path, monkeypatch, capsys):

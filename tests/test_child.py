@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from fem.processes import child
 from pipelines.border.errors import WorkError
-from pipelines.engine import child, worker
+from pipelines.engine import worker
 from pipelines.engine.cache import Cache
 from pipelines.engine.processes import Pool
 from pipelines.engine.run_graph import run_graph
@@ -90,7 +91,7 @@ def test_the_renderer_runs_nothing_of_the_working_folder(planted, tmp_path, monk
 
 def test_the_folder_of_the_script_is_not_searched(tmp_path):
     script = tmp_path / "study.py"
-    script.write_text("from pipelines.engine.child import _folders; print(_folders())", encoding="utf-8")
+    script.write_text("from fem.processes.child import _folders; print(_folders())", encoding="utf-8")
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (ROOT, tmp_path / "tools")))}
     (tmp_path / "tools").mkdir()
     folders = subprocess.run(
@@ -104,9 +105,7 @@ def test_the_library_comes_before_what_the_user_added(tmp_path):
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (ROOT, tmp_path)))}
     (tmp_path / "queue.py").write_text(PLANTED, encoding="utf-8")
     (tmp_path / "tool.py").write_text("import queue; print(queue.__file__)", encoding="utf-8")
-    program = (
-        "import subprocess; from pipelines.engine.child import *; subprocess.run(command('tool'), env=environment())"
-    )
+    program = "import subprocess; from fem.processes.child import *; subprocess.run(command('tool'), env=environment())"
     command = [sys.executable, "-P", "-c", program]
     done = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True, check=True)
     assert Path(done.stdout.strip()) == Path(os.__file__).with_name("queue.py")

@@ -235,6 +235,14 @@ def saved(folder, form, K, M, nodes):
             write_harwell_boeing(folder / f"{name}.matrix", sp.csr_array(matrix)[order][:, order])
         rows = [f"{row:10d}{one // 3 + 1:10d}   U{'XYZ'[one % 3]}" for row, one in enumerate(order, 1)]
         (folder / "K.mapping").write_text("\n".join(["Matrix Eqn      Node   DOF", *rows]), encoding="utf-8")
+    elif form == "coordinate":  # of Abaqus, beside its input file
+        for name, matrix in (("K", K), ("M", M)):
+            full = sp.coo_matrix(matrix)
+            rows = np.column_stack([full.row + 1, full.col + 1, full.data])
+            np.savetxt(folder / f"{name}.mtx", rows, fmt=["%d", "%d", "%.17g"])
+        cards = [f"{number}, {x!r}, {y!r}, {z!r}" for number, (x, y, z) in enumerate((1e3 * nodes).tolist(), 1)]
+        lines = ["*Heading", "*Node, nset=ALL", "** a comment", *cards, "*Node output", "U"]
+        (folder / "nodes.inp").write_text("\n".join(lines), encoding="utf-8")
     elif form == "abaqus":
         for name, matrix in (("K", K), ("M", M)):
             lower = sp.coo_matrix(sp.tril(matrix))
@@ -247,14 +255,14 @@ def saved(folder, form, K, M, nodes):
         op4 = pytest.importorskip("pyyeti.nastran.op4")
         for name, matrix in (("K", K), ("M", M)):
             op4.write(str(folder / f"{name}.op4"), {f"{name}GG": sp.coo_matrix(matrix)}, sparse="bigmat")
-    ending = {"abaqus": "mtx", "ansys": "matrix"}.get(form, form)
+    ending = {"abaqus": "mtx", "coordinate": "mtx", "ansys": "matrix"}.get(form, form)
     K_file, M_file = (str(folder / f"{name}.{ending}") for name in "KM")
     equations = str(folder / "K.mapping") if form == "ansys" else None
-    nodes_file = str(folder / "nodes.csv")
+    nodes_file = str(folder / ("nodes.inp" if form == "coordinate" else "nodes.csv"))
     return MatrixFiles(stiffness=K_file, mass=M_file, nodes=nodes_file, equations=equations, system="t-mm-s")
 
 
-@pytest.mark.parametrize("form", ["mtx", "npz", "abaqus", "ansys", "op4"])
+@pytest.mark.parametrize("form", ["mtx", "npz", "abaqus", "coordinate", "ansys", "op4"])
 def test_matrices_in_another_system_of_units_have_the_same_frequencies_and_mass(native, wanted, tmp_path, form):
     K, M = matrices(native)
     body = read_body(saved(tmp_path, form, K, M, native.nodes))
@@ -283,6 +291,22 @@ def test_harwell_boeing_files_that_are_cut_off_or_of_another_kind_are_refused(tm
         heat.write_text(f"Matrix Eqn  Node  DOF\n{rows}\n", encoding="utf-8")
         with pytest.raises(ForeignError, match=words):
             mapped_equations(heat)
+
+
+def test_unknowns_without_mass_may_have_any_stiffness():
+    """A mass on two soft springs in a row, no mass between them, beside one tied to a massless unknown by 1e9 N/m."""
+    soft, stiff, mass = 1e-4, 1e9, 1e-4
+    K = sp.block_diag([[[soft, -soft], [-soft, 2 * soft]], [[soft + stiff, -stiff], [-stiff, stiff]]], format="csr")
+    M = sp.diags_array([mass, 0.0, mass, 0.0], format="csr")
+    wanted = np.sqrt(soft / 2 / mass) / (2.0 * np.pi)
+    assert lowest_frequencies(K, M, 4)[0][0] == pytest.approx(wanted, rel=1e-9)
+
+
+def test_a_direction_without_mass_and_with_negative_stiffness_has_no_frequencies_and_is_counted():
+    K, M = sp.diags_array([1.0, -2.0], format="csr"), sp.diags_array([1.0, 0.0], format="csr")
+    frequencies, negative = lowest_frequencies(K, M, 2)
+    assert len(frequencies) == 0
+    assert negative == 1
 
 
 def test_the_check_up_says_what_is_wrong_with_a_foreign_body(native):

@@ -12,7 +12,7 @@ from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
 from fem.casing.meshing.locate import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
 from fem.casing.meshing.mesh import MeshError
 from fem.casing.meshing.mesher import mesh_housing, session, write_step
-from fem.casing.meshing.quality import measure
+from fem.casing.meshing.quality import checked_quality, measure
 from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.source import mesh_geometry
 from fem.casing.reduced.rigid import rigid_body, rigid_from_mesh
@@ -330,6 +330,16 @@ def one_element(corners, mid=None):
     if mid is not None:
         nodes[elements[0, 4]] += mid
     return measure(nodes, elements)
+
+
+def test_a_bad_element_is_named_with_its_place_in_millimetres():
+    """The second of two tetrahedra is flat, then inside out; its corners have their mean at (0.1, 0.2, 0.3) m."""
+    sound = np.array([[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.0, 0.01]])
+    for height, words in ((1e-5, "have quality"), (-0.01, "are inverted")):
+        bad = sound * [1.0, 1.0, height / 0.01]
+        nodes = np.vstack([sound, bad - bad.mean(axis=0) + [0.1, 0.2, 0.3]])
+        with pytest.raises(MeshError, match=rf"1 of 2 tetrahedra {words} .* near \(100, 200, 300\) mm\)?\. Repair"):
+            checked_quality(nodes, np.array([[0, 1, 2, 3], [4, 5, 6, 7]]), "Repair it")
 
 
 def test_quality_of_single_elements():

@@ -130,6 +130,17 @@ def test_what_does_not_fit_together_is_refused():
         divided(np.vstack([quadratic, [[0.5, 0.5, 1.5]]]), [bent, np.array([[4, 5, 6, 7, 20]])])
 
 
+def test_a_missing_pyramid_between_a_hexahedron_and_tetrahedra_is_refused():
+    """As gmsh writes universal files. The four tetrahedra hold the sides of the pyramid; with it all is one body."""
+    nodes, (cell,) = unit_cube()
+    more = np.array([[0.5, 0.5, 1.5], [0.5, -0.5, 1.4], [1.5, 0.5, 1.4], [0.5, 1.5, 1.4], [-0.5, 0.5, 1.4]])
+    every = np.vstack([nodes, more])
+    around = np.array([[4, 5, 8, 9], [5, 6, 8, 10], [6, 7, 8, 11], [7, 4, 8, 12]])
+    assert len(divided(every, [cell, around, np.array([[4, 5, 6, 7, 8]])])[1]) == 6 + 4 + 2
+    with pytest.raises(ElementError, match=r"1 pyramids are missing .* near \(0\.5, 0\.5, 1\) mm: gmsh writes none"):
+        divided(every, [cell, around])
+
+
 MIXED = ("msh", "inp", "bdf", "unv", "med", "vtu")
 INNER, TALL = 0.006, 0.020
 

@@ -178,8 +178,8 @@ def test_mean_motion_weighs_by_area():
 
 
 def test_a_patch_without_facets_is_refused(bar):
-    with pytest.raises(AttachmentError, match="no facet"):
-        mean_motion_rows(bar.nodes, np.zeros((0, 6), int), np.zeros(3))
+    with pytest.raises(AttachmentError, match=r"patch at \(100, 20, 30\) mm has no facet"):
+        mean_motion_rows(bar.nodes, np.zeros((0, 6), int), np.array([0.1, 0.02, 0.03]))
 
 
 def test_sensor_point_is_the_nearest_of_the_surface(bar):
@@ -190,7 +190,8 @@ def test_sensor_point_is_the_nearest_of_the_surface(bar):
     assert weights.sum() == pytest.approx(1.0)
     beyond = nearest_surface_point(bar.nodes, bar.patches[0][0], np.array([0.41, 0.07, 0.07]))[2]
     assert beyond == pytest.approx([0.4, 0.06, 0.05])  # the corner
-    with pytest.raises(AttachmentError, match="600 mm from the casing surface"):
+    words = r"sensor at \(1000, 30, 25\) mm is 600 mm from the casing surface .* surface point is \(400, 30, 25\) mm"
+    with pytest.raises(AttachmentError, match=words):
         nearest_surface_point(bar.nodes, facets, np.array([1.0, 0.03, 0.025]))
 
 

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
 from fem.elements.solid_elements import SOLIDS, ElementError
 
@@ -148,7 +149,7 @@ def _places(nodes: np.ndarray, block: np.ndarray, among: np.ndarray, middles: np
 
 
 def _check_conforming(nodes: np.ndarray, blocks: Sequence[np.ndarray]) -> None:
-    """ElementError where two triangles lie on one quadrilateral: its diagonal need not be the one that we cut along."""
+    """ElementError where triangles lie on a quadrilateral, whose diagonal need not be ours, or pyramids are missing."""
     triangles, quadrilaterals = [np.zeros((0, 3), np.int64)], [np.zeros((0, 4), np.int64)]
     for block in blocks:
         for face in _SHAPES[block.shape[1]][1].faces:
@@ -165,6 +166,28 @@ def _check_conforming(nodes: np.ndarray, blocks: Sequence[np.ndarray]) -> None:
             "tetrahedra meet hexahedra or wedges there without pyramids in between. Mesh the part with pyramids, or "
             "with tetrahedra alone"
         )
+    holes = _pyramidal_holes(loose, open_ones, size)
+    if len(holes):
+        raise ElementError(
+            f"{len(holes)} pyramids are missing between quadrilaterals and tetrahedra, one {_near(nodes, holes[0])}: "
+            "gmsh writes none into universal files (.unv). Write the mesh as .msh or .med, or mesh the part with "
+            "tetrahedra alone"
+        )
+
+
+def _pyramidal_holes(triangles: np.ndarray, quadrilaterals: np.ndarray, size: int) -> np.ndarray:
+    """Of the outer quadrilaterals (f, 4) those on which four outer triangles with one common corner stand."""
+    sides = [(0, 1, 2), (0, 2, 1), (1, 2, 0)]
+    apex = np.concatenate([triangles[:, c] for _, _, c in sides])
+    key = np.concatenate([triangles[:, a] * size + triangles[:, b] for a, b, _ in sides])
+    edges, row = np.unique(key, return_inverse=True)
+    upon = sp.csr_array((np.ones(len(row)), (row.ravel(), apex)), shape=(len(edges), size))
+    first, second = np.triu_indices(4, 1)
+    own = quadrilaterals[:, first] * size + quadrilaterals[:, second]
+    at = np.minimum(np.searchsorted(edges, own), len(edges) - 1)
+    known = edges[at] == own
+    of = sp.csr_array((np.ones(int(known.sum())), (np.nonzero(known)[0], at[known])), shape=(len(own), len(edges)))
+    return quadrilaterals[np.unique((of @ upon == 4.0).nonzero()[0])]
 
 
 def _used_once(faces: np.ndarray) -> np.ndarray:

@@ -64,10 +64,12 @@ def _matrices(path: Path, options: argparse.Namespace) -> int:
     )
     check = check_foreign(body)
     sys.stdout.write(f"{check.report()}\n")
+    from pipelines.housings.reduced_matrices import held_text, reduced_text, write_reduced
+
+    if options.hold:
+        sys.stdout.write(f"{held_text(body, options.hold)}\n")
     if not options.keep:
         return 0
-    from pipelines.housings.reduced_matrices import reduced_text, write_reduced
-
     folder = writable_folder(options.out or f"{path.stem}-housing")
     target = folder / f"{path.stem}-reduced.h5"
     reduced = write_reduced(body, options.keep, options.hold, options.band, target)

@@ -20,10 +20,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Self, cast
 
+from fem.processes.child import command, environment
 from fem.storage.cache_folder import CacheWarning, warn_once
 from pipelines.border.errors import WorkError
 from pipelines.engine.build_step import Result
-from pipelines.engine.child import command, environment
 from pipelines.engine.step import Step
 
 _POLL_SECONDS = 0.02

@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from fem.processes.child import command, environment
 from pipelines.border.errors import InputError
-from pipelines.engine.child import command, environment
 from pipelines.figures.render_failures import Failure, ended, no_picture, too_slow
 from pipelines.figures.solids import gear_surface, prism_surface, without_tooth
 from pipelines.figures.teeth.mesh_frames import MeshFrames

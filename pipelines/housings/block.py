@@ -7,8 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from fem.casing.meshing.imported import OFF_AXIS, STEP_SUFFIXES
+from fem.casing.reduced.attachment import FARTHEST_SENSOR
 from fem.casing.survey.contents import Contents, FlatFace
 from fem.casing.survey.shaft_fit import ShaftFit
+from fem.elements.facets import nearest_on_facets
 from mbd.coordinates.layout import BEARING_PLACE_TOLERANCE
 from pipelines.border.toml_text import format_value
 from pipelines.scene.scene import Scene
@@ -27,7 +29,7 @@ def housing_block(contents: Contents, file: str, suffix: str, fit: ShaftFit, sce
     fit : where it lies in the frame of the scene
     scene : whose shafts they are
     """
-    lines = [f"# {words}" for words in changes(fit, scene)]
+    lines = [f"# {words}" for words in (*changes(fit, scene), *_far_sensors(contents, fit, scene))]
     model = "step" if suffix in STEP_SUFFIXES else "mesh"
     lines += ["[casing.housing]", f'model = "{model}"', f"file = {format_value(file)}", f'unit = "{contents.unit}"']
     if model == "step" and len(contents.solids) > 1:
@@ -80,6 +82,23 @@ def changes(fit: ShaftFit, scene: Scene) -> Iterator[str]:
             yield f"shaft {number + 1}: set bearing_positions_mm = {places}, the middles of its seats"
     if missing > 0:
         yield f"{missing} bearings of the scene have no bore: move them, or let the ground carry them"
+
+
+def _far_sensors(contents: Contents, fit: ShaftFit, scene: Scene) -> Iterator[str]:
+    """Sensors that are not at the housing, with the nearest places that are."""
+    chosen = np.isin(contents.solid, seat_solids(contents, fit))
+    triangles = contents.triangles[chosen]
+    places = fit.placed(contents.points)
+    for sensor in scene.sensors:
+        wanted = np.array(sensor.position_mm) / 1000
+        on = np.einsum("fa,fad->fd", nearest_on_facets(places, triangles, wanted), places[triangles])
+        distance = np.linalg.norm(on - wanted, axis=1)
+        nearest = int(distance.argmin())
+        if distance[nearest] > FARTHEST_SENSOR:
+            yield (
+                f"sensor {sensor.name} is {1000 * distance[nearest]:.3g} mm off the housing (limit "
+                f"{1000 * FARTHEST_SENSOR:g} mm): set position_mm = {[_round(1000 * x, 1) for x in on[nearest]]}"
+            )
 
 
 def _grounds(contents: Contents, fit: ShaftFit) -> list[str]:

@@ -20,6 +20,12 @@ def listing(contents: Contents) -> Iterator[str]:
     """Unit and size, solids and what hangs loose, bores, flat faces, bolt patterns, tilt."""
     yield from _head(contents)
     yield _solids(contents)
+    for solid in contents.solids:
+        if solid.open_at is not None:
+            yield (
+                f"  solid {solid.number} does not close, or has faces that cannot be meshed, around "
+                f"({_mm(solid.open_at)}) mm: repair it in the CAD program, or leave it out"
+            )
     for one, two, gap, place in contents.gaps:
         if contents.solids[one - 1].part != contents.solids[two - 1].part:
             yield f"  solids {one} and {two} do not touch: {1000 * gap:.4g} mm apart at ({_mm(place)}) mm"
@@ -73,7 +79,7 @@ def _bores(contents: Contents) -> str:
         for one in contents.bores[:MOST_ROWS]
     )
     headers = ("bore", "solid", "diameter mm", "length mm", "middle mm", "axis", "of 360 deg")
-    title = f"{len(contents.bores)} bores, the widest first"
+    title = f"{len(contents.bores)} {'bore' if len(contents.bores) == 1 else 'bores'}, the widest first"
     return Grid(title=title, headers=headers, rows=rows).to_text() + _more(len(contents.bores))
 
 

@@ -10,8 +10,10 @@ from importlib.resources import files
 import numpy as np
 
 from fem.casing.survey.contents import Contents
+from pipelines.housings.thinned import thinned
 
 MOST_LABELS = 200
+_STEPS = 65535  # of a coordinate along the longest side, in two bytes
 
 
 def housing_page(contents: Contents, seats: dict[int, str], text: str) -> str:
@@ -23,7 +25,9 @@ def housing_page(contents: Contents, seats: dict[int, str], text: str) -> str:
     seats : name of the bearing by number of the bore
     text : the listing, below the picture
     """
-    corners = (1000 * contents.points[contents.triangles]).astype("<f4")
+    points, triangles = thinned(contents.points, contents.triangles)
+    low, step = 1000 * contents.box[0], 1000 * float(np.ptp(contents.box, axis=0).max()) / _STEPS
+    corners = np.rint((1000 * points[triangles] - low) / step).astype("<u2")
     labels = [
         {
             "text": f"{bore.number}: {seats[bore.number]}" if bore.number in seats else str(bore.number),
@@ -34,7 +38,8 @@ def housing_page(contents: Contents, seats: dict[int, str], text: str) -> str:
     ]
     box = np.round(1000 * contents.box, 4).tolist()
     script = files("pipelines.report").joinpath("assets", "turn.js").read_text(encoding="utf-8")
-    data = json.dumps({"box": box, "labels": labels, "corners": base64.b64encode(corners.tobytes()).decode()})
+    encoded = base64.b64encode(corners.tobytes()).decode()
+    data = json.dumps({"box": box, "step": step, "labels": labels, "corners": encoded})
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>{html.escape(contents.name)}</title>
 <style>body{{font:14px sans-serif;margin:1em}}#view{{position:relative;width:100%;height:70vh;overflow:hidden;

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.casing.foreign.body import ForeignBody
-from fem.casing.foreign.checks import lowest_frequencies
+from fem.casing.foreign.checks import frequency_lines, lowest_frequencies
 from pipelines.border.errors import InputError
 from pipelines.border.user_files import whole_file
 
@@ -78,6 +78,20 @@ def _write(target: Path, reduction: Reduction, equations: np.ndarray, nodes: np.
         file.attrs["units"] = "kg-m-s"
 
 
+def held_text(body: ForeignBody, hold: Sequence[int], count: int = 20) -> str:
+    """The lowest frequencies with all motion of some nodes held, as other programs publish them of reduced bodies.
+
+    Raises
+    ------
+    ForeignError : unknown nodes
+    """
+    for number in hold:
+        body.place(number)
+    free = np.flatnonzero(~(np.isin(body.node, hold) & (body.axis >= 0)))
+    found, _ = lowest_frequencies(body.stiffness[free][:, free], body.mass[free][:, free], count)
+    return "\n".join([f"  with the nodes {', '.join(map(str, hold))} held, Hz:", *frequency_lines(found)])
+
+
 def reduced_text(body: ForeignBody, made: tuple[Reduction, np.ndarray], band: float) -> str:
     """How many coordinates are left, and how far their frequencies in the band are off those of the whole body."""
     import scipy.sparse as sp
@@ -86,7 +100,7 @@ def reduced_text(body: ForeignBody, made: tuple[Reduction, np.ndarray], band: fl
     b, modes = reduction.constraint.shape[1], reduction.n_fixed
     whole, _ = lowest_frequencies(body.stiffness[free][:, free], body.mass[free][:, free], 60)
     small, _ = lowest_frequencies(sp.csr_matrix(reduction.stiffness), sp.csr_matrix(reduction.mass), 60)
-    inside = (whole[: len(small)] <= band) & (whole[: len(small)] > 1e-3 * max(float(whole[-1]), 1e-300))
+    inside = (whole[: len(small)] <= band) & (whole[: len(small)] > 1e-3 * whole.max(initial=1e-300))
     count = int(inside.sum())
     errors = small[: len(inside)][inside] / whole[: len(inside)][inside] - 1.0
     worst = f", largest error {abs(errors).max():.1e}" if count else ""

@@ -47,15 +47,22 @@ def harwell_boeing(path: Path) -> sp.coo_matrix:
         raise ForeignError(
             f"{path.name} is cut off: it holds {len(values)} of {entries} values of {columns} columns. Export it again"
         )
-    matrix = sp.csc_matrix((values, indices.astype(int) - 1, pointers.astype(int) - 1), shape=(rows, columns)).tocoo()
+    packed = sp.csc_matrix((values, indices.astype(int) - 1, pointers.astype(int) - 1), shape=(rows, columns))
+    packed.check_format(full_check=True)  # SciPy follows wrong indices beyond its memory
+    matrix = packed.tocoo()
     if kind == "RUA":
         return matrix
     return sp.coo_matrix(matrix + matrix.T - sp.diags_array(matrix.diagonal()))
 
 
 def _fields(lines: Sequence[str], width: int) -> list[str]:
-    """The numbers of lines of fields of one width, which need no space between them."""
+    """The numbers of lines of fields of one width, which need no space between them.
+
+    SciPy writes narrower fields than it states, with spaces.
+    """
     fields = [line[at : at + width] for line in lines for at in range(0, len(line.rstrip()), width)]
+    if any(" " in one.strip() for one in fields):
+        fields = " ".join(lines).split()
     return [one.upper().replace("D", "E") for one in fields]
 
 

@@ -65,6 +65,7 @@ def foreign_body(
     *,
     equations: np.ndarray | None = None,
     nodes: np.ndarray | None = None,
+    frames: np.ndarray | None = None,
     system: str = "kg-m-s",
 ) -> ForeignBody:
     """A body from what files hold.
@@ -75,11 +76,13 @@ def foreign_body(
     stiffness, mass : (n, n), symmetric or one triangle
     equations : int (n, 2), node and axis (1 to 6, 0 modal) of each; by default three or six per node in their order
     nodes : (k, 4), number and place; or (k, 3), numbered from 1
+    frames : (k, 3, 3), F with u = F u_node, of nodes whose equations are not written along x, y and z
     system : one of `SYSTEMS`
 
     Raises
     ------
-    ForeignError : shapes that do not fit, entries that are not finite, equations of unknown nodes
+    ForeignError : shapes that do not fit, entries that are not finite, equations of unknown nodes, nodes in frames of
+        their own that lack an axis
     """
     if system not in SYSTEMS:
         raise ForeignError(f"units {system!r} are not one of {', '.join(SYSTEMS)}")
@@ -96,6 +99,9 @@ def foreign_body(
         raise ForeignError(
             f"{name}: equations belong to nodes without a place: {_some(unknown)}. Give a file of all nodes"
         )
+    if frames is not None:
+        turn = _turned(name, node, axis, numbers, frames)
+        K, M = (sp.csr_matrix(turn @ A @ turn.T) for A in (K, M))
     scale = sp.diags_array(np.where((axis >= 0) & (axis < 3), 1.0 / length, 1.0))
     energy = unit_mass * length**2
     used = (abs(K).sum(axis=1) + abs(M).sum(axis=1) > 0.0).ravel()
@@ -158,6 +164,27 @@ def _equations(
     if ((rows[:, 1] < 0) | (rows[:, 1] > 6)).any():
         raise ForeignError(f"{name}: the map of equations has axes outside 1 to 6 (0 for a modal coordinate)")
     return np.where(rows[:, 1] > 0, rows[:, 0], 0), rows[:, 1] - 1
+
+
+def _turned(name: str, node: np.ndarray, axis: np.ndarray, numbers: np.ndarray, frames: np.ndarray) -> sp.csr_matrix:
+    """T (n, n) with A = T A_nodes T^T: every node's translations and rotations from its frame into x, y and z."""
+    turn = sp.lil_matrix(sp.eye_array(len(node)))
+    for number, frame in zip(numbers, frames, strict=True):
+        if np.allclose(frame, np.eye(3), rtol=0.0, atol=1e-12):
+            continue
+        for first in (0, 3):
+            own = [np.flatnonzero((node == number) & (axis == first + k)) for k in range(3)]
+            found = [len(one) for one in own]
+            if found == [0, 0, 0]:
+                continue
+            if found != [1, 1, 1]:
+                raise ForeignError(
+                    f"{name}: node {number} moves in a coordinate system of its own and lacks an axis; export all "
+                    "three, or the node in the basic system"
+                )
+            at = np.concatenate(own)
+            turn[np.ix_(at, at)] = frame
+    return sp.csr_matrix(turn)
 
 
 def _some(numbers: np.ndarray) -> str:

@@ -15,6 +15,7 @@ from fem.casing.foreign.body import ForeignBody
 _SYMMETRIC = 1e-9
 _FREE = 1e-7  # of max |K| max |R|
 _DENSE = 1500
+_MASSLESS = 1e-13  # of the largest value of the shifted problem
 _USUAL_MASS = (0.05, 1e5)  # kg, of a housing
 _USUAL_DENSITY = 2e4  # kg/m3 of the box around the body: more than any metal has
 _USUAL_FIRST = (1.0, 1e5)  # Hz, first elastic mode
@@ -51,13 +52,16 @@ class ForeignCheck:
         else:
             lines.append("  places of the nodes are not known: no mass, no test of the ground")
         lines.append(f"  {self.rigid_modes} modes without stiffness; frequencies as exported, Hz:")
-        shown = self.frequencies[:count]
-        lines += [
-            "    " + "  ".join(f"{f:12.6g}" for f in row) for row in np.array_split(shown, -(-len(shown) // 5) or 1)
-        ]
+        lines += frequency_lines(self.frequencies[:count])
         lines += [f"  WRONG: {words}" for words in self.wrong] + [f"  doubtful: {words}" for words in self.doubtful]
         lines += [] if self.wrong or self.doubtful else ["  nothing is wrong"]
         return "\n".join(lines)
+
+
+def frequency_lines(frequencies: np.ndarray) -> list[str]:
+    """Frequencies in Hz to the seven digits that Nastran prints, five in a line."""
+    rows = np.array_split(frequencies, -(-len(frequencies) // 5) or 1)
+    return ["    " + "  ".join(f"{one:12.7g}" for one in row) for row in rows]
 
 
 def check_foreign(body: ForeignBody, count: int = 30) -> ForeignCheck:
@@ -122,14 +126,19 @@ def rigid_motion(body: ForeignBody, centre: np.ndarray) -> np.ndarray:
 def lowest_frequencies(K: sp.csr_matrix, M: sp.csr_matrix, count: int) -> tuple[np.ndarray, int]:
     """The lowest frequencies (Hz) of K u = omega^2 M u, zeros for rigid modes, and how many squares are negative.
 
-    Small bodies are solved dense, with massless unknowns condensed; larger ones by shift and invert (ARPACK).
+    Shift and invert: dense for small bodies, larger ones by ARPACK. None are found where the stiffness is negative in a
+    direction without mass; then negative values of K are counted.
     """
     K, M = 0.5 * (K + K.T), 0.5 * (M + M.T)
     n = K.shape[0]
     if not abs(M).max() > 0.0:
         return np.zeros(0), 0
     if n <= _DENSE:
-        squares = _dense(K.toarray(), M.toarray())
+        found = _dense(K.toarray(), M.toarray())
+        if found is None:
+            scaled = K.toarray() / max(abs(K).max(), 1e-300)
+            return np.zeros(0), int((la.eigvalsh(scaled) < -_SYMMETRIC).sum())
+        squares = found
     else:
         from scipy.sparse.linalg import LinearOperator, eigsh
 
@@ -146,19 +155,23 @@ def lowest_frequencies(K: sp.csr_matrix, M: sp.csr_matrix, count: int) -> tuple[
     return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi), int((squares < -max(noise, 1.0)).sum())
 
 
-def _dense(K: np.ndarray, M: np.ndarray) -> np.ndarray:
-    """Squares of the angular frequencies, massless directions condensed."""
-    size = np.sqrt(np.maximum(np.diag(M), 1e-12 * max(float(np.diag(M).max()), 1e-300)))
-    value, vector = la.eigh(M / np.outer(size, size))
-    vector = vector / size[:, None]
-    heavy = value > 1e-10 * value.max()
-    stiffness = vector.T @ K @ vector
-    inside = stiffness[np.ix_(heavy, heavy)]
-    if not heavy.all():
-        between, light = stiffness[np.ix_(~heavy, heavy)], stiffness[np.ix_(~heavy, ~heavy)]
-        inside = inside - between.T @ la.lstsq(light, between, cond=1e-12)[0]
-    root = np.sqrt(value[heavy])
-    return la.eigvalsh(inside / np.outer(root, root))
+def _dense(K: np.ndarray, M: np.ndarray) -> np.ndarray | None:
+    """Squares of the angular frequencies: 1 / m - s of the values m of L^-1 M L^-T, K + s M = L L^T.
+
+    Directions without mass have m = 0 and drop out; to condense them first loses digits where their stiffness is large.
+    The shift s is the smallest of a ladder from 1 Hz on that makes the sum definite; None where none does.
+    """
+    for shift in (2.0 * math.pi * 10.0 ** np.arange(7.0)) ** 2:
+        A = K + shift * M
+        size = np.sqrt(np.maximum(np.diag(A), 1e-300))
+        try:
+            lower = la.cholesky(A / np.outer(size, size), lower=True)
+        except (la.LinAlgError, ValueError):  # not definite, or beyond the largest number
+            continue
+        half = la.solve_triangular(lower, M / np.outer(size, size), lower=True)
+        values = la.eigvalsh(la.solve_triangular(lower, half.T, lower=True))
+        return 1.0 / values[values > _MASSLESS * values.max()] - shift
+    return None
 
 
 def _wrong(asymmetry: list[float], mass: float, grounding: float, rigid: int, negative: int) -> Iterator[str]:
@@ -166,7 +179,10 @@ def _wrong(asymmetry: list[float], mass: float, grounding: float, rigid: int, ne
         if value > _SYMMETRIC:
             yield f"the {name} matrix is not symmetric ({value:.1e}, limit {_SYMMETRIC:.0e}); gyroscopic, or cut off"
     if negative:
-        yield f"{negative} modes have negative stiffness: the matrices are those of a loaded or damaged model"
+        yield (
+            f"{negative} modes have negative stiffness: the matrices are those of a loaded or damaged model, or are "
+            "written with too few digits"
+        )
     if np.isfinite(grounding) and grounding > _FREE:
         yield (
             f"a rigid motion needs force ({grounding:.1e} of the largest stiffness, limit {_FREE:.0e}): the body is "

@@ -2,7 +2,8 @@
 
 .op4   Nastran OUTPUT4, ASCII or binary (package pyyeti); no map of equations
 .pch   Nastran punch file of DMIG, which names node and axis of each equation (package pyyeti)
-.mtx   Matrix Market; or Abaqus *MATRIX GENERATE, rows of node, axis, node, axis, value
+.mtx, .mmf  Matrix Market (Ansys *EXPORT,,MMF); or Abaqus *MATRIX GENERATE, rows of node, axis, node, axis, value
+       (FORMAT=MATRIX INPUT) or of row, column, value (COORDINATE)
 .matrix, .hb, .rsa  Harwell-Boeing (Ansys HBMAT); the file .mapping names node and axis of each equation
 .sti   CalculiX (with .mas and .dof beside it)
 .npz   NumPy: arrays stiffness and mass, or one sparse matrix of scipy.sparse.save_npz; nodes, equations if there
@@ -12,9 +13,11 @@
 from __future__ import annotations
 
 import io
+import logging
+import re
 import zipfile
-from collections.abc import Mapping
-from contextlib import redirect_stderr, redirect_stdout
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -25,8 +28,13 @@ import scipy.sparse as sp
 
 from fem.casing.foreign.ansys import harwell_boeing, mapped_equations
 from fem.casing.foreign.body import ForeignBody, ForeignError, foreign_body
+from fem.casing.foreign.nastran import SUFFIXES as NASTRAN
+from fem.casing.foreign.nastran import grid_points, output4, punched, superelement_equations
+from fem.processes.own_process import DAMAGED, opened_apart
 
-SUFFIXES = (".op4", ".pch", ".mtx", ".matrix", ".hb", ".rsa", ".sti", ".npz", ".h5", ".hdf5")
+_log = logging.getLogger(__name__)
+SUFFIXES = (".op4", ".pch", ".mtx", ".mmf", ".matrix", ".hb", ".rsa", ".sti", ".npz", ".h5", ".hdf5")
+_COMPILED = (".h5", ".hdf5")  # read by HDF5: may crash
 _STIFFNESS, _MASS = (
     ("stiffness", "k", "kaa", "kgg", "kxx", "kbb", "kaax"),
     ("mass", "m", "maa", "mgg", "mxx", "mbb", "maax"),
@@ -48,8 +56,8 @@ class MatrixFiles:
 
     stiffness: str
     mass: str | None = None
-    nodes: str | None = None  # rows of number, x, y, z; or a Nastran file with GRID cards
-    equations: str | None = None  # rows of node, axis
+    nodes: str | None = None  # rows of number, x, y, z; GRID cards of Nastran; or *NODE of Abaqus
+    equations: str | None = None  # rows of node, axis; or a Nastran file with EXTRN cards
     system: str = "kg-m-s"
     digests: tuple[str, ...] = field(default=())  # of the files, in this order
 
@@ -64,14 +72,15 @@ def read_body(files: MatrixFiles) -> ForeignBody:
     path = Path(files.stiffness)
     first = read_matrices(path)
     second = first if files.mass is None else read_matrices(Path(files.mass))
-    nodes = first.nodes if files.nodes is None else _table(Path(files.nodes), "nodes", 4)
-    equations = first.equations if files.equations is None else _table(Path(files.equations), "equations", 2)
+    nodes, frames = (first.nodes, None) if files.nodes is None else _nodes(Path(files.nodes))
+    equations = first.equations if files.equations is None else _equations(Path(files.equations))
     return foreign_body(
         path.name,
         _chosen(path, first, _STIFFNESS, "stiffness", alone=files.mass is not None),
         _chosen(Path(files.mass or path), second, _MASS, "mass", alone=files.mass is not None),
         equations=equations,
         nodes=nodes,
+        frames=frames,
         system=files.system,
     )
 
@@ -83,24 +92,34 @@ def read_matrices(path: Path) -> Found:
     ------
     ForeignError : unreadable, or of unknown kind; ImportError becomes one, too, naming the package
     """
-    reader = _READERS.get(path.suffix.lower())
-    if reader is None:
+    if path.suffix.lower() not in _READERS:
         raise ForeignError(f"{path.name}: matrices are read from {', '.join(SUFFIXES)}; convert it")
+    if path.suffix.lower() in _COMPILED:
+        return opened_apart(path, ForeignError, DAMAGED, _read, path)
+    return _read(path)
+
+
+def _read(path: Path) -> Found:
+    with _in_our_words(path):
+        return _READERS[path.suffix.lower()](path)
+
+
+@contextmanager
+def _in_our_words(path: Path) -> Iterator[None]:
+    """Whatever a reader meets in a damaged file is one sentence; what the reader says goes to the log."""
     said = io.StringIO()
     try:
         with redirect_stdout(said), redirect_stderr(said):
-            return reader(path)
+            yield
     except ForeignError:
         raise
     except ImportError as error:
         raise _without_reader(path) from error
     except FileNotFoundError as error:
         raise ForeignError(f"{error.filename}: no such file") from error
-    except (Exception, SystemExit) as error:  # whatever a reader meets in a damaged file
-        words = " ".join(f"{error} {said.getvalue()}".split())[:200] or type(error).__name__
-        raise ForeignError(
-            f"{path.name} cannot be read ({words}); it is cut off or damaged. Export it again"
-        ) from error
+    except (Exception, SystemExit) as error:
+        _log.info("%s: %s %s", path.name, error, said.getvalue())
+        raise ForeignError(f"{path.name} cannot be read; {DAMAGED}") from error
 
 
 def _without_reader(path: Path) -> ForeignError:
@@ -120,27 +139,11 @@ def _chosen(path: Path, found: Found, names: tuple[str, ...], what: str, *, alon
 
 
 def _op4(path: Path) -> Found:
-    from pyyeti.nastran import op4
-
-    return Found({name.lower(): sp.csr_matrix(m) for name, m in op4.read(str(path), sparse=None).items()})
+    return Found(output4(path))
 
 
 def _punch(path: Path) -> Found:
-    from pyyeti.nastran import bulk
-
-    tables = bulk.rddmig(str(path), expanded=False, square=True)
-    square = {name.lower(): table for name, table in tables.items() if table.shape[0] == table.shape[1]}
-    if not square:
-        raise ForeignError(f"{path.name} holds no square DMIG matrix; export KAAX and MAAX (PARAM,EXTOUT,DMIGPCH)")
-    every = sorted(set().union(*(set(table.index) for table in square.values())))
-    place = {label: number for number, label in enumerate(every)}
-    matrices = {}
-    for name, table in square.items():
-        where = np.array([place[label] for label in table.index])
-        values = sp.coo_matrix(table.to_numpy())
-        shape = (len(every), len(every))
-        matrices[name] = sp.coo_matrix((values.data, (where[values.row], where[values.col])), shape=shape)
-    return Found(matrices, np.array(every, int).reshape(-1, 2))
+    return Found(*punched(path))
 
 
 def _matrix_text(path: Path) -> Found:
@@ -148,11 +151,15 @@ def _matrix_text(path: Path) -> Found:
         head = file.readline()
     if head.startswith("%%MatrixMarket"):
         return Found({"matrix": sp.coo_matrix(scipy.io.mmread(path))})
-    rows = np.loadtxt(path, delimiter=",", comments="*", ndmin=2)
+    text = path.read_text(encoding="latin-1").replace(",", " ")
+    rows = np.loadtxt(io.StringIO(text), comments="*", ndmin=2)
+    if rows.shape[1] == 3:
+        one, two = rows[:, :2].astype(int).T - 1
+        return Found({"matrix": sp.coo_matrix((rows[:, 2], (one, two)), shape=(1 + max(one.max(), two.max()),) * 2)})
     if rows.shape[1] != 5:
         raise ForeignError(
             f"{path.name}: rows have {rows.shape[1]} numbers; Matrix Market begins with %%MatrixMarket, Abaqus writes "
-            "node, axis, node, axis, value (*MATRIX OUTPUT, FORMAT=MATRIX INPUT)"
+            "node, axis, node, axis, value (*MATRIX OUTPUT, FORMAT=MATRIX INPUT) or row, column, value (COORDINATE)"
         )
     labels = rows[:, :4].astype(int)
     pairs, number = np.unique(np.vstack([labels[:, :2], labels[:, 2:]]), axis=0, return_inverse=True)
@@ -179,7 +186,7 @@ def _npz(path: Path) -> Found:
     with zipfile.ZipFile(path) as archive:
         names = {name.removesuffix(".npy") for name in archive.namelist()}
     if {"data", "shape", "format"} <= names:
-        return Found({"matrix": sp.load_npz(path)})
+        return Found({"matrix": _sound(sp.load_npz(path))})
     with np.load(path, allow_pickle=False) as stored:
         arrays = {name.lower(): stored[name] for name in stored.files}
     return _of_arrays(arrays)
@@ -193,10 +200,18 @@ def _hdf5(path: Path) -> Found:
         for name, item in file.items():
             if isinstance(item, h5py.Group):
                 if {"data", "indices", "indptr"} <= set(item):
-                    arrays[name.lower()] = sp.csr_matrix(tuple(item[part][:] for part in ("data", "indices", "indptr")))
+                    packed = tuple(item[part][:] for part in ("data", "indices", "indptr"))
+                    arrays[name.lower()] = _sound(sp.csr_matrix(packed))
             elif item.ndim == 2:
                 arrays[name.lower()] = item[:]
     return _of_arrays(arrays)
+
+
+def _sound(matrix: Any) -> Any:
+    """A sparse matrix whose indices lie within it: SciPy follows others beyond its memory. ValueError otherwise."""
+    if hasattr(matrix, "check_format"):
+        matrix.check_format(full_check=True)
+    return matrix
 
 
 def _of_arrays(arrays: Mapping[str, Any]) -> Found:
@@ -204,42 +219,55 @@ def _of_arrays(arrays: Mapping[str, Any]) -> Found:
     return Found(square, arrays.get("equations"), arrays.get("nodes"))
 
 
-def _table(path: Path, what: str, columns: int) -> np.ndarray:
-    """Rows of numbers of a text file, or the GRID cards of a Nastran file."""
-    try:
-        if path.suffix.lower() == ".mapping":
-            return mapped_equations(path)
-        if path.suffix.lower() in (".bdf", ".dat", ".nas", ".blk"):
-            from pyyeti.nastran import bulk
+def _nodes(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
+    """Numbers and places, with the frames of the nodes where the file is one of Nastran."""
+    if path.suffix.lower() not in (".inp", *NASTRAN):
+        return _table(path, "nodes", (3, 4)), None
+    with _in_our_words(path):
+        return (_abaqus_nodes(path), None) if path.suffix.lower() == ".inp" else grid_points(path)
 
-            grids = bulk.rdgrids(str(path))
-            if grids is None:
-                raise ForeignError(f"{path.name} has no GRID cards")
-            if grids[:, 1].any():
-                raise ForeignError(
-                    f"{path.name}: nodes in coordinate systems of their own; give places in the basic one"
-                )
-            return np.asarray(grids[:, [0, 2, 3, 4]])
+
+def _abaqus_nodes(path: Path) -> np.ndarray:
+    """Number and place (k, 4) of the nodes of a flat input file (no parts and instances with numbers of their own)."""
+    rows, inside = [], False
+    for line in path.read_text(encoding="latin-1").splitlines():
+        if line.startswith("*"):
+            inside = re.match(r"\*NODE\s*(,|$)", line, re.IGNORECASE) is not None or (inside and line.startswith("**"))
+        elif inside and line.strip():
+            rows.append([float(word) for word in line.split(",")[:4]])
+    if not rows:
+        raise ForeignError(f"{path.name} has no *NODE block")
+    found = np.array(rows)
+    if len(np.unique(found[:, 0])) < len(found):
+        raise ForeignError(f"{path.name} numbers nodes twice, by parts; write it flat (a job without parts)")
+    return found
+
+
+def _equations(path: Path) -> np.ndarray:
+    """Node and axis of every equation, as a file of Ansys or Nastran names them, or rows of them."""
+    if path.suffix.lower() not in (".mapping", *NASTRAN):
+        return _table(path, "equations", (2,))
+    with _in_our_words(path):
+        return (mapped_equations if path.suffix.lower() == ".mapping" else superelement_equations)(path)
+
+
+def _table(path: Path, what: str, columns: tuple[int, ...]) -> np.ndarray:
+    """Rows of numbers of a text file."""
+    with _in_our_words(path):
         text = path.read_text(encoding="latin-1").replace(",", " ").replace(";", " ")
         rows = [line.split() for line in text.splitlines() if line.strip() and line.strip()[0] in "-+.0123456789"]
+        if len({len(row) for row in rows}) > 1:
+            raise ForeignError(f"{path.name}: the rows of the {what} do not all have the same count of numbers")
         found = np.array(rows, float)
-    except ForeignError:
-        raise
-    except ImportError as error:
-        raise _without_reader(path) from error
-    except OSError as error:
-        raise ForeignError(f"{path}: cannot be read ({error.strerror})") from error
-    except ValueError as error:
-        raise ForeignError(f"{path.name}: the rows of the {what} do not all have the same count of numbers") from error
-    if found.ndim != 2 or found.shape[1] not in {columns, 3 if columns == 4 else columns}:
-        raise ForeignError(f"{path.name}: {what} are rows of {columns} numbers; these have the shape {found.shape}")
+    if found.ndim != 2 or found.shape[1] not in columns:
+        raise ForeignError(f"{path.name}: {what} are rows of {columns[-1]} numbers; these have the shape {found.shape}")
     return found
 
 
 _READERS = {
     ".op4": _op4,
     ".pch": _punch,
-    ".mtx": _matrix_text,
+    **dict.fromkeys((".mtx", ".mmf"), _matrix_text),
     **dict.fromkeys((".matrix", ".hb", ".rsa"), _harwell_boeing),
     ".sti": _calculix,
     ".npz": _npz,

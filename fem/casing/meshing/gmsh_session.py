@@ -48,7 +48,10 @@ def session() -> Iterator[Any]:
         except Exception as error:
             if isinstance(error, MeshError):
                 raise
-            raise MeshError(f"gmsh could not mesh the housing: {error}. Try another element size") from error
+            raise MeshError(
+                f"gmsh could not mesh the housing: {error}. Try another element size; `gearcase housing FILE` tells "
+                "whether the solids of a file close"
+            ) from error
         finally:
             gmsh.finalize()
 

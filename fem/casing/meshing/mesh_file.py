@@ -26,9 +26,11 @@ from fem.casing.meshing.finished import RawMesh
 from fem.casing.meshing.mesh import CasingMesh, MeshError
 from fem.elements.division import OFF_MIDDLE, cut_quadrilaterals, described, divided
 from fem.elements.solid_elements import SOLIDS, ElementError, solid_element
+from fem.processes.own_process import DAMAGED, bounded_memory, opened_apart
 
 _log = logging.getLogger(__name__)
 SUFFIXES = (".msh", ".inp", ".bdf", ".nas", ".vtu", ".vtk", ".unv", ".med", ".mesh", ".xdmf", ".cgns", ".e")
+_COMPILED = (".unv", ".mesh", ".med", ".xdmf", ".cgns", ".e")  # read by gmsh, HDF5 or NetCDF: may crash
 _SWAPPED = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 _MIRRORED = [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]
 _IDENTIFIERS = ("gmsh:physical", "nastran:ref")
@@ -114,6 +116,12 @@ def read_quietly(path: Path) -> Any:
     ------
     MeshError : unreadable
     """
+    if path.suffix.lower() in _COMPILED:
+        return opened_apart(path, MeshError, DAMAGED, _read, path)
+    return _read(path)
+
+
+def _read(path: Path) -> Any:
     import meshio
     from meshio._mesh import topological_dimension
 
@@ -126,16 +134,25 @@ def read_quietly(path: Path) -> Any:
             warnings.catch_warnings(action="ignore"),
         ):
             found = _READERS.get(path.suffix.lower(), meshio.read)(path)
+    except ImportError as error:
+        raise MeshError(f"{path.name} needs the package {error.name}: pip install {error.name}") from error
     except (Exception, SystemExit) as error:  # meshio leaves the interpreter on some damaged files
-        words = str(error) if isinstance(error, MeshError) or str(error) not in ("", "1") else said.getvalue()
-        words = " ".join(re.sub(r"\x1b\[[0-9;]*m", "", words).split())[:200] or type(error).__name__
-        raise MeshError(
-            f"{path.name} cannot be read as a mesh ({words}); it is cut off or damaged, or holds "
-            "what no reader here knows. Export it again"
-        ) from error
+        _log.info("%s: %s %s", path.name, error, said.getvalue())
+        raise MeshError(f"{path.name} cannot be read as a mesh{_reason(error, said.getvalue())}; {DAMAGED}") from error
     for line in said.getvalue().splitlines():
         _log.info("meshio: %s", line)
     return found
+
+
+def _reason(error: BaseException, said: str) -> str:
+    """What a reader says by itself of a file, in brackets; where it stumbles, Python's words tell a user nothing."""
+    import meshio
+
+    if not isinstance(error, (MeshError, meshio.ReadError, SystemExit)):
+        return ""
+    words = " ".join(f"{'' if isinstance(error, SystemExit) else error} {said}".split())
+    words = re.sub(r"\x1b\[[0-9;]*m|Error: |Couldn't read file \S+ as .*", "", words).strip(" .")
+    return f" ({words[:200]})" if words else ""
 
 
 def _nastran(path: Path) -> Any:
@@ -192,7 +209,13 @@ def _through_gmsh(path: Path) -> Any:
     from fem.casing.meshing.gmsh_session import session
 
     with session() as gmsh, tempfile.TemporaryDirectory() as folder:
-        gmsh.merge(str(path))
+        try:
+            with bounded_memory(path):
+                gmsh.merge(str(path))
+        except Exception as error:  # gmsh raises this class itself
+            raise MeshError(str(error)) from error
+        if not len(gmsh.model.mesh.getNodes()[0]):
+            raise MeshError("no nodes are found in it")
         copy = Path(folder) / "mesh.msh"
         gmsh.option.setNumber("Mesh.SaveAll", 1)
         gmsh.write(str(copy))

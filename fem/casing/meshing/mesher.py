@@ -22,7 +22,9 @@ from fem.casing.meshing.seats import seat_points
 from fem.casing.meshing.sizes import MM, Refinement, Sizes, set_sizes
 from fem.casing.meshing.solid import build_solid, find_patches
 from fem.casing.meshing.step_file import SMALL_EDGE, named, read_step, refinements, small_edges
+from fem.processes.own_process import DAMAGED, opened_apart
 
+_CRASHED = "if `gearcase housing` can read it, try another element size; otherwise export it again"
 _TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # gmsh stores the mid-sides 23 and 13 the other way round
 
 
@@ -94,12 +96,10 @@ def mesh_step(housing: ImportedHousing, sizes: Sizes, element: str) -> CasingMes
 
     Raises
     ------
-    MeshError : what `step_file` and `imported` refuse, or an element below a quality limit (with its place)
+    MeshError : what `step_file` and `imported` refuse, an element below a quality limit (with its place), or a crash of
+        the mesher
     """
-    with session() as gmsh:
-        read_step(gmsh, housing)
-        small = small_edges(gmsh)
-        raw = tetrahedra(gmsh, sizes.element, refinements(gmsh, housing, sizes), {}, curved=True)
+    raw, small = opened_apart(housing.file, MeshError, _CRASHED, _mesh_solid, housing, sizes)
     remedy = f"Use an element size below {MM * sizes.element:.4g} mm"
     if small:
         extent, (x, y, z) = small[0]
@@ -110,8 +110,20 @@ def mesh_step(housing: ImportedHousing, sizes: Sizes, element: str) -> CasingMes
     return finish(housing, raw, element=element, element_size=sizes.element, remedy=remedy)
 
 
+def _mesh_solid(housing: ImportedHousing, sizes: Sizes) -> tuple[RawMesh, list[tuple[float, np.ndarray]]]:
+    """The tetrahedra of a STEP file, and its small edges."""
+    with session() as gmsh:
+        read_step(gmsh, housing)
+        small = small_edges(gmsh)
+        return tetrahedra(gmsh, sizes.element, refinements(gmsh, housing, sizes), {}, curved=True), small
+
+
 def find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:
     """Bearing points of a STEP solid without its mesh, see `fem.casing.meshing.seats`."""
+    return opened_apart(housing.file, MeshError, DAMAGED, _find_seats, housing)
+
+
+def _find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:
     with session() as gmsh:
         return seat_points(gmsh, housing)
 

@@ -29,6 +29,7 @@ from fem.casing.meshing.locate import ByCylinder
 from fem.casing.meshing.mesh import MeshError
 from fem.casing.meshing.sizes import MM, Refinement, Sizes
 from fem.casing.meshing.surface import Surface
+from fem.processes.own_process import DAMAGED, bounded_memory
 
 _log = logging.getLogger(__name__)
 _KINDS = {".step": "step", ".stp": "step", ".brep": "brep", ".brp": "brep", ".iges": "iges", ".igs": "iges"}
@@ -134,16 +135,18 @@ def import_solids(gmsh: Any, path: Path, unit: str | None) -> list[int]:
     converts = bool(declared) or kind == "iges"  # OpenCASCADE reads the unit of these
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM" if kind == "step" and declared else "")  # IGES cannot set it
     try:
-        gmsh.model.occ.importShapes(str(path), highestDimOnly=False, format=kind)
-        gmsh.model.occ.synchronize()
+        with bounded_memory(path):
+            gmsh.model.occ.importShapes(str(path), highestDimOnly=False, format=kind)
+            gmsh.model.occ.synchronize()
         for tolerance in _SEWING if kind == "iges" else ():
             if gmsh.model.getEntities(3):
                 break
             gmsh.model.occ.healShapes(tolerance=tolerance, sewFaces=True, makeSolids=True)
             gmsh.model.occ.synchronize()
     except Exception as error:  # gmsh raises this class itself
+        words = "" if str(path) in str(error) else f" ({error})"
         raise MeshError(
-            f"{path.name} cannot be read as {kind.upper()} ({error}); it is damaged or cut off. Export it again"
+            f"{path.name} cannot be read as {kind.upper()}{words}; {DAMAGED}"
             + (", as AP214 or AP242" if kind == "step" else "")
         ) from error
     if not converts and unit not in (None, "mm"):

@@ -11,13 +11,15 @@ import numpy as np
 class Solid:
     """A body: its number from 1, volume (m3), corners of its box (2, 3) m, and the number of the part it belongs to.
 
-    Solids of one part touch each other; a file of one part is a connected body.
+    Solids of one part touch each other; a file of one part is a connected body. `open_at` (3,) m is where its faces do
+    not close, or cannot be meshed; None if they close.
     """
 
     number: int
     volume: float
     box: np.ndarray
     part: int
+    open_at: np.ndarray | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -69,6 +71,7 @@ class Contents:
     declared: str  # unit that the file declares, "" for none
     points: np.ndarray  # (n, 3) m, of the surface
     triangles: np.ndarray  # (t, 3), seen from outside counter-clockwise
+    solid: np.ndarray  # (t,), number of the solid of each triangle
     solids: tuple[Solid, ...]
     gaps: tuple[tuple[int, int, float, np.ndarray], ...]
     bores: tuple[Bore, ...]  # the widest first

@@ -21,6 +21,7 @@ from fem.casing.survey.faces import split
 from fem.casing.survey.features import bolt_patterns, faces_of
 from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.solid_elements import SOLIDS, converted, solid_element
+from fem.processes.own_process import DAMAGED, opened_apart
 
 _log = logging.getLogger(__name__)
 _AROUND = 16  # elements of a full turn; with 12, the wide triangles of short bores lean too far to be told from cones
@@ -43,7 +44,7 @@ def survey(path: Path, unit: str | None = None) -> Contents:
     if suffix in STL_SUFFIXES:
         return _of_triangles(path, unit or "mm")
     if suffix in STEP_SUFFIXES:
-        return _of_solids(path, unit)
+        return opened_apart(path, MeshError, DAMAGED, _of_solids, path, unit)
     return _of_mesh(path, unit or "mm")
 
 
@@ -54,12 +55,21 @@ def _of_solids(path: Path, unit: str | None) -> Contents:
         label, gaps = touching(gmsh, tags)
         volumes = [gmsh.model.occ.getMass(3, tag) / MM**3 for tag in tags]
         points, triangles, face, solid = _surface(gmsh, tags)
-    solids = tuple(
-        Solid(number=n, volume=volumes[n - 1], box=_box(points[triangles[solid == n]]), part=1 + int(label[n - 1]))
-        for n in range(1, len(tags) + 1)
-    )
+    solids = []
+    for n in range(1, len(tags) + 1):
+        own = triangles[solid == n]
+        loose = open_place(own)
+        solids.append(
+            Solid(
+                number=n,
+                volume=volumes[n - 1],
+                box=_box(points[own]),
+                part=1 + int(label[n - 1]),
+                open_at=None if loose is None else points[loose].mean(axis=0),
+            )
+        )
     apart = tuple((one + 1, two + 1, gap / MM, place / MM) for (one, two), (gap, place) in gaps.items())
-    return _contents(path, unit or declared or "mm", declared, points, triangles, face, solid, solids, apart)
+    return _contents(path, unit or declared or "mm", declared, points, triangles, face, solid, tuple(solids), apart)
 
 
 def suffix_is_step(path: Path) -> bool:
@@ -189,6 +199,7 @@ def _contents(
         declared=declared,
         points=points,
         triangles=triangles,
+        solid=solid,
         solids=solids,
         gaps=gaps,
         bores=bores,

@@ -9,8 +9,8 @@
     return;
   }
   const bytes = Uint8Array.from(atob(data.corners), (letter) => letter.charCodeAt(0));
-  const corners = new Float32Array(bytes.buffer);
   const [low, high] = data.box;
+  const corners = Float32Array.from(new Uint16Array(bytes.buffer), (steps, at) => low[at % 3] + data.step * steps);
   const middle = low.map((value, axis) => (value + high[axis]) / 2);
   const radius = Math.hypot(...low.map((value, axis) => high[axis] - value)) / 2;
   const shader = (kind, text) => {

@@ -241,11 +241,11 @@ class MatricesHousingTable(Table):
     file: Annotated[str, Field(min_length=1, description="of both, or of the stiffness: .op4 .pch .mtx .sti .npz .h5")]
     mass_file: Annotated[str | None, Field(description="of the mass, where file holds the stiffness alone")] = None
     nodes_file: Annotated[
-        str | None, Field(description="rows of number, x, y, z; or a Nastran file with GRID cards")
+        str | None, Field(description="rows of number, x, y, z; or GRID cards of Nastran, or *NODE of Abaqus")
     ] = None
     equations_file: Annotated[
         str | None,
-        Field(description="rows of node and axis (1 to 6, 0 modal), one per equation; left out: 3 or 6 per node"),
+        Field(description="rows of node, axis (1-6, 0 modal); Ansys .mapping; EXTRN cards; left out: 3 or 6 per node"),
     ] = None
     units: Annotated[
         Literal["kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s"],
