@@ -1,1 +1,1 @@
-"""Limits and bands of casing frequencies against references of another element: `python -m benchmarks.casing_limits`."""
+"""Limits and bands of casing frequencies against another element: `python -m benchmarks.casing_limits`."""

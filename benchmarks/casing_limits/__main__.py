@@ -65,7 +65,7 @@ def measured(case: Case) -> dict[str, Any]:
 
 
 def row(result: Mapping[str, Any]) -> list[str]:
-    """One line of the table; modes without counterpart on a mesh of the reference count as outside."""
+    """One line of the table; modes without counterpart on the finest mesh of the reference count as outside."""
     hz = {name: np.array(values) for name, values in result["Hz"].items()}
     inside = abs(hz["references"] - hz["limits"]) <= hz["bands"]
     parts = {

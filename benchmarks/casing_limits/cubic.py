@@ -2,8 +2,8 @@
 
     K_ij = int lambda d_i phi_a d_j phi_b + mu (d_j phi_a d_i phi_b + delta_ij d_k phi_a d_k phi_b) dV
 
-Nodes: the corners, two on every side, one in the middle of every face. The shape functions are those combinations of the
-20 monomials of degree three in the barycentric coordinates that are one at their own node and zero at all others
+Nodes: the corners, two on every side, one in the middle of every face. The shape functions are those combinations of
+the 20 monomials of degree three in the barycentric coordinates that are one at their own node and zero at all others
 (Zienkiewicz & Taylor, The Finite Element Method, vol. 1, 5th ed. (2000), section 8.12).
 """
 

@@ -11,8 +11,6 @@ polyhedra II, Numer. Funct. Anal. Optim. 28(7-8), 775-824 (division at a ratio t
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
 from fem.elements.facets import outer_facets
@@ -21,12 +19,7 @@ from fem.elements.solid_elements import SOLIDS, shapes
 SHARE = 1.0 / 4.0
 TEN = SOLIDS["tetrahedron-10"]
 PLACES = TEN.library.doflocs  # (10, 3), of the nodes in the reference element
-SIDES = np.array(  # (6, 2) corners between which the nodes 4 to 9 lie
-    [
-        next(pair for pair in itertools.combinations(range(4), 2) if np.allclose(PLACES[list(pair)].mean(axis=0), place))
-        for place in PLACES[4:]
-    ]
-)
+SIDES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])  # corners between which the nodes 4 to 9 lie
 _CORNERS = np.column_stack([PLACES[:4], np.ones(4)])
 BARYCENTRIC = np.column_stack([PLACES, np.ones(10)]) @ np.linalg.inv(_CORNERS)  # (10, 4), of all nodes
 _KEY = 1 << 32

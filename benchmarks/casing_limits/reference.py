@@ -9,8 +9,8 @@ antisymmetric about the middle plane. Two errors are left, and both are taken of
     elements  from three sizes with one level: g = f_1 - E (h/h_3)^q = f_0 + c h^p with the median order p of all modes
 
 The uncertainty of a mode is half of all that is taken off, and the scatter (rms over the modes) of the three meshes
-about the common order. What is taken off last, finest mesh first, can only be too little or too much; the frequencies
-on the finest mesh are upper bounds of the true ones (Ritz).
+about the common order. From a mode that has no counterpart on one of the larger meshes the mean of the others is taken
+off, and all of it is uncertain. Frequencies on the finest mesh are upper bounds of the true ones (Ritz).
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _MIDDLE = 1e-9  # m
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """Of the modes that were asked for; nan where a mesh has no counterpart."""
+    """Of the modes that were asked for; nan without a counterpart on the finest mesh."""
 
     limits: np.ndarray  # Hz
     uncertainties: np.ndarray  # Hz
@@ -72,18 +72,22 @@ def reference(
         rows.append(np.where(number < 0, np.nan, found[number]))
         unknowns = unknowns or n
         change = np.nanmean(rows[-1] / frequencies) - 1.0
-        print(f"  reference {1000 * ratio * size:.1f} mm, {levels} levels: {n} unknowns, {100 * change:+.3f} %", flush=True)
+        print(
+            f"  reference {1000 * ratio * size:.1f} mm, {levels} levels: {n} unknowns, {100 * change:+.3f} %",
+            flush=True,
+        )
     f = np.array(rows)
     edges = (f[2] - f[3]) / (1.0 - SHARE**EDGE_ORDER) * (sizes[:, None] / sizes[2]) ** EDGE_ORDER
     g = f[:3] - edges
     middle, large = (g[1:] - g[0]) / g[0]
     known = np.isfinite(middle) & np.isfinite(large)
-    ratio = float(np.median(middle[known] / large[known]))
-    order = _order(ratio)
+    order = _order(float(np.median(middle[known] / large[known])))
     scatter = math.sqrt(float(np.mean((middle - _ratio(order) * large)[known] ** 2)))
-    rest = g[0] * large / (RATIOS[2] ** order - 1.0)
-    taken = edges[0] + rest
-    return Reference(f[0] - taken, 0.5 * abs(taken) + scatter * f[0], f[0], order, unknowns)
+    taken = edges[0] / f[0] + large / (RATIOS[2] ** order - 1.0)
+    uncertain = 0.5 * abs(taken) + scatter
+    usual = float(np.mean(taken[known]))
+    taken, uncertain = np.where(known, taken, usual), np.where(known, uncertain, abs(usual) + scatter)
+    return Reference(f[0] * (1.0 - taken), uncertain * f[0], f[0], order, unknowns)
 
 
 def half_modes(
