@@ -1,13 +1,22 @@
 """References of casing frequencies: graded meshes of the same body, cubic elements, and one half for the whole."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 import scipy.sparse.linalg as sla
 
+from benchmarks.casing_limits.__main__ import BLOCK, PAGE, RESULTS, table
 from benchmarks.casing_limits.cubic import cubic_matrices, numbered
 from benchmarks.casing_limits.graded import SHARE, graded, singular_edges
-from benchmarks.casing_limits.reference import half_modes
+from benchmarks.casing_limits.housings import drum
+from benchmarks.casing_limits.reference import half_mesh, half_modes
+from benchmarks.page import filled
 from benchmarks.solids import box_mesh
+from fem.casing.mesh_error.extrapolation import lowest_modes
+from fem.casing.mesh_error.pairing import counterparts
+from fem.casing.meshing.source import mesh_geometry
 from fem.elements.materials import CAST_IRON
 from fem.elements.solids import assemble, mass_properties, rigid_body_modes
 
@@ -122,3 +131,22 @@ def mirrored(nodes, elements):
     _, first, same = np.unique(np.round(both, 9), axis=0, return_index=True, return_inverse=True)
     turned = elements[:, [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]]  # so that images are not inside out
     return both[first], same.ravel()[np.concatenate([elements, turned + len(nodes)])]
+
+
+def test_the_page_shows_the_figures_that_were_measured():
+    text = PAGE.read_text(encoding="utf-8")
+    results = json.loads(RESULTS.read_text(encoding="utf-8"))["housings"]
+    assert filled(text, BLOCK, table(results)) == text, "run: python -m benchmarks.casing_limits"
+
+
+@pytest.mark.slow
+def test_the_reference_of_a_drum_is_softer_than_the_mesh_of_the_preset_and_has_its_modes(tmp_path: Path):
+    case = drum(tmp_path)
+    tested = lowest_modes(mesh_geometry(case.geometry, case.sizes, case.element), case.material, static=False)
+    mesh = half_mesh(case.build, 0.03, 6.0)
+    found, shapes, _ = half_modes(*mesh, case.material, 1, 1.02 * tested.frequencies[11])
+    number = counterparts(tested.shapes[:, :10], shapes)
+    assert (number >= 0).all()
+    error = tested.frequencies[:10] / found[number] - 1.0
+    assert (error > 0.0).all()
+    assert 0.01 < error.mean() < 0.03
