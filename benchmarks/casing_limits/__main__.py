@@ -108,9 +108,9 @@ def main(arguments: list[str] | None = None) -> int:
             results[name] = measured(CASES[name](Path(folder)))
             kept = {"conditions": conditions(), "housings": results}
             RESULTS.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
-    block = table(results)
-    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), BLOCK, block), encoding="utf-8")
-    print(block)
+            text = PAGE.read_text(encoding="utf-8")
+            PAGE.write_text(filled(text, BLOCK, table(results)), encoding="utf-8")
+    print(table(results))
     return 0
 
 
