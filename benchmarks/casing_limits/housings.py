@@ -75,7 +75,7 @@ def thin(folder: Path) -> Case:
         material=ALUMINIUM,
         sizes=EXTRUDED,
         element="hexahedron-27",
-        reference_size=0.018,
+        reference_size=0.015,
     )
 
 
