@@ -9,8 +9,8 @@ presets take `solid`. The slices of the face add tones at their own passing freq
 of the casing: 15 instead of 61 move the RMS of the sensors by 0.6 % (2.8 % at most), 31 by 0.1 % (2.5 %), the lines of
 the fault by 0.12 dB. The flexibility of the bearing seats moves these lines more than the rest of the
 casing does. A plain parametric housing takes hexahedra with thin layers at its inner edges. Those of 20 nodes cost
-half of those of 27: on the rig `standard` has 75,000 unknowns, frequencies 0.9 % too high and seats 1.5 % too stiff (27
-nodes: 129,000 unknowns, 0.7 and 1.2 %). Where the error is to be measured they have 27, whose limits are known. Other
+half of those of 27: on the rig `standard` has 75,000 unknowns and frequencies 1.5 % too high (27 nodes: 129,000 unknowns,
+1.3 %; `python -m benchmarks.casing_limits`). Where the error is to be measured they have 27, whose limits are known. Other
 housings take tetrahedra, finest at the bores, and are extrapolated from three meshes: without that, twice as fine
 elements move these lines by 3.4 dB.
 """

@@ -1,0 +1,185 @@
+"""The five housings whose limits are put to the test, each as the preset `standard` meshes it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fem.casing.geometry.dimensions import Bore
+from fem.casing.geometry.features import Feet, Fillets, Ribs, Walls
+from fem.casing.geometry.housing import Housing
+from fem.casing.meshing.gmsh_session import session
+from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
+from fem.casing.meshing.locate import ByCylinder, ByPlane
+from fem.casing.meshing.sizes import Sizes
+from fem.casing.meshing.solid import build_solid
+from fem.casing.meshing.source import Geometry
+from fem.casing.meshing.step_file import read_step
+from fem.elements.materials import CAST_IRON, Material
+from pipelines.plant.casing import ElasticPart
+from pipelines.plant.plant import make_plant
+from pipelines.scene.file import load_scene
+from pipelines.scene.presets import preset_on
+
+ALUMINIUM = Material(name="aluminium", elastic_modulus=70e9, poisson_ratio=0.33, density=2700.0)
+EXTRUDED = Sizes(element=0.022, edge=0.00198)  # of preset standard in a scene of elements of 22 mm
+FREE = Sizes(element=0.0176, bore=0.00704)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """A housing that is its own mirror image about y = 0, how it is meshed, and the elements of its reference (m)."""
+
+    name: str
+    geometry: Geometry
+    material: Material
+    sizes: Sizes
+    element: str
+    reference_size: float
+
+    def build(self, gmsh: Any) -> None:
+        """Make the solid in an open session, mm."""
+        if isinstance(self.geometry, Housing):
+            build_solid(gmsh, self.geometry)
+        else:
+            read_step(gmsh, self.geometry)
+
+
+def rig(folder: Path) -> Case:
+    """The shipped rig."""
+    return _shipped("rig-healthy", 0.018)
+
+
+def rig_step(folder: Path) -> Case:
+    """The shipped rig in a STEP housing with fillets, flange, ribs and pads."""
+    return _shipped("rig-step", 0.034)
+
+
+def thin(folder: Path) -> Case:
+    """Plain walls of 5 mm, of aluminium."""
+    housing = Housing(
+        length=0.36,
+        width=0.2,
+        height=0.16,
+        wall_thickness=0.005,
+        left=-0.08,
+        axis_height=0.08,
+        bores=_bores({0.0: (0.040, 0.056), 0.08: (0.052, 0.068), 0.19: (0.068, 0.088)}, length=0.016),
+        feet=Feet(x=(-0.04, 0.1, 0.24), length=0.04, height=0.01),
+    )
+    return Case(
+        name="thin walls of aluminium",
+        geometry=housing,
+        material=ALUMINIUM,
+        sizes=EXTRUDED,
+        element="hexahedron-27",
+        reference_size=0.015,
+    )
+
+
+def cast(folder: Path) -> Case:
+    """Fillets in the cavity and at the feet, ribs outside, pads under standing-out feet."""
+    housing = Housing(
+        length=0.34,
+        width=0.22,
+        height=0.19,
+        wall_thickness=0.01,
+        walls=Walls(cover=0.008),
+        left=-0.08,
+        axis_height=0.095,
+        bores=_bores({0.0: (0.047, 0.067), 0.11: (0.072, 0.096)}, length=0.026),
+        feet=Feet(x=(-0.04, 0.22), length=0.05, height=0.016, overhang=0.03, pad_diameter=0.026, pad_height=0.004),
+        ribs=Ribs(thickness=0.009, height=0.012, per_boss=1, end_wall=1, cover=1),
+        fillets=Fillets(foot=0.006, inner=0.01),
+    )
+    return Case(
+        name="filleted casting",
+        geometry=housing,
+        material=CAST_IRON,
+        sizes=FREE,
+        element="tetrahedron-10",
+        reference_size=0.024,
+    )
+
+
+def drum(folder: Path) -> Case:
+    """A STEP file of a tube with end plates on two rails, written here: no plane walls but its ends."""
+    path = folder / "drum.step"
+    with session() as gmsh:
+        _drum(gmsh.model.occ)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(path))
+    seats = tuple(
+        Seat(name=f"bearing_{n}", locator=ByCylinder(through=(x, y, z), diameter=diameter), shaft_point=(x, y, z))
+        for n, (x, y, z, diameter) in enumerate(
+            [(x, y, z, d / 1000) for x, z, d, _ in _DRUM_BORES for y in (-0.137, 0.137)], 1
+        )
+    )
+    housing = ImportedHousing(
+        path=str(path),
+        sha256=content_hash(path),
+        unit="mm",
+        seats=seats,
+        grounds=(ByPlane(through=(0.0, 0.0, -0.16), normal=(0.0, 0.0, 1.0)),),
+    )
+    return Case(
+        name="imported drum",
+        geometry=housing,
+        material=CAST_IRON,
+        sizes=FREE,
+        element="tetrahedron-10",
+        reference_size=0.018,
+    )
+
+
+CASES: dict[str, Callable[[Path], Case]] = {"rig": rig, "thin": thin, "rig-step": rig_step, "cast": cast, "drum": drum}
+
+_DRUM_BORES = ((-0.045, 0.0, 52.0, 72.0), (0.055, 0.0, 80.0, 104.0))  # x, z in m; bore and boss in mm
+
+
+def _drum(occ: Any) -> None:
+    """The drum, mm."""
+    shell, _ = occ.cut(
+        [(3, occ.addCylinder(0, -150, 0, 0, 300, 0, 140))], [(3, occ.addCylinder(0, -138, 0, 0, 276, 0, 130))]
+    )
+    added = [(3, occ.addBox(x, -150, -160, 50, 300, 60)) for x in (-110, 60)]
+    rails, _ = occ.cut(added, [(3, occ.addCylinder(0, -150, 0, 0, 300, 0, 135))])
+    bosses = [
+        (3, occ.addCylinder(1000 * x, y, 1000 * z, 0, inwards, 0, boss / 2))
+        for x, z, _, boss in _DRUM_BORES
+        for y, inwards in ((-150, 26), (150, -26))
+    ]
+    body, _ = occ.fuse(shell, [*rails, *bosses])
+    holes = [(3, occ.addCylinder(1000 * x, -160, 1000 * z, 0, 320, 0, bore / 2)) for x, z, bore, _ in _DRUM_BORES]
+    occ.cut(body, holes)
+
+
+def _bores(axes: dict[float, tuple[float, float]], length: float) -> tuple[Bore, ...]:
+    """Two bearings on every axis: x -> diameters of bore and boss."""
+    return tuple(
+        Bore(
+            name=f"bearing_{2 * place + number}",
+            x=x,
+            side=side,
+            diameter=diameter,
+            boss_diameter=boss,
+            boss_length=length,
+        )
+        for place, (x, (diameter, boss)) in enumerate(axes.items())
+        for number, side in ((1, -1), (2, 1))
+    )
+
+
+def _shipped(scene: str, reference_size: float) -> Case:
+    part = make_plant(preset_on(load_scene(scene, {"casing.extrapolated": True}), "standard").scene).casing
+    assert isinstance(part, ElasticPart), f"the casing of {scene} has no finite elements"
+    return Case(
+        name=scene,
+        geometry=part.geometry,
+        material=part.material,
+        sizes=part.sizes,
+        element=part.element,
+        reference_size=reference_size,
+    )
