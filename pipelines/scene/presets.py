@@ -4,15 +4,15 @@ A preset changes only how finely a scene is computed, never what it contains: mo
 asks for (a torsion-only shaft, a casing without modes) are not among them. Of the mesh stiffness it takes the model,
 too.
 
-What decides, on the shipped rig: `plane` shifts the lines of the fault by 5 dB, which no refinement of it cures, so all
-presets take `solid`. The slices of the face add tones at their own passing frequency, n f_m / eps_beta, among the modes
-of the casing: 15 instead of 61 move the RMS of the sensors by 0.6 % (2.8 % at most), 31 by 0.1 % (2.5 %), the lines of
-the fault by 0.12 dB. The flexibility of the bearing seats moves these lines more than the rest of the
-casing does. A plain parametric housing takes hexahedra with thin layers at its inner edges. Those of 20 nodes cost
-half of those of 27: on the rig `standard` has 75,000 unknowns and frequencies 1.5 % too high (27 nodes: 129,000 unknowns,
-1.3 %; `python -m benchmarks.casing_limits`). Where the error is to be measured they have 27, whose limits are known. Other
-housings take tetrahedra, finest at the bores, and are extrapolated from three meshes: without that, twice as fine
-elements move these lines by 3.4 dB.
+What decides, on the shipped rig: `plane` shifts the lines of the fault by 5 dB, which no refinement of it cures, so
+all presets take `solid`. The slices of the face add tones at their own passing frequency, n f_m / eps_beta, among the
+modes of the casing: 15 instead of 61 move the RMS of the sensors by 0.6 % (2.8 % at most), 31 by 0.1 % (2.5 %), the
+lines of the fault by 0.12 dB. The flexibility of the bearing seats moves these lines more than the rest of the casing
+does. A plain parametric housing takes hexahedra with thin layers at its inner edges. Those of 20 nodes cost half of
+those of 27: on the rig `standard` has 75,000 unknowns and frequencies 1.5 % too high (27 nodes: 129,000 unknowns, 1.3
+%; `python -m benchmarks.casing_limits`). Where the error is to be measured they have 27, whose limits are known.
+Other housings take tetrahedra, finest at the bores, and are extrapolated from three meshes: without that, twice as
+fine elements move these lines by 3.4 dB.
 """
 
 from __future__ import annotations

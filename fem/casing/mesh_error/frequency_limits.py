@@ -14,14 +14,14 @@ The median of e_2/e_3 can be read in two ways that give the same three frequenci
   most of what is left on the fine ones, so this limit lies lower.
 
 Nothing in three frequencies tells them apart. The limit is the lower one, whose orders are those of theory. The band
-reaches to the other, and below to the limit of a mode whose error comes from edges alone, h^1.09: where it comes from is
-the same for most modes, not for all (in a tube on rails, those that bend the tube and those that move the rails). On a
-small housing with walls of 10 mm (tetrahedra of 17.6, 22.9 and 29.9 mm, 60 modes to 9 kHz, against hexahedra of 16 mm
-with three layers at the edges) one power leaves 1.08 +- 0.34 %, both orders 0.25 +- 0.39 %. What a mode deviates from
-the common law by, d = e_2 - rho e_3, is scatter of the three meshes. It adds to the band twice the standard deviation
-that it leaves in the limit, the larger one of scatter that is the same on all meshes and of scatter in proportion to
-their errors. An order of one mode alone is told where its values are monotone; its limit is not used: on meshes that are
-made anew for every size it scatters four times as much.
+reaches to the other, and below to the limit of a mode whose error comes from edges alone, h^1.09: where it comes from
+is the same for most modes, not for all (in a tube on rails, those that bend the tube and those that move the rails).
+On a small housing with walls of 10 mm (tetrahedra of 17.6, 22.9 and 29.9 mm, 60 modes to 9 kHz, against hexahedra of
+16 mm with three layers at the edges) one power leaves 1.08 +- 0.34 %, both orders 0.25 +- 0.39 %. What a mode
+deviates from the common law by, d = e_2 - rho e_3, is scatter of the three meshes. It adds to the band twice the
+standard deviation that it leaves in the limit, the larger one of scatter that is the same on all meshes and of
+scatter in proportion to their errors. An order of one mode alone is told where its values are monotone; its limit is
+not used: on meshes that are made anew for every size it scatters four times as much.
 """
 
 from __future__ import annotations
