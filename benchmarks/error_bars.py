@@ -53,18 +53,21 @@ def tetrahedra(size: float, bore: float) -> dict[str, Any]:
     return {"casing.element": "tetrahedron-10", "casing.extrapolated": True, **sizes}
 
 
-def hexahedra(size: float, edge: float) -> dict[str, Any]:
-    """Settings of an extrapolated mesh of 27-node hexahedra, sizes in mm."""
-    sizes = {"casing.element_size_mm": size, "casing.edge_element_size_mm": edge}
-    return {"casing.element": "hexahedron-27", "casing.extrapolated": True, **sizes}
+def hexahedra(size: float, nodes: int) -> dict[str, Any]:
+    """Settings of an extrapolated mesh of hexahedra, size in mm."""
+    return {
+        "casing.element": f"hexahedron-{nodes}",
+        "casing.extrapolated": True,
+        "casing.element_size_mm": size,
+    }
 
 
-FIRST = "hexahedra-27 22"
-FINEST = "hexahedra-27 19"
+FIRST = "hexahedra-20 22"
+FINEST = "hexahedra-20 15"
 MESHES = {
-    FIRST: hexahedra(22.0, 2.0),
-    "hexahedra-27 25": hexahedra(25.0, 2.25),
-    FINEST: hexahedra(19.0, 1.7),
+    FIRST: hexahedra(22.0, 20),
+    "hexahedra-27 25": hexahedra(25.0, 27),
+    FINEST: hexahedra(15.0, 20),
     "tetrahedra 20": tetrahedra(20.0, 8.0),
     "tetrahedra 17.6": tetrahedra(17.6, 7.0),
     "tetrahedra 17.1": tetrahedra(17.1, 6.8),

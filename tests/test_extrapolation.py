@@ -73,8 +73,8 @@ def same_shapes(modes, *factors):
             frequencies=factor * exact,
             shapes=shapes,
             element_size=ratio * modes.element_size,
-            divided_edges=0,
             unknowns=modes.unknowns,
+            edge_functions=0,
         )
         for ratio, factor in zip(RATIOS, factors, strict=True)
     ]
@@ -150,7 +150,7 @@ def test_more_meshes_are_made_only_where_they_are_asked_for():
 
 def test_linear_elements_cannot_be_extrapolated_and_presets_leave_it_out():
     settings = {"casing.element": "tetrahedron-4", "casing.extrapolated": True}
-    with pytest.raises(SceneError, match="measured with tetrahedron-10 and hexahedron-27, not with tetrahedron-4"):
+    with pytest.raises(SceneError, match="measured with quadratic elements, not with tetrahedron-4"):
         load_scene("rig-healthy", settings)
     linear = preset_on(load_scene("rig-healthy", {"casing.element": "tetrahedron-4"}), "draft")
     assert linear.scene.casing.element == "tetrahedron-4"
@@ -164,28 +164,26 @@ def test_a_mesh_file_cannot_be_extrapolated():
 
 
 def hexahedral(sizes: Sizes) -> LowestModes:
-    mesh = mesh_geometry(small_housing(), sizes, "hexahedron-27")
-    return lowest_modes(mesh, CAST_IRON, static=False, divided_edges=sizes.divided_edges)
+    return lowest_modes(mesh_geometry(small_housing(), sizes, "hexahedron-20"), CAST_IRON, static=False)
 
 
 @pytest.fixture(scope="module")
 def hexahedra():
     """Modes of a small housing on hexahedra and on the two coarser meshes."""
-    sizes = Sizes(element=0.022, edge=0.002)
-    return [hexahedral(one) for one in (sizes, *coarser_sizes(sizes, "hexahedron-27"))]
+    sizes = Sizes(element=0.018)
+    return [hexahedral(one) for one in (sizes, *coarser_sizes(sizes))]
 
 
 def limits_of(trial, *coarser, count=COUNT):
     return limits_from(trial.frequencies[:count], trial.shapes[:, :count], trial.element_size, coarser)
 
 
-def test_hexahedra_are_divided_at_the_edges_to_see_what_these_miss(hexahedra):
-    fine, larger, divided = hexahedra
-    assert fine.unknowns > larger.unknowns
-    assert divided.unknowns > 2 * larger.unknowns
+def test_what_is_taken_off_hexahedra_is_little_and_known(hexahedra):
+    fine, *coarser = hexahedra
+    assert all(fine.unknowns > other.unknowns > other.edge_functions > 0 for other in coarser)
     limits = limits_of(*hexahedra)
-    assert 0.005 < limits.correction < 0.03
-    assert np.median(limits.bands / (limits.frequencies - limits.limits)) < 0.8  # what is taken off is not nothing
+    assert 0.001 < limits.correction < 0.015
+    assert limits.median_band < 0.01
 
 
 def test_the_size_for_an_error_is_the_one_whose_band_is_predicted_to_have_it(hexahedra):
@@ -199,8 +197,8 @@ def test_the_size_for_an_error_is_the_one_whose_band_is_predicted_to_have_it(hex
 
 def test_an_error_that_no_mesh_or_no_computer_has_is_refused(hexahedra):
     limits = limits_of(*hexahedra)
-    with pytest.raises(ExtrapolationError, match=r"casing.error: smaller elements do not reach 0.01 %.*edges"):
-        wanted_factor(limits, 1e-4, *hexahedra[:2])
+    with pytest.raises(ExtrapolationError, match=r"casing.error: smaller elements do not reach 0.1 %"):
+        wanted_factor(limits, 1e-3, *hexahedra[:2])
     many = replace(hexahedra[0], unknowns=399_000)
     with pytest.raises(ExtrapolationError, match=r"unknowns \(limit 400,000.*have an error of [0-9]"):
         wanted_factor(limits, 0.85 * limits.median_band, many, hexahedra[1])

@@ -24,6 +24,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "fem.casing.geometry",
     "fem.casing.hexahedra",
     "fem.casing.meshing",
+    "fem.casing.edges",
     "fem.casing.survey",
     "fem.casing.parts",
     "fem.casing.reduced",

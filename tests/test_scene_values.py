@@ -173,7 +173,7 @@ SCENES = {
     }),
     "rope": ("rig-missing-tooth", {"casing.model": "static", "bearings": LINEAR}),
     "hexahedra": ("minimal", {
-        "casing.model": "static", "casing.element": "hexahedron-27", "casing.edge_element_size_mm": 4.0,
+        "casing.model": "static", "casing.element": "hexahedron-27",
         "casing.error": "0.2%",
     }),
 }  # fmt: skip

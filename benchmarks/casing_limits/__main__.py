@@ -40,9 +40,9 @@ HEADERS = (
 def measured(case: Case, last: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """Frequencies, limits, bands and references (Hz) of the modes of one housing; references of the last result."""
     found = []
-    for sizes in (case.sizes, *coarser_sizes(case.sizes, case.element)):
+    for sizes in (case.sizes, *coarser_sizes(case.sizes)):
         mesh = mesh_geometry(case.geometry, sizes, case.element)
-        found.append(lowest_modes(mesh, case.material, static=False, divided_edges=sizes.divided_edges))
+        found.append(lowest_modes(mesh, case.material, static=False))
     finest, *coarser = found
     inside = finest.frequencies <= HIGHEST
     limits = limits_from(finest.frequencies[inside], finest.shapes[:, inside], finest.element_size, coarser)

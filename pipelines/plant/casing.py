@@ -23,7 +23,6 @@ from pipelines.plant.layout import Layout, material
 from pipelines.plant.units import si_options
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import (
-    EDGE_LAYER,
     CraigBamptonCasingTable,
     ElasticBase,
     FlexibleBase,
@@ -32,7 +31,7 @@ from pipelines.scene.tables.casing import (
     StaticCasingTable,
     percent,
 )
-from pipelines.scene.tables.housing import HousingTable, ImportedTable, MatricesHousingTable
+from pipelines.scene.tables.housing import ImportedTable, MatricesHousingTable
 
 if TYPE_CHECKING:
     from fem.casing.reduced.damping import DampingRatio
@@ -193,8 +192,6 @@ def element_sizes(table: FlexibleBase, box: Geometry, iron: Material, source: st
             problem = "is needed for casing.elements_per_wavelength of a housing from a file"
             raise SceneError(source, [Problem("casing.housing.wall_thickness_mm", problem, "Give its thinnest wall.")])
         size = min(size, bending_wavelength(iron, wall, table.band_Hz) / table.elements_per_wavelength)
-    local = (table.bore_element_size_mm, table.foot_element_size_mm, table.edge_element_size_mm)
-    bore, foot, edge = (None if one is None else one / 1000 for one in local)
-    if edge is None and table.element.startswith("hexahedron") and isinstance(table.housing, HousingTable):
-        edge = EDGE_LAYER * size
-    return Sizes(element=size, bore=bore, foot=foot, edge=edge)
+    local = (table.bore_element_size_mm, table.foot_element_size_mm)
+    bore, foot = (None if one is None else one / 1000 for one in local)
+    return Sizes(element=size, bore=bore, foot=foot)

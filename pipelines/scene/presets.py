@@ -8,9 +8,9 @@ What decides, on the shipped rig: `plane` shifts the lines of the fault by 5 dB,
 all presets take `solid`. The slices of the face add tones at their own passing frequency, n f_m / eps_beta, among the
 modes of the casing: 15 instead of 61 move the RMS of the sensors by 0.6 % (2.8 % at most), 31 by 0.1 % (2.5 %), the
 lines of the fault by 0.12 dB. The flexibility of the bearing seats moves these lines more than the rest of the casing
-does. A plain parametric housing takes hexahedra with thin layers at its inner edges. Those of 20 nodes cost half of
-those of 27: on the rig `standard` has 75,000 unknowns and frequencies 1.5 % too high (27 nodes: 129,000 unknowns, 1.3
-%; `python -m benchmarks.casing_limits`). Where the error is to be measured they have 27, whose limits are known.
+does. A plain parametric housing takes hexahedra of 20 nodes, which follow the stresses at its edges: on the rig
+`standard` has 63,000 unknowns and frequencies 0.58 % too high, `reference` 120,000 and 0.35 % (`python -m
+benchmarks.casing_limits`); nodes in the faces and in the middle (27) take twice the time for 0.08 %.
 Other housings take tetrahedra, finest at the bores, and are extrapolated from three meshes: without that, twice as
 fine elements move these lines by 3.4 dB.
 """
@@ -38,7 +38,7 @@ class Level:
     """Mesh law of every stage; element sizes and band of the casing relative to size and band of the scene; step.
 
     There are so many slices along the face, and more where they would be wider than `slice_width`, in mesh cycles.
-    Tetrahedra have an `element_size` and a `bore_size`, hexahedra an `extruded_size` and so many `nodes`.
+    Tetrahedra have an `element_size` and a `bore_size`, hexahedra an `extruded_size`.
     """
 
     refinement: float
@@ -47,7 +47,6 @@ class Level:
     element_size: float
     bore_size: float
     extruded_size: float
-    nodes: int
     band: float
     step_us: float
 
@@ -60,7 +59,6 @@ LEVELS = {
         element_size=1.1,
         bore_size=0.55,
         extruded_size=1.25,
-        nodes=20,
         band=0.3,
         step_us=100.0,
     ),
@@ -71,7 +69,6 @@ LEVELS = {
         element_size=0.8,
         bore_size=0.32,
         extruded_size=1.0,
-        nodes=20,
         band=0.7,
         step_us=50.0,
     ),
@@ -81,8 +78,7 @@ LEVELS = {
         slice_width=0.02,
         element_size=0.64,
         bore_size=0.25,
-        extruded_size=0.82,
-        nodes=27,
+        extruded_size=0.68,
         band=1.0,
         step_us=20.0,
     ),
@@ -129,14 +125,7 @@ def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
         )
     )
     if hexahedra:
-        measured = casing.extrapolated or casing.error is not None
-        settings: Settings = {
-            "casing.element": f"hexahedron-{27 if measured else level.nodes}",
-            "casing.element_size_mm": size * level.extruded_size,
-        }
-        if casing.edge_element_size_mm is not None:
-            settings["casing.edge_element_size_mm"] = casing.edge_element_size_mm * level.extruded_size
-        return settings
+        return {"casing.element": "hexahedron-20", "casing.element_size_mm": size * level.extruded_size}
     return {
         "casing.element_size_mm": size * level.element_size,
         "casing.bore_element_size_mm": size * level.bore_size,

@@ -17,11 +17,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class CoarserSpec:
-    """The casing as its model grounds it; `static`: its inertia is condensed, too; `divided_edges` of its mesh."""
+    """The casing as its model grounds it; `static`: its inertia is condensed, too."""
 
     material: Material
     static: bool
-    divided_edges: bool
     interfaces: Mapping[str, tuple[str, ...]]
     ground: Ground
     attachment: Attachment
@@ -36,7 +35,6 @@ def build(spec: CoarserSpec, mesh: CasingMesh) -> LowestModes:
         mesh,
         spec.material,
         static=spec.static,
-        divided_edges=spec.divided_edges,
         interfaces=spec.interfaces,
         ground=spec.ground,
         attachment=spec.attachment,

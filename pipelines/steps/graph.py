@@ -204,7 +204,7 @@ def _coarser_steps(mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str
     from pipelines.steps import casing_mesh
 
     steps: list[Step] = []
-    for name, sizes in zip(COARSER, coarser_sizes(mesh.spec.sizes, mesh.spec.element), strict=True):
+    for name, sizes in zip(COARSER, coarser_sizes(mesh.spec.sizes), strict=True):
         larger, ratio = replace(mesh.spec, sizes=sizes), sizes.element / mesh.spec.sizes.element
         coarser = replace(mesh, build=casing_mesh.build_coarser, spec=larger, seconds=mesh.seconds / ratio**2)
         steps += _lowest(coarser, name, reduced, interfaces)
@@ -245,7 +245,6 @@ def _lowest(
         spec=coarser_casing.CoarserSpec(
             material=reduced.material,
             static=reduced.model.limit is None,
-            divided_edges=mesh.spec.sizes.divided_edges,
             interfaces=interfaces,
             ground=reduced.model.ground,
             attachment=reduced.model.attachment,

@@ -61,7 +61,7 @@ def _casing_mesh(scene: Scene, fineness: float) -> Settings:
 
     if not isinstance(scene.casing, ElasticBase):
         return _nothing("casing-mesh", "casing.model", scene.casing.model, "craig-bampton")
-    names = ("element_size_mm", "bore_element_size_mm", "foot_element_size_mm", "edge_element_size_mm")
+    names = ("element_size_mm", "bore_element_size_mm", "foot_element_size_mm")
     sizes = {name: getattr(scene.casing, name) for name in names}
     return {f"casing.{name}": size / fineness for name, size in sizes.items() if size is not None}
 

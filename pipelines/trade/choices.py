@@ -80,8 +80,7 @@ def _single(scene: Scene, best: Settings) -> Iterator[tuple[str, str, Settings]]
             yield "casing", f"{length:.3g} mm, {highest:g} Hz", settings
         extrapolated = bool(best.get("casing.extrapolated"))
         label = "not extrapolated" if extrapolated else "extrapolated"
-        known = {"casing.element": "hexahedron-27"} if element == "hexahedron-20" else {}
-        yield "casing", label, {"casing.extrapolated": not extrapolated, **known}
+        yield "casing", label, {"casing.extrapolated": not extrapolated}
         yield "casing", "static", {"casing.model": "static", "casing.element_size_mm": casing.element_size_mm}
     if not isinstance(casing, NoCasingTable | RigidCasingTable):
         yield "casing", "rigid", {"casing.model": "rigid"}

@@ -1,13 +1,8 @@
 """27-node hexahedra of a plain housing: its x-z section extruded along y, layer by layer, where there is body.
 
 A plain housing is made of boxes and of cylinders along y, so every part of it is a union of cells of the section over
-an interval of y. Walls get one element through their thickness: a quadratic element bends exactly there. Elements of
-displacement are too stiff at re-entrant edges above all (stresses grow with r^-0.46 at a right angle, Szabo & Babuska
-1991, Finite Element Analysis, section 10.1), so thin layers of elements may lie on both sides of the edges where the
-walls meet.
-
-Beside an inner edge the walls bend about it: a thin layer of every wall along its edges takes off most of the error.
-Elements divided on both sides of these edges (`divided_edges`) tell how much error they still make.
+an interval of y. Walls get one element through their thickness: a quadratic element bends exactly there. What such
+elements miss at the edges of the body, functions of these edges add (`fem.casing.edges`).
 """
 
 from __future__ import annotations
@@ -19,28 +14,23 @@ from fem.casing.hexahedra.section import Section, divided, lines_across, section
 from fem.elements.solid_elements import SOLIDS
 
 ELEMENT = SOLIDS["hexahedron-27"]
-EDGE_SHARE = 1.0 / 3.0
 _NEAR = 1e-7  # m
 
 
-def extruded_hexahedra(
-    housing: Housing, size: float, layer: float | None = None, *, divided_edges: bool = False
-) -> tuple[np.ndarray, np.ndarray]:
+def extruded_hexahedra(housing: Housing, size: float) -> tuple[np.ndarray, np.ndarray]:
     """Nodes (n, 3), m, and elements (e, 27) of a plain housing.
 
     Parameters
     ----------
     housing : a closed box with bosses and feet, nothing else
     size : m, largest side of an element
-    layer : m, thickness of the layers beside the inner edges; None: no such layers
-    divided_edges : elements on both sides of the inner edges are divided at `EDGE_SHARE` of their thickness
 
     Raises
     ------
     HousingError : see `shaft_places`
     """
     (low, high), (inner_low, inner_high) = housing.box, housing.cavity
-    places = shaft_places(housing, size, layer)
+    places = shaft_places(housing, size)
     feet = list(housing.foot_boxes().values())
     corners = np.array([low, high, inner_low, inner_high, *[corner for foot in feet for corner in foot]])
     ends = [end for bore in housing.bores for end in housing.bore_span(bore)]
@@ -49,15 +39,8 @@ def extruded_hexahedra(
         [*corners[:, 1], *ends],
         [*corners[:, 2], *lines_across(places, 1, size)],
     )
-    x, y, z = (
-        divided(_with_layers(lines, (a, b), layer), size)
-        for lines, a, b in zip(fixed, inner_low, inner_high, strict=True)
-    )
-    if divided_edges:
-        x, y, z = (
-            _divided_at(lines, faces) for lines, faces in zip((x, y, z), np.array(housing.cavity).T, strict=True)
-        )
-    return _extruded(housing, section(places, x, z, size=size, layer=layer), y)
+    x, y, z = (divided(lines, size) for lines in fixed)
+    return _extruded(housing, section(places, x, z, size=size), y)
 
 
 def inside(housing: Housing, points: np.ndarray) -> np.ndarray:
@@ -87,21 +70,6 @@ def patches(housing: Housing, nodes: np.ndarray, triangles: np.ndarray) -> dict[
         along = (corners[..., 1] > start - _NEAR) & (corners[..., 1] < end + _NEAR)
         found[bore.name] = np.flatnonzero(((abs(radius - bore.diameter / 2) < _NEAR) & along).all(axis=1))
     return found
-
-
-def _with_layers(lines: list[float], inner: tuple[float, float], layer: float | None) -> list[float]:
-    """The lines and one at the distance of a layer inside each face of the cavity, unless another is as near to it."""
-    if layer is None:
-        return lines
-    wanted = (inner[0] + layer, inner[1] - layer)
-    return lines + [place for place in wanted if abs(np.array(lines) - place).min() > 0.5 * layer]
-
-
-def _divided_at(lines: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """The lines and one on either side of every face (m), at a share of the distance to the line next to it."""
-    place = np.searchsorted(lines, faces - _NEAR)
-    beside = [lines[place] + EDGE_SHARE * (lines[place + side] - lines[place]) for side in (-1, 1)]
-    return np.sort(np.concatenate([lines, *beside]))
 
 
 def _in_box(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:

@@ -68,17 +68,16 @@ def with_middles(lines: np.ndarray) -> np.ndarray:
     return out
 
 
-def shaft_places(housing: Housing, size: float, layer: float | None = None) -> list[ShaftPlace]:
+def shaft_places(housing: Housing, size: float) -> list[ShaftPlace]:
     """A rectangle around the bosses of every axis, apart from all others and inside the cavity.
 
     Axes whose bosses share a range of z stand in one row, and their rectangles have the height of the row. Sides that
-    may lie where they like end on the side of a foot, or on a layer beside the cavity's faces, that is near.
+    may lie where they like end on the side of a foot that is near.
 
     Parameters
     ----------
     housing : to be plain
     size : m, largest side of an element
-    layer : m, thickness of the layers; None: none
 
     Raises
     ------
@@ -108,10 +107,8 @@ def shaft_places(housing: Housing, size: float, layer: float | None = None) -> l
     low, high = housing.cavity
     bottoms = [min(z - _radius(axes[x, z]) for x, z in row) for row in rows]
     tops = [max(z + _radius(axes[x, z]) for x, z in row) for row in rows]
-    beside = np.array([] if layer is None else [low + layer, high - layer]).reshape(-1, 3)
-    spans = _apart(bottoms, tops, float(low[2]), float(high[2]), _MARGIN * size, beside[:, 2])
-    feet = [corner[0] for foot in housing.foot_boxes().values() for corner in foot]
-    edges = np.array([*feet, *beside[:, 0]])
+    spans = _apart(bottoms, tops, float(low[2]), float(high[2]), _MARGIN * size, np.zeros(0))
+    feet = np.array([corner[0] for foot in housing.foot_boxes().values() for corner in foot])
     places = []
     for row, (bottom, top) in zip(rows, spans, strict=True):
         row.sort()
@@ -121,7 +118,7 @@ def shaft_places(housing: Housing, size: float, layer: float | None = None) -> l
             float(low[0]),
             float(high[0]),
             _MARGIN * size,
-            edges,
+            feet,
         )
         for (x, z), (left, right) in zip(row, sides, strict=True):
             diameters = {d for bore in axes[x, z] for d in (bore.diameter, bore.boss_diameter)}
@@ -140,9 +137,7 @@ def lines_across(places: Sequence[ShaftPlace], axis: int, size: float) -> list[f
     return lines
 
 
-def section(
-    places: Sequence[ShaftPlace], x_lines: np.ndarray, z_lines: np.ndarray, *, size: float, layer: float | None
-) -> Section:
+def section(places: Sequence[ShaftPlace], x_lines: np.ndarray, z_lines: np.ndarray, *, size: float) -> Section:
     """Quadrilaterals of a section.
 
     Parameters
@@ -150,7 +145,6 @@ def section(
     places : rings of cells, whose rectangles have their sides on the lines
     x_lines, z_lines : m, ascending
     size : m, largest length of a cell along the radius
-    layer : m, of a thin ring outside the bosses; None: no such ring
     """
     x, z = with_middles(x_lines), with_middles(z_lines)
     grid = np.stack(np.meshgrid(x, z, indexing="ij"), axis=2)
@@ -161,7 +155,7 @@ def section(
         j = np.searchsorted(z_lines, np.array([place.low[1], place.high[1]]) - _SAME)
         free[i[0] : i[1], j[0] : j[1]] = False
         blocks.append(grid[2 * i[0] : 2 * i[1] + 1, 2 * j[0] : 2 * j[1] + 1])
-    around = [_rings(place, _outline(block), size, layer) for place, block in zip(places, blocks, strict=True)]
+    around = [_rings(place, _outline(block), size) for place, block in zip(places, blocks, strict=True)]
     parts, cells, first = [grid.reshape(-1, 2)], [_cells(*grid.shape[:2])[free.ravel()]], grid[..., 0].size
     for ring in around:
         parts.append(ring.reshape(-1, 2))
@@ -220,16 +214,13 @@ def _outline(block: np.ndarray) -> np.ndarray:
     return np.concatenate([block[:-1, 0], block[-1, :-1], block[:0:-1, -1], block[0, ::-1]])
 
 
-def _rings(place: ShaftPlace, outline: np.ndarray, size: float, layer: float | None) -> np.ndarray:
+def _rings(place: ShaftPlace, outline: np.ndarray, size: float) -> np.ndarray:
     """Nodes (radial, around, 2) from the smallest circle to the rectangle."""
     centre = np.array([place.x, place.z])
     angle = np.unwrap(np.arctan2(*(outline - centre).T[::-1]))
     angle[1::2] = 0.5 * (angle[:-1:2] + angle[2::2])
     direction = np.column_stack([np.cos(angle), np.sin(angle)])
-    radii, nearest = list(place.radii), np.linalg.norm(outline - centre, axis=1).min()
-    if layer is not None and layer < 0.5 * (nearest - radii[-1]):
-        radii.append(radii[-1] + layer)
-    circles = centre + with_middles(divided(radii, size))[:, None, None] * direction
+    circles = centre + with_middles(divided(place.radii, size))[:, None, None] * direction
     outermost = circles[-1]
     distance = np.linalg.norm(outline - outermost, axis=1).mean()
     part = with_middles(divided((0.0, 1.0), size / distance))[1:, None, None]

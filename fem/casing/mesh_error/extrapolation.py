@@ -1,9 +1,8 @@
 """Stiffness of a casing extrapolated to elements of size zero, by its natural modes on two coarser meshes.
 
-Elements of displacement are too stiff. The lowest modes on two coarser meshes, paired by their shapes, tell the limit
-of every frequency and a band about it: tetrahedra with elements `RATIOS` times as large
-(`fem.casing.mesh_error.frequency_limits`); hexahedra of a parametric housing with elements `LARGER` times as large, as
-they are and divided at the edges (`fem.casing.mesh_error.edge_limits`).
+Elements of displacement are too stiff. The lowest modes on two coarser meshes, with elements `RATIOS` times as large,
+paired by their shapes, tell the limit of every frequency and a band about it
+(`fem.casing.mesh_error.frequency_limits`).
 
 The error of thin walls and sharp edges is nearly the same for all modes. One factor, from the mean m of what the limits
 lie lower than the frequencies, therefore corrects all of the stiffness: K = (1 - m)^2 K(h); mass and shapes stay.
@@ -12,14 +11,12 @@ lie lower than the frequencies, therefore corrects all of the stiffness: K = (1 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg as la
 from threadpoolctl import threadpool_limits
 
-from fem.casing.hexahedra.extruded import EDGE_SHARE
-from fem.casing.mesh_error.edge_limits import edge_limits
 from fem.casing.mesh_error.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError, frequency_limits
 from fem.casing.mesh_error.pairing import counterparts, sample_nodes
 from fem.casing.meshing.mesh import CasingMesh
@@ -31,11 +28,9 @@ from fem.casing.reduced.halves import lowest
 from fem.casing.reduced.modes import CasingModes
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import Material
-from fem.elements.solid_elements import SOLIDS
 from fem.storage.records import Record, array, integer, scalar
 
-RATIOS = (1.3, 1.7)  # element sizes of the coarser meshes of tetrahedra
-LARGER = 1.8  # element size of both coarser meshes of hexahedra
+RATIOS = (1.3, 1.7)  # element sizes of the coarser meshes
 MODES = 60  # lowest natural modes that are compared
 LARGEST = 0.25  # change of a frequency from mesh to mesh that is extrapolated
 RIGID_MOTIONS = 6  # motions of a casing on springs, which stand outside its own stiffness
@@ -52,15 +47,12 @@ class LowestModes(Record):
     frequencies: np.ndarray = array("mode", units="Hz")
     shapes: np.ndarray = array("sample", "mode", units="1")  # displacements along x, y, z of every place
     element_size: float = scalar(units="m")
-    divided_edges: int = integer()  # 1: elements beside the inner edges are divided
     unknowns: int = integer()
+    edge_functions: int = integer()  # unknowns among them, of functions at edges
 
 
-def coarser_sizes(sizes: Sizes, element: str) -> tuple[Sizes, Sizes]:
+def coarser_sizes(sizes: Sizes) -> tuple[Sizes, Sizes]:
     """Element sizes of the two meshes that the errors of one are measured by."""
-    if SOLIDS[element].corners == 8:
-        larger = sizes.times(LARGER)
-        return larger, replace(larger, divided_edges=True)
     return sizes.times(RATIOS[0]), sizes.times(RATIOS[1])
 
 
@@ -69,7 +61,6 @@ def lowest_modes(
     material: Material,
     *,
     static: bool,
-    divided_edges: bool = False,
     interfaces: Mapping[str, Sequence[str]] | None = None,
     ground: Ground = "fixed",
     attachment: Attachment = "mean",
@@ -80,7 +71,6 @@ def lowest_modes(
     Parameters
     ----------
     mesh, material : of the casing
-    divided_edges : whether the mesh was made so
     static : take the matrices condensed to the interface, as the model static has
     interfaces, ground, attachment, joint : those of `ground_casing`
 
@@ -103,8 +93,8 @@ def lowest_modes(
         frequencies=frequencies,
         shapes=casing.expanded(phi)[unknowns],
         element_size=mesh.element_size,
-        divided_edges=int(divided_edges),
         unknowns=casing.K_free.shape[0],
+        edge_functions=casing.K.shape[0] - 3 * len(casing.mesh.nodes),
     )
 
 
@@ -149,10 +139,8 @@ def limits_from(
         rows.append(np.where(number < 0, np.nan, other.frequencies[number]))
     ratios = [other.element_size / element_size for other in coarser]
     try:
-        if coarser[1].divided_edges:
-            limits = edge_limits(ratios[0], EDGE_SHARE, np.array(rows))
-        else:
-            limits = frequency_limits((1.0, *ratios), np.array(rows))
+        with_functions = all(other.edge_functions for other in coarser)
+        limits = frequency_limits((1.0, *ratios), np.array(rows), edge_functions=with_functions)
     except LimitError as error:
         raise ExtrapolationError(f"casing: {error}; or leave casing.extrapolated out") from error
     changes = np.nanmean(np.array(rows[1:]) / frequencies, axis=1) - 1.0

@@ -1,7 +1,7 @@
 """Element size whose natural frequencies have the error that is asked for, predicted from those of a coarse mesh.
 
-The part of the bands that smaller elements change falls with the measured order, the part that is left of the edges
-does not (`fem.casing.mesh_error.frequency_limits`). What is predicted is the band that half of the modes have or less.
+Part of the bands falls with the order of the error, the rest does not (`fem.casing.mesh_error.frequency_limits`). What
+is predicted is the band that half of the modes have or less.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ def wanted_factor(limits: FrequencyLimits, error: float, trial: LowestModes, coa
         left = limits.median_band_at(float(_FACTORS[-1]))
         raise ExtrapolationError(
             f"casing.error: smaller elements do not reach {100 * error:g} %: those of a fifth of "
-            f"{1000 * trial.element_size:.3g} mm leave a median band of {100 * left:.2g} %, most of it by the inner "
-            "edges. Ask for more than that"
+            f"{1000 * trial.element_size:.3g} mm leave a median band of {100 * left:.2g} %. Ask for more than "
+            "that"
         )
     factor = enough[0]
     unknowns = trial.unknowns * factor**-growth

@@ -29,28 +29,22 @@ AROUND_A_BOLT = 6  # around a bolt hole, or a round pad
 
 @dataclass(frozen=True, kw_only=True)
 class Sizes:
-    """Wanted edge lengths (m): everywhere, at the bearing seats and at the ground faces (None: as everywhere).
-
-    `edge` is the thickness of the layers of hexahedra beside the inner edges of a housing; tetrahedra have none.
-    With `divided_edges` the hexahedra on both sides of these edges are divided (`fem.casing.hexahedra.extruded`).
-    """
+    """Wanted edge lengths (m): everywhere, at the bearing seats and at the ground faces (None: as everywhere)."""
 
     element: float = 0.022
     bore: float | None = None
     foot: float | None = None
-    edge: float | None = None
-    divided_edges: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("element", "bore", "foot", "edge"):
+        for name in ("element", "bore", "foot"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0.0):
                 raise MeshError(f"{name} size is {1000 * value!r} mm; give a positive, finite length")
 
     def times(self, factor: float) -> Sizes:
         """All edge lengths longer by a factor."""
-        bore, foot, edge = (None if size is None else factor * size for size in (self.bore, self.foot, self.edge))
-        return Sizes(element=factor * self.element, bore=bore, foot=foot, edge=edge, divided_edges=self.divided_edges)
+        bore, foot = (None if size is None else factor * size for size in (self.bore, self.foot))
+        return Sizes(element=factor * self.element, bore=bore, foot=foot)
 
     def at_bore(self, diameter: float) -> float:
         """At a seat: as asked, and at least twelve elements around it."""

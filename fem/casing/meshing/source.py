@@ -32,15 +32,15 @@ def mesh_geometry(geometry: Geometry, sizes: Sizes, element: str = "tetrahedron-
     return mesher.mesh_housing(geometry, sizes=sizes, element=element)
 
 
-def mesh_extruded(housing: Housing, sizes: Sizes, element: str = "hexahedron-27") -> CasingMesh:
-    """Hexahedra of a plain housing, one through every wall, or two where `sizes.edge` asks for thin ones at its edges.
+def mesh_extruded(housing: Housing, sizes: Sizes, element: str = "hexahedron-20") -> CasingMesh:
+    """Hexahedra of a plain housing, one through every wall.
 
     Raises
     ------
     MeshError : a housing that is not plain, bosses that leave no room, an element below a quality limit
     """
     try:
-        nodes, elements = extruded_hexahedra(housing, sizes.element, sizes.edge, divided_edges=sizes.divided_edges)
+        nodes, elements = extruded_hexahedra(housing, sizes.element)
     except HousingError as error:
         raise MeshError(str(error)) from error
     points = housing.ground_points() | {bore.name: housing.bore_centre(bore) for bore in housing.bores}

@@ -134,7 +134,7 @@ def check_up(casing: GroundedCasing, reduction: Reduction, *, full_band: float |
     """
     mesh = casing.mesh
     mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)
-    R = rigid_body_modes(mesh.nodes, centre)
+    R = casing.rigid_motions(centre)
     MR = casing.M @ R
     held = _held(casing, reduction)
     frequencies, phi = _grounded_modes(held, reduction.mass)

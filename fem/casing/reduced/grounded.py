@@ -17,6 +17,7 @@ from typing import Literal
 import numpy as np
 import scipy.sparse as sp
 
+from fem.casing.edges.functions import EdgeFunctions, edge_functions
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.parts.bolted_joint import BoltedJoint, joint_stiffness
@@ -25,7 +26,7 @@ from fem.casing.parts.regions import Region, elements_inside, stiffness_of
 from fem.casing.parts.split import split_mesh
 from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES
-from fem.casing.reduced.halves import interface_of
+from fem.casing.reduced.halves import Places, interface_of
 from fem.casing.reduced.reduction import Interface
 from fem.elements.materials import Material
 from fem.elements.solids import assemble, rigid_body_modes
@@ -53,10 +54,10 @@ class GroundedCasing:
     material: Material
     ground: Ground
     attachment: Attachment
-    K: sp.csr_matrix  # (3 node, 3 node), the free body with its joints
+    K: sp.csr_matrix  # (u, u), the free body with its joints: 3 node + axis, then the functions of its edges
     M: sp.csr_matrix
-    expansion: sp.csr_matrix  # E (3 node, n)
-    clamped: np.ndarray  # of the 3 node unknowns; empty on springs
+    expansion: sp.csr_matrix  # E (u, n)
+    clamped: np.ndarray  # of the unknowns; empty on springs
     K_free: sp.csr_matrix  # (n, n) without the reference springs
     M_free: sp.csr_matrix
     coordinate_names: tuple[str, ...]  # of the interface, "ground_1:ux", ..., "bearing_1:ux", ...
@@ -78,7 +79,13 @@ class GroundedCasing:
 
     def expanded(self, q: np.ndarray) -> np.ndarray:
         """Displacements (3 node, k) of the mesh."""
-        return self.expansion @ q
+        return self.expansion[: 3 * len(self.mesh.nodes)] @ q
+
+    def rigid_motions(self, centre: np.ndarray) -> np.ndarray:
+        """Unit translations and rotations about a centre (u, 6): the functions of the edges have no part in them."""
+        out = np.zeros((self.K.shape[0], 6))
+        out[: 3 * len(self.mesh.nodes)] = rigid_body_modes(self.mesh.nodes, centre)
+        return out
 
 
 def ground_casing(
@@ -114,15 +121,6 @@ def ground_casing(
     """
     split = None if joint is None else split_mesh(mesh, joint.plane)
     mesh = mesh if split is None else split.mesh
-    K, M = assemble(
-        mesh.nodes,
-        mesh.elements,
-        elastic_modulus=material.elastic_modulus,
-        poisson_ratio=material.poisson_ratio,
-        density=material.density,
-    )
-    bolts = None if split is None or joint is None else joint_stiffness(joint, split, material)
-    K = K if bolts is None else sp.csr_matrix(K + bolts)
     feet = mesh.patches("ground_")
     if not feet:
         raise AttachmentError("casing mesh has no patch ground_1, ...; name at least one foot")
@@ -135,25 +133,37 @@ def ground_casing(
         if np.isin(mesh.patch(name), held).any():
             raise AttachmentError(f"{name} shares nodes with a foot; move the foot or the bore")
     clamped_nodes = held[:0] if on_springs else held
+    joined = () if split is None else (split.below, split.above)
+    edges = edge_functions(mesh, material, held=() if on_springs else feet, joined=joined)
+    K, M = _assembled(mesh, material, edges)
+    bolts = None if split is None or joint is None else _extended(joint_stiffness(joint, split, material), len(edges))
+    K = K if bolts is None else sp.csr_matrix(K + bolts)
     if attachment == "rigid":
         expansion, rows = _rigid_patches(mesh, points, clamped_nodes)
     else:
         expansion, rows = _mean_patches(mesh, points, clamped_nodes)
+    expansion = sp.csr_matrix(sp.block_diag([expansion, sp.eye_array(len(edges))]))
+    rows = sp.csr_matrix(sp.hstack([rows, sp.csr_matrix((rows.shape[0], len(edges)))]))
     names = tuple(f"{name}:{axis}" for name, axes in points.items() for axis in axes)
     if forced:
-        rows = sp.csr_matrix(sp.vstack([rows, *(_point_rows(mesh, point) @ expansion for point in forced)]))
+        of_nodes = expansion[: 3 * len(mesh.nodes)]
+        rows = sp.csr_matrix(sp.vstack([rows, *(_point_rows(mesh, point) @ of_nodes for point in forced)]))
         names += tuple(f"{point.sensor.name}:{axis}" for point in forced for axis in point.axes)
     K_free, M_free = _projected(K, expansion), _projected(M, expansion)
     inside = elements_inside(mesh.nodes, mesh.elements, regions)
     parts = {
-        region.name: _projected(stiffness_of(mesh.nodes, mesh.elements[chosen], material), expansion)
+        region.name: _projected(
+            _extended(stiffness_of(mesh.nodes, mesh.elements[chosen], material), len(edges))
+            + edges.matrices(chosen.tolist())[0],
+            expansion,
+        )
         for region, chosen in zip(regions, inside, strict=True)
     }
     if bolts is not None:
         parts[JOINTS] = _projected(bolts, expansion)
     reference = material.elastic_modulus * mesh.element_size
     springs = np.array([reference if name.startswith("ground_") else 0.0 for name in names])
-    nodes = mesh.nodes[:0] if attachment == "rigid" else np.delete(mesh.nodes, clamped_nodes, axis=0)
+    places = Places(np.delete(mesh.nodes, clamped_nodes, axis=0), edges.places, edges.numbers)
     return GroundedCasing(
         mesh=mesh,
         material=material,
@@ -167,9 +177,36 @@ def ground_casing(
         M_free=M_free,
         coordinate_names=names,
         springs=springs,
-        interface=interface_of(nodes, K_free, M_free, rows, penalty=springs if on_springs else None, solver=solver),
+        interface=interface_of(
+            None if attachment == "rigid" else places,
+            K_free,
+            M_free,
+            rows,
+            penalty=springs if on_springs else None,
+            solver=solver,
+        ),
         parts=parts,
     )
+
+
+def _assembled(mesh: CasingMesh, material: Material, edges: EdgeFunctions) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+    """Stiffness and mass of the free body with the functions of its edges."""
+    K, M = assemble(
+        mesh.nodes,
+        mesh.elements,
+        elastic_modulus=material.elastic_modulus,
+        poisson_ratio=material.poisson_ratio,
+        density=material.density,
+    )
+    if not len(edges):
+        return K, M
+    K_edges, M_edges = edges.matrices()
+    return sp.csr_matrix(_extended(K, len(edges)) + K_edges), sp.csr_matrix(_extended(M, len(edges)) + M_edges)
+
+
+def _extended(matrix: sp.csr_matrix, count: int) -> sp.csr_matrix:
+    """With empty rows and columns for more unknowns."""
+    return sp.csr_matrix(sp.block_diag([matrix, sp.csr_matrix((count, count))])) if count else matrix
 
 
 def _point_rows(mesh: CasingMesh, point: ForcedPoint) -> sp.csr_matrix:

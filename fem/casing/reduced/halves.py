@@ -80,8 +80,17 @@ class _Reflection:
         return Q
 
 
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Where the unknowns are: three at every node, then one for every function of an edge."""
+
+    nodes: np.ndarray  # (n, 3), m
+    functions: np.ndarray  # (m, 3), m, another for every node on an edge
+    numbers: np.ndarray  # (m,), of a function among those of its node
+
+
 def interface_of(
-    nodes: np.ndarray,
+    places: Places | None,
     K: sp.csr_matrix,
     M: sp.csr_matrix,
     rows: sp.csr_matrix,
@@ -93,7 +102,7 @@ def interface_of(
 
     Parameters
     ----------
-    nodes : (n / 3, 3), m, of the unknowns 3 node + axis; (0, 3): not to be looked at
+    places : of the unknowns; None: not to be looked at
     K, rows, penalty, solver : those of `held_interface`
     M : sparse (n, n), kg
 
@@ -101,8 +110,8 @@ def interface_of(
     ------
     as `held_interface`
     """
-    for axis in range(3 if len(nodes) else 0):
-        reflection = _reflection(nodes, axis)
+    for axis in range(3):
+        reflection = None if places is None else _reflection(places, axis, K)
         if reflection is None or not all(_unchanged(matrix, reflection) for matrix in (K, M)):
             continue
         turned = _of_interface(rows, reflection)
@@ -174,20 +183,50 @@ def _by_halves(work: Callable[[Half], Result], interface: MirroredInterface) -> 
     return side_by_side(lambda: work(one), lambda: work(other))
 
 
-def _reflection(nodes: np.ndarray, axis: int) -> _Reflection | None:
-    """The reflection about the middle of the body, None if its nodes have no images."""
-    low, high = nodes.min(axis=0), nodes.max(axis=0)
-    mirrored = nodes.copy()
-    mirrored[:, axis] = low[axis] + high[axis] - nodes[:, axis]
-    distance, image = cKDTree(nodes).query(mirrored, distance_upper_bound=_SAME * float(np.linalg.norm(high - low)))
-    if not np.isfinite(distance).all() or (image[image] != np.arange(len(nodes))).any():
+def _reflection(places: Places, axis: int, K: sp.csr_matrix) -> _Reflection | None:
+    """The reflection about the middle of the body, None if its nodes or functions have no images."""
+    low, high = places.nodes.min(axis=0), places.nodes.max(axis=0)
+    near = _SAME * float(np.linalg.norm(high - low))
+    nodes = places.nodes
+    image = _images(nodes, low[axis] + high[axis], axis, near)
+    numbered = np.column_stack([places.functions, places.numbers])  # those of one node lie apart by their numbers
+    other = _images(numbered, low[axis] + high[axis], axis, near)
+    if image is None or other is None:
         return None
     sign = np.ones((len(nodes), 3))
     sign[:, axis] = -1.0
-    kept = np.flatnonzero((nodes[:, axis] < mirrored[:, axis]) | (image == np.arange(len(nodes))))
-    if 2 * len(kept) < len(nodes):
+    across = nodes[:, axis] - nodes[image, axis]
+    kept = np.flatnonzero((across < 0.0) | (image == np.arange(len(nodes))))
+    kept_functions = np.flatnonzero((numbered[:, axis] < numbered[other, axis]) | (other == np.arange(len(other))))
+    if 2 * len(kept) < len(nodes) or 2 * len(kept_functions) < len(other):
         return None
-    return _Reflection(_unknowns(image), sign.ravel(), _unknowns(kept))
+    first = 3 * len(nodes)
+    return _Reflection(
+        np.concatenate([_unknowns(image), first + other]),
+        np.concatenate([sign.ravel(), _signs(K, _unknowns(image), sign.ravel(), other)]),
+        np.concatenate([_unknowns(kept), first + kept_functions]),
+    )
+
+
+def _images(points: np.ndarray, twice: float, axis: int, near: float) -> np.ndarray | None:
+    """Numbers of the points at the reflected places, None if one is missing."""
+    mirrored = points.copy()
+    mirrored[:, axis] = twice - points[:, axis]
+    if not len(points):
+        return np.zeros(0, int)
+    distance, image = cKDTree(points).query(mirrored, distance_upper_bound=near)
+    if not np.isfinite(distance).all() or (image[image] != np.arange(len(points))).any():
+        return None
+    return np.asarray(image)
+
+
+def _signs(K: sp.csr_matrix, image: np.ndarray, sign: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Whether the reflected function of an edge is its image, or that times -1, by the forces of both on the nodes."""
+    n = len(image)
+    forces = K[n:, :n]
+    reflected = forces[:, image] @ sp.diags_array(sign)
+    product = np.asarray(reflected.multiply(forces[other]).sum(axis=1)).ravel()
+    return np.where(product < 0.0, -1.0, 1.0)
 
 
 def _unknowns(nodes: np.ndarray) -> np.ndarray:

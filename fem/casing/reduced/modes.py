@@ -24,7 +24,7 @@ from fem.casing.reduced.damping import DampingRatio, energy_shares, modal_dampin
 from fem.casing.reduced.grounded import GROUND_AXES, GroundedCasing
 from fem.casing.reduced.reduction import Reduction
 from fem.casing.reduced.truncation import ModeSet, fewest_modes, kept
-from fem.elements.solids import mass_properties, rigid_body_modes
+from fem.elements.solids import mass_properties
 from fem.storage.records import Record, array, integer, names, scalar, text
 
 Mounts = Sequence[Sequence[float]]  # stiffness in x, y, z (N/m): one row for all feet, or one per foot in their order
@@ -119,7 +119,7 @@ def casing_modes(
     extra = reduction.modes.shape[1] - reduction.n_fixed
     mode_names = [f"mode_{i + 1}" for i in range(reduction.n_fixed)] + [f"inertia_{i + 1}" for i in range(extra)]
     mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)
-    inertial = casing.M @ rigid_body_modes(mesh.nodes, centre)
+    inertial = casing.M @ casing.rigid_motions(centre)
     foot_stiffness, foot_inertia = _clamped_feet(casing, inertial[:, :3])
     return CasingModes(
         model=model,
@@ -169,7 +169,7 @@ def _clamped_feet(casing: GroundedCasing, MX: np.ndarray) -> tuple[np.ndarray, n
 
 def _expanded(casing: GroundedCasing, basis: np.ndarray) -> np.ndarray:
     """The basis on all unknowns of the mesh in single precision, a few columns at a time."""
-    out = np.empty((casing.expansion.shape[0], basis.shape[1]), np.float32)
+    out = np.empty((3 * len(casing.mesh.nodes), basis.shape[1]), np.float32)
     for start in range(0, basis.shape[1], 32):
         out[:, start : start + 32] = casing.expanded(basis[:, start : start + 32])
     return out

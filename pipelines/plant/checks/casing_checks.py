@@ -94,7 +94,7 @@ def _no_hexahedra(made: Housing, sizes: Sizes, element: str, asked: float) -> It
         )
         return
     try:
-        shaft_places(made, sizes.element, sizes.edge)
+        shaft_places(made, sizes.element)
     except HousingError as error:
         yield Problem("casing.element", str(error), "", element)
 

@@ -25,7 +25,6 @@ KNOWN_PARTS = (COVER, FEET, MOUNTS, JOINTS)
 POINTS = re.compile(
     r"(bearing|ground)_|(bearing|ground|casing|shaft|mesh|motor|load|rope|container)(_[0-9]+)?$|(origin|[xyz])$"
 )
-EDGE_LAYER = 0.09  # thickness of the layers of hexahedra along inner edges, over the size of elements
 
 
 class DampedPartTable(Table):
@@ -87,13 +86,6 @@ class FlexibleBase(Table):
     ] = "tetrahedron-10"
     bore_element_size_mm: Annotated[Positive | None, Field(description="at the bearing seats, where smaller")] = None
     foot_element_size_mm: Annotated[Positive | None, Field(description="at the ground faces, where smaller")] = None
-    edge_element_size_mm: Annotated[
-        Positive | None,
-        Field(
-            description="hexahedra of a parametric housing: thickness of the layers along its inner edges; left out: "
-            f"{EDGE_LAYER:g} of element_size_mm"
-        ),
-    ] = None
     damping_ratio: Annotated[
         Damping | tuple[tuple[NotNegative, Damping], ...],
         Field(description="modal damping: one number, or rows [Hz, ratio] with rising frequencies, linear in between"),
@@ -106,11 +98,6 @@ class FlexibleBase(Table):
             raise ValueError(
                 f"element: a STEP file is meshed with tetrahedra, {self.element} elements are made of a parametric "
                 'housing or come from a mesh file; set element to "tetrahedron-10"'
-            )
-        if self.edge_element_size_mm is not None and not (of_hexahedra and parametric):
-            raise ValueError(
-                f"edge_element_size_mm: only hexahedra of a parametric housing have layers at its edges, not "
-                f"{self.element} elements of this one; leave it out"
             )
         if of_hexahedra and parametric and (self.bore_element_size_mm or self.foot_element_size_mm):
             raise ValueError(
@@ -181,15 +168,11 @@ class ElasticBase(FlexibleBase):
             raise ValueError(f"error: {self.error} is not above 0 and at most {100 * MOST_ERROR:g} %; give one between")
         if self.error is not None and isinstance(self.housing, MeshHousingTable | MatricesHousingTable):
             raise ValueError("error: the file has one element size only; give a STEP file, or leave this out")
-        if self.error is not None and self.element not in ("tetrahedron-10", "hexahedron-27"):
+        if self.error is not None and self.element == "tetrahedron-4":
+            raise ValueError("error: it can be measured with quadratic elements, not with tetrahedron-4; leave one out")
+        if self.extrapolated and self.element == "tetrahedron-4":
             raise ValueError(
-                f"error: it can be measured with tetrahedron-10 and hexahedron-27, not with {self.element}; leave "
-                "one out"
-            )
-        if self.extrapolated and self.element not in ("tetrahedron-10", "hexahedron-27"):
-            raise ValueError(
-                f"extrapolated: it was measured with tetrahedron-10 and hexahedron-27, not with {self.element}; leave "
-                "one out"
+                "extrapolated: it was measured with quadratic elements, not with tetrahedron-4; leave one out"
             )
         if self.extrapolated and isinstance(self.housing, MeshHousingTable | MatricesHousingTable):
             raise ValueError("extrapolated: the file has one element size only; give a STEP file, or leave this out")

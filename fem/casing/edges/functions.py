@@ -1,0 +1,225 @@
+"""Hexahedra with functions of their edges: stiffness and mass of the unknowns that these add.
+
+The displacement in an element at an edge becomes
+
+    u = sum_a N_a u_a + sum_ik N_i(s) R_i phi_ik(xi, eta) b_ik,
+
+N_i the quadratic functions of the three nodes along the side, R_i the frame at such a node, phi_ik its functions across
+the edge. As these vanish at all nodes, u_a remains the displacement there; one unknown b_ik is added for every function
+of a node on an edge. Where a chain ends within the body, the functions of its last node go on into the elements behind
+it and fade there; where they would meet elements that have no part in them, that node has none.
+
+References: Szabo & Babuska (1991), Finite Element Analysis, section 10.1; Strouboulis, Copps & Babuska (2001), Comput.
+Methods Appl. Mech. Eng. 190(32-33), 4081-4193 (handbook functions, found numerically, in finite elements).
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem.casing.edges.fans import Fan, chains, continuation
+from fem.casing.edges.integrals import added_entries
+from fem.casing.edges.lines import GRID, gauss, graded, quadratic
+from fem.casing.edges.profiles import ALONG, Profiles
+from fem.casing.edges.topology import Sector, Topology
+from fem.casing.meshing.mesh import CasingMesh
+from fem.elements.materials import Material
+from fem.elements.solid_elements import SOLIDS, shapes, solid_element
+from fem.elements.solids import lame
+from fem.numerics.threads import side_by_side
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """The functions of one node on an edge in one element."""
+
+    sector: Sector
+    line: int  # 0, 1, 2: the node at s = 0, 1/2, 1
+    values: np.ndarray  # (function, 3, k, k)
+    frame: np.ndarray  # (3, 3)
+    first: int  # number of its first unknown
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeFunctions:
+    """Unknowns that are added to those of the nodes of a mesh, and the elements that have part in them."""
+
+    mesh: CasingMesh
+    material: Material
+    numbers: np.ndarray  # (m,), of the function of an unknown among those of its node
+    places: np.ndarray  # (m, 3), m, see `_between`: one for every node on every edge
+    parts: dict[int, list[_Part]]  # by element
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    def matrices(self, elements: Collection[int] | None = None) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """Stiffness (N/m) and mass (kg), both (3 n + m, 3 n + m), without the entries of nodes with nodes.
+
+        Parameters
+        ----------
+        elements : numbers of those that are meant; all by default
+        """
+        chosen = self.parts if elements is None else {one: self.parts[one] for one in elements if one in self.parts}
+        same: dict[bytes, list[int]] = defaultdict(list)
+        for element, own in chosen.items():
+            same[_shape_key(self.mesh.nodes[self.mesh.elements[element]], own)].append(element)
+        alike = list(same.values())
+        n, size = 3 * len(self.mesh.nodes), 3 * len(self.mesh.nodes) + len(self)
+        rows: list[np.ndarray] = []
+        columns: list[np.ndarray] = []
+        stiffness: list[np.ndarray] = []
+        mass: list[np.ndarray] = []
+        first, other = side_by_side(lambda: self._several(alike[::2]), lambda: self._several(alike[1::2]))
+        for members, (K_nodes, K_own, M_nodes, M_own) in zip([*alike[::2], *alike[1::2]], first + other, strict=True):
+            for element in members:
+                added = n + _unknowns(self.parts[element])
+                at = (3 * self.mesh.elements[element][:, None].astype(np.int64) + np.arange(3)).ravel()
+                row, column = np.repeat(at, len(added)), np.tile(added, len(at))
+                rows += [row, column, np.repeat(added, len(added))]
+                columns += [column, row, np.tile(added, len(added))]
+                stiffness += [K_nodes.ravel(), K_nodes.ravel(), K_own.ravel()]
+                mass += [M_nodes.ravel(), M_nodes.ravel(), M_own.ravel()]
+        if not rows:
+            return sp.csr_matrix((size, size)), sp.csr_matrix((size, size))
+        place = (np.concatenate(rows), np.concatenate(columns))
+        K = sp.csr_matrix((np.concatenate(stiffness), place), shape=(size, size))
+        return K, sp.csr_matrix((self.material.density * np.concatenate(mass), place), shape=(size, size))
+
+    def _several(self, alike: list[list[int]]) -> list[tuple[np.ndarray, ...]]:
+        """What `added_entries` gives for the first of every group of elements."""
+        tables: dict[tuple[int, bytes], np.ndarray] = {}
+        return [self._entries(members[0], tables) for members in alike]
+
+    def _entries(self, element: int, known: dict[tuple[int, bytes], np.ndarray]) -> tuple[np.ndarray, ...]:
+        own = self.parts[element]
+        ends = np.zeros((3, 2), bool)
+        for part in own:
+            ends[part.sector.axis(0, 0)] = ends[part.sector.axis(1, 0)] = True
+        points, weights, values, slopes = _rule(solid_element(self.mesh.elements).name, ends.tobytes())
+        tables, lines, owners = [], [], []
+        for number, part in enumerate(own):
+            key = (id(part.values), part.sector.origin.tobytes() + part.sector.axes.tobytes() + ends.tobytes())
+            if key not in known:
+                known[key] = _table(part, points)
+            tables.append(known[key])
+            owners += [number] * len(part.values)
+            s = part.sector.axes[:, 2] @ (points - part.sector.origin[:, None])
+            lines.append(np.stack([both[:, part.line] for both in quadratic(s)]))
+        found: tuple[np.ndarray, ...] = added_entries(
+            self.mesh.nodes[self.mesh.elements[element]],
+            values,
+            slopes,
+            weights,
+            np.concatenate(tables),
+            np.array(lines),
+            np.array(owners),
+            np.array([part.sector.axes for part in own]),
+            np.array([part.frame for part in own]),
+            *lame(self.material.elastic_modulus, self.material.poisson_ratio),
+        )
+        return found
+
+
+def edge_functions(
+    mesh: CasingMesh, material: Material, *, held: Collection[str], joined: Sequence[np.ndarray] = ()
+) -> EdgeFunctions:
+    """Functions at all edges of a mesh where stresses grow without bound; none unless it is one of hexahedra.
+
+    Parameters
+    ----------
+    mesh, material : of the casing
+    held : patches whose nodes are clamped
+    joined : facets (f, k) at which parts of the mesh touch without sharing nodes
+    """
+    parts: dict[int, list[_Part]] = defaultdict(list)
+    numbers: list[int] = []
+    between: dict[int, list[np.ndarray]] = defaultdict(list)  # by the first unknown of a node
+    if solid_element(mesh.elements).corners != 8:
+        return EdgeFunctions(mesh, material, np.zeros(0, int), np.zeros((0, 3)), {})
+    topology = Topology(mesh.nodes, mesh.elements, mesh.facets, mesh.facet_patch)
+    for facets in joined:
+        topology.mark(facets, len(mesh.patch_names))
+    clamped = np.isin(topology.patch, [mesh.patch_names.index(name) for name in held])
+    sections: dict[bytes, np.ndarray] = {}
+    for chain in chains(topology, clamped):
+        profiles = Profiles(topology, chain, clamped, material.poisson_ratio, sections)
+        known: dict[int, tuple[np.ndarray, int]] = {}
+        last = len(chain.fans) - 1
+        for number, fan in enumerate(chain.fans):
+            for line, s in enumerate(ALONG):
+                node, values = topology.node(fan.sectors[0], (0.0, 0.0, s)), profiles.at(2 * number + line)
+                behind: list[Sector | None] | None = []
+                if not chain.closed and (number, line) in ((0, 0), (last, 2)):
+                    behind = continuation(topology, fan, line // 2, values)
+                if behind is None or not len(values[0]):
+                    continue
+                if node not in known:
+                    known[node] = (topology.frame(fan.sectors[0], s), len(numbers))
+                    numbers += range(len(values[0]))
+                frame, first = known[node]
+                between[first].append(_between(topology, node, fan))
+                own = [(sector, line, at) for at, sector in enumerate(fan.sectors)]
+                own += [(sector, 0, at) for at, sector in enumerate(behind) if sector is not None]
+                for sector, place, at in own:
+                    parts[sector.element].append(_Part(sector, place, values[at], frame, first))
+    of_node = np.array(numbers, int)
+    places = np.repeat([np.mean(some, axis=0) for some in between.values()], np.diff([*between, len(of_node)]), axis=0)
+    return EdgeFunctions(mesh, material, of_node, places.reshape(-1, 3), dict(parts))
+
+
+def _between(topology: Topology, node: int, fan: Fan) -> np.ndarray:
+    """The middle of a node, a side and the elements around: it tells the node from the same node on another edge."""
+    side = topology.points(fan.sectors[0], np.array([[0.0], [0.0], [0.5]]))[0]
+    corners = topology.elements[[sector.element for sector in fan.sectors], :8]
+    middle = topology.nodes[corners].mean(axis=(0, 1))
+    return np.asarray((topology.nodes[node] + side + middle) / 3.0)
+
+
+def _unknowns(own: list[_Part]) -> np.ndarray:
+    return np.concatenate([part.first + np.arange(len(part.values)) for part in own])
+
+
+def _shape_key(nodes: np.ndarray, own: list[_Part]) -> bytes:
+    """Equal for elements of the same shape with the same functions."""
+    at = nodes - nodes[0]
+    size = abs(at).max()
+    found = [np.round(at / size, 7) + 0.0, np.round([np.log(size)], 9)]
+    for part in own:
+        found += [
+            np.array([id(part.values), part.line]),
+            part.sector.origin,
+            part.sector.axes,
+            np.round(part.frame, 7) + 0.0,
+        ]
+    return b"".join(one.tobytes() for one in found)
+
+
+@lru_cache(maxsize=64)
+def _rule(kind: str, ends: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Points (3, q), weights (q,), functions (q, a) and slopes (q, a, 3) of an element graded to some of its sides."""
+    lines = []
+    for low, high in np.frombuffer(ends, bool).reshape(3, 2):
+        cuts = np.concatenate([[0.0, 1.0], *([GRID] if low else []), *([1.0 - GRID] if high else [])])
+        lines.append(gauss(np.unique(np.round(cuts, 12))))
+    points = np.stack([one.ravel() for one in np.meshgrid(*(x for x, _ in lines), indexing="ij")])
+    weights = np.einsum("i,j,k->ijk", *(w for _, w in lines)).ravel()
+    return points, weights, *shapes(SOLIDS[kind].library, points)
+
+
+def _table(part: _Part, points: np.ndarray) -> np.ndarray:
+    """Values and derivatives by xi and eta (function, q, 9) at reference points (3, q)."""
+    xi, eta = part.sector.axes[:, :2].T @ (points - part.sector.origin[:, None])
+    (x, dx), (y, dy) = graded(xi), graded(eta)
+    k, size = len(part.values), part.values.shape[2]
+    flat = part.values.reshape(3 * k, size, size)
+    by_x, by_dx = (np.tensordot(one, flat, axes=((1,), (1,))) for one in (x, dx))  # (q, 3 k, size)
+    pairs = ((by_x, y), (by_dx, y), (by_x, dy))
+    found = [np.einsum("qcb,qb->qc", one, other).reshape(-1, k, 3) for one, other in pairs]
+    return np.ascontiguousarray(np.concatenate(found, axis=2).transpose(1, 0, 2))
