@@ -70,9 +70,7 @@ def matrices(mesh: CasingMesh, *, functions: bool = True) -> tuple[sp.csr_matrix
     )
     clamped = (3 * np.unique(mesh.patch(END))[:, None] + np.arange(3)).ravel()
     if functions:
-        edges = edge_functions(mesh, CAST_IRON, held=(END,))
-        empty = sp.csr_matrix((len(edges), len(edges)))
-        K, M = (sp.csr_matrix(sp.block_diag([a, empty]) + b) for a, b in zip((K, M), edges.matrices(), strict=True))
+        K, M = edge_functions(mesh, CAST_IRON, held=(END,)).added_to(K, M)
     return K, M, np.setdiff1d(np.arange(K.shape[0]), clamped)
 
 

@@ -71,17 +71,17 @@ def on_shaft(case: Case) -> tuple[float, float]:
     """Deflections of the pinion in one piece with its shaft less those of the beam."""
     one = gear(case.teeth, face_mm=case.face, bore_mm=1.0)
     half, outer = one.face_width / 2, case.shaft * one.root_radius
-    inner, stub = HOLE * one.root_radius, 2 * outer
+    inner, shaft_end = HOLE * one.root_radius, 2 * outer
     rings = [
         Ring(inner=outer, outer=one.tip_radius, low=-half, high=half),
-        Ring(inner=inner, outer=outer, low=-half - stub, high=half + outer),
+        Ring(inner=inner, outer=outer, low=-half - shaft_end, high=half + outer),
     ]
-    parts = [(-half - stub, -half), (-half, half), (half, half + outer)]
+    parts = [(-half - shaft_end, -half), (-half, half), (half, half + outer)]
     layers = np.unique(
         np.round(np.concatenate([np.linspace(a, b, math.ceil((b - a) / LAYER) + 1) for a, b in parts]), 9)
     )
     torque, force = _modes(compliance(one, rings, "end", _patches(one), layers, SIZES, YOUNG, POISSON)[0])
-    length = half + stub
+    length = half + shaft_end
     second, area, ratio = math.pi / 4 * (outer**4 - inner**4), math.pi * (outer**2 - inner**2), (inner / outer) ** 2
     twist = one.base_radius**2 * length / (SHEAR * 2 * second)
     # Cowper (1966): shear of the hollow circle

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem.casing.mesh_error.frequency_limits import EDGE_ORDER
+from fem.casing.mesh_error.frequency_limits import EDGE_ORDER, frequency_limits
 from pipelines.command_line import parser
 from pipelines.engine.working import Work
 from pipelines.scene.file import load_scene
@@ -162,7 +162,7 @@ def test_casing_modes_share_an_order_though_they_cross_from_mesh_to_mesh():
     levels = [
         level(found, places) for found, places in zip(meshes, ([0, 1, 2, 3], [0, 1, 2, 3], [0, 2, 1, 3]), strict=True)
     ]
-    found = modes_of_common_order(sizes, levels, 4.0)
+    found = modes_of_common_order(sizes, levels, frequency_limits)
     assert list(found) == [f"casing mode {n}" for n in (1, 2, 3, 4)]
     for quantity, limit, mesh in zip(found.values(), exact, np.array(meshes).T, strict=True):
         assert 1.2 < quantity.order < 4.0

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fem.casing.mesh_error.frequency_limits import EDGE_ORDER, LimitError, frequency_limits
+from fem.casing.mesh_error.hexahedral_limits import FAST, SLOW, WALLS, hexahedral_limits
 from fem.casing.mesh_error.pairing import counterparts
 
 SIZES = np.array([1.0, 1.3, 1.7])
@@ -100,6 +101,24 @@ def test_meshes_that_tell_nothing_are_refused():
     ):
         with pytest.raises(LimitError, match=message):
             frequency_limits(sizes, frequencies)
+
+
+@pytest.mark.parametrize("order", [SLOW, FAST])
+@pytest.mark.parametrize("missed", WALLS)
+def test_limits_of_hexahedra_lie_in_their_bands_at_both_ends_of_what_they_are_taken_for(order, missed):
+    """Bands are half as wide as what they cover: no wider than the ends ask for, no narrower."""
+    clean = EXACT * (1.0 + missed + 0.002 * SIZES[:, None] ** order)
+    found = hexahedral_limits(SIZES, clean)
+    off = abs(found.limits - EXACT)
+    assert (off <= found.bands * (1.0 + 0.02)).all()  # changes are told from the finest mesh
+    at_a_corner = (order == SLOW) == (missed == WALLS[1])
+    assert off.max() / found.bands.max() > 0.9 if at_a_corner else off.max() < 0.9 * found.bands.max()
+    assert SLOW < found.order < FAST
+
+
+def test_what_no_size_of_a_hexahedron_shows_stays_in_the_band_of_smaller_ones():
+    found = hexahedral_limits(SIZES, on_meshes(2.6, amplitudes()))
+    assert found.median_band_at(0.01) == pytest.approx(0.5 * (WALLS[1] - WALLS[0]), rel=0.02)
 
 
 def test_modes_that_cross_between_two_meshes_find_their_counterparts():

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
 
 from fem.storage import shown_html
 from pipelines.engine.working import Work
@@ -11,6 +13,14 @@ from pipelines.scene.file import LoadedScene, changed
 from pipelines.trade.axes import AXES
 from pipelines.trade.convergence import Convergence, ConvergenceError, study
 from pipelines.trade.variants import Measured, measure
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from fem.casing.mesh_error.frequency_limits import FrequencyLimits
+    from pipelines.scene.scene import Scene
+
+Law = Callable[[Sequence[float], "np.ndarray"], "FrequencyLimits"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +76,7 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     first = levels[0].by_probe[chosen.probe]
     sizes, order = [1 / f for f in fineness], chosen.formal_order(loaded.scene)
     if chosen.probe == "modes":
-        quantities = modes_of_common_order(sizes, levels, order)
+        quantities = modes_of_common_order(sizes, levels, _law(loaded.scene, order))
     else:
         columns: dict[str, Sequence[float]] = {
             value.name: [level.by_probe[chosen.probe][number].value for level in levels]
@@ -82,16 +92,24 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     )
 
 
-def modes_of_common_order(
-    sizes: Sequence[float], levels: Sequence[Measured], formal_order: float | None
-) -> dict[str, Convergence]:
+def _law(scene: Scene, order: float | None) -> Law:
+    """How limits follow from three meshes of the casing: what its elements miss depends on their kind."""
+    from fem.casing.mesh_error.frequency_limits import SMOOTH_ORDER, frequency_limits
+    from fem.casing.mesh_error.hexahedral_limits import hexahedral_limits
+
+    if getattr(scene.casing, "element", "").startswith("hexahedron"):
+        return hexahedral_limits
+    return partial(frequency_limits, formal_order=order or SMOOTH_ORDER)
+
+
+def modes_of_common_order(sizes: Sequence[float], levels: Sequence[Measured], law: Law) -> dict[str, Convergence]:
     """Modes of the finest level that have counterparts on all others; limits and bands from the three finest levels.
 
     The band of a value is its distance from the limit and the band of the limit.
     """
     import numpy as np
 
-    from fem.casing.mesh_error.frequency_limits import LimitError, frequency_limits
+    from fem.casing.mesh_error.frequency_limits import LimitError
     from fem.casing.mesh_error.pairing import counterparts
 
     if len(levels) < 3:
@@ -103,7 +121,7 @@ def modes_of_common_order(
         [np.array([v.value for v in level.values])[of[kept]] for level, of in zip(levels, number, strict=True)]
     )
     try:
-        found = frequency_limits(sizes[:3], frequencies[:3], formal_order=formal_order or 4.0)
+        found = law(sizes[:3], frequencies[:3])
     except LimitError as error:
         raise ConvergenceError(str(error)) from error
     names = [v.name for v, whole in zip(levels[0].values, kept, strict=True) if whole]

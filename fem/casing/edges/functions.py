@@ -59,6 +59,18 @@ class EdgeFunctions:
     def __len__(self) -> int:
         return len(self.numbers)
 
+    def extended(self, matrix: sp.csr_matrix) -> sp.csr_matrix:
+        """A matrix (3 n, 3 n) of the nodes with empty rows and columns for the unknowns that are added."""
+        empty = sp.csr_matrix((len(self), len(self)))
+        return sp.csr_matrix(sp.block_diag([matrix, empty])) if len(self) else matrix
+
+    def added_to(self, K: sp.csr_matrix, M: sp.csr_matrix) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """Stiffness and mass (3 n + m, 3 n + m) of the elements with their functions, from those without."""
+        if not len(self):
+            return K, M
+        stiffness, mass = self.matrices()
+        return sp.csr_matrix(self.extended(K) + stiffness), sp.csr_matrix(self.extended(M) + mass)
+
     def matrices(self, elements: Collection[int] | None = None) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """Stiffness (N/m) and mass (kg), both (3 n + m, 3 n + m), without the entries of nodes with nodes.
 
@@ -147,7 +159,7 @@ def edge_functions(
     for facets in joined:
         topology.mark(facets, len(mesh.patch_names))
     clamped = np.isin(topology.patch, [mesh.patch_names.index(name) for name in held])
-    sections: dict[bytes, np.ndarray] = {}
+    sections: dict[bytes, list[np.ndarray]] = {}
     for chain in chains(topology, clamped):
         profiles = Profiles(topology, chain, clamped, material.poisson_ratio, sections)
         known: dict[int, tuple[np.ndarray, int]] = {}

@@ -37,7 +37,7 @@ class Profiles:
         chain: Chain,
         clamped: np.ndarray,
         poisson_ratio: float,
-        known: dict[bytes, np.ndarray],
+        known: dict[bytes, list[np.ndarray]],
     ) -> None:
         self._topology, self._chain, self._clamped, self._ratio = topology, chain, clamped, poisson_ratio
         self._known = known
@@ -59,10 +59,10 @@ class Profiles:
         key = closed.tobytes()
         if key not in self._found:
             alike = [fan for fan in range(count) if (self._closed[fan] == closed).all()] or own
-            self._found[key] = list(self._computed(self._chain.fans[alike[len(alike) // 2]], closed))
+            self._found[key] = self._computed(self._chain.fans[alike[len(alike) // 2]], closed)
         return self._found[key]
 
-    def _computed(self, fan: Fan, closed: np.ndarray) -> np.ndarray:
+    def _computed(self, fan: Fan, closed: np.ndarray) -> list[np.ndarray]:
         section = plane_section(self._topology, fan, closed, self._clamped)
         key = section.key
         if key in self._known:
@@ -73,7 +73,7 @@ class Profiles:
             full = np.zeros((len(fan.sectors), values.shape[1], 3, 2 * len(GRID) - 1, 2 * len(GRID) - 1))
             full[:, :, components] = values
             parts.append(full)
-        self._known[key] = np.concatenate(parts, axis=1)
+        self._known[key] = list(np.concatenate(parts, axis=1))
         return self._known[key]
 
 

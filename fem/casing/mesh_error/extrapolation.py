@@ -1,8 +1,8 @@
 """Stiffness of a casing extrapolated to elements of size zero, by its natural modes on two coarser meshes.
 
 Elements of displacement are too stiff. The lowest modes on two coarser meshes, with elements `RATIOS` times as large,
-paired by their shapes, tell the limit of every frequency and a band about it
-(`fem.casing.mesh_error.frequency_limits`).
+paired by their shapes, tell the limit of every frequency and a band about it: of tetrahedra by
+`fem.casing.mesh_error.frequency_limits`, of hexahedra with functions at edges by `hexahedral_limits`.
 
 The error of thin walls and sharp edges is nearly the same for all modes. One factor, from the mean m of what the limits
 lie lower than the frequencies, therefore corrects all of the stiffness: K = (1 - m)^2 K(h); mass and shapes stay.
@@ -18,6 +18,7 @@ import scipy.linalg as la
 from threadpoolctl import threadpool_limits
 
 from fem.casing.mesh_error.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError, frequency_limits
+from fem.casing.mesh_error.hexahedral_limits import hexahedral_limits
 from fem.casing.mesh_error.pairing import counterparts, sample_nodes
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.meshing.sizes import Sizes
@@ -139,8 +140,8 @@ def limits_from(
         rows.append(np.where(number < 0, np.nan, other.frequencies[number]))
     ratios = [other.element_size / element_size for other in coarser]
     try:
-        with_functions = all(other.edge_functions for other in coarser)
-        limits = frequency_limits((1.0, *ratios), np.array(rows), edge_functions=with_functions)
+        law = hexahedral_limits if all(other.edge_functions for other in coarser) else frequency_limits
+        limits = law((1.0, *ratios), np.array(rows))
     except LimitError as error:
         raise ExtrapolationError(f"casing: {error}; or leave casing.extrapolated out") from error
     changes = np.nanmean(np.array(rows[1:]) / frequencies, axis=1) - 1.0

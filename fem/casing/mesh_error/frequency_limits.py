@@ -22,14 +22,6 @@ deviates from the common law by, d = e_2 - rho e_3, is scatter of the three mesh
 standard deviation that it leaves in the limit, the larger one of scatter that is the same on all meshes and of
 scatter in proportion to their errors. An order of one mode alone is told where its values are monotone; its limit is
 not used: on meshes that are made anew for every size it scatters four times as much.
-
-Hexahedra with functions of their edges (`fem.casing.edges`) are another matter. One element through a wall misses some
-of its shear and of the corners at any size along it: on the shipped rig elements divided in the walls and beside them
-lower the frequencies by 0.23 % (22 mm) and 0.27 % (30 mm). No change of size shows that; `WALLS` is taken off. The rest
-falls with an order between `SLOW` and `FAST` (2.6 from 30 to 22 mm with walls divided), told by the largest elements
-alone: sizes are not free, because elements end on the faces of feet and bosses. Limit half-way, band to both ends. The
-numbers were chosen with the errors of two housings in sight, the rig and one with walls of 5 mm; `python -m
-benchmarks.casing_limits` shows them and others.
 """
 
 from __future__ import annotations
@@ -42,9 +34,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 EDGE_ORDER = 1.09  # of a right-angled re-entrant edge
+SMOOTH_ORDER = 4.0  # of a smooth body, the largest that is believed
 WIDTH = 2.0  # of a band, in standard deviations
-SLOW, FAST = 2.2, 3.0  # orders of hexahedra with functions of their edges
-WALLS = (0.0005, 0.0035)  # what one of them through a wall misses besides, at any size
 LEAST_MODES = 3  # from which a common order can be told
 
 
@@ -80,73 +71,124 @@ class FrequencyLimits:
         return float(np.max(self.bands / self.limits))
 
 
-def frequency_limits(
-    sizes: Sequence[float], frequencies: np.ndarray, *, formal_order: float = 4.0, edge_functions: bool = False
-) -> FrequencyLimits:
-    """Limits and bands of natural frequencies.
+@dataclass(frozen=True, eq=False)
+class Changes:
+    """How the frequencies of three meshes differ, read and checked.
 
     Parameters
     ----------
     sizes : three element sizes, ascending, in any unit
     frequencies : float (3, mode), Hz, of the same modes; nan where a coarser mesh has no counterpart
     formal_order : of frequencies in a smooth body, the largest that is believed
-    edge_functions : whether the elements follow the stresses at edges
 
     Raises
     ------
     LimitError : sizes that do not rise, fewer than three modes with counterparts, or none that changes
     """
-    h, f = np.asarray(sizes, float), np.asarray(frequencies, float)
-    if h.shape != (3,) or f.ndim != 2 or len(f) != 3 or not (0.0 < h[0] < h[1] < h[2]):
-        raise LimitError(f"sizes {h.tolist()} and frequencies {f.shape}: give three rising sizes, a row of modes each")
-    logs = np.log(h[1:] / h[0])
-    middle, large = f[1:] / f[0] - 1.0
-    known = np.isfinite(middle) & np.isfinite(large)
-    if known.sum() < LEAST_MODES or not abs(large[known]).max() > 0.0:
-        raise LimitError(
-            f"{int(known.sum())} modes of the finest mesh have counterparts that differ on both others (least "
-            f"{LEAST_MODES}); use smaller elements on all meshes"
+
+    sizes: np.ndarray
+    frequencies: np.ndarray
+    formal_order: float = SMOOTH_ORDER
+
+    def __post_init__(self) -> None:
+        h, f = self.sizes, self.frequencies
+        if h.shape != (3,) or f.ndim != 2 or len(f) != 3 or not (0.0 < h[0] < h[1] < h[2]):
+            raise LimitError(
+                f"sizes {h.tolist()} and frequencies {f.shape}: give three rising sizes, a row of modes each"
+            )
+        if self.known.sum() < LEAST_MODES or not abs(self.large[self.known]).max() > 0.0:
+            raise LimitError(
+                f"{int(self.known.sum())} modes of the finest mesh have counterparts that differ on both others (least "
+                f"{LEAST_MODES}); use smaller elements on all meshes"
+            )
+
+    @property
+    def middle(self) -> np.ndarray:
+        """e_2 (mode,)."""
+        return np.asarray(self.frequencies[1] / self.frequencies[0] - 1.0)
+
+    @property
+    def large(self) -> np.ndarray:
+        """e_3 (mode,)."""
+        return np.asarray(self.frequencies[2] / self.frequencies[0] - 1.0)
+
+    @property
+    def known(self) -> np.ndarray:
+        """Bool (mode,): on all three meshes."""
+        return np.asarray(np.isfinite(self.frequencies).all(axis=0))
+
+    @property
+    def monotone(self) -> np.ndarray:
+        """Bool (mode,): from mesh to mesh in one direction."""
+        return np.asarray(self.known & (self.middle * (self.large - self.middle) > 0.0))
+
+    @property
+    def scale(self) -> np.ndarray:
+        """|e_3| (mode,), at least its median."""
+        usual = float(np.median(abs(self.large[self.known])))
+        return np.maximum(abs(np.where(self.known, self.large, usual)), usual)
+
+    def limits(
+        self, order: float, *, share: float, reach: float, walls: tuple[float, float] = (0.0, 0.0)
+    ) -> FrequencyLimits:
+        """Limits f (1 - w - share e_3) and bands f (dw + reach `scale`), at least the spread where not monotone.
+
+        Parameters
+        ----------
+        order : with which smaller elements change what depends on their size
+        share, reach : of e_3
+        walls : least and most of what does not, w - dw and w + dw
+        """
+        f, known = self.frequencies, self.known
+        logs = np.log(self.sizes[1:] / self.sizes[0])
+        change = np.where(known, self.large, float(np.mean(self.large[known])))
+        limits = f[0] * (1.0 - 0.5 * sum(walls) - share * change)
+        fixed = 0.5 * (walls[1] - walls[0]) * f[0]
+        bands = fixed + reach * self.scale * f[0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios = np.where(self.monotone, self.middle / self.large, np.nan)
+        return FrequencyLimits(
+            frequencies=f[0],
+            order=order,
+            orders=np.array([_order(float(one), logs, 2.0 * self.formal_order) for one in ratios]),
+            limits=limits,
+            bands=np.where(self.monotone, bands, np.maximum(bands, np.nanmax(f, axis=0) - np.nanmin(f, axis=0))),
+            fixed_bands=fixed,
+            correction=float(np.mean(1.0 - limits[known] / f[0, known])),
         )
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = middle / large
-    order = _order(float(np.median(ratios[known & (large != 0.0)])), logs, formal_order)
+
+
+def frequency_limits(
+    sizes: Sequence[float], frequencies: np.ndarray, *, formal_order: float = SMOOTH_ORDER
+) -> FrequencyLimits:
+    """Limits and bands of natural frequencies of tetrahedra.
+
+    Parameters
+    ----------
+    sizes, frequencies, formal_order : those of `Changes`
+
+    Raises
+    ------
+    LimitError : as `Changes`
+    """
+    changes = Changes(np.asarray(sizes, float), np.asarray(frequencies, float), formal_order)
+    logs, known = np.log(changes.sizes[1:] / changes.sizes[0]), changes.known
+    middle, large = changes.middle, changes.large
+    order = _order(float(np.median((middle / large)[known & (large != 0.0)])), logs, formal_order)
     ratio = _ratio(order, logs)
-    one, both = _share(order, logs), _mixed_share(ratio, logs, formal_order)
-    usual = float(np.median(abs(large[known])))
-    size = np.maximum(abs(np.where(known, large, usual)), usual)
-    scatter = math.sqrt(float(np.mean(((middle - ratio * large)[known] / size[known]) ** 2)))
-    change = np.where(known, large, float(np.mean(large[known])))
-    if edge_functions:
-        slow, fast = (_share(end, logs) for end in (SLOW, FAST))
-        share, reach = 0.5 * (slow + fast), 0.5 * (slow - fast)
-        order, (least, most) = math.log1p(1.0 / share) / logs[1], WALLS
-    else:
-        apart = max(abs(both - one), _share(EDGE_ORDER, logs) - both)
-        share, reach = both, apart + WIDTH * _gain(order, both, logs) * scatter
-        least, most = 0.0, 0.0
-    limits = f[0] * (1.0 - 0.5 * (least + most) - share * change)
-    fixed = 0.5 * (most - least) * f[0]
-    bands = fixed + reach * size * f[0]
-    monotone = known & (middle * (large - middle) > 0.0)
-    spread = np.nanmax(f, axis=0) - np.nanmin(f, axis=0)
-    bands = np.where(monotone, bands, np.maximum(bands, spread))
-    return FrequencyLimits(
-        frequencies=f[0],
-        order=order,
-        orders=np.array([_order(float(one), logs, 2.0 * formal_order) for one in np.where(monotone, ratios, np.nan)]),
-        limits=limits,
-        bands=bands,
-        fixed_bands=fixed,
-        correction=float(np.mean(1.0 - limits[known] / f[0, known])),
-    )
+    one, both = share_at(order, logs[1]), _mixed_share(ratio, logs, formal_order)
+    scatter = math.sqrt(float(np.mean(((middle - ratio * large)[known] / changes.scale[known]) ** 2)))
+    apart = max(abs(both - one), share_at(EDGE_ORDER, logs[1]) - both)
+    return changes.limits(order, share=both, reach=apart + WIDTH * _gain(order, both, logs) * scatter)
+
+
+def share_at(order: float, log_ratio: float) -> float:
+    """gamma of one power: the error over the change to elements whose size is larger by exp(log_ratio)."""
+    return 1.0 / math.expm1(order * log_ratio)
 
 
 def _ratio(order: float, logs: np.ndarray) -> float:
     return math.expm1(order * logs[0]) / math.expm1(order * logs[1])
-
-
-def _share(order: float, logs: np.ndarray) -> float:
-    return 1.0 / math.expm1(order * logs[1])
 
 
 def _mixed_share(ratio: float, logs: np.ndarray, formal_order: float) -> float:
@@ -154,7 +196,7 @@ def _mixed_share(ratio: float, logs: np.ndarray, formal_order: float) -> float:
     slow, fast = np.expm1(EDGE_ORDER * logs), np.expm1(formal_order * logs)
     of_slow, of_fast = slow[0] - ratio * slow[1], ratio * fast[1] - fast[0]
     if of_slow + of_fast <= 0.0:
-        return _share(EDGE_ORDER, logs)
+        return share_at(EDGE_ORDER, logs[1])
     theta = min(max(of_fast / (of_slow + of_fast), 0.0), 1.0)
     return 1.0 / float(theta * slow[1] + (1.0 - theta) * fast[1])
 

@@ -1,7 +1,7 @@
 """Element size whose natural frequencies have the error that is asked for, predicted from those of a coarse mesh.
 
-Part of the bands falls with the order of the error, the rest does not (`fem.casing.mesh_error.frequency_limits`). What
-is predicted is the band that half of the modes have or less.
+Part of the bands falls with the order of the error, the rest does not (`fem.casing.mesh_error.hexahedral_limits`).
+What is predicted is the band that half of the modes have or less.
 """
 
 from __future__ import annotations

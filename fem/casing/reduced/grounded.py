@@ -135,30 +135,20 @@ def ground_casing(
     clamped_nodes = held[:0] if on_springs else held
     joined = () if split is None else (split.below, split.above)
     edges = edge_functions(mesh, material, held=() if on_springs else feet, joined=joined)
-    K, M = _assembled(mesh, material, edges)
-    bolts = None if split is None or joint is None else _extended(joint_stiffness(joint, split, material), len(edges))
-    K = K if bolts is None else sp.csr_matrix(K + bolts)
-    if attachment == "rigid":
-        expansion, rows = _rigid_patches(mesh, points, clamped_nodes)
-    else:
-        expansion, rows = _mean_patches(mesh, points, clamped_nodes)
-    expansion = sp.csr_matrix(sp.block_diag([expansion, sp.eye_array(len(edges))]))
-    rows = sp.csr_matrix(sp.hstack([rows, sp.csr_matrix((rows.shape[0], len(edges)))]))
-    names = tuple(f"{name}:{axis}" for name, axes in points.items() for axis in axes)
-    if forced:
-        of_nodes = expansion[: 3 * len(mesh.nodes)]
-        rows = sp.csr_matrix(sp.vstack([rows, *(_point_rows(mesh, point) @ of_nodes for point in forced)]))
-        names += tuple(f"{point.sensor.name}:{axis}" for point in forced for axis in point.axes)
-    K_free, M_free = _projected(K, expansion), _projected(M, expansion)
-    inside = elements_inside(mesh.nodes, mesh.elements, regions)
-    parts = {
-        region.name: _projected(
-            _extended(stiffness_of(mesh.nodes, mesh.elements[chosen], material), len(edges))
-            + edges.matrices(chosen.tolist())[0],
-            expansion,
+    K, M = edges.added_to(
+        *assemble(
+            mesh.nodes,
+            mesh.elements,
+            elastic_modulus=material.elastic_modulus,
+            poisson_ratio=material.poisson_ratio,
+            density=material.density,
         )
-        for region, chosen in zip(regions, inside, strict=True)
-    }
+    )
+    bolts = None if split is None or joint is None else edges.extended(joint_stiffness(joint, split, material))
+    K = K if bolts is None else sp.csr_matrix(K + bolts)
+    expansion, rows, names = _tied(mesh, points, forced, attachment, clamped_nodes, len(edges))
+    K_free, M_free = _projected(K, expansion), _projected(M, expansion)
+    parts = {name: _projected(part, expansion) for name, part in _parts(mesh, material, regions, edges).items()}
     if bolts is not None:
         parts[JOINTS] = _projected(bolts, expansion)
     reference = material.elastic_modulus * mesh.element_size
@@ -189,24 +179,35 @@ def ground_casing(
     )
 
 
-def _assembled(mesh: CasingMesh, material: Material, edges: EdgeFunctions) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-    """Stiffness and mass of the free body with the functions of its edges."""
-    K, M = assemble(
-        mesh.nodes,
-        mesh.elements,
-        elastic_modulus=material.elastic_modulus,
-        poisson_ratio=material.poisson_ratio,
-        density=material.density,
-    )
-    if not len(edges):
-        return K, M
-    K_edges, M_edges = edges.matrices()
-    return sp.csr_matrix(_extended(K, len(edges)) + K_edges), sp.csr_matrix(_extended(M, len(edges)) + M_edges)
+def _tied(
+    mesh: CasingMesh,
+    points: Mapping[str, Sequence[str]],
+    forced: Sequence[ForcedPoint],
+    attachment: Attachment,
+    clamped: np.ndarray,
+    added: int,
+) -> tuple[sp.csr_matrix, sp.csr_matrix, tuple[str, ...]]:
+    """E, rows of the interface and their names, with unknowns of edges behind those of the nodes."""
+    expansion, rows = (_rigid_patches if attachment == "rigid" else _mean_patches)(mesh, points, clamped)
+    rows = sp.csr_matrix(sp.vstack([rows, *(_point_rows(mesh, point) @ expansion for point in forced)]))
+    names = [f"{name}:{axis}" for name, axes in points.items() for axis in axes]
+    names += [f"{point.sensor.name}:{axis}" for point in forced for axis in point.axes]
+    expansion = sp.csr_matrix(sp.block_diag([expansion, sp.eye_array(added)]))
+    return expansion, sp.csr_matrix(sp.hstack([rows, sp.csr_matrix((rows.shape[0], added))])), tuple(names)
 
 
-def _extended(matrix: sp.csr_matrix, count: int) -> sp.csr_matrix:
-    """With empty rows and columns for more unknowns."""
-    return sp.csr_matrix(sp.block_diag([matrix, sp.csr_matrix((count, count))])) if count else matrix
+def _parts(
+    mesh: CasingMesh, material: Material, regions: Sequence[Region], edges: EdgeFunctions
+) -> dict[str, sp.csr_matrix]:
+    """Stiffness (u, u) of the elements of every region by its name."""
+    inside = elements_inside(mesh.nodes, mesh.elements, regions)
+    return {
+        region.name: sp.csr_matrix(
+            edges.extended(stiffness_of(mesh.nodes, mesh.elements[chosen], material))
+            + edges.matrices(chosen.tolist())[0]
+        )
+        for region, chosen in zip(regions, inside, strict=True)
+    }
 
 
 def _point_rows(mesh: CasingMesh, point: ForcedPoint) -> sp.csr_matrix:
