@@ -35,7 +35,7 @@ from pipelines.scene.file import load_scene
 from pipelines.signals.analysis import analyse
 from pipelines.signals.diagnosis import Diagnosis, diagnose
 from pipelines.signals.response import make_response
-from pipelines.steps.graph import COARSER
+from pipelines.steps.graph import extrapolated_from
 from pipelines.steps.motion import moved
 from pipelines.steps.study import plan_study
 
@@ -89,7 +89,8 @@ def mesh_run(settings: Mapping[str, Any]) -> MeshRun:
     """The rig with a missing tooth in a casing of one mesh."""
     study = plan_study(load_scene("rig-missing-tooth", {**SHORT, **settings}), with_control=False, both_loads=False)
     plant = study.plant
-    extrapolated = ("casing modes", *COARSER) if COARSER[0] in study.graph.steps else ()
+    coarser = extrapolated_from(study.graph.steps)
+    extrapolated = ("casing modes", *coarser) if coarser else ()
     names = (*plant.law_names, "casing", *extrapolated)
     outcome = Work(processes=1).build(study.graph, ["simulate", *names])
     taken = [outcome.value(name) for name in names]

@@ -110,12 +110,6 @@ def test_an_axis_that_a_scene_does_not_have_is_refused_with_the_remedy():
         refine(load_scene("minimal"), "casing-mesh", 3, Work())
 
 
-@pytest.mark.parametrize(("element", "order"), [("tetrahedron-4", 2.0), ("tetrahedron-10", 4.0)])
-def test_the_formal_order_of_casing_frequencies_is_that_of_its_element(element, order):
-    scene = load_scene("rig-healthy", {"casing.element": element}).scene
-    assert AXES["casing-mesh"].formal_order(scene) == order
-
-
 def test_the_command_offers_the_axes_that_exist():
     (action,) = [a for a in _converge_actions() if a.dest == "over"]
     assert set(action.choices) == set(AXES)

@@ -23,7 +23,7 @@ from scipy.special import jv, jvp, yv, yvp
 
 from benchmarks.solids import box_mesh, facets_on
 from fem.elements.facets import surface_weights
-from fem.elements.solid_elements import CHOICES, SOLIDS, solid_mesh
+from fem.elements.solid_elements import SOLIDS, solid_mesh
 from fem.elements.solids import assemble, lame
 from fem.numerics.linear_solver import factorize
 
@@ -132,7 +132,7 @@ def observed_order(body, element, fineness):
     return math.log(coarse / fine) / math.log(fineness[1] / fineness[0])
 
 
-@pytest.mark.parametrize("element", CHOICES)
+@pytest.mark.parametrize("element", ["tetrahedron-4", "tetrahedron-10", "hexahedron-20", "hexahedron-27"])
 @pytest.mark.parametrize("body", BODIES)
 def test_errors_fall_with_twice_the_degree_of_the_element(body, element):
     order = observed_order(body, element, FINENESS[SOLIDS[element].degree])

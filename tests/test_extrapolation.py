@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from housings import small_housing
 
+from fem.casing.mesh_error.cubic_limits import ORDER
 from fem.casing.mesh_error.extrapolation import (
     RATIOS,
     ExtrapolationError,
@@ -51,11 +52,6 @@ def coarse():
     return modes_of(0.036)
 
 
-@pytest.fixture(scope="module")
-def half_as_coarse():
-    return modes_of(0.018)
-
-
 def larger(mesh_size: float, **more):
     """Lowest modes on the meshes whose elements are RATIOS times as large."""
     sizes = [Sizes(element=mesh_size, bore=mesh_size).times(ratio) for ratio in RATIOS]
@@ -74,7 +70,7 @@ def same_shapes(modes, *factors):
             shapes=shapes,
             element_size=ratio * modes.element_size,
             unknowns=modes.unknowns,
-            edge_functions=0,
+            element="tetrahedron-10",
         )
         for ratio, factor in zip(RATIOS, factors, strict=True)
     ]
@@ -90,24 +86,22 @@ def test_an_error_of_edges_and_of_smooth_fields_is_taken_off(coarse, share):
     assert stiffness_factor(limits) == pytest.approx((1.0 + error) ** -2, rel=1e-3)
 
 
-def test_a_coarse_casing_comes_closer_to_one_with_elements_half_as_large(coarse, half_as_coarse, hexahedra):
-    """Limits of hexahedra, made in another way, lie in its bands.
+def test_a_coarse_casing_comes_closer_to_its_limit(hexahedra):
+    """That of hexahedra, made in another way, lies in the bands.
 
     Not so the flexibility of its seats, whose elements follow the bores: they are finer than the walls already.
     """
-    (_, one), (_, other) = coarse, half_as_coarse
-    limits = measured_limits(one, larger(0.036))
+    _, modes = modes_of(0.026)
+    limits = measured_limits(modes, larger(0.026))
+    other = limits_of(*hexahedra, count=len(limits.limits))
     factor = stiffness_factor(limits)
-    exact = natural_modes(other).frequencies[:COUNT]
     before, after = (
-        abs((natural_modes(one, stiffness_factor=f).frequencies[:COUNT] / exact).mean() - 1.0) for f in (1.0, factor)
+        abs((natural_modes(modes, stiffness_factor=f).frequencies[: len(other.limits)] / other.limits).mean() - 1.0)
+        for f in (1.0, factor)
     )
     assert before > 0.02
     assert after < 0.7 * before
-    of_hexahedra = limits_of(*hexahedra)
-    for n, frequency in enumerate(limits.limits):
-        other_limit, band = of_hexahedra.limits[n], of_hexahedra.bands[n]
-        assert abs(frequency - other_limit) < limits.bands[n] + band
+    assert (abs(limits.limits - other.limits) < limits.bands + other.bands).all()
 
 
 def test_mounts_keep_their_stiffness(coarse):
@@ -150,17 +144,18 @@ def test_more_meshes_are_made_only_where_they_are_asked_for():
 
 def test_linear_elements_cannot_be_extrapolated_and_presets_leave_it_out():
     settings = {"casing.element": "tetrahedron-4", "casing.extrapolated": True}
-    with pytest.raises(SceneError, match="measured with quadratic elements, not with tetrahedron-4"):
+    with pytest.raises(SceneError, match="measured with elements of higher degree, not with tetrahedron-4"):
         load_scene("rig-healthy", settings)
     linear = preset_on(load_scene("rig-healthy", {"casing.element": "tetrahedron-4"}), "draft")
     assert linear.scene.casing.element == "tetrahedron-4"
     assert not linear.scene.casing.extrapolated
 
 
-def test_a_mesh_file_cannot_be_extrapolated():
+def test_a_mesh_file_is_extrapolated_by_cubic_tetrahedra_alone():
     settings = {"casing.housing.model": "mesh", "casing.extrapolated": True}
-    with pytest.raises(SceneError, match="one element size only"):
+    with pytest.raises(SceneError, match="one element size only; set element to tetrahedron-20"):
         load_scene("rig-step", settings)
+    assert load_scene("rig-step", settings | {"casing.element": "tetrahedron-20"}).scene.casing.extrapolated
 
 
 def hexahedral(sizes: Sizes) -> LowestModes:
@@ -180,7 +175,7 @@ def limits_of(trial, *coarser, count=COUNT):
 
 def test_what_is_taken_off_hexahedra_is_little_and_known(hexahedra):
     fine, *coarser = hexahedra
-    assert all(fine.unknowns > other.unknowns > other.edge_functions > 0 for other in coarser)
+    assert all(fine.unknowns > other.unknowns for other in coarser)
     limits = limits_of(*hexahedra)
     assert 0.001 < limits.correction < 0.015
     assert limits.median_band < 0.01
@@ -204,10 +199,40 @@ def test_an_error_that_no_mesh_or_no_computer_has_is_refused(hexahedra):
         wanted_factor(limits, 0.85 * limits.median_band, many, hexahedra[1])
 
 
+@pytest.fixture(scope="module")
+def cubic():
+    """Modes of a small housing by cubic and by quadratic displacements on one mesh."""
+    mesh = mesh_geometry(small_housing(), Sizes(element=0.03), "tetrahedron-20")
+    return [lowest_modes(one, CAST_IRON, static=False) for one in (mesh, replace(mesh, cubic=0))]
+
+
+def test_what_is_taken_off_cubic_tetrahedra_follows_from_quadratic_ones_on_their_mesh(cubic, hexahedra):
+    """Hexahedra that follow the stresses at edges, extrapolated, stand for the limit."""
+    fine, quadratic = cubic
+    limits = limits_of(fine, quadratic)
+    other = limits_of(*hexahedra)
+    apart = abs(limits.limits / other.limits - 1.0)
+    assert (apart <= (limits.bands + other.bands) / other.limits).mean() > 0.9
+    assert np.median(apart) < 0.5 * np.median(fine.frequencies[:COUNT] / other.limits - 1.0)
+
+
+def test_the_size_of_cubic_elements_for_an_error_takes_their_unknowns_to_grow_as_in_walls(cubic):
+    limits = limits_of(*cubic)
+    factor = wanted_factor(limits, 0.5 * limits.median_band, *cubic)
+    assert factor == pytest.approx(0.5 ** (1.0 / ORDER), abs=0.02)
+    many = replace(cubic[0], unknowns=200_000)
+    with pytest.raises(ExtrapolationError, match=r"unknowns \(limit 400,000"):
+        wanted_factor(limits, 0.5 * limits.median_band, many, cubic[1])
+
+
 def test_an_error_asked_for_makes_a_trial_and_says_what_it_takes():
     plant = make_plant(load_scene("rig-healthy", {"casing.error": "0.2%"}).scene)
     names = [stage.name for stage in plant_steps(plant) if "casing" in stage.name]
     assert names[-5:] == ["trial casing mesh", "trial casing", "casing mesh", "casing modes", "casing"]
+    plant = make_plant(load_scene("rig-step", {"casing.element": "tetrahedron-20", "casing.error": "2%"}).scene)
+    names = [stage.name for stage in plant_steps(plant) if "casing" in stage.name]
+    trial = ["trial casing mesh", "trial casing", "quadratic casing, trial"]
+    assert names == [*trial, "casing mesh", "quadratic casing", "casing modes", "casing"]
     for text in ("0%", "9%", "fine"):
         with pytest.raises(SceneError, match="error"):
             load_scene("rig-healthy", {"casing.error": text})

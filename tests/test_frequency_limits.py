@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from fem.casing.mesh_error.cubic_limits import SHARES, cubic_limits
 from fem.casing.mesh_error.frequency_limits import EDGE_ORDER, LimitError, frequency_limits
 from fem.casing.mesh_error.hexahedral_limits import FAST, SLOW, WALLS, hexahedral_limits
+from fem.casing.mesh_error.laws import law_of
 from fem.casing.mesh_error.pairing import counterparts
 
 SIZES = np.array([1.0, 1.3, 1.7])
@@ -91,6 +93,13 @@ def test_no_order_beyond_what_theory_allows_is_believed():
     assert frequency_limits(SIZES, on_meshes(0.3, amplitudes())).order == EDGE_ORDER
 
 
+@pytest.mark.parametrize(
+    ("element", "order"), [("tetrahedron-4", 2.0), ("tetrahedron-10", 4.0), ("tetrahedron-20", 6.0)]
+)
+def test_the_largest_order_that_is_believed_is_that_of_the_element(element, order):
+    assert law_of(element)(SIZES, on_meshes(7.0, amplitudes())).order == order
+
+
 def test_meshes_that_tell_nothing_are_refused():
     f = on_meshes(2.0, amplitudes())
     for sizes, frequencies, message in (
@@ -114,6 +123,25 @@ def test_limits_of_hexahedra_lie_in_their_bands_at_both_ends_of_what_they_are_ta
     at_a_corner = (order == SLOW) == (missed == WALLS[1])
     assert off.max() / found.bands.max() > 0.9 if at_a_corner else off.max() < 0.9 * found.bands.max()
     assert SLOW < found.order < FAST
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_limits_of_cubic_tetrahedra_reach_to_both_ends_of_what_quadratic_ones_tell(share):
+    """f_3 = f_0 (1 + a), f_2 = f_3 (1 + e) with a = g e in parts of f_3."""
+    excess = 5.0 * amplitudes()
+    cubic = EXACT / (1.0 - share * excess)
+    found = cubic_limits(cubic, cubic * (1.0 + excess))
+    off, usual = abs(found.limits - EXACT), excess >= np.median(excess)
+    assert off[usual] == pytest.approx(found.bands[usual], rel=1e-9)
+    assert (off <= found.bands * (1.0 + 1e-9)).all()
+
+
+def test_modes_that_quadratic_elements_do_not_have_take_the_median_of_the_others():
+    cubic, quadratic = EXACT, EXACT * 1.04
+    found = cubic_limits(cubic, np.where(np.arange(60) == 5, np.nan, quadratic))
+    assert found.limits == pytest.approx(EXACT * (1.0 - 0.5 * sum(SHARES) * 0.04))
+    with pytest.raises(LimitError, match="2 modes have counterparts"):
+        cubic_limits(cubic, np.where(np.arange(60) < 58, np.nan, quadratic))
 
 
 def test_what_no_size_of_a_hexahedron_shows_stays_in_the_band_of_smaller_ones():

@@ -211,6 +211,23 @@ def test_elements_are_finer_at_bores_and_feet(small):
         Sizes(element=0.04, bore=-0.01)
 
 
+def test_elements_follow_fillets_that_are_smaller_than_they_are(small):
+    """Straightened across a fillet, elements of 32 mm would fill it up: by 0.5 % of this body."""
+    filleted = replace(small, fillets=Fillets(foot=0.009, inner=0.01))
+    mesh = mesh_housing(filleted, element_size=0.032)
+    meshed, _, _ = mass_properties(mesh.nodes, mesh.elements, 1.0)
+    assert meshed == pytest.approx(volume(filleted), rel=3e-4)
+
+
+def test_larger_elements_are_larger_around_bores_and_pads_too(small):
+    """Three sizes tell an error only where it changes with all of them."""
+    padded, sizes = with_pads(small), Sizes(element=0.03)
+    fine, coarse = (mesh_housing(padded, sizes=one) for one in (sizes, sizes.times(1.7)))
+    for name in ("bearing_1", "ground_1"):
+        assert len(fine.patch(name)) > 1.5 * len(coarse.patch(name))
+    assert sizes.times(0.5).at_foot(0.028) == pytest.approx(0.5 * sizes.at_foot(0.028))
+
+
 @pytest.mark.skipif(os.name != "posix", reason="signals as POSIX has them")
 def test_a_closed_pipe_is_still_an_error_after_meshing_and_not_the_end_of_the_process():
     code = (

@@ -8,6 +8,7 @@ import pytest
 from housings import small_housing
 
 from fem.casing.geometry.dimensions import HousingError
+from fem.casing.mesh_error.extrapolation import limits_from, lowest_modes
 from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
 from fem.casing.meshing.locate import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
 from fem.casing.meshing.mesh import MeshError
@@ -17,6 +18,7 @@ from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.source import mesh_geometry
 from fem.casing.reduced.rigid import rigid_body, rigid_from_mesh
 from fem.elements.facets import surface_weights
+from fem.elements.materials import CAST_IRON
 from fem.elements.solid_elements import SOLIDS, converted
 from fem.elements.solids import mass_properties
 
@@ -188,6 +190,20 @@ def test_linear_tetrahedra_are_upgraded_on_request_only(native, small, tmp_path)
     assert not mesh.curved
     corners = native.nodes[native.elements[:, :4]]
     assert body(mesh)[0] == pytest.approx(7200.0 * np.linalg.det(corners[:, 1:] - corners[:, :1]).sum() / 6, rel=1e-9)
+
+
+def test_ten_node_tetrahedra_of_a_file_carry_cubic_displacements_as_they_are(native, small, tmp_path):
+    """No new nodes are needed; the error of such a mesh is told without another."""
+    path = tmp_path / "housing.inp"
+    write(path, native)
+    mesh = mesh_geometry(imported(path, small), SIZES, "tetrahedron-20")
+    assert mesh.cubic
+    assert mesh.element.name == "tetrahedron-20"
+    assert mesh.elements.shape == native.elements.shape
+    fine, coarse = (lowest_modes(one, CAST_IRON, static=False) for one in (mesh, replace(mesh, cubic=0)))
+    limits = limits_from(fine.frequencies, fine.shapes, fine.element_size, [coarse])
+    assert 0.0 < limits.correction < 0.05
+    assert (limits.bands > 0.0).all()
 
 
 def test_a_file_in_another_frame_is_placed(native, small, tmp_path):

@@ -13,6 +13,7 @@ import json
 import sys
 import tempfile
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -39,11 +40,11 @@ HEADERS = (
 
 def measured(case: Case, last: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """Frequencies, limits, bands and references (Hz) of the modes of one housing; references of the last result."""
-    found = []
-    for sizes in (case.sizes, *coarser_sizes(case.sizes)):
-        mesh = mesh_geometry(case.geometry, sizes, case.element)
-        found.append(lowest_modes(mesh, case.material, static=False))
-    finest, *coarser = found
+    mesh = mesh_geometry(case.geometry, case.sizes, case.element)
+    meshes = [mesh, replace(mesh, cubic=0)]
+    if not mesh.cubic:
+        meshes = [mesh, *(mesh_geometry(case.geometry, sizes, case.element) for sizes in coarser_sizes(case.sizes))]
+    finest, *coarser = found = [lowest_modes(one, case.material, static=False) for one in meshes]
     inside = finest.frequencies <= HIGHEST
     limits = limits_from(finest.frequencies[inside], finest.shapes[:, inside], finest.element_size, coarser)
     numbers = {"frequencies": limits.frequencies, "limits": limits.limits, "bands": limits.bands}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,7 @@ from pipelines.scene.file import load_scene
 from pipelines.scene.presets import preset_on
 
 ALUMINIUM = Material(name="aluminium", elastic_modulus=70e9, poisson_ratio=0.33, density=2700.0)
-FREE = Sizes(element=0.0176, bore=0.00704)
+FREE = Sizes(element=0.033)  # 1.5 times 22 mm, as the preset takes cubic tetrahedra
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,6 +83,17 @@ def thin(folder: Path) -> Case:
     )
 
 
+def bench_tetrahedra(folder: Path) -> Case:
+    """The test bench, of tetrahedra: a housing that gave no number of their law."""
+    return replace(bench(folder), name="bench, of tetrahedra", element="tetrahedron-20", sizes=FREE)
+
+
+def thin_tetrahedra(folder: Path) -> Case:
+    """The plain walls of 5 mm, of tetrahedra: neither did these."""
+    sizes = Sizes(element=0.0165)
+    return replace(thin(folder), name="thin walls, of tetrahedra", element="tetrahedron-20", sizes=sizes)
+
+
 def cast(folder: Path) -> Case:
     """Fillets in the cavity and at the feet, ribs outside, pads under standing-out feet."""
     housing = Housing(
@@ -103,7 +114,7 @@ def cast(folder: Path) -> Case:
         geometry=housing,
         material=CAST_IRON,
         sizes=FREE,
-        element="tetrahedron-10",
+        element="tetrahedron-20",
         reference_size=0.024,
     )
 
@@ -133,7 +144,7 @@ def drum(folder: Path) -> Case:
         geometry=housing,
         material=CAST_IRON,
         sizes=FREE,
-        element="tetrahedron-10",
+        element="tetrahedron-20",
         reference_size=0.018,
     )
 
@@ -145,6 +156,8 @@ CASES: dict[str, Callable[[Path], Case]] = {
     "rig-step": rig_step,
     "cast": cast,
     "drum": drum,
+    "bench-tetrahedra": bench_tetrahedra,
+    "thin-tetrahedra": thin_tetrahedra,
 }
 
 _DRUM_BORES = ((-0.045, 0.0, 52.0, 72.0), (0.055, 0.0, 80.0, 104.0))  # x, z in m; bore and boss in mm

@@ -34,7 +34,7 @@ from fem.elements.materials import Material
 from fem.numerics.linear_solver import factorize
 
 RATIOS = (1.0, 1.3, 1.7)  # sizes of the three meshes
-AROUND = 10.0  # elements around a full circle on the finest mesh
+AROUND = 10.0  # elements around a full circle
 _CUBIC_ORDER = 6.0  # of frequencies of smooth bodies on cubic elements
 _FAR = 1e4  # mm
 _MIDDLE = 1e-9  # m
@@ -66,7 +66,7 @@ def reference(
     highest, sizes = 1.03 * frequencies[-1], size * np.array(RATIOS)
     rows, unknowns = [], 0
     for ratio, levels in ((RATIOS[0], 1), (RATIOS[1], 1), (RATIOS[2], 1), (RATIOS[2], 2)):
-        mesh = half_mesh(build, ratio * size, AROUND / ratio)
+        mesh = half_mesh(build, ratio * size, AROUND)
         found, others, n = half_modes(*mesh, material, levels, highest)
         number = counterparts(shapes, others)
         rows.append(np.where(number < 0, np.nan, found[number]))

@@ -33,7 +33,10 @@ class ElementError(ValueError):
 
 @dataclass(frozen=True)
 class SolidElement:
-    """A solid element; `degree` is that of the polynomials that it holds completely."""
+    """A solid element; `degree` is that of the polynomials that it holds completely.
+
+    `tetrahedron-20` is one of ten nodes to whose displacements those of `fem.elements.cubic` are added.
+    """
 
     name: str
     nodes: int
@@ -73,13 +76,14 @@ SOLIDS = {
     for one in (
         SolidElement("tetrahedron-4", 4, 4, 1, "tetra", "MeshTet1"),
         SolidElement("tetrahedron-10", 10, 4, 2, "tetra10", "MeshTet2"),
+        SolidElement("tetrahedron-20", 10, 4, 3, "tetra10", "MeshTet2"),  # cubic on the shapes of ten nodes
         SolidElement("hexahedron-8", 8, 8, 1, "hexahedron", "MeshHex1"),
         SolidElement("hexahedron-20", 20, 8, 2, "hexahedron20", "MeshHexS2"),
         SolidElement("hexahedron-27", 27, 8, 2, "hexahedron27", "MeshHex2"),
     )
 }
-CHOICES = ("tetrahedron-4", "tetrahedron-10", "hexahedron-20", "hexahedron-27")  # of a scene; the eight nodes lock
-_BY_NODES = {one.nodes: one for one in SOLIDS.values()}
+CHOICES = ("tetrahedron-4", "tetrahedron-10", "tetrahedron-20", "hexahedron-20", "hexahedron-27")  # eight nodes lock
+_BY_NODES = {one.nodes: one for one in SOLIDS.values() if one.degree < 3}
 _LINEAR = {4: SOLIDS["tetrahedron-4"], 8: SOLIDS["hexahedron-8"]}  # by corners
 
 
@@ -109,7 +113,7 @@ def converted(nodes: np.ndarray, elements: np.ndarray, wanted: SolidElement) -> 
         raise ElementError(f"a mesh of {given.name} elements cannot be turned into {wanted.name}")
     used, flat = np.unique(elements, return_inverse=True)
     mesh = solid_mesh(nodes[used], flat.reshape(elements.shape))
-    if given != wanted:
+    if given.mesh != wanted.mesh:
         mesh = wanted.mesh_type.from_mesh(mesh)
     return mesh.doflocs.T.copy(), mesh.dofs.element_dofs.T.copy()
 

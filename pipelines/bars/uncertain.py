@@ -10,7 +10,7 @@ from fem.casing.reduced.modes import CasingModes
 from fem.casing.uncertain.frequency_errors import FrequencyErrors, frequency_errors
 from pipelines.plant.casing import CasingPart, ElasticPart, MatricesPart
 
-EXTRAPOLATE = "set casing.extrapolated = true (two more, coarser meshes of the casing) and run the scene again"
+EXTRAPOLATE = "set casing.extrapolated = true (more meshes of the casing) and run the scene again"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -99,7 +99,7 @@ def limit_table(limits: FrequencyLimits, count: int) -> str:
             zip(limits.frequencies, limits.limits, limits.bands, limits.orders, strict=True)
         )
     ]
-    what = f"three sizes, common order {limits.order:.2f}" if alone else "larger ones and those divided at edges"
+    what = f"three sizes, common order {limits.order:.2f}" if alone else "cubic and quadratic displacements on one mesh"
     title = (
         f"Elements of size zero, from {what}; bands of {len(rows)} modes: "
         f"{100 * limits.median_band:.2f} % in the median, {100 * limits.widest_band:.2f} % at most"

@@ -10,7 +10,7 @@ from pipelines.bars.line_bars import LineBars
 from pipelines.engine.step import Step
 from pipelines.plant.plant import Plant
 from pipelines.runs import run_folder
-from pipelines.steps.graph import COARSER
+from pipelines.steps.graph import extrapolated_from
 
 if TYPE_CHECKING:
     import xarray
@@ -50,8 +50,8 @@ def bars_step(study: Study) -> Step:
 
 def casing_steps(graph: Graph) -> tuple[str, ...]:
     """Names of the steps of the casing that bars take."""
-    extrapolated = all(name in graph.steps for name in COARSER)
-    return ("casing", *(("casing modes", *COARSER) if extrapolated else ()))
+    coarser = extrapolated_from(graph.steps)
+    return ("casing", *(("casing modes", *coarser) if coarser else ()))
 
 
 def build(spec: BarsSpec, *taken: Any) -> LineBars | str:

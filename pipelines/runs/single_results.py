@@ -90,16 +90,16 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
     from pipelines.engine.step import Graph
     from pipelines.plant.casing import ElasticPart, MatricesPart
     from pipelines.plant.casing_parts.joint import joint_words
-    from pipelines.steps.graph import COARSER, casing_error_step
+    from pipelines.steps.graph import casing_error_step, extrapolated_from
 
     graph, plant = scene_graph(loaded)
     limit = plant.casing.model.limit if isinstance(plant.casing, ElasticPart | MatricesPart) else None
     band = STATIC_BAND if limit is None else limit / MODES_OVER_BAND
     elastic = "casing modes" in graph.steps
     meshed = elastic and "casing mesh" in graph.steps
-    extrapolated = all(name in graph.steps for name in COARSER)
+    coarser = extrapolated_from(graph.steps)
     wanted = ["casing", *(["casing mesh"] if meshed else []), *(["casing modes"] if elastic else [])]
-    wanted += COARSER if extrapolated else ()
+    wanted += coarser
     if error_check:
         if not meshed:
             raise InputError(no_full_model(plant))
@@ -113,10 +113,10 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         modes, checkup = outcome.value("casing modes")
         mounts = graph.steps["casing"].spec.mounts
         natural = natural_modes(modes, mounts, limit=limit, stiffness_factor=body.stiffness_factor)
-        if extrapolated:
+        if coarser:
             from fem.casing.mesh_error.extrapolation import measured_limits
 
-            limits = measured_limits(modes, [outcome.value(name) for name in COARSER])
+            limits = measured_limits(modes, [outcome.value(name) for name in coarser])
     mesh = outcome.value("casing mesh") if meshed else None
     words = ""
     if mesh is not None and isinstance(plant.casing, ElasticPart) and plant.casing.model.joint is not None:

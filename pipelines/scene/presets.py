@@ -38,7 +38,7 @@ class Level:
     """Mesh law of every stage; element sizes and band of the casing relative to size and band of the scene; step.
 
     There are so many slices along the face, and more where they would be wider than `slice_width`, in mesh cycles.
-    Tetrahedra have an `element_size` and a `bore_size`, hexahedra an `extruded_size`.
+    Tetrahedra have an `element_size` and a `bore_size`, cubic ones a `cubic_size`, hexahedra an `extruded_size`.
     """
 
     refinement: float
@@ -46,6 +46,7 @@ class Level:
     slice_width: float
     element_size: float
     bore_size: float
+    cubic_size: float | None  # None: quadratic ones are taken
     extruded_size: float
     band: float
     step_us: float
@@ -58,6 +59,7 @@ LEVELS = {
         slice_width=0.08,
         element_size=1.1,
         bore_size=0.55,
+        cubic_size=None,
         extruded_size=1.25,
         band=0.3,
         step_us=100.0,
@@ -68,6 +70,7 @@ LEVELS = {
         slice_width=0.08,
         element_size=0.8,
         bore_size=0.32,
+        cubic_size=1.5,
         extruded_size=1.0,
         band=0.7,
         step_us=50.0,
@@ -78,6 +81,7 @@ LEVELS = {
         slice_width=0.02,
         element_size=0.64,
         bore_size=0.25,
+        cubic_size=1.1,
         extruded_size=0.68,
         band=1.0,
         step_us=20.0,
@@ -110,7 +114,7 @@ def _overlap_ratio(stage: StageTable) -> float:
 
 
 def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
-    """Hexahedra of a plain parametric housing, unless its scene asks for tetrahedra: then finer seats."""
+    """Hexahedra of a plain parametric housing, unless its scene asks for tetrahedra: then cubic ones."""
     from pipelines.scene.tables.housing import HousingTable, MatricesHousingTable, MeshHousingTable
 
     size, housing = casing.element_size_mm, casing.housing
@@ -126,10 +130,20 @@ def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
     )
     if hexahedra:
         return {"casing.element": "hexahedron-20", "casing.element_size_mm": size * level.extruded_size}
+    if isinstance(housing, MeshHousingTable):
+        return {}
+    linear = casing.element == "tetrahedron-4"  # asked for to compare with
+    if level.cubic_size is not None and not linear:
+        return {
+            "casing.element": "tetrahedron-20",
+            "casing.element_size_mm": size * level.cubic_size,
+            "casing.extrapolated": True,
+        }
     return {
+        "casing.element": "tetrahedron-4" if linear else "tetrahedron-10",
         "casing.element_size_mm": size * level.element_size,
         "casing.bore_element_size_mm": size * level.bore_size,
-        "casing.extrapolated": not isinstance(housing, MeshHousingTable) and casing.element == "tetrahedron-10",
+        "casing.extrapolated": not linear,
     }
 
 

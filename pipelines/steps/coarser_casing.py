@@ -1,9 +1,12 @@
-"""Steps `coarser casing`, `coarsest casing`: natural modes on meshes with larger elements, to extrapolate from."""
+"""Steps `coarser casing`, `coarsest casing`, `quadratic casing`: natural modes to extrapolate a casing from.
+
+They are those on meshes with larger elements, or of quadratic displacements on the mesh of cubic ones.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from fem.casing.parts.bolted_joint import BoltedJoint
@@ -17,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class CoarserSpec:
-    """The casing as its model grounds it; `static`: its inertia is condensed, too."""
+    """The casing as its model grounds it; `static`: its inertia is condensed, too; `quadratic`: without cubic parts."""
 
     material: Material
     static: bool
@@ -25,6 +28,7 @@ class CoarserSpec:
     ground: Ground
     attachment: Attachment
     joint: BoltedJoint | None
+    quadratic: bool
 
 
 def build(spec: CoarserSpec, mesh: CasingMesh) -> LowestModes:
@@ -32,7 +36,7 @@ def build(spec: CoarserSpec, mesh: CasingMesh) -> LowestModes:
     from fem.casing.mesh_error.extrapolation import lowest_modes
 
     return lowest_modes(
-        mesh,
+        replace(mesh, cubic=0) if spec.quadratic else mesh,
         spec.material,
         static=spec.static,
         interfaces=spec.interfaces,

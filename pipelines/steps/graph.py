@@ -11,10 +11,11 @@ Plants that are run together (`pipelines.steps.study`) share the steps that do n
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from fem.elements.solid_elements import SOLIDS
 from mbd.integrators.methods import METHODS
 from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from pipelines.engine.step import Graph, Step
@@ -29,7 +30,13 @@ if TYPE_CHECKING:
 
 TRIAL = "trial casing"  # step with the modes that the size of elements is predicted from
 COARSER = ("coarser casing", "coarsest casing")  # steps with the modes that a casing is extrapolated from
+QUADRATIC = "quadratic casing"  # the one with the modes that a casing of cubic tetrahedra is
 _NUMERIC = ("numpy", "scipy", "numba")
+
+
+def extrapolated_from(steps: Container[str]) -> tuple[str, ...]:
+    """Those of the names that are steps whose modes a casing is extrapolated from; none if it is not."""
+    return tuple(name for name in (*COARSER, QUADRATIC) if name in steps)
 
 
 def plant_steps(plant: Plant) -> list[Step]:
@@ -159,11 +166,14 @@ def _casing_steps(plant: Plant) -> list[Step]:
     interfaces = loaded_axes(plant.machine.bearings)
     model = replace(part.model, interfaces=interfaces, forced=forced_points(plant))
     reduced = casing_modes.CasingModesSpec(material=part.material, model=model)
-    coarser = _coarser_steps(mesh, reduced, interfaces) if part.extrapolated else []
+    cubic = SOLIDS[part.element].degree == 3
+    coarser = [] if cubic or not part.extrapolated else _coarser_steps(mesh, reduced, interfaces)
+    lower = [_modes_on(mesh, QUADRATIC, reduced, interfaces, quadratic=True)] if cubic and part.extrapolated else []
     return [
         *([mesh] if part.error is None else []),
         *coarser,
-        *([] if part.error is None else _asked_steps(mesh, reduced, interfaces, part.error)),
+        *([] if part.error is None else _asked_steps(mesh, reduced, interfaces, part.error, cubic=cubic)),
+        *lower,
         Step(
             name="casing modes",
             kind="casing-modes",
@@ -174,7 +184,7 @@ def _casing_steps(plant: Plant) -> list[Step]:
             seconds=30.0,
             enough="model.band" if part.model.limit else "",
         ),
-        _elastic_step(plant, part, COARSER if coarser else ()),
+        _elastic_step(plant, part, extrapolated_from([step.name for step in (*coarser, *lower)])),
     ]
 
 
@@ -206,13 +216,14 @@ def _coarser_steps(mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str
     steps: list[Step] = []
     for name, sizes in zip(COARSER, coarser_sizes(mesh.spec.sizes), strict=True):
         larger, ratio = replace(mesh.spec, sizes=sizes), sizes.element / mesh.spec.sizes.element
-        coarser = replace(mesh, build=casing_mesh.build_coarser, spec=larger, seconds=mesh.seconds / ratio**2)
-        steps += _lowest(coarser, name, reduced, interfaces)
+        seconds = mesh.seconds / ratio**2
+        coarser = replace(mesh, name=f"{name} mesh", build=casing_mesh.build_coarser, spec=larger, seconds=seconds)
+        steps += [coarser, _modes_on(coarser, name, reduced, interfaces)]
     return steps
 
 
 def _asked_steps(
-    mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str, tuple[str, ...]], error: float
+    mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str, tuple[str, ...]], error: float, *, cubic: bool
 ) -> list[Step]:
     """The mesh with the largest elements, its lowest modes, and the mesh whose size follows from them."""
     from fem.casing.reduced.body import MODES_OVER_BAND
@@ -226,19 +237,28 @@ def _asked_steps(
         error=error,
         band=0.0 if limit is None else limit / MODES_OVER_BAND,
     )
+    trial, lower = replace(mesh, name=f"{TRIAL} mesh"), f"{QUADRATIC}, trial"
+    takes = (TRIAL, lower) if cubic else (TRIAL, *COARSER)
     return [
-        *_lowest(mesh, TRIAL, reduced, interfaces),
-        replace(mesh, kind="casing-asked-mesh", build=casing_mesh.build_asked, spec=asked, takes=(TRIAL, *COARSER)),
+        trial,
+        _modes_on(trial, TRIAL, reduced, interfaces),
+        *([_modes_on(trial, lower, reduced, interfaces, quadratic=True)] if cubic else []),
+        replace(mesh, kind="casing-asked-mesh", build=casing_mesh.build_asked, spec=asked, takes=takes),
     ]
 
 
-def _lowest(
-    mesh: Step, name: str, reduced: CasingModesSpec, interfaces: Mapping[str, tuple[str, ...]]
-) -> tuple[Step, Step]:
-    """A mesh and its lowest modes."""
+def _modes_on(
+    mesh: Step,
+    name: str,
+    reduced: CasingModesSpec,
+    interfaces: Mapping[str, tuple[str, ...]],
+    *,
+    quadratic: bool = False,
+) -> Step:
+    """The lowest modes on a mesh."""
     from pipelines.steps import coarser_casing
 
-    modes = Step(
+    return Step(
         name=name,
         kind="casing-coarser",
         build=coarser_casing.build,
@@ -249,12 +269,12 @@ def _lowest(
             ground=reduced.model.ground,
             attachment=reduced.model.attachment,
             joint=reduced.model.joint,
+            quadratic=quadratic,
         ),
-        takes=(f"{name} mesh",),
+        takes=(mesh.name,),
         libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
         seconds=2.0 * mesh.seconds,
     )
-    return replace(mesh, name=f"{name} mesh"), modes
 
 
 def casing_error_step(graph: Graph, band: float) -> Step:

@@ -25,7 +25,7 @@ class Axis:
 
     words: str
     probe: str
-    formal_order: Callable[[Scene], float | None]  # of smooth solutions, limits the order assumed in error bands
+    formal_order: float | None  # of smooth solutions, limits the order assumed in bands; that of modes is their own
     ratio: float  # fineness between neighbouring levels
     settings: Callable[[Scene, float], Settings]
     also: tuple[str, ...] = ()
@@ -66,18 +66,6 @@ def _casing_mesh(scene: Scene, fineness: float) -> Settings:
     return {f"casing.{name}": size / fineness for name, size in sizes.items() if size is not None}
 
 
-def _always(order: float | None) -> Callable[[Scene], float | None]:
-    return lambda scene: order
-
-
-def _casing_order(scene: Scene) -> float | None:
-    """2 with linear elements, 4 with quadratic ones."""
-    from fem.elements.solid_elements import SOLIDS
-    from pipelines.scene.tables.casing import ElasticBase
-
-    return SOLIDS[scene.casing.element].frequency_order if isinstance(scene.casing, ElasticBase) else None
-
-
 def _modes(scene: Scene, fineness: float) -> Settings:
     band = getattr(scene.casing, "band_Hz", None)
     if band is None:
@@ -103,33 +91,29 @@ AXES = {
     "gear-mesh": Axis(
         words="finite elements of the gears",
         probe="gears",
-        formal_order=_always(4.0),
+        formal_order=4.0,
         ratio=2**0.5,
         settings=_gear_mesh,
     ),
     "slices": Axis(
         words="slices along the face",
         probe="gears",
-        formal_order=_always(2.0),
+        formal_order=2.0,
         ratio=2.0,
         settings=_slices,
         also=("transmission",),
     ),
-    "positions": Axis(
-        words="positions per pitch", probe="gears", formal_order=_always(2.0), ratio=2.0, settings=_positions
-    ),
+    "positions": Axis(words="positions per pitch", probe="gears", formal_order=2.0, ratio=2.0, settings=_positions),
     "casing-mesh": Axis(
-        words="elements of the casing", probe="modes", formal_order=_casing_order, ratio=1.3, settings=_casing_mesh
+        words="elements of the casing", probe="modes", formal_order=None, ratio=1.3, settings=_casing_mesh
     ),
-    "modes": Axis(
-        words="band of the casing modes", probe="machine", formal_order=_always(None), ratio=1.5, settings=_modes
-    ),
+    "modes": Axis(words="band of the casing modes", probe="machine", formal_order=None, ratio=1.5, settings=_modes),
     "shaft-elements": Axis(
         words="beam elements of the shafts",
         probe="machine",
-        formal_order=_always(4.0),
+        formal_order=4.0,
         ratio=2.0,
         settings=_shaft_elements,
     ),
-    "step": Axis(words="time step", probe="signals", formal_order=_always(2.0), ratio=2.0, settings=_step),
+    "step": Axis(words="time step", probe="signals", formal_order=2.0, ratio=2.0, settings=_step),
 }

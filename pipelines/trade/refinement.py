@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING
 
 from fem.storage import shown_html
@@ -15,12 +14,7 @@ from pipelines.trade.convergence import Convergence, ConvergenceError, study
 from pipelines.trade.variants import Measured, measure
 
 if TYPE_CHECKING:
-    import numpy as np
-
-    from fem.casing.mesh_error.frequency_limits import FrequencyLimits
-    from pipelines.scene.scene import Scene
-
-Law = Callable[[Sequence[float], "np.ndarray"], "FrequencyLimits"]
+    from fem.casing.mesh_error.laws import Law
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,15 +68,17 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     scenes = {_level_name(f): changed(loaded, chosen.settings(loaded.scene, f)) for f in fineness}
     levels = list(measure(scenes, [chosen.probe, *chosen.also], work).values())
     first = levels[0].by_probe[chosen.probe]
-    sizes, order = [1 / f for f in fineness], chosen.formal_order(loaded.scene)
+    sizes = [1 / f for f in fineness]
     if chosen.probe == "modes":
-        quantities = modes_of_common_order(sizes, levels, _law(loaded.scene, order))
+        from fem.casing.mesh_error.laws import law_of
+
+        quantities = modes_of_common_order(sizes, levels, law_of(getattr(loaded.scene.casing, "element", "")))
     else:
         columns: dict[str, Sequence[float]] = {
             value.name: [level.by_probe[chosen.probe][number].value for level in levels]
             for number, value in enumerate(first)
         }
-        quantities = {name: study(sizes, column, order) for name, column in columns.items()}
+        quantities = {name: study(sizes, column, chosen.formal_order) for name, column in columns.items()}
     return RefinementStudy(
         axis=axis,
         fineness=fineness,
@@ -90,16 +86,6 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
         quantities=quantities,
         units={value.name: value.unit for value in first},
     )
-
-
-def _law(scene: Scene, order: float | None) -> Law:
-    """How limits follow from three meshes of the casing: what its elements miss depends on their kind."""
-    from fem.casing.mesh_error.frequency_limits import SMOOTH_ORDER, frequency_limits
-    from fem.casing.mesh_error.hexahedral_limits import hexahedral_limits
-
-    if getattr(scene.casing, "element", "").startswith("hexahedron"):
-        return hexahedral_limits
-    return partial(frequency_limits, formal_order=order or SMOOTH_ORDER)
 
 
 def modes_of_common_order(sizes: Sequence[float], levels: Sequence[Measured], law: Law) -> dict[str, Convergence]:

@@ -29,6 +29,7 @@ from fem.casing.edges.lines import GRID, gauss, graded, quadratic
 from fem.casing.edges.profiles import ALONG, Profiles
 from fem.casing.edges.topology import Sector, Topology
 from fem.casing.meshing.mesh import CasingMesh
+from fem.elements.added_unknowns import AddedUnknowns
 from fem.elements.materials import Material
 from fem.elements.solid_elements import SOLIDS, shapes, solid_element
 from fem.elements.solids import lame
@@ -47,37 +48,15 @@ class _Part:
 
 
 @dataclass(frozen=True, eq=False)
-class EdgeFunctions:
-    """Unknowns that are added to those of the nodes of a mesh, and the elements that have part in them."""
+class EdgeFunctions(AddedUnknowns):
+    """The unknowns of all nodes on edges, and the elements that have part in them; places as of `_between`."""
 
     mesh: CasingMesh
     material: Material
-    numbers: np.ndarray  # (m,), of the function of an unknown among those of its node
-    places: np.ndarray  # (m, 3), m, see `_between`: one for every node on every edge
     parts: dict[int, list[_Part]]  # by element
 
-    def __len__(self) -> int:
-        return len(self.numbers)
-
-    def extended(self, matrix: sp.csr_matrix) -> sp.csr_matrix:
-        """A matrix (3 n, 3 n) of the nodes with empty rows and columns for the unknowns that are added."""
-        empty = sp.csr_matrix((len(self), len(self)))
-        return sp.csr_matrix(sp.block_diag([matrix, empty])) if len(self) else matrix
-
-    def added_to(self, K: sp.csr_matrix, M: sp.csr_matrix) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """Stiffness and mass (3 n + m, 3 n + m) of the elements with their functions, from those without."""
-        if not len(self):
-            return K, M
-        stiffness, mass = self.matrices()
-        return sp.csr_matrix(self.extended(K) + stiffness), sp.csr_matrix(self.extended(M) + mass)
-
     def matrices(self, elements: Collection[int] | None = None) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """Stiffness (N/m) and mass (kg), both (3 n + m, 3 n + m), without the entries of nodes with nodes.
-
-        Parameters
-        ----------
-        elements : numbers of those that are meant; all by default
-        """
+        """As `AddedUnknowns.matrices`."""
         chosen = self.parts if elements is None else {one: self.parts[one] for one in elements if one in self.parts}
         same: dict[bytes, list[int]] = defaultdict(list)
         for element, own in chosen.items():
@@ -154,7 +133,7 @@ def edge_functions(
     numbers: list[int] = []
     between: dict[int, list[np.ndarray]] = defaultdict(list)  # by the first unknown of a node
     if solid_element(mesh.elements).corners != 8:
-        return EdgeFunctions(mesh, material, np.zeros(0, int), np.zeros((0, 3)), {})
+        return EdgeFunctions(len(mesh.nodes), np.zeros(0, int), np.zeros((0, 3)), mesh, material, {})
     topology = Topology(mesh.nodes, mesh.elements, mesh.facets, mesh.facet_patch)
     for facets in joined:
         topology.mark(facets, len(mesh.patch_names))
@@ -183,7 +162,7 @@ def edge_functions(
                     parts[sector.element].append(_Part(sector, place, values[at], frame, first))
     of_node = np.array(numbers, int)
     places = np.repeat([np.mean(some, axis=0) for some in between.values()], np.diff([*between, len(of_node)]), axis=0)
-    return EdgeFunctions(mesh, material, of_node, places.reshape(-1, 3), dict(parts))
+    return EdgeFunctions(len(mesh.nodes), of_node, places.reshape(-1, 3), mesh, material, dict(parts))
 
 
 def _between(topology: Topology, node: int, fan: Fan) -> np.ndarray:

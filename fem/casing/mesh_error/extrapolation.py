@@ -1,8 +1,8 @@
-"""Stiffness of a casing extrapolated to elements of size zero, by its natural modes on two coarser meshes.
+"""Stiffness of a casing extrapolated to elements of size zero, by its natural modes on coarser meshes.
 
 Elements of displacement are too stiff. The lowest modes on two coarser meshes, with elements `RATIOS` times as large,
-paired by their shapes, tell the limit of every frequency and a band about it: of tetrahedra by
-`fem.casing.mesh_error.frequency_limits`, of hexahedra with functions at edges by `hexahedral_limits`.
+paired by their shapes, tell the limit of every frequency and a band about it (`fem.casing.mesh_error.laws`). Of cubic
+tetrahedra those of quadratic ones on the same mesh do (`fem.casing.mesh_error.cubic_limits`).
 
 The error of thin walls and sharp edges is nearly the same for all modes. One factor, from the mean m of what the limits
 lie lower than the frequencies, therefore corrects all of the stiffness: K = (1 - m)^2 K(h); mass and shapes stay.
@@ -17,8 +17,9 @@ import numpy as np
 import scipy.linalg as la
 from threadpoolctl import threadpool_limits
 
-from fem.casing.mesh_error.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError, frequency_limits
-from fem.casing.mesh_error.hexahedral_limits import hexahedral_limits
+from fem.casing.mesh_error.cubic_limits import cubic_limits
+from fem.casing.mesh_error.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
+from fem.casing.mesh_error.laws import law_of
 from fem.casing.mesh_error.pairing import counterparts, sample_nodes
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.meshing.sizes import Sizes
@@ -29,7 +30,7 @@ from fem.casing.reduced.halves import lowest
 from fem.casing.reduced.modes import CasingModes
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import Material
-from fem.storage.records import Record, array, integer, scalar
+from fem.storage.records import Record, array, integer, scalar, text
 
 RATIOS = (1.3, 1.7)  # element sizes of the coarser meshes
 MODES = 60  # lowest natural modes that are compared
@@ -49,7 +50,7 @@ class LowestModes(Record):
     shapes: np.ndarray = array("sample", "mode", units="1")  # displacements along x, y, z of every place
     element_size: float = scalar(units="m")
     unknowns: int = integer()
-    edge_functions: int = integer()  # unknowns among them, of functions at edges
+    element: str = text()  # of `fem.elements.solid_elements.SOLIDS`
 
 
 def coarser_sizes(sizes: Sizes) -> tuple[Sizes, Sizes]:
@@ -95,7 +96,7 @@ def lowest_modes(
         shapes=casing.expanded(phi)[unknowns],
         element_size=mesh.element_size,
         unknowns=casing.K_free.shape[0],
-        edge_functions=casing.K.shape[0] - 3 * len(casing.mesh.nodes),
+        element=mesh.element.name,
     )
 
 
@@ -105,7 +106,7 @@ def measured_limits(modes: CasingModes, coarser: Sequence[LowestModes]) -> Frequ
     Parameters
     ----------
     modes : of the finest mesh
-    coarser : modes on the meshes of `coarser_sizes`, in this order
+    coarser : modes on the meshes of `coarser_sizes`, in this order, or those of quadratic elements on the same mesh
 
     Raises
     ------
@@ -128,7 +129,7 @@ def limits_from(
     ----------
     frequencies, shapes : (mode,) Hz and (k, mode) on the finest mesh
     element_size : of that mesh, m
-    coarser : modes on the meshes of `coarser_sizes`, in this order
+    coarser : those of `measured_limits`
 
     Raises
     ------
@@ -140,15 +141,18 @@ def limits_from(
         rows.append(np.where(number < 0, np.nan, other.frequencies[number]))
     ratios = [other.element_size / element_size for other in coarser]
     try:
-        law = hexahedral_limits if all(other.edge_functions for other in coarser) else frequency_limits
-        limits = law((1.0, *ratios), np.array(rows))
+        if len(coarser) == 1:
+            limits = cubic_limits(*rows)
+        else:
+            limits = law_of(coarser[0].element)((1.0, *ratios), np.array(rows))
     except LimitError as error:
         raise ExtrapolationError(f"casing: {error}; or leave casing.extrapolated out") from error
     changes = np.nanmean(np.array(rows[1:]) / frequencies, axis=1) - 1.0
     largest = int(changes.argmax())
     if not 0.0 <= changes[largest] <= LARGEST:
+        others = f"elements {ratios[largest]:.3g} times as large" if len(coarser) > 1 else "quadratic elements"
         raise ExtrapolationError(
-            f"casing: elements {ratios[largest]:.3g} times as large change the first {len(frequencies)} frequencies by "
+            f"casing: {others} change the first {len(frequencies)} frequencies by "
             f"{100 * changes[largest]:+.2g} % (0 to {100 * LARGEST:g} % can be extrapolated). Use a smaller "
             "casing.element_size_mm, or leave casing.extrapolated out"
         )

@@ -14,6 +14,7 @@ from fem.casing.mesh_error.extrapolation import ExtrapolationError, LowestModes
 from fem.casing.mesh_error.frequency_limits import FrequencyLimits
 
 MOST_UNKNOWNS = 400_000  # about 5 GB for the factors
+_OF_WALLS = 2.0
 _FACTORS = np.arange(1.0, 0.195, -0.02)
 
 
@@ -24,13 +25,15 @@ def wanted_factor(limits: FrequencyLimits, error: float, trial: LowestModes, coa
     ----------
     limits : of the trial mesh
     error : median band that is asked for, in parts of the frequencies
-    trial, coarser : modes on the trial mesh and on one with larger elements, whose unknowns tell how they grow
+    trial, coarser : modes on the trial mesh and on one with larger elements, whose unknowns tell how they grow; with
+        elements of the same size, of lower degree, they are taken to grow as in walls one element thick
 
     Raises
     ------
     ExtrapolationError : the mesh would have more than `MOST_UNKNOWNS`, or no size is enough
     """
-    growth = math.log(trial.unknowns / coarser.unknowns) / math.log(coarser.element_size / trial.element_size)
+    larger = coarser.element_size / trial.element_size
+    growth = math.log(trial.unknowns / coarser.unknowns) / math.log(larger) if larger > 1.0 else _OF_WALLS
     enough = [float(factor) for factor in _FACTORS if limits.median_band_at(float(factor)) <= error]
     if not enough:
         left = limits.median_band_at(float(_FACTORS[-1]))

@@ -89,6 +89,7 @@ def finished_mesh(
         element_size=mean_edge(nodes, elements) if element_size is None else element_size,
         quality=quality,
         curved=int(curved(nodes, elements).any()),
+        cubic=int(SOLIDS[element].degree == 3),
     )
 
 

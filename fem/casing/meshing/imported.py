@@ -134,7 +134,7 @@ def mesh_from_file(housing: ImportedHousing, element: str) -> CasingMesh:
             f"{' or '.join(map(repr, fitting))}"
         )
     check_extent(housing, raw.nodes, UNITS[housing.unit])
-    if given.degree < wanted.degree and not housing.upgrade:
+    if given.degree == 1 < wanted.degree and not housing.upgrade:
         raise MeshError(
             f"{path.name} has linear elements ({words}), far too stiff in bending. Set upgrade = true "
             f"for mid-side nodes on straight edges, or export {element} elements, which follow the bores"

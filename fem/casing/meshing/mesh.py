@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from fem.elements.solid_elements import SOLIDS, SolidElement, solid_element
 from fem.storage.records import Record, array, integer, names, scalar, text
 
 
@@ -27,8 +29,14 @@ class CasingMesh(Record):
     element_size: float = scalar(units="m")
     quality: float = scalar(units="1")  # worst signed inverse condition number, 1 is equilateral
     curved: int = integer()  # 1: nodes lie off the straight lines between corners, on the curved surfaces
+    cubic: int = dataclasses.field(default=0, metadata=integer().metadata)  # 1: `fem.elements.cubic` in every element
     straightened: int = dataclasses.field(default=0, metadata=integer().metadata)  # elements of a file that were folded
     divided: str = dataclasses.field(default="", metadata=text().metadata)  # of a file, into tetrahedra, in words
+
+    @property
+    def element(self) -> SolidElement:
+        """Of which it is made."""
+        return SOLIDS["tetrahedron-20"] if self.cubic else solid_element(self.elements)
 
     def patch(self, name: str) -> np.ndarray:
         """Facets (f, k) of a patch; `MeshError` with the known names if absent or empty."""
@@ -38,6 +46,10 @@ class CasingMesh(Record):
         if not len(found):
             raise MeshError(f"casing mesh: patch {name!r} has no facet; check the geometry or refine the mesh")
         return found
+
+    def facets_of(self, names: Sequence[str]) -> np.ndarray:
+        """Facets (f, k) of several patches; `MeshError` as `patch`."""
+        return np.concatenate([self.facets[:0], *(self.patch(name) for name in names)])
 
     def point(self, name: str) -> np.ndarray:
         """Reference point (3,) of a patch."""

@@ -19,7 +19,7 @@ from fem.casing.meshing.imported import ImportedHousing, finish
 from fem.casing.meshing.mesh import CasingMesh, MeshError
 from fem.casing.meshing.quality import GOOD_QUALITY, straightened
 from fem.casing.meshing.seats import seat_points
-from fem.casing.meshing.sizes import MM, Refinement, Sizes, set_sizes
+from fem.casing.meshing.sizes import MM, Refinement, Sizes, follow_fillets, set_sizes
 from fem.casing.meshing.solid import build_solid, find_patches
 from fem.casing.meshing.step_file import SMALL_EDGE, named, read_step, refinements, small_edges
 from fem.processes.own_process import DAMAGED, opened_apart
@@ -69,6 +69,7 @@ def mesh_housing(
             local = sizes.at_foot(feet.bolt_diameter or feet.pad_diameter)
             far = feet.height + 2 * (sizes.element - local)
             finer.append(Refinement(ground, local, near=feet.pad_height, far=far))
+        follow_fillets(gmsh, sizes.element, finer)
         raw = tetrahedra(gmsh, sizes.element, finer, patches, curved=curved)
     points = housing.ground_points() | {bore.name: housing.bore_centre(bore) for bore in housing.bores}
     return finished_mesh(
@@ -115,7 +116,9 @@ def _mesh_solid(housing: ImportedHousing, sizes: Sizes) -> tuple[RawMesh, list[t
     with session() as gmsh:
         read_step(gmsh, housing)
         small = small_edges(gmsh)
-        return tetrahedra(gmsh, sizes.element, refinements(gmsh, housing, sizes), {}, curved=True), small
+        finer = refinements(gmsh, housing, sizes)
+        follow_fillets(gmsh, sizes.element, finer)
+        return tetrahedra(gmsh, sizes.element, finer, {}, curved=True), small
 
 
 def find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:

@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.edges.functions import EdgeFunctions, edge_functions
+from fem.casing.edges.functions import edge_functions
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.parts.bolted_joint import BoltedJoint, joint_stiffness
@@ -28,6 +28,8 @@ from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_row
 from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.halves import Places, interface_of
 from fem.casing.reduced.reduction import Interface
+from fem.elements.added_unknowns import AddedUnknowns
+from fem.elements.cubic import cubic_functions
 from fem.elements.materials import Material
 from fem.elements.solids import assemble, rigid_body_modes
 from fem.numerics.linear_solver import Solver
@@ -54,7 +56,7 @@ class GroundedCasing:
     material: Material
     ground: Ground
     attachment: Attachment
-    K: sp.csr_matrix  # (u, u), the free body with its joints: 3 node + axis, then the functions of its edges
+    K: sp.csr_matrix  # (u, u), the free body with its joints: 3 node + axis, then what is added to them
     M: sp.csr_matrix
     expansion: sp.csr_matrix  # E (u, n)
     clamped: np.ndarray  # of the unknowns; empty on springs
@@ -82,7 +84,7 @@ class GroundedCasing:
         return self.expansion[: 3 * len(self.mesh.nodes)] @ q
 
     def rigid_motions(self, centre: np.ndarray) -> np.ndarray:
-        """Unit translations and rotations about a centre (u, 6): the functions of the edges have no part in them."""
+        """Unit translations and rotations about a centre (u, 6): added ones have no part in them."""
         out = np.zeros((self.K.shape[0], 6))
         out[: 3 * len(self.mesh.nodes)] = rigid_body_modes(self.mesh.nodes, centre)
         return out
@@ -134,8 +136,13 @@ def ground_casing(
             raise AttachmentError(f"{name} shares nodes with a foot; move the foot or the bore")
     clamped_nodes = held[:0] if on_springs else held
     joined = () if split is None else (split.below, split.above)
-    edges = edge_functions(mesh, material, held=() if on_springs else feet, joined=joined)
-    K, M = edges.added_to(
+    stiff = [*(() if on_springs else feet), *(points if attachment == "rigid" else ())]
+    added = (
+        cubic_functions(mesh.nodes, mesh.elements, mesh.facets_of(stiff), material)
+        if mesh.cubic
+        else edge_functions(mesh, material, held=() if on_springs else feet, joined=joined)
+    )
+    K, M = added.added_to(
         *assemble(
             mesh.nodes,
             mesh.elements,
@@ -144,16 +151,16 @@ def ground_casing(
             density=material.density,
         )
     )
-    bolts = None if split is None or joint is None else edges.extended(joint_stiffness(joint, split, material))
+    bolts = None if split is None or joint is None else added.extended(joint_stiffness(joint, split, material))
     K = K if bolts is None else sp.csr_matrix(K + bolts)
-    expansion, rows, names = _tied(mesh, points, forced, attachment, clamped_nodes, len(edges))
+    expansion, rows, names = _tied(mesh, points, forced, attachment, clamped_nodes, len(added))
     K_free, M_free = _projected(K, expansion), _projected(M, expansion)
-    parts = {name: _projected(part, expansion) for name, part in _parts(mesh, material, regions, edges).items()}
+    parts = {name: _projected(part, expansion) for name, part in _parts(mesh, material, regions, added).items()}
     if bolts is not None:
         parts[JOINTS] = _projected(bolts, expansion)
     reference = material.elastic_modulus * mesh.element_size
     springs = np.array([reference if name.startswith("ground_") else 0.0 for name in names])
-    places = Places(np.delete(mesh.nodes, clamped_nodes, axis=0), edges.places, edges.numbers)
+    places = Places(np.delete(mesh.nodes, clamped_nodes, axis=0), added.places, added.numbers)
     return GroundedCasing(
         mesh=mesh,
         material=material,
@@ -187,7 +194,7 @@ def _tied(
     clamped: np.ndarray,
     added: int,
 ) -> tuple[sp.csr_matrix, sp.csr_matrix, tuple[str, ...]]:
-    """E, rows of the interface and their names, with unknowns of edges behind those of the nodes."""
+    """E, rows of the interface and their names, with the added unknowns behind those of the nodes."""
     expansion, rows = (_rigid_patches if attachment == "rigid" else _mean_patches)(mesh, points, clamped)
     rows = sp.csr_matrix(sp.vstack([rows, *(_point_rows(mesh, point) @ expansion for point in forced)]))
     names = [f"{name}:{axis}" for name, axes in points.items() for axis in axes]
@@ -197,14 +204,14 @@ def _tied(
 
 
 def _parts(
-    mesh: CasingMesh, material: Material, regions: Sequence[Region], edges: EdgeFunctions
+    mesh: CasingMesh, material: Material, regions: Sequence[Region], added: AddedUnknowns
 ) -> dict[str, sp.csr_matrix]:
     """Stiffness (u, u) of the elements of every region by its name."""
     inside = elements_inside(mesh.nodes, mesh.elements, regions)
     return {
         region.name: sp.csr_matrix(
-            edges.extended(stiffness_of(mesh.nodes, mesh.elements[chosen], material))
-            + edges.matrices(chosen.tolist())[0]
+            added.extended(stiffness_of(mesh.nodes, mesh.elements[chosen], material))
+            + added.matrices(chosen.tolist())[0]
         )
         for region, chosen in zip(regions, inside, strict=True)
     }

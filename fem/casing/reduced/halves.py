@@ -82,11 +82,11 @@ class _Reflection:
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Where the unknowns are: three at every node, then one for every function of an edge."""
+    """Where the unknowns are: three at every node, then those that are added."""
 
     nodes: np.ndarray  # (n, 3), m
-    functions: np.ndarray  # (m, 3), m, another for every node on an edge
-    numbers: np.ndarray  # (m,), of a function among those of its node
+    functions: np.ndarray  # (m, 3), m, those of `fem.elements.added_unknowns.AddedUnknowns`
+    numbers: np.ndarray  # (m,)
 
 
 def interface_of(
@@ -221,7 +221,7 @@ def _images(points: np.ndarray, twice: float, axis: int, near: float) -> np.ndar
 
 
 def _signs(K: sp.csr_matrix, image: np.ndarray, sign: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Whether the reflected function of an edge is its image, or that times -1, by the forces of both on the nodes."""
+    """Whether a reflected added function is its image, or that times -1, by the forces of both on the nodes."""
     n = len(image)
     forces = K[n:, :n]
     reflected = forces[:, image] @ sp.diags_array(sign)

@@ -78,9 +78,10 @@ class FlexibleBase(Table):
         Number, Field(gt=0, description="of the elements; the model rigid meshes only a housing that is no plain box")
     ] = 22.0
     element: Annotated[
-        Literal["tetrahedron-4", "tetrahedron-10", "hexahedron-20", "hexahedron-27"],
+        Literal["tetrahedron-4", "tetrahedron-10", "tetrahedron-20", "hexahedron-20", "hexahedron-27"],
         Field(
-            description="tetrahedron-4 is too stiff in thin walls: to compare with; hexahedra: of a parametric housing "
+            description="tetrahedron-4 is too stiff in thin walls: to compare with; tetrahedron-20 has cubic "
+            "displacements: for walls one element thick; hexahedra: of a parametric housing "
             "without flange, ribs, fillets and pads, or from a mesh file"
         ),
     ] = "tetrahedron-10"
@@ -150,7 +151,10 @@ class ElasticBase(FlexibleBase):
     ] = ()
     extrapolated: Annotated[
         bool,
-        Field(description="stiffness extrapolated to elements of size zero, by two coarser meshes"),
+        Field(
+            description="stiffness extrapolated to elements of size zero, by two coarser meshes; with "
+            "tetrahedron-20 by quadratic displacements on the same mesh"
+        ),
     ] = False
 
     error: Annotated[
@@ -169,13 +173,20 @@ class ElasticBase(FlexibleBase):
         if self.error is not None and isinstance(self.housing, MeshHousingTable | MatricesHousingTable):
             raise ValueError("error: the file has one element size only; give a STEP file, or leave this out")
         if self.error is not None and self.element == "tetrahedron-4":
-            raise ValueError("error: it can be measured with quadratic elements, not with tetrahedron-4; leave one out")
+            raise ValueError(
+                "error: it can be measured with elements of higher degree, not with tetrahedron-4; leave one out"
+            )
         if self.extrapolated and self.element == "tetrahedron-4":
             raise ValueError(
-                "extrapolated: it was measured with quadratic elements, not with tetrahedron-4; leave one out"
+                "extrapolated: it was measured with elements of higher degree, not with tetrahedron-4; leave one out"
             )
-        if self.extrapolated and isinstance(self.housing, MeshHousingTable | MatricesHousingTable):
-            raise ValueError("extrapolated: the file has one element size only; give a STEP file, or leave this out")
+        if self.extrapolated and isinstance(self.housing, MatricesHousingTable):
+            raise ValueError("extrapolated: matrices have no elements; leave this out")
+        if self.extrapolated and isinstance(self.housing, MeshHousingTable) and self.element != "tetrahedron-20":
+            raise ValueError(
+                "extrapolated: the file has one element size only; set element to tetrahedron-20, whose error is told "
+                "on one mesh, give a STEP file, or leave this out"
+            )
         return self
 
     @model_validator(mode="after")

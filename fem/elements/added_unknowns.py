@@ -1,0 +1,46 @@
+"""Unknowns that are added to those of the nodes of a mesh: displacements that its elements do not hold themselves.
+
+Their functions vanish at all nodes, so that the first 3 n unknowns remain the displacements there.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+
+@dataclass(frozen=True, eq=False)
+class AddedUnknowns(ABC):
+    """m unknowns behind the 3 n of the nodes."""
+
+    nodes: int  # n
+    numbers: np.ndarray  # (m,), of an unknown among those of its place
+    places: np.ndarray  # (m, 3), m, where their functions are
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    def extended(self, matrix: sp.csr_matrix) -> sp.csr_matrix:
+        """A matrix (3 n, 3 n) of the nodes with empty rows and columns for the unknowns that are added."""
+        empty = sp.csr_matrix((len(self), len(self)))
+        return sp.csr_matrix(sp.block_diag([matrix, empty])) if len(self) else matrix
+
+    def added_to(self, K: sp.csr_matrix, M: sp.csr_matrix) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """Stiffness and mass (3 n + m, 3 n + m) of the elements with their functions, from those without."""
+        if not len(self):
+            return K, M
+        stiffness, mass = self.matrices()
+        return sp.csr_matrix(self.extended(K) + stiffness), sp.csr_matrix(self.extended(M) + mass)
+
+    @abstractmethod
+    def matrices(self, elements: Collection[int] | None = None) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """Stiffness (N/m) and mass (kg), both (3 n + m, 3 n + m), without the entries of nodes with nodes.
+
+        Parameters
+        ----------
+        elements : numbers of those that are meant; all by default
+        """
