@@ -49,6 +49,17 @@ def test_solution_agrees_with_dense_algebra(plate, block, columns):
     assert found == pytest.approx(X, abs=1e-8)
 
 
+@pytest.mark.parametrize("block", [2, 3, 4])
+def test_unknowns_that_make_no_whole_number_of_groups(plate, block):
+    K = plate[0][:-1][:, :-1] if plate[0].shape[0] % block == 0 else plate[0]
+    assert K.shape[0] % block
+    plan = plan_elimination(K, block)
+    assert np.array_equal(np.sort(plan.order), np.arange(K.shape[0]))
+    x = np.random.default_rng(0).standard_normal(K.shape[0])
+    assert Cholesky(plan, K).solve(K @ x) == pytest.approx(x, abs=1e-8)
+    assert len(plan.starts) <= len(plan_elimination(K, 1).starts)
+
+
 def test_pivots_multiply_to_the_determinant(plate):
     K = plate[0][:300][:, :300]
     pivots = Cholesky(plan_elimination(K, 3), K).pivots

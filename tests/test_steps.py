@@ -1,9 +1,11 @@
 """Stages: the same input means no work, one changed input exactly the dependent stages."""
 
+import ast
 import hashlib
 import os
 import time
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import psutil
@@ -11,8 +13,9 @@ import pytest
 from test_cache import manifest_of
 
 from pipelines.border.errors import CacheWarning, WorkError
+from pipelines.engine import code_version as code_version_module
 from pipelines.engine.cache import Cache
-from pipelines.engine.code_version import code_version, reachable
+from pipelines.engine.code_version import OWN_PACKAGES, code_version, reachable
 from pipelines.engine.processes import Pool
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import CountedResult, Graph, Step, explain
@@ -280,6 +283,26 @@ def test_the_code_version_follows_imports():
     assert "pipelines.scene.scene" in reachable("pipelines.scene.file")  # imported inside functions
     assert "pipelines.scene.scene" not in reachable("pipelines.engine.storage")
     assert code_version("pipelines.engine.cache") != code_version("pipelines.engine.storage")
+
+
+def test_the_code_version_finds_the_imports_that_the_syntax_tree_has():
+    root = Path(code_version_module.__file__).parents[2]
+    for path in (path for top in OWN_PACKAGES for path in (root / top).rglob("*.py")):
+        own = ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__")
+        names = set()
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Import):
+                names |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom):
+                members = {f"{node.module}.{alias.name}" for alias in node.names}
+                names |= {one for one in members if find_module(root, one)} or {node.module}
+        ours = {name for name in names if name.partition(".")[0] in OWN_PACKAGES and find_module(root, name)}
+        assert ours <= set(reachable(own)), own
+
+
+def find_module(root, name):
+    place = root.joinpath(*name.split("."))
+    return place.with_suffix(".py").is_file() or (place / "__init__.py").is_file()
 
 
 def make_large(spec):

@@ -26,8 +26,10 @@ class AddedUnknowns(ABC):
 
     def extended(self, matrix: sp.csr_matrix) -> sp.csr_matrix:
         """A matrix (3 n, 3 n) of the nodes with empty rows and columns for the unknowns that are added."""
-        empty = sp.csr_matrix((len(self), len(self)))
-        return sp.csr_matrix(sp.block_diag([matrix, empty])) if len(self) else matrix
+        if not len(self):
+            return matrix
+        size, ends = len(self) + matrix.shape[0], np.full(len(self), matrix.nnz, matrix.indptr.dtype)
+        return sp.csr_matrix((matrix.data, matrix.indices, np.append(matrix.indptr, ends)), shape=(size, size))
 
     def added_to(self, K: sp.csr_matrix, M: sp.csr_matrix) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """Stiffness and mass (3 n + m, 3 n + m) of the elements with their functions, from those without."""

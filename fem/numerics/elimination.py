@@ -38,8 +38,7 @@ class Elimination:
 
 
 def plan_elimination(K: sp.spmatrix, block: int = 1) -> Elimination:
-    """Supernodes of a symmetric sparse matrix (n, n) whose unknowns come in groups of `block`, if n allows it."""
-    block = block if K.shape[0] % block == 0 else 1
+    """Supernodes of a symmetric sparse matrix (n, n) whose unknowns come in groups of `block`, a last one in less."""
     graph = group_graph(K, block)
     order = dissect(graph)
     graph = _reordered(graph, order)
@@ -57,11 +56,13 @@ def plan_elimination(K: sp.spmatrix, block: int = 1) -> Elimination:
     turn, split = _halves(np.diff(starts), rows, children)
     groups, turned = np.split(np.arange(len(order)), starts[1:-1]), np.argsort(turn)
     by_turn = np.concatenate([groups[s] for s in turn])
-    place = np.argsort(by_turn)
+    place, order = np.argsort(by_turn), order[by_turn]
+    first = firsts(K.shape[0], block)
+    reordered = np.append(0, np.cumsum(np.diff(first)[order]))
     return Elimination(
-        order=_spread(order[by_turn], block),
-        starts=np.append(0, np.cumsum(np.diff(starts)[turn])) * block,
-        rows=tuple(_spread(np.sort(place[rows[s]]), block) for s in turn),
+        order=members(order, first),
+        starts=reordered[np.append(0, np.cumsum(np.diff(starts)[turn]))],
+        rows=tuple(members(np.sort(place[rows[s]]), reordered) for s in turn),
         children=tuple(tuple(int(turned[c]) for c in children[s]) for s in turn),
         split=split,
     )
@@ -107,10 +108,10 @@ def _halves(
 
 def group_graph(K: sp.spmatrix, block: int) -> sp.csr_matrix:
     """Which groups of `block` unknowns are coupled, without the diagonal."""
-    K = sp.csr_matrix(K)
-    n, size = K.shape[0], K.shape[0] // block
+    K, first = sp.csr_matrix(K), firsts(K.shape[0], block)
+    n, size = K.shape[0], len(first) - 1
     touched = sp.csr_matrix((np.ones(K.nnz, np.int32), K.indices // block, K.indptr), shape=(n, size))
-    gather = sp.csr_matrix((np.ones(n, np.int32), np.arange(n), np.arange(0, n + 1, block)), shape=(size, n))
+    gather = sp.csr_matrix((np.ones(n, np.int32), np.arange(n), first), shape=(size, n))
     graph = sp.csr_matrix(gather @ touched)
     graph = sp.csr_matrix(graph + graph.T)  # an entry may have cancelled to 0 on one side of the diagonal only
     graph -= sp.diags(graph.diagonal(), dtype=np.int32)
@@ -131,8 +132,15 @@ def dissect(graph: sp.csr_matrix) -> np.ndarray:
     return np.asarray(pymetis.nested_dissection(xadj=graph.indptr, adjncy=graph.indices)[0])  # before 2025.2
 
 
-def _spread(groups: np.ndarray, block: int) -> np.ndarray:
-    return (groups[:, None] * block + np.arange(block)).ravel()
+def firsts(n: int, block: int) -> np.ndarray:
+    """The first unknown of every group of `block`, and n."""
+    return np.minimum(np.arange(0, n + block, block), n)
+
+
+def members(groups: np.ndarray, first: np.ndarray) -> np.ndarray:
+    """The unknowns of groups, one group after the other; group g has those from `first[g]` to `first[g + 1]`."""
+    count = first[groups + 1] - first[groups]
+    return np.arange(count.sum()) + np.repeat(first[groups] + count - np.cumsum(count), count)
 
 
 def _reordered(graph: sp.csr_matrix, order: np.ndarray) -> sp.csr_matrix:

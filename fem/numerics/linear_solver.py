@@ -64,7 +64,7 @@ def factorize(K: sp.spmatrix, *, solver: Solver = "auto", block: int = 3) -> Fac
     ----------
     K : sparse (n, n), symmetric
     solver : "auto" is "multifrontal", or "superlu" with a warning in the log where pymetis is missing
-    block : unknowns per node; the ordering works on nodes when n is a multiple of it
+    block : unknowns per node; the ordering works on nodes
 
     Raises
     ------
@@ -150,11 +150,10 @@ def _superlu(K: sp.csc_matrix, block: int) -> Factor:
 
 
 def nested_dissection(K: sp.spmatrix, block: int = 1) -> np.ndarray:
-    """Fill-reducing order (n,) of the unknowns by METIS; works on groups of `block` unknowns if n allows it."""
-    from fem.numerics.elimination import dissect, group_graph
+    """Fill-reducing order (n,) of the unknowns by METIS, which works on groups of `block` unknowns."""
+    from fem.numerics.elimination import dissect, firsts, group_graph, members
 
-    block = block if K.shape[0] % block == 0 else 1
-    return (dissect(group_graph(K, block))[:, None] * block + np.arange(block)).ravel()
+    return members(dissect(group_graph(K, block)), firsts(K.shape[0], block))
 
 
 def _check_pivots(pivots: np.ndarray, K: sp.csc_matrix) -> None:

@@ -71,8 +71,8 @@ class EdgeFunctions(AddedUnknowns):
         for members, (K_nodes, K_own, M_nodes, M_own) in zip([*alike[::2], *alike[1::2]], first + other, strict=True):
             for element in members:
                 added = n + _unknowns(self.parts[element])
-                at = (3 * self.mesh.elements[element][:, None].astype(np.int64) + np.arange(3)).ravel()
-                row, column = np.repeat(at, len(added)), np.tile(added, len(at))
+                at = (3 * self.mesh.elements[element].astype(np.int64) + np.arange(3)[:, None]).ravel()
+                row, column = np.repeat(added, len(at)), np.tile(at, len(added))
                 rows += [row, column, np.repeat(added, len(added))]
                 columns += [column, row, np.tile(added, len(added))]
                 stiffness += [K_nodes.ravel(), K_nodes.ravel(), K_own.ravel()]
@@ -93,16 +93,17 @@ class EdgeFunctions(AddedUnknowns):
         ends = np.zeros((3, 2), bool)
         for part in own:
             ends[part.sector.axis(0, 0)] = ends[part.sector.axis(1, 0)] = True
-        points, weights, values, slopes = _rule(solid_element(self.mesh.elements).name, ends.tobytes())
+        kind = solid_element(self.mesh.elements).name
+        points, weights, values, slopes = _rule(kind, ends.tobytes())
         tables, lines, owners = [], [], []
         for number, part in enumerate(own):
-            key = (id(part.values), part.sector.origin.tobytes() + part.sector.axes.tobytes() + ends.tobytes())
+            turned = (ends.tobytes(), part.sector.origin.tobytes(), part.sector.axes.tobytes())
+            key = (id(part.values), b"".join(turned))
             if key not in known:
                 known[key] = _table(part, points)
             tables.append(known[key])
             owners += [number] * len(part.values)
-            s = part.sector.axes[:, 2] @ (points - part.sector.origin[:, None])
-            lines.append(np.stack([both[:, part.line] for both in quadratic(s)]))
+            lines.append(_along(kind, *turned)[part.line])
         found: tuple[np.ndarray, ...] = added_entries(
             self.mesh.nodes[self.mesh.elements[element]],
             values,
@@ -194,23 +195,33 @@ def _shape_key(nodes: np.ndarray, own: list[_Part]) -> bytes:
 
 @lru_cache(maxsize=64)
 def _rule(kind: str, ends: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Points (3, q), weights (q,), functions (q, a) and slopes (q, a, 3) of an element graded to some of its sides."""
+    """Points (3, i, j, k), weights (q,), functions (a, q) and slopes (a, 3, q) of an element graded to some sides."""
     lines = []
     for low, high in np.frombuffer(ends, bool).reshape(3, 2):
         cuts = np.concatenate([[0.0, 1.0], *([GRID] if low else []), *([1.0 - GRID] if high else [])])
         lines.append(gauss(np.unique(np.round(cuts, 12))))
-    points = np.stack([one.ravel() for one in np.meshgrid(*(x for x, _ in lines), indexing="ij")])
+    points = np.stack(np.meshgrid(*(x for x, _ in lines), indexing="ij"))
     weights = np.einsum("i,j,k->ijk", *(w for _, w in lines)).ravel()
-    return points, weights, *shapes(SOLIDS[kind].library, points)
+    values, slopes = shapes(SOLIDS[kind].library, points.reshape(3, -1))
+    return points, weights, np.ascontiguousarray(values.T), np.ascontiguousarray(slopes.transpose(1, 2, 0))
+
+
+@lru_cache(maxsize=256)
+def _along(kind: str, ends: bytes, origin: bytes, axes: bytes) -> np.ndarray:
+    """The functions along the edge of a sector and their derivatives (3, 2, q) at the points of `_rule`."""
+    points = _rule(kind, ends)[0].reshape(3, -1)
+    s = np.frombuffer(axes).reshape(3, 3)[:, 2] @ (points - np.frombuffer(origin)[:, None])
+    return np.stack(quadratic(s)).transpose(2, 0, 1)
 
 
 def _table(part: _Part, points: np.ndarray) -> np.ndarray:
-    """Values and derivatives by xi and eta (function, q, 9) at reference points (3, q)."""
-    xi, eta = part.sector.axes[:, :2].T @ (points - part.sector.origin[:, None])
+    """Functions, derivatives by xi and eta (function, 3, 3, q) at reference points (3, i, j, k), alike for all s."""
+    axis, _ = part.sector.axis(2, 0)
+    across = points.take(0, axis=1 + axis)
+    xi, eta = part.sector.axes[:, :2].T @ (across.reshape(3, -1) - part.sector.origin[:, None])
     (x, dx), (y, dy) = graded(xi), graded(eta)
-    k, size = len(part.values), part.values.shape[2]
-    flat = part.values.reshape(3 * k, size, size)
-    by_x, by_dx = (np.tensordot(one, flat, axes=((1,), (1,))) for one in (x, dx))  # (q, 3 k, size)
+    by_x, by_dx = (np.tensordot(part.values, one, axes=((2,), (1,))) for one in (x, dx))  # (function, 3, y, q)
     pairs = ((by_x, y), (by_dx, y), (by_x, dy))
-    found = [np.einsum("qcb,qb->qc", one, other).reshape(-1, k, 3) for one, other in pairs]
-    return np.ascontiguousarray(np.concatenate(found, axis=2).transpose(1, 0, 2))
+    table = np.stack([np.einsum("fcyq,qy->fcq", one, other) for one, other in pairs], axis=1)
+    table = np.expand_dims(table.reshape(*table.shape[:3], *across.shape[1:]), 3 + axis)
+    return np.broadcast_to(table, (*table.shape[:3], *points.shape[1:])).reshape(*table.shape[:3], -1)

@@ -1,20 +1,38 @@
-"""Stiffness and mass of functions that are added to an element."""
+"""Stiffness and mass of functions that are added to an element.
+
+Compiled loops lay out what the functions are at every point, one row of points after the other; products of matrices
+sum over the points.
+"""
 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from fem.numerics.compiled import stored
+
+_POINTS = 512  # worked on together: what is laid out of them stays in the processor's cache
 
 
-@njit(cache=True, nogil=True)
-def added_entries(nodes, values, slopes, weights, tables, lines, owners, axes, frames, lam, mu):
+def added_entries(
+    nodes: np.ndarray,
+    values: np.ndarray,
+    slopes: np.ndarray,
+    weights: np.ndarray,
+    tables: np.ndarray,
+    lines: np.ndarray,
+    owners: np.ndarray,
+    axes: np.ndarray,
+    frames: np.ndarray,
+    lam: float,
+    mu: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Products of the added functions with those of the nodes and with one another.
 
     Parameters
     ----------
     nodes : (a, 3), m, of the element
-    values, slopes, weights : (q, a), (q, a, 3) and (q,) of the nodes' functions, by the reference coordinates
-    tables : (f, q, 9), an added function across the edge and its derivatives by xi and eta, three components each
+    values, slopes, weights : (a, q), (a, 3, q) and (q,) of the nodes' functions, by the reference coordinates
+    tables : (f, 3, 3, q), an added function across the edge and its derivatives by xi and eta, three components each
     lines : (p, 2, q), the function of a node along the edge and its derivative
     owners : int (f,), the node of every added function
     axes, frames : (p, 3, 3) of the nodes, columns: directions of xi, eta, s in the element, of components in space
@@ -22,69 +40,81 @@ def added_entries(nodes, values, slopes, weights, tables, lines, owners, axes, f
 
     Returns
     -------
-    stiffness with the nodes (a, 3, f) and among themselves (f, f), mass of unit density alike
+    stiffness with the nodes (f, 3, a) and among themselves (f, f), mass of unit density alike
     """
-    f_count, q_count, a_count = len(owners), len(weights), len(nodes)
-    K_nodes, K_own = np.zeros((a_count, 3, f_count)), np.zeros((f_count, f_count))
-    M_nodes, M_own = np.zeros((a_count, 3, f_count)), np.zeros((f_count, f_count))
-    v, g, s = np.empty((3, f_count)), np.empty((9, f_count)), np.empty((9, f_count))
-    J, inverse, turned, local = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
-    for q in range(q_count):
-        J[:] = 0.0  # derivatives of the places by the reference coordinates, rows by place
-        for a in range(a_count):
-            for d in range(3):
-                for r in range(3):
-                    J[d, r] += nodes[a, d] * slopes[q, a, r]
-        for d in range(3):
-            e, h = (d + 1) % 3, (d + 2) % 3
-            for r in range(3):
-                t, u = (r + 1) % 3, (r + 2) % 3
-                inverse[r, d] = J[e, t] * J[h, u] - J[e, u] * J[h, t]
-        determinant = J[0, 0] * inverse[0, 0] + J[0, 1] * inverse[1, 0] + J[0, 2] * inverse[2, 0]
-        inverse /= determinant
-        w, part = determinant * weights[q], -1
-        for f in range(f_count):
-            if owners[f] != part:
-                part = owners[f]
-                n, slope = lines[part, 0, q], lines[part, 1, q]
-                for k in range(3):  # directions of xi, eta, s in space
-                    for d in range(3):
-                        turned[k, d] = 0.0
-                        for r in range(3):
-                            turned[k, d] += axes[part, r, k] * inverse[r, d]
-            for c in range(3):
-                for k in range(3):
-                    local[k] = 0.0
-                    for b in range(3):
-                        local[k] += frames[part, c, b] * tables[f, q, 3 * k + b]
-                v[c, f] = n * local[0]
-                for d in range(3):
-                    g[3 * c + d, f] = n * (turned[0, d] * local[1] + turned[1, d] * local[2])
-                    g[3 * c + d, f] += slope * turned[2, d] * local[0]
-        for f in range(f_count):
-            pressure = lam * (g[0, f] + g[4, f] + g[8, f])
-            for c in range(3):
-                for d in range(3):
-                    s[3 * c + d, f] = w * mu * (g[3 * c + d, f] + g[3 * d + c, f])
-                s[4 * c, f] += w * pressure
-        for a in range(a_count):
-            share = w * values[q, a]
-            for d in range(3):
-                local[d] = 0.0
-                for r in range(3):
-                    local[d] += slopes[q, a, r] * inverse[r, d]
-            x, y, z = local
-            for c in range(3):
-                for f in range(f_count):
-                    K_nodes[a, c, f] += x * s[3 * c, f] + y * s[3 * c + 1, f] + z * s[3 * c + 2, f]
-                    M_nodes[a, c, f] += share * v[c, f]
-        for f in range(f_count):
-            for k in range(9):
-                strain = g[k, f]
-                for h in range(f_count):
-                    K_own[f, h] += strain * s[k, h]
-            for c in range(3):
-                moved = w * v[c, f]
-                for h in range(f_count):
-                    M_own[f, h] += moved * v[c, h]
+    a, f, count = len(nodes), len(owners), len(weights)
+    K_nodes, M_nodes = np.zeros((2, f, 3, a))
+    K_own, M_own = np.zeros((2, f, f))
+    for first in range(0, count, _POINTS):
+        end = min(first + _POINTS, count)
+        inverse, volume = _inverse(nodes, slopes, weights, first, end)
+        of_nodes = np.einsum("arq,rdq->adq", slopes[..., first:end], inverse)
+        moved, strains, stresses = _laid_out(tables, lines, owners, axes, frames, inverse, lam, mu, first, end)
+        stresses *= volume
+        weighed = moved * volume
+        K_nodes += (stresses.reshape(3 * f, -1) @ of_nodes.reshape(a, -1).T).reshape(f, 3, a)
+        M_nodes += (weighed.reshape(3 * f, -1) @ values[:, first:end].T).reshape(f, 3, a)
+        K_own += strains.reshape(f, -1) @ stresses.reshape(f, -1).T
+        M_own += moved.reshape(f, -1) @ weighed.reshape(f, -1).T
     return K_nodes, K_own, M_nodes, M_own
+
+
+@stored(__file__)
+def _inverse(nodes, slopes, weights, first, end):
+    """Derivatives (3, 3, q) of the reference coordinates, rows, by the places, and the volume (q,) of every point."""
+    J, inverse, volume = np.zeros((3, 3, end - first)), np.empty((3, 3, end - first)), np.zeros(end - first)
+    for a in range(len(nodes)):
+        for d in range(3):
+            for r in range(3):
+                for q in range(end - first):
+                    J[d, r, q] += nodes[a, d] * slopes[a, r, first + q]
+    for d in range(3):
+        e, h = (d + 1) % 3, (d + 2) % 3
+        for r in range(3):
+            t, u = (r + 1) % 3, (r + 2) % 3
+            for q in range(end - first):
+                inverse[r, d, q] = J[e, t, q] * J[h, u, q] - J[e, u, q] * J[h, t, q]
+    for r in range(3):
+        for q in range(end - first):
+            volume[q] += J[0, r, q] * inverse[r, 0, q]
+    inverse /= volume
+    return inverse, volume * weights[first:end]
+
+
+@stored(__file__)
+def _laid_out(tables, lines, owners, axes, frames, inverse, lam, mu, first, end):
+    """Displacements (f, 3, q), their gradients and stresses (f, 3, 3, q) of the added functions."""
+    f_count, q_count, part = len(owners), end - first, -1
+    moved, strains = np.empty((f_count, 3, q_count)), np.empty((f_count, 3, 3, q_count))
+    stresses, local = np.empty((f_count, 3, 3, q_count)), np.empty((3, q_count))
+    turned = np.empty((3, 3, q_count))  # derivatives of xi, eta, s by the places, times the function along the edge
+    for f in range(f_count):
+        if owners[f] != part:
+            part = owners[f]
+            for k in range(3):
+                x, y, z = axes[part, :, k]
+                for d in range(3):
+                    for q in range(q_count):
+                        along = lines[part, k // 2, first + q]
+                        turned[k, d, q] = along * (x * inverse[0, d, q] + y * inverse[1, d, q] + z * inverse[2, d, q])
+        for c in range(3):
+            x, y, z = frames[part, c]
+            for k in range(3):
+                for q in range(q_count):
+                    at = first + q
+                    local[k, q] = x * tables[f, k, 0, at] + y * tables[f, k, 1, at] + z * tables[f, k, 2, at]
+            for q in range(q_count):
+                moved[f, c, q] = lines[part, 0, first + q] * local[0, q]
+            for d in range(3):
+                for q in range(q_count):
+                    across = turned[0, d, q] * local[1, q] + turned[1, d, q] * local[2, q]
+                    strains[f, c, d, q] = across + turned[2, d, q] * local[0, q]
+        for c in range(3):
+            for d in range(3):
+                for q in range(q_count):
+                    stresses[f, c, d, q] = mu * (strains[f, c, d, q] + strains[f, d, c, q])
+        for q in range(q_count):
+            pressure = lam * (strains[f, 0, 0, q] + strains[f, 1, 1, q] + strains[f, 2, 2, q])
+            for c in range(3):
+                stresses[f, c, c, q] += pressure
+    return moved, strains, stresses

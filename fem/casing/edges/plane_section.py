@@ -52,41 +52,48 @@ class PlaneSection:
         shape = np.round(self.points / abs(self.points).max(), 8) + 0.0
         return b"".join(one.tobytes() for one in (shape, corners, sides, self.closed, self.clamped, self.loaded))
 
-    def functions(self, components: int, poisson_ratio: float, count: int) -> np.ndarray:
-        """The functions with most energy (fan, function, component, k, k) on the graded grids, largest value 1.
+    def functions(self, poisson_ratio: float, in_plane: int, along_edge: int) -> np.ndarray:
+        """The functions with most energy (fan, function, 3, k, k) on the graded grids, largest value 1.
+
+        Components in the plane come first (plane strain), then those along the edge (anti-plane shear).
 
         Parameters
         ----------
-        components : 2 in the plane (plane strain), 1 along the edge (anti-plane shear)
         poisson_ratio : of the material
-        count : at most
+        in_plane, along_edge : numbers of functions, at most
         """
         if not self.loaded.any():
-            return np.zeros((self.fan, 0, components, _NODES, _NODES))
+            return np.zeros((self.fan, 0, 3, _NODES, _NODES))
         coarse, n = self._coarse()
         fine, n_fine = self._fine()
         of_fine = self._fine_from(coarse, n, fine, n_fine)  # values on the grids from coarse nodes and free grid nodes
-        T = sp.csr_matrix(sp.kron(of_fine, sp.eye_array(components)))
-        K_fan = self._stiffness(slice(0, self.fan), fine, n_fine, components, poisson_ratio)
-        K = np.asarray(T.T @ (T.T @ K_fan).T)
-        head = components * n
-        K[:head, :head] += self._stiffness(slice(self.fan, None), coarse, n, components, poisson_ratio)
         held, loaded = np.zeros((2, of_fine.shape[1]), bool)
         on_side = _on_sides(coarse)
         held[on_side[self.clamped]] = True
         loaded[on_side[self.loaded]] = True
-        known = np.repeat(held | loaded, components) | (np.diag(K) == 0.0)  # nodes within the fan carry nothing
-        data = self._motions(coarse, n, components)
-        U = np.zeros((len(K), data.shape[1]))
-        U[:head] = data
-        U[np.repeat(held, components)] = 0.0
-        U[~known] = -la.solve(K[np.ix_(~known, ~known)], K[~known] @ U, assume_a="pos")
-        U = U @ _largest(U.T @ K @ U, _RIGID, None)
-        u = T @ U
-        phi = u - self._interpolated(fine, u.reshape(n_fine, components, -1)).reshape(u.shape)
-        phi = phi @ _largest(phi.T @ K_fan @ phi, _LEAST_ENERGY, count)
-        phi /= abs(phi).max(axis=0, initial=1e-300)
-        return phi.reshape(n_fine, components, -1)[fine].transpose(0, 4, 3, 1, 2)
+        of_fan, of_ring = self._products(slice(0, self.fan)), self._products(slice(self.fan, None))
+        found = []
+        for components, count in ((2, in_plane), (1, along_edge)):
+            T = sp.csr_matrix(sp.kron(of_fine, sp.eye_array(components)))
+            K_fan = _stiffness(of_fan, fine, n_fine, components, poisson_ratio)
+            K = np.asarray(T.T @ (T.T @ K_fan).T)
+            head = components * n
+            K[:head, :head] += _stiffness(of_ring, coarse[self.fan :], n, components, poisson_ratio)
+            known = np.repeat(held | loaded, components) | (np.diag(K) == 0.0)  # nodes within the fan carry nothing
+            data = self._motions(coarse, n, components)
+            U = np.zeros((len(K), data.shape[1]))
+            U[:head] = data
+            U[np.repeat(held, components)] = 0.0
+            U[~known] = -la.solve(K[np.ix_(~known, ~known)], K[~known] @ U, assume_a="pos")
+            U = U @ _largest(U.T @ K @ U, _RIGID, None)
+            u = T @ U
+            phi = u - self._interpolated(fine, u.reshape(n_fine, components, -1)).reshape(u.shape)
+            phi = phi @ _largest(phi.T @ K_fan @ phi, _LEAST_ENERGY, count)
+            phi /= abs(phi).max(axis=0, initial=1e-300)
+            full = np.zeros((n_fine, 3, phi.shape[1]))
+            full[:, slice(0, 2) if components == 2 else slice(2, 3)] = phi.reshape(n_fine, components, -1)
+            found.append(full)
+        return np.concatenate(found, axis=2)[fine].transpose(0, 4, 3, 1, 2)
 
     def _coarse(self) -> tuple[np.ndarray, int]:
         """Numbers (cell, 3, 3) of the nodes of the elements, and how many there are."""
@@ -156,10 +163,8 @@ class PlaneSection:
                     cases.append(case.ravel())
         return np.array(cases).T
 
-    def _stiffness(
-        self, cells: slice, numbers: np.ndarray, n: int, components: int, poisson_ratio: float
-    ) -> np.ndarray:
-        """For a shear modulus of 1: of the fan on its graded grids, or of the ring as its elements are."""
+    def _products(self, cells: slice) -> np.ndarray:
+        """Integrals (cell, i, j, a, b) of products of slopes: in the fan on its graded grids, in the ring as it is."""
         in_fan = cells.start == 0
         x, weight = gauss(GRID if in_fan else np.array([0.0, 1.0]))
         X, Y = (one.ravel() for one in np.meshgrid(x, x, indexing="ij"))
@@ -168,24 +173,27 @@ class PlaneSection:
             _, slopes = products(graded(X), graded(Y))
         else:
             _, slopes = (nine_nodes if self.middles else eight_nodes)(X, Y)
-            numbers = numbers[cells]
         slopes = slopes.reshape(len(X), -1, 2)
-        lam = 2.0 * poisson_ratio / (1.0 - 2.0 * poisson_ratio)
-        out = np.zeros((components * n, components * n))
-        for points, number in zip(self.points[cells], numbers, strict=True):
-            J = np.einsum("qabr,abd->qrd", of_map, points)
-            volume = abs(np.linalg.det(J)) * np.outer(weight, weight).ravel()
-            G = np.einsum("qar,qdr->dqa", slopes, np.linalg.inv(J))
-            product = (G * volume[:, None])[:, None].transpose(0, 1, 3, 2) @ G[None]  # (i, j, a, b)
-            shear = product[0, 0] + product[1, 1]
-            if components == 2:
-                block = lam * product + product.transpose(1, 0, 2, 3) + np.eye(2)[:, :, None, None] * shear
-            else:
-                block = shear[None, None]
-            size = components * number.size
-            own = (components * number.ravel()[:, None] + np.arange(components)).ravel()
-            out[np.ix_(own, own)] += block.transpose(2, 0, 3, 1).reshape(size, size)
-        return out
+        J = np.einsum("qabr,eabd->eqrd", of_map, self.points[cells])
+        volume = abs(np.linalg.det(J)) * np.outer(weight, weight).ravel()
+        G = np.einsum("qar,eqdr->edqa", slopes, np.linalg.inv(J))
+        return np.asarray((G * volume[:, None, :, None]).transpose(0, 1, 3, 2)[:, :, None] @ G[:, None])
+
+
+def _stiffness(products: np.ndarray, numbers: np.ndarray, n: int, components: int, poisson_ratio: float) -> np.ndarray:
+    """For a shear modulus of 1, from the integrals (cell, i, j, a, b) and numbers (cell, k, k) of the nodes."""
+    lam = 2.0 * poisson_ratio / (1.0 - 2.0 * poisson_ratio)
+    shear = products[:, 0, 0] + products[:, 1, 1]
+    if components == 2:
+        blocks = lam * products + products.transpose(0, 2, 1, 3, 4) + np.eye(2)[:, :, None, None] * shear[:, None, None]
+    else:
+        blocks = shear[:, None, None]
+    out = np.zeros((components * n, components * n))
+    for block, number in zip(blocks, numbers, strict=True):
+        size = components * number.size
+        own = (components * number.ravel()[:, None] + np.arange(components)).ravel()
+        out[np.ix_(own, own)] += block.transpose(2, 0, 3, 1).reshape(size, size)
+    return out
 
 
 def _on_sides(numbers: np.ndarray) -> np.ndarray:

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem.casing.edges.fans import Chain, Fan, Sector, Topology
-from fem.casing.edges.lines import GRID
 from fem.casing.edges.plane_section import PlaneSection
 
 ALONG = (0.0, 0.5, 1.0)  # s of the nodes of a fan
@@ -67,13 +66,7 @@ class Profiles:
         key = section.key
         if key in self._known:
             return self._known[key]
-        parts = []
-        for components, most in (([0, 1], _IN_PLANE), ([2], _ALONG_EDGE)):
-            values = section.functions(len(components), self._ratio, most)
-            full = np.zeros((len(fan.sectors), values.shape[1], 3, 2 * len(GRID) - 1, 2 * len(GRID) - 1))
-            full[:, :, components] = values
-            parts.append(full)
-        self._known[key] = list(np.concatenate(parts, axis=1))
+        self._known[key] = list(section.functions(self._ratio, _IN_PLANE, _ALONG_EDGE))
         return self._known[key]
 
 

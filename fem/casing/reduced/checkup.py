@@ -194,11 +194,13 @@ def _rigid_items(
     casing: GroundedCasing, R: np.ndarray, MR: np.ndarray, mass: float, inertia: np.ndarray
 ) -> dict[str, float]:
     """Rigid body items of the free body, and the reaction to gravity of the grounded one."""
+    from fem.numerics.sparse_product import product
+
     block = R.T @ MR
     gyration = math.sqrt(np.trace(inertia) / (2.0 * mass))
     first_moment = np.array([block[2, 4], block[0, 5], block[1, 3]])
     motion, together, reaction = (_on_clamped_feet if casing.ground == "fixed" else _on_springs)(casing, R, MR)
-    condensed = motion.T @ (casing.K @ motion)
+    condensed = motion.T @ product(casing.K, motion)
     value = np.sort(abs(la.eigh(condensed, motion.T @ motion, eigvals_only=True)))
     return {
         "rigid_from_stiffness": float(abs(together - R).max() / abs(R).max()),
@@ -217,13 +219,15 @@ def _on_clamped_feet(
 
     Each foot moves as a rigid patch, six columns per foot; the rest follows by the stiffness.
     """
+    from fem.numerics.sparse_product import product
+
     mesh, solve, E = casing.mesh, casing.interface.factor.solve, casing.expansion
     feet = mesh.patches("ground_")
     motion = np.zeros((len(R), 6 * len(feet)))
     for index, name in enumerate(feet):
         unknowns = (3 * np.unique(mesh.patch(name))[:, None] + np.arange(3)).ravel()
         motion[unknowns, 6 * index : 6 * index + 6] = R[unknowns]
-    motion -= E @ solve(E.T @ (casing.K @ motion))
+    motion -= E @ solve(E.T @ product(casing.K, motion))
     together = motion.reshape(len(R), len(feet), 6).sum(axis=1)
     gravity = (casing.K @ (E @ solve(E.T @ MR[:, :3])))[casing.clamped]
     return motion, together, R[casing.clamped, :3].T @ (gravity - MR[casing.clamped, :3])
