@@ -47,10 +47,14 @@ SHORT: dict[str, Any] = {
 }
 
 
-def tetrahedra(size: float, bore: float) -> dict[str, Any]:
-    """Settings of an extrapolated mesh, sizes in mm."""
-    sizes = {"casing.element_size_mm": size, "casing.bore_element_size_mm": bore}
-    return {"casing.element": "tetrahedron-10", "casing.extrapolated": True, **sizes}
+def tetrahedra(size: float, nodes: int = 20, **other: float) -> dict[str, Any]:
+    """Settings of an extrapolated mesh, size in mm."""
+    return {
+        "casing.element": f"tetrahedron-{nodes}",
+        "casing.extrapolated": True,
+        "casing.element_size_mm": size,
+        **other,
+    }
 
 
 def hexahedra(size: float, nodes: int) -> dict[str, Any]:
@@ -68,10 +72,10 @@ MESHES = {
     FIRST: hexahedra(22.0, 20),
     "hexahedra-27 25": hexahedra(25.0, 27),
     FINEST: hexahedra(15.0, 20),
-    "tetrahedra 20": tetrahedra(20.0, 8.0),
-    "tetrahedra 17.6": tetrahedra(17.6, 7.0),
-    "tetrahedra 17.1": tetrahedra(17.1, 6.8),
-    "tetrahedra 15.5": tetrahedra(15.5, 6.0),
+    "tetrahedra-20 33": tetrahedra(33.0),
+    "tetrahedra-20 28": tetrahedra(28.0),
+    "tetrahedra-20 24": tetrahedra(24.0),
+    "tetrahedra-10 17.6": tetrahedra(17.6, 10, **{"casing.bore_element_size_mm": 7.0}),
 }
 DRAWS, SEED = 44, 7
 

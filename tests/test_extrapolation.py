@@ -1,4 +1,4 @@
-"""The stiffness of a casing extrapolated to elements of size zero by two coarser meshes."""
+"""The stiffness of a casing extrapolated to elements of size zero by coarser meshes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from housings import small_housing
 
 from fem.casing.mesh_error.cubic_limits import ORDER
 from fem.casing.mesh_error.extrapolation import (
-    RATIOS,
     ExtrapolationError,
     LowestModes,
     coarser_sizes,
@@ -20,6 +19,7 @@ from fem.casing.mesh_error.extrapolation import (
     stiffness_factor,
 )
 from fem.casing.mesh_error.frequency_limits import EDGE_ORDER
+from fem.casing.mesh_error.laws import LARGEST_RATIO, RATIOS
 from fem.casing.mesh_error.pairing import sample_nodes
 from fem.casing.mesh_error.wanted_size import wanted_factor
 from fem.casing.meshing.mesher import mesh_housing
@@ -133,13 +133,17 @@ def test_coarser_meshes_that_are_not_stiffer_are_refused(coarse):
 
 
 def test_more_meshes_are_made_only_where_they_are_asked_for():
-    names = {}
-    for settings in ({}, {"casing.extrapolated": True}):
-        stages = plant_steps(make_plant(load_scene("rig-healthy", settings).scene))
-        names[bool(settings)] = [stage.name for stage in stages if "casing" in stage.name]
-    assert names[False] == ["casing mesh", "casing modes", "casing"]
-    more = [f"{name}{what}" for name in ("coarser casing", "coarsest casing") for what in (" mesh", "")]
-    assert names[True] == ["casing mesh", *more, "casing modes", "casing"]
+    def names(**settings):
+        stages = plant_steps(
+            make_plant(load_scene("rig-healthy", {f"casing.{k}": v for k, v in settings.items()}).scene)
+        )
+        return [stage.name for stage in stages if "casing" in stage.name]
+
+    one = ["coarser casing mesh", "coarser casing"]
+    two = [*one, "coarsest casing mesh", "coarsest casing"]
+    assert names() == ["casing mesh", "casing modes", "casing"]
+    assert names(extrapolated=True, element="tetrahedron-10") == ["casing mesh", *two, "casing modes", "casing"]
+    assert names(extrapolated=True, element="hexahedron-20") == ["casing mesh", *one, "casing modes", "casing"]
 
 
 def test_linear_elements_cannot_be_extrapolated_and_presets_leave_it_out():
@@ -164,9 +168,9 @@ def hexahedral(sizes: Sizes) -> LowestModes:
 
 @pytest.fixture(scope="module")
 def hexahedra():
-    """Modes of a small housing on hexahedra and on the two coarser meshes."""
+    """Modes of a small housing on hexahedra and on the coarser mesh."""
     sizes = Sizes(element=0.018)
-    return [hexahedral(one) for one in (sizes, *coarser_sizes(sizes))]
+    return [hexahedral(one) for one in (sizes, *coarser_sizes(sizes, "hexahedron-20"))]
 
 
 def limits_of(trial, *coarser, count=COUNT):
@@ -174,8 +178,9 @@ def limits_of(trial, *coarser, count=COUNT):
 
 
 def test_what_is_taken_off_hexahedra_is_little_and_known(hexahedra):
-    fine, *coarser = hexahedra
-    assert all(fine.unknowns > other.unknowns for other in coarser)
+    fine, coarser = hexahedra
+    assert coarser.element_size == pytest.approx(LARGEST_RATIO[0] * fine.element_size)
+    assert fine.unknowns > coarser.unknowns
     limits = limits_of(*hexahedra)
     assert 0.001 < limits.correction < 0.015
     assert limits.median_band < 0.01

@@ -43,7 +43,8 @@ def measured(case: Case, last: Mapping[str, Any] | None = None) -> dict[str, Any
     mesh = mesh_geometry(case.geometry, case.sizes, case.element)
     meshes = [mesh, replace(mesh, cubic=0)]
     if not mesh.cubic:
-        meshes = [mesh, *(mesh_geometry(case.geometry, sizes, case.element) for sizes in coarser_sizes(case.sizes))]
+        larger = coarser_sizes(case.sizes, case.element)
+        meshes = [mesh, *(mesh_geometry(case.geometry, sizes, case.element) for sizes in larger)]
     finest, *coarser = found = [lowest_modes(one, case.material, static=False) for one in meshes]
     inside = finest.frequencies <= HIGHEST
     limits = limits_from(finest.frequencies[inside], finest.shapes[:, inside], finest.element_size, coarser)
@@ -53,7 +54,7 @@ def measured(case: Case, last: Mapping[str, Any] | None = None) -> dict[str, Any
         before = last["Hz"]["frequencies"]
         if len(before) != len(limits.frequencies) or not np.allclose(rounded["frequencies"], before, rtol=1e-6):
             raise SystemExit(f"{case.name}: its frequencies are no longer those of the last result; leave out --limits")
-        return {**last, "Hz": {**last["Hz"], **rounded}}
+        return {**last, "unknowns": [one.unknowns for one in found], "Hz": {**last["Hz"], **rounded}}
     exact = reference(case.build, case.material, case.reference_size, limits.frequencies, finest.shapes[:, inside])
     references = {"references": exact.limits, "uncertainties": exact.uncertainties, "upper_bounds": exact.finest}
     return {

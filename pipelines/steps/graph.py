@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from pipelines.steps.casing_modes import CasingModesSpec
 
 TRIAL = "trial casing"  # step with the modes that the size of elements is predicted from
-COARSER = ("coarser casing", "coarsest casing")  # steps with the modes that a casing is extrapolated from
+COARSER = ("coarser casing", "coarsest casing")  # steps with the modes that a casing is extrapolated from, or the first
 QUADRATIC = "quadratic casing"  # the one with the modes that a casing of cubic tetrahedra is
 _NUMERIC = ("numpy", "scipy", "numba")
 
@@ -168,11 +168,12 @@ def _casing_steps(plant: Plant) -> list[Step]:
     reduced = casing_modes.CasingModesSpec(material=part.material, model=model)
     cubic = SOLIDS[part.element].degree == 3
     coarser = [] if cubic or not part.extrapolated else _coarser_steps(mesh, reduced, interfaces)
+    larger = extrapolated_from([step.name for step in coarser])
     lower = [_modes_on(mesh, QUADRATIC, reduced, interfaces, quadratic=True)] if cubic and part.extrapolated else []
     return [
         *([mesh] if part.error is None else []),
         *coarser,
-        *([] if part.error is None else _asked_steps(mesh, reduced, interfaces, part.error, cubic=cubic)),
+        *([] if part.error is None else _asked_steps(mesh, reduced, interfaces, part.error, larger)),
         *lower,
         Step(
             name="casing modes",
@@ -209,12 +210,12 @@ def _elastic_step(plant: Plant, part: ElasticPart | MatricesPart, coarser: Seque
 
 
 def _coarser_steps(mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str, tuple[str, ...]]) -> list[Step]:
-    """Two more meshes with larger elements, and their lowest modes."""
+    """Meshes with larger elements, and their lowest modes."""
     from fem.casing.mesh_error.extrapolation import coarser_sizes
     from pipelines.steps import casing_mesh
 
     steps: list[Step] = []
-    for name, sizes in zip(COARSER, coarser_sizes(mesh.spec.sizes), strict=True):
+    for name, sizes in zip(COARSER, coarser_sizes(mesh.spec.sizes, mesh.spec.element), strict=False):
         larger, ratio = replace(mesh.spec, sizes=sizes), sizes.element / mesh.spec.sizes.element
         seconds = mesh.seconds / ratio**2
         coarser = replace(mesh, name=f"{name} mesh", build=casing_mesh.build_coarser, spec=larger, seconds=seconds)
@@ -223,9 +224,16 @@ def _coarser_steps(mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str
 
 
 def _asked_steps(
-    mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str, tuple[str, ...]], error: float, *, cubic: bool
+    mesh: Step,
+    reduced: CasingModesSpec,
+    interfaces: Mapping[str, tuple[str, ...]],
+    error: float,
+    coarser: Sequence[str],
 ) -> list[Step]:
-    """The mesh with the largest elements, its lowest modes, and the mesh whose size follows from them."""
+    """The mesh with the largest elements, its lowest modes, and the mesh whose size follows from them.
+
+    Without `coarser` steps it follows from quadratic displacements on the first mesh.
+    """
     from fem.casing.reduced.body import MODES_OVER_BAND
     from pipelines.steps import casing_mesh
 
@@ -238,11 +246,11 @@ def _asked_steps(
         band=0.0 if limit is None else limit / MODES_OVER_BAND,
     )
     trial, lower = replace(mesh, name=f"{TRIAL} mesh"), f"{QUADRATIC}, trial"
-    takes = (TRIAL, lower) if cubic else (TRIAL, *COARSER)
+    takes = (TRIAL, *(coarser or (lower,)))
     return [
         trial,
         _modes_on(trial, TRIAL, reduced, interfaces),
-        *([_modes_on(trial, lower, reduced, interfaces, quadratic=True)] if cubic else []),
+        *([] if coarser else [_modes_on(trial, lower, reduced, interfaces, quadratic=True)]),
         replace(mesh, kind="casing-asked-mesh", build=casing_mesh.build_asked, spec=asked, takes=takes),
     ]
 

@@ -1,6 +1,6 @@
 """Stiffness of a casing extrapolated to elements of size zero, by its natural modes on coarser meshes.
 
-Elements of displacement are too stiff. The lowest modes on two coarser meshes, with elements `RATIOS` times as large,
+Elements of displacement are too stiff. The lowest modes on coarser meshes, with elements 1.3 and 1.7 times as large,
 paired by their shapes, tell the limit of every frequency and a band about it (`fem.casing.mesh_error.laws`). Of cubic
 tetrahedra those of quadratic ones on the same mesh do (`fem.casing.mesh_error.cubic_limits`).
 
@@ -19,7 +19,7 @@ from threadpoolctl import threadpool_limits
 
 from fem.casing.mesh_error.cubic_limits import cubic_limits
 from fem.casing.mesh_error.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
-from fem.casing.mesh_error.laws import law_of
+from fem.casing.mesh_error.laws import law_of, ratios_of
 from fem.casing.mesh_error.pairing import counterparts, sample_nodes
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.meshing.sizes import Sizes
@@ -32,7 +32,6 @@ from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import Material
 from fem.storage.records import Record, array, integer, scalar, text
 
-RATIOS = (1.3, 1.7)  # element sizes of the coarser meshes
 MODES = 60  # lowest natural modes that are compared
 LARGEST = 0.25  # change of a frequency from mesh to mesh that is extrapolated
 RIGID_MOTIONS = 6  # motions of a casing on springs, which stand outside its own stiffness
@@ -53,9 +52,9 @@ class LowestModes(Record):
     element: str = text()  # of `fem.elements.solid_elements.SOLIDS`
 
 
-def coarser_sizes(sizes: Sizes) -> tuple[Sizes, Sizes]:
-    """Element sizes of the two meshes that the errors of one are measured by."""
-    return sizes.times(RATIOS[0]), sizes.times(RATIOS[1])
+def coarser_sizes(sizes: Sizes, element: str) -> tuple[Sizes, ...]:
+    """Element sizes of the meshes that the errors of one are measured by."""
+    return tuple(sizes.times(ratio) for ratio in ratios_of(element))
 
 
 def lowest_modes(
@@ -140,8 +139,9 @@ def limits_from(
         number = counterparts(shapes, other.shapes)
         rows.append(np.where(number < 0, np.nan, other.frequencies[number]))
     ratios = [other.element_size / element_size for other in coarser]
+    same_mesh = ratios == [1.0]
     try:
-        if len(coarser) == 1:
+        if same_mesh:
             limits = cubic_limits(*rows)
         else:
             limits = law_of(coarser[0].element)((1.0, *ratios), np.array(rows))
@@ -150,7 +150,7 @@ def limits_from(
     changes = np.nanmean(np.array(rows[1:]) / frequencies, axis=1) - 1.0
     largest = int(changes.argmax())
     if not 0.0 <= changes[largest] <= LARGEST:
-        others = f"elements {ratios[largest]:.3g} times as large" if len(coarser) > 1 else "quadratic elements"
+        others = "quadratic elements" if same_mesh else f"elements {ratios[largest]:.3g} times as large"
         raise ExtrapolationError(
             f"casing: {others} change the first {len(frequencies)} frequencies by "
             f"{100 * changes[largest]:+.2g} % (0 to {100 * LARGEST:g} % can be extrapolated). Use a smaller "

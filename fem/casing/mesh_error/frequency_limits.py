@@ -49,7 +49,7 @@ class FrequencyLimits:
 
     frequencies: np.ndarray  # (mode,), Hz, on the finest mesh
     order: float  # of what smaller elements take off all modes
-    orders: np.ndarray  # (mode,) of each alone, nan where its values are not monotone
+    orders: np.ndarray  # (mode,) of each alone, nan where its values are not monotone or not three
     limits: np.ndarray  # (mode,), Hz
     bands: np.ndarray  # (mode,), Hz: half width about the limit
     fixed_bands: np.ndarray  # (mode,), Hz: part of them that smaller elements leave as it is
@@ -73,12 +73,12 @@ class FrequencyLimits:
 
 @dataclass(frozen=True, eq=False)
 class Changes:
-    """How the frequencies of three meshes differ, read and checked.
+    """How the frequencies of two or more meshes differ, read and checked.
 
     Parameters
     ----------
-    sizes : three element sizes, ascending, in any unit
-    frequencies : float (3, mode), Hz, of the same modes; nan where a coarser mesh has no counterpart
+    sizes : element sizes, ascending, in any unit
+    frequencies : float (size, mode), Hz, of the same modes; nan where a coarser mesh has no counterpart
     formal_order : of frequencies in a smooth body, the largest that is believed
 
     Raises
@@ -92,70 +92,73 @@ class Changes:
 
     def __post_init__(self) -> None:
         h, f = self.sizes, self.frequencies
-        if h.shape != (3,) or f.ndim != 2 or len(f) != 3 or not (0.0 < h[0] < h[1] < h[2]):
-            raise LimitError(
-                f"sizes {h.tolist()} and frequencies {f.shape}: give three rising sizes, a row of modes each"
-            )
+        if len(h) < 2 or f.ndim != 2 or len(f) != len(h) or not (h[0] > 0.0 and (np.diff(h) > 0.0).all()):
+            raise LimitError(f"sizes {h.tolist()} and frequencies {f.shape}: give rising sizes, a row of modes each")
         if self.known.sum() < LEAST_MODES or not abs(self.large[self.known]).max() > 0.0:
             raise LimitError(
-                f"{int(self.known.sum())} modes of the finest mesh have counterparts that differ on both others (least "
+                f"{int(self.known.sum())} modes of the finest mesh have counterparts that differ on the others (least "
                 f"{LEAST_MODES}); use smaller elements on all meshes"
             )
 
     @property
     def middle(self) -> np.ndarray:
-        """e_2 (mode,)."""
+        """e_2 (mode,) of three meshes."""
         return np.asarray(self.frequencies[1] / self.frequencies[0] - 1.0)
 
     @property
     def large(self) -> np.ndarray:
-        """e_3 (mode,)."""
-        return np.asarray(self.frequencies[2] / self.frequencies[0] - 1.0)
+        """The change (mode,) to the largest size, e_3 of three meshes."""
+        return np.asarray(self.frequencies[-1] / self.frequencies[0] - 1.0)
 
     @property
     def known(self) -> np.ndarray:
-        """Bool (mode,): on all three meshes."""
+        """Bool (mode,): on all meshes."""
         return np.asarray(np.isfinite(self.frequencies).all(axis=0))
 
     @property
     def monotone(self) -> np.ndarray:
         """Bool (mode,): from mesh to mesh in one direction."""
-        return np.asarray(self.known & (self.middle * (self.large - self.middle) > 0.0))
+        steps = np.diff(self.frequencies, axis=0)
+        return np.asarray(self.known & (steps * self.large > 0.0).all(axis=0))
 
     @property
     def scale(self) -> np.ndarray:
-        """|e_3| (mode,), at least its median."""
+        """|`large`| (mode,), at least its median."""
         usual = float(np.median(abs(self.large[self.known])))
         return np.maximum(abs(np.where(self.known, self.large, usual)), usual)
 
     def limits(
         self, order: float, *, share: float, reach: float, walls: tuple[float, float] = (0.0, 0.0)
     ) -> FrequencyLimits:
-        """Limits f (1 - w - share e_3) and bands f (dw + reach `scale`), at least the spread where not monotone.
+        """Limits f (1 - w - share `large`) and bands f (dw + reach `scale`), at least the spread where not monotone.
 
         Parameters
         ----------
         order : with which smaller elements change what depends on their size
-        share, reach : of e_3
+        share, reach : of `large`
         walls : least and most of what does not, w - dw and w + dw
         """
         f, known = self.frequencies, self.known
-        logs = np.log(self.sizes[1:] / self.sizes[0])
         change = np.where(known, self.large, float(np.mean(self.large[known])))
         limits = f[0] * (1.0 - 0.5 * sum(walls) - share * change)
         fixed = 0.5 * (walls[1] - walls[0]) * f[0]
         bands = fixed + reach * self.scale * f[0]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ratios = np.where(self.monotone, self.middle / self.large, np.nan)
         return FrequencyLimits(
             frequencies=f[0],
             order=order,
-            orders=np.array([_order(float(one), logs, 2.0 * self.formal_order) for one in ratios]),
+            orders=self._orders() if len(f) == 3 else np.full(f.shape[1], np.nan),
             limits=limits,
             bands=np.where(self.monotone, bands, np.maximum(bands, np.nanmax(f, axis=0) - np.nanmin(f, axis=0))),
             fixed_bands=fixed,
             correction=float(np.mean(1.0 - limits[known] / f[0, known])),
         )
+
+    def _orders(self) -> np.ndarray:
+        """Of every mode alone, nan where it is not monotone."""
+        logs = np.log(self.sizes[1:] / self.sizes[0])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios = np.where(self.monotone, self.middle / self.large, np.nan)
+        return np.array([_order(float(one), logs, 2.0 * self.formal_order) for one in ratios])
 
 
 def frequency_limits(
@@ -169,8 +172,10 @@ def frequency_limits(
 
     Raises
     ------
-    LimitError : as `Changes`
+    LimitError : as `Changes`, or other than three sizes
     """
+    if len(sizes) != 3:
+        raise LimitError(f"{len(sizes)} sizes: give three, from which a common order can be told")
     changes = Changes(np.asarray(sizes, float), np.asarray(frequencies, float), formal_order)
     logs, known = np.log(changes.sizes[1:] / changes.sizes[0]), changes.known
     middle, large = changes.middle, changes.large

@@ -3,7 +3,7 @@
 One element through a wall misses some of its shear, and of the corners, at any size along the wall: on the shipped rig
 elements divided in the walls and beside them lower the frequencies by 0.23 % (22 mm) and 0.27 % (30 mm). No change of
 size shows that; the middle of `WALLS` is taken off. The rest falls with an order between `SLOW` and `FAST` (2.6 from 30
-to 22 mm with walls divided) and is told by the largest of three sizes alone: elements end on the faces of feet and
+to 22 mm with walls divided) and is told by the largest size alone: elements end on the faces of feet and
 bosses, so that near sizes give meshes that differ by chance. The limit lies half-way, the band reaches to both ends.
 
 The numbers were chosen with the errors of two housings in sight, the rig and one with walls of 5 mm; `python -m
@@ -28,14 +28,15 @@ def hexahedral_limits(sizes: Sequence[float], frequencies: np.ndarray) -> Freque
 
     Parameters
     ----------
-    sizes, frequencies : those of `fem.casing.mesh_error.frequency_limits.Changes`
+    sizes, frequencies : those of `fem.casing.mesh_error.frequency_limits.Changes`; what lies between the finest and the
+        coarsest mesh tells which modes are monotone
 
     Raises
     ------
     LimitError : as `Changes`
     """
     changes = Changes(np.asarray(sizes, float), np.asarray(frequencies, float))
-    log_ratio = math.log(changes.sizes[2] / changes.sizes[0])
+    log_ratio = math.log(changes.sizes[-1] / changes.sizes[0])
     most, least = (share_at(order, log_ratio) for order in (SLOW, FAST))
     share = 0.5 * (most + least)
     order = math.log1p(1.0 / share) / log_ratio

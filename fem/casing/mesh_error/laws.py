@@ -1,4 +1,4 @@
-"""The law by which limits and bands of frequencies follow from three meshes, by the elements of these."""
+"""The law by which limits and bands of frequencies follow from coarser meshes, and their sizes, by the elements."""
 
 from __future__ import annotations
 
@@ -13,10 +13,22 @@ from fem.elements.solid_elements import SOLIDS
 
 Law = Callable[[Sequence[float], np.ndarray], FrequencyLimits]
 
+RATIOS = (1.3, 1.7)  # element sizes of the coarser meshes
+LARGEST_RATIO = (1.7,)  # of hexahedra, whose law is read from the coarsest mesh alone
+
 
 def law_of(element: str) -> Law:
     """What elements miss depends on their kind: one of `fem.elements.solid_elements.SOLIDS`."""
-    kind = SOLIDS[element]
-    if kind.corners == 8 and kind.degree == 2:
+    if _follow_edges(element):
         return hexahedral_limits
-    return partial(frequency_limits, formal_order=kind.frequency_order)
+    return partial(frequency_limits, formal_order=SOLIDS[element].frequency_order)
+
+
+def ratios_of(element: str) -> tuple[float, ...]:
+    """Sizes of the elements of the meshes that the law asks for, over those of the finest."""
+    return LARGEST_RATIO if _follow_edges(element) else RATIOS
+
+
+def _follow_edges(element: str) -> bool:
+    kind = SOLIDS[element]
+    return kind.corners == 8 and kind.degree == 2

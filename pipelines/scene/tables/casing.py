@@ -152,8 +152,8 @@ class ElasticBase(FlexibleBase):
     extrapolated: Annotated[
         bool,
         Field(
-            description="stiffness extrapolated to elements of size zero, by two coarser meshes; with "
-            "tetrahedron-20 by quadratic displacements on the same mesh"
+            description="stiffness extrapolated to elements of size zero, by coarser meshes (hexahedra by one, "
+            "tetrahedra by two); with tetrahedron-20 by quadratic displacements on the same mesh"
         ),
     ] = False
 
