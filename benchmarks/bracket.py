@@ -15,7 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from benchmarks.solids import box_mesh
-from fem.casing.edges.functions import edge_functions
+from fem.casing.edges.added import added_functions
 from fem.casing.meshing.finished import RawMesh, finished_mesh
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.reduced.lanczos import block_lanczos
@@ -70,7 +70,7 @@ def matrices(mesh: CasingMesh, *, functions: bool = True) -> tuple[sp.csr_matrix
     )
     clamped = (3 * np.unique(mesh.patch(END))[:, None] + np.arange(3)).ravel()
     if functions:
-        K, M = edge_functions(mesh, CAST_IRON, held=(END,)).added_to(K, M)
+        K, M = added_functions(mesh, CAST_IRON, held=(END,)).added_to(K, M)
     return K, M, np.setdiff1d(np.arange(K.shape[0]), clamped)
 
 

@@ -6,6 +6,7 @@ from housings import small_housing
 
 from benchmarks.bracket import END, LEG, THICKNESS, bracket, frequencies, matrices
 from benchmarks.solids import box_mesh
+from fem.casing.edges.added import added_functions
 from fem.casing.edges.fans import chains, singular_sides
 from fem.casing.edges.functions import edge_functions
 from fem.casing.edges.lines import graded, graded_nodes, quadratic
@@ -33,7 +34,7 @@ def test_the_re_entrant_edge_and_the_rim_of_the_clamped_end_are_found():
     assert len(singular_sides(topology, np.zeros_like(clamped))) == 3
 
 
-@pytest.mark.parametrize("element", ["hexahedron-20", "hexahedron-27"])
+@pytest.mark.parametrize("element", ["hexahedron-20", "hexahedron-27", "hexahedron-32"])
 def test_most_of_the_error_goes_and_no_frequency_falls_below_that_of_finer_elements(element):
     """Displacements that are continuous bound every frequency from above."""
     (plain, _), (closer, _) = (frequencies(bracket(2, element), functions=both) for both in (False, True))
@@ -43,10 +44,10 @@ def test_most_of_the_error_goes_and_no_frequency_falls_below_that_of_finer_eleme
     assert (closer / fine - 1.0).max() < 0.15 * (plain / fine - 1.0).max()
 
 
-def test_rigid_motions_need_no_force_and_nodes_keep_their_own_entries():
-    mesh = bracket()
-    edges = edge_functions(mesh, CAST_IRON, held=(END,))
-    K, M = edges.matrices()
+@pytest.mark.parametrize("element", ["hexahedron-20", "hexahedron-32"])
+def test_rigid_motions_need_no_force_and_nodes_keep_their_own_entries(element):
+    mesh = bracket(element=element)
+    K, M = added_functions(mesh, CAST_IRON, held=(END,)).matrices()
     n = 3 * len(mesh.nodes)
     assert K[:n, :n].nnz == M[:n, :n].nnz == 0
     assert abs(K - K.T).max() <= 1e-12 * abs(K).max()
@@ -59,16 +60,18 @@ def test_rigid_motions_need_no_force_and_nodes_keep_their_own_entries():
     assert values[6] > 1e-6 * values[-1]
 
 
-def test_a_turned_bracket_has_the_same_frequencies():
+@pytest.mark.parametrize("element", ["hexahedron-20", "hexahedron-32"])
+def test_a_turned_bracket_has_the_same_frequencies(element):
     turn, _ = np.linalg.qr(np.random.default_rng(1).standard_normal((3, 3)))
     turn *= np.linalg.det(turn)
-    turned, _ = frequencies(bracket(move=lambda places: places @ turn.T))
-    assert turned == pytest.approx(frequencies(bracket())[0], rel=1e-8)
+    turned, _ = frequencies(bracket(element=element, move=lambda places: places @ turn.T))
+    assert turned == pytest.approx(frequencies(bracket(element=element))[0], rel=1e-8)
 
 
-def test_parts_of_the_body_add_up():
-    mesh = bracket()
-    edges = edge_functions(mesh, CAST_IRON, held=(END,))
+@pytest.mark.parametrize("element", ["hexahedron-20", "hexahedron-32"])
+def test_parts_of_the_body_add_up(element):
+    mesh = bracket(element=element)
+    edges = added_functions(mesh, CAST_IRON, held=(END,))
     halves = np.array_split(np.arange(len(mesh.elements)), 2)
     together = sum(edges.matrices(half.tolist())[0] for half in halves)
     whole, _ = edges.matrices()

@@ -8,18 +8,17 @@ import numpy as np
 import pytest
 from housings import small_housing
 
-from fem.casing.mesh_error.cubic_limits import ORDER
+from fem.casing.mesh_error.cubic_limits import ORDERS
 from fem.casing.mesh_error.extrapolation import (
     ExtrapolationError,
     LowestModes,
-    coarser_sizes,
     limits_from,
     lowest_modes,
     measured_limits,
     stiffness_factor,
 )
 from fem.casing.mesh_error.frequency_limits import EDGE_ORDER
-from fem.casing.mesh_error.laws import LARGEST_RATIO, RATIOS
+from fem.casing.mesh_error.laws import RATIOS
 from fem.casing.mesh_error.pairing import sample_nodes
 from fem.casing.mesh_error.wanted_size import wanted_factor
 from fem.casing.meshing.mesher import mesh_housing
@@ -139,17 +138,18 @@ def test_more_meshes_are_made_only_where_they_are_asked_for():
         )
         return [stage.name for stage in stages if "casing" in stage.name]
 
-    one = ["coarser casing mesh", "coarser casing"]
-    two = [*one, "coarsest casing mesh", "coarsest casing"]
+    two = ["coarser casing mesh", "coarser casing", "coarsest casing mesh", "coarsest casing"]
     assert names() == ["casing mesh", "casing modes", "casing"]
     assert names(extrapolated=True, element="tetrahedron-10") == ["casing mesh", *two, "casing modes", "casing"]
-    assert names(extrapolated=True, element="hexahedron-20") == ["casing mesh", *one, "casing modes", "casing"]
+    for cubic in ("hexahedron-32", "tetrahedron-20"):
+        assert names(extrapolated=True, element=cubic) == ["casing mesh", "quadratic casing", "casing modes", "casing"]
 
 
-def test_linear_elements_cannot_be_extrapolated_and_presets_leave_it_out():
-    settings = {"casing.element": "tetrahedron-4", "casing.extrapolated": True}
-    with pytest.raises(SceneError, match="measured with elements of higher degree, not with tetrahedron-4"):
-        load_scene("rig-healthy", settings)
+def test_elements_whose_error_is_not_told_cannot_be_extrapolated_and_presets_leave_it_out():
+    for element, other in (("tetrahedron-4", "tetrahedron-10"), ("hexahedron-20", "hexahedron-32")):
+        for key, value in (("extrapolated", True), ("error", "1%")):
+            with pytest.raises(SceneError, match=f"{key}: .*not by {element}; set element to {other}"):
+                load_scene("rig-healthy", {"casing.element": element, f"casing.{key}": value})
     linear = preset_on(load_scene("rig-healthy", {"casing.element": "tetrahedron-4"}), "draft")
     assert linear.scene.casing.element == "tetrahedron-4"
     assert not linear.scene.casing.extrapolated
@@ -162,82 +162,73 @@ def test_a_mesh_file_is_extrapolated_by_cubic_tetrahedra_alone():
     assert load_scene("rig-step", settings | {"casing.element": "tetrahedron-20"}).scene.casing.extrapolated
 
 
-def hexahedral(sizes: Sizes) -> LowestModes:
-    return lowest_modes(mesh_geometry(small_housing(), sizes, "hexahedron-20"), CAST_IRON, static=False)
+def both_degrees(size: float, element: str) -> list[LowestModes]:
+    """Modes of a small housing by cubic and by quadratic displacements on one mesh."""
+    mesh = mesh_geometry(small_housing(), Sizes(element=size), element)
+    return [lowest_modes(one, CAST_IRON, static=False) for one in (mesh, replace(mesh, cubic=0))]
 
 
 @pytest.fixture(scope="module")
 def hexahedra():
-    """Modes of a small housing on hexahedra and on the coarser mesh."""
-    sizes = Sizes(element=0.018)
-    return [hexahedral(one) for one in (sizes, *coarser_sizes(sizes, "hexahedron-20"))]
+    return both_degrees(0.024, "hexahedron-32")
+
+
+@pytest.fixture(scope="module")
+def tetrahedra():
+    return both_degrees(0.03, "tetrahedron-20")
 
 
 def limits_of(trial, *coarser, count=COUNT):
     return limits_from(trial.frequencies[:count], trial.shapes[:, :count], trial.element_size, coarser)
 
 
-def test_what_is_taken_off_hexahedra_is_little_and_known(hexahedra):
-    fine, coarser = hexahedra
-    assert coarser.element_size == pytest.approx(LARGEST_RATIO[0] * fine.element_size)
-    assert fine.unknowns > coarser.unknowns
+def test_what_is_taken_off_hexahedra_is_little_and_their_bands_hold_smaller_ones(hexahedra):
+    fine, quadratic = hexahedra
+    assert 1.4 < fine.unknowns / quadratic.unknowns < 1.8
     limits = limits_of(*hexahedra)
-    assert 0.001 < limits.correction < 0.015
-    assert limits.median_band < 0.01
+    assert 0.0 < limits.correction < 0.004
+    assert limits.median_band < 0.0025
+    smaller = limits_of(*both_degrees(0.016, "hexahedron-32"))
+    apart = abs(limits.limits / smaller.limits - 1.0)
+    assert (apart <= (limits.bands + smaller.bands) / smaller.limits).all()
 
 
-def test_the_size_for_an_error_is_the_one_whose_band_is_predicted_to_have_it(hexahedra):
-    limits = limits_of(*hexahedra)
-    now = limits.median_band
-    assert wanted_factor(limits, 1.01 * now, *hexahedra[:2]) == 1.0
-    less = 0.85 * now
-    factor = wanted_factor(limits, less, *hexahedra[:2])
+def test_what_is_taken_off_tetrahedra_follows_from_quadratic_ones_on_their_mesh(tetrahedra, hexahedra):
+    """Hexahedra that follow the stresses at edges, extrapolated, stand for the limit."""
+    limits, other = limits_of(*tetrahedra), limits_of(*hexahedra)
+    apart = abs(limits.limits / other.limits - 1.0)
+    assert (apart <= (limits.bands + other.bands) / other.limits).mean() > 0.9
+    assert np.median(apart) < 0.5 * np.median(tetrahedra[0].frequencies[:COUNT] / other.limits - 1.0)
+
+
+@pytest.mark.parametrize(("modes", "corners"), [("tetrahedra", 4), ("hexahedra", 8)])
+def test_the_size_for_an_error_is_the_one_whose_band_is_predicted_to_have_it(modes, corners, request):
+    found = request.getfixturevalue(modes)
+    limits = limits_of(*found)
+    assert wanted_factor(limits, 1.01 * limits.median_band, *found) == 1.0
+    less = 0.5 * limits.median_band
+    factor = wanted_factor(limits, less, *found)
     assert limits.median_band_at(factor) <= less < limits.median_band_at(factor + 0.02)
+    assert factor == pytest.approx(0.5 ** (1.0 / ORDERS[corners]), abs=0.02)
 
 
 def test_an_error_that_no_mesh_or_no_computer_has_is_refused(hexahedra):
     limits = limits_of(*hexahedra)
-    with pytest.raises(ExtrapolationError, match=r"casing.error: smaller elements do not reach 0.1 %"):
-        wanted_factor(limits, 1e-3, *hexahedra[:2])
-    many = replace(hexahedra[0], unknowns=399_000)
+    with pytest.raises(ExtrapolationError, match=r"casing.error: smaller elements do not reach 0.001 %"):
+        wanted_factor(limits, 1e-5, *hexahedra)
+    many = replace(hexahedra[0], unknowns=300_000)
     with pytest.raises(ExtrapolationError, match=r"unknowns \(limit 400,000.*have an error of [0-9]"):
-        wanted_factor(limits, 0.85 * limits.median_band, many, hexahedra[1])
-
-
-@pytest.fixture(scope="module")
-def cubic():
-    """Modes of a small housing by cubic and by quadratic displacements on one mesh."""
-    mesh = mesh_geometry(small_housing(), Sizes(element=0.03), "tetrahedron-20")
-    return [lowest_modes(one, CAST_IRON, static=False) for one in (mesh, replace(mesh, cubic=0))]
-
-
-def test_what_is_taken_off_cubic_tetrahedra_follows_from_quadratic_ones_on_their_mesh(cubic, hexahedra):
-    """Hexahedra that follow the stresses at edges, extrapolated, stand for the limit."""
-    fine, quadratic = cubic
-    limits = limits_of(fine, quadratic)
-    other = limits_of(*hexahedra)
-    apart = abs(limits.limits / other.limits - 1.0)
-    assert (apart <= (limits.bands + other.bands) / other.limits).mean() > 0.9
-    assert np.median(apart) < 0.5 * np.median(fine.frequencies[:COUNT] / other.limits - 1.0)
-
-
-def test_the_size_of_cubic_elements_for_an_error_takes_their_unknowns_to_grow_as_in_walls(cubic):
-    limits = limits_of(*cubic)
-    factor = wanted_factor(limits, 0.5 * limits.median_band, *cubic)
-    assert factor == pytest.approx(0.5 ** (1.0 / ORDER), abs=0.02)
-    many = replace(cubic[0], unknowns=200_000)
-    with pytest.raises(ExtrapolationError, match=r"unknowns \(limit 400,000"):
-        wanted_factor(limits, 0.5 * limits.median_band, many, cubic[1])
+        wanted_factor(limits, 0.5 * limits.median_band, many, hexahedra[1])
 
 
 def test_an_error_asked_for_makes_a_trial_and_says_what_it_takes():
     plant = make_plant(load_scene("rig-healthy", {"casing.error": "0.2%"}).scene)
     names = [stage.name for stage in plant_steps(plant) if "casing" in stage.name]
-    assert names[-5:] == ["trial casing mesh", "trial casing", "casing mesh", "casing modes", "casing"]
-    plant = make_plant(load_scene("rig-step", {"casing.element": "tetrahedron-20", "casing.error": "2%"}).scene)
-    names = [stage.name for stage in plant_steps(plant) if "casing" in stage.name]
     trial = ["trial casing mesh", "trial casing", "quadratic casing, trial"]
     assert names == [*trial, "casing mesh", "quadratic casing", "casing modes", "casing"]
+    plant = make_plant(load_scene("rig-step", {"casing.element": "tetrahedron-10", "casing.error": "2%"}).scene)
+    names = [stage.name for stage in plant_steps(plant) if "casing" in stage.name]
+    assert names[-5:] == ["trial casing mesh", "trial casing", "casing mesh", "casing modes", "casing"]
     for text in ("0%", "9%", "fine"):
         with pytest.raises(SceneError, match="error"):
             load_scene("rig-healthy", {"casing.error": text})

@@ -123,10 +123,10 @@ def test_a_scene_takes_hexahedra_and_says_what_it_refuses():
 @pytest.mark.parametrize(
     ("change", "element"),
     [
-        ({}, "hexahedron-20"),
-        ({"casing.element": "hexahedron-27"}, "hexahedron-20"),
-        ({"casing.extrapolated": True}, "hexahedron-20"),
-        ({"stages.1.direction_deg": 90.0}, "hexahedron-20"),
+        ({}, "hexahedron-32"),
+        ({"casing.element": "hexahedron-27"}, "hexahedron-32"),
+        ({"casing.extrapolated": True}, "hexahedron-32"),
+        ({"stages.1.direction_deg": 90.0}, "hexahedron-32"),
         ({"stages.1.direction_deg": 40.0}, "tetrahedron-20"),  # bosses overlap seen along x and along z
         ({"casing.housing.inner_fillet_mm": 5.0}, "tetrahedron-20"),
         ({"casing.element": "tetrahedron-10"}, "tetrahedron-20"),
@@ -137,4 +137,4 @@ def test_presets_take_hexahedra_where_they_fit(change, element):
     assert found["casing.element"] == element
     assert found["casing.extrapolated"]
     draft = preset_settings(load_scene("bench", change).scene, "draft")
-    assert draft["casing.extrapolated"] == (element != "hexahedron-20")  # elements 1.7 times as large may not be sound
+    assert draft["casing.extrapolated"] == (element != "hexahedron-32")  # within 1 % as they are

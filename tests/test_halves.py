@@ -10,7 +10,7 @@ import scipy.linalg as la
 from housings import small_housing
 from threadpoolctl import threadpool_limits
 
-from fem.casing.edges.functions import edge_functions
+from fem.casing.edges.added import added_functions
 from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.source import mesh_geometry
 from fem.casing.reduced.grounded import ForcedPoint, ground_casing
@@ -23,7 +23,7 @@ SIZES = Sizes(element=0.03)
 
 
 def meshed(housing):
-    return mesh_geometry(housing, SIZES, "hexahedron-20")
+    return mesh_geometry(housing, SIZES, "hexahedron-32")
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -111,7 +111,7 @@ def test_a_casing_without_a_mirror_plane_stays_in_one_piece(mesh):
 
 def test_springs_that_differ_from_side_to_side_keep_it_whole(mesh):
     casing = ground_casing(mesh, CAST_IRON, ground="springs")
-    edges = edge_functions(mesh, CAST_IRON, held=())
+    edges = added_functions(mesh, CAST_IRON, held=())
     places, rows = Places(mesh.nodes, edges.places, edges.numbers), casing.interface.rows
     feet = np.flatnonzero(casing.springs)
     for penalty, mirrored in (

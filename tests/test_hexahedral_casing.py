@@ -136,7 +136,7 @@ def test_the_nodes_of_a_file_stand_in_the_order_of_vtk():
         assert np.array_equal(smaller.library.doflocs[smaller.in_vtk], places[: smaller.nodes])
 
 
-@pytest.mark.parametrize("element", ["hexahedron-20", "hexahedron-27"])
+@pytest.mark.parametrize("element", ["hexahedron-20", "hexahedron-27", "hexahedron-32"])
 def test_fields_on_hexahedra_are_read_back(tmp_path, element):
     mesh = mesh_geometry(housing(written(tmp_path / "ring.vtu", element)), SIZES, element)
     write_fields(mesh, {"place": mesh.nodes}, tmp_path / "out.vtu")

@@ -1,18 +1,13 @@
-"""Cubic displacements in ten-node tetrahedra, by functions that are added to the quadratic ones.
+"""Cubic displacements in ten-node tetrahedra and 20-node hexahedra, by functions added to the quadratic ones.
 
-    side i j:       6 sqrt(3) l_i l_j (l_i - l_j)        face i j k:       27 l_i l_j l_k
-
-with the barycentric coordinates l; both reach 1 and vanish at all ten nodes. Along a side i is the node with the lower
-number, so that neighbours have one function. One tetrahedron through a wall then bends and shears as a plate does: its
-displacements across the wall are cubic. The geometry stays that of ten nodes.
-
-Reference: Szabo & Babuska (1991), Finite Element Analysis, section 13.2 (hierarchic functions of tetrahedra).
+Every side and every face with a function (`fem.elements.cubic_shapes`) has three unknowns, along x, y and z. Along a
+side the function runs from the node with the lower number, so that neighbours have one. One element through a wall then
+bends and shears as a plate does: its displacements across the wall are cubic. The geometry stays that of the nodes.
 """
 
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
@@ -20,40 +15,57 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem.elements.added_unknowns import AddedUnknowns
+from fem.elements.cubic_shapes import CUBIC, cubic_shapes, faces_of, sides_of
 from fem.elements.materials import Material
-from fem.elements.solid_elements import CURVED_RULE, SOLIDS, curved, rule, shapes
+from fem.elements.solid_elements import CURVED_RULE, SolidElement, rule, shapes
 from fem.elements.solids import lame
 
-_TEN = SOLIDS["tetrahedron-10"].library
-_SIDES = np.array(_TEN.refdom.edges)
-_FACES = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])
-_STRAIGHT_RULE = CURVED_RULE - 2  # exact to degree 6, that of the mass
-_OF_PLACE = np.linalg.inv(np.column_stack([_TEN.doflocs[:4], np.ones(4)]))  # l = [x, 1] @ this
+_RULES = {4: (CURVED_RULE - 2, CURVED_RULE), 8: (7, 7)}  # by corners: of affine elements (degree 6, exact), of others
+_AFFINE = 1e-9  # of the size of an element: nodes this close to an affine map of the reference element
 _CHUNK = 50000  # quadrature points worked on at once
 
 
 @dataclass(frozen=True, eq=False)
 class CubicFunctions(AddedUnknowns):
-    """Three unknowns, along x, y and z, for every side and every face that is not held."""
+    """The functions of all sides and faces that are not held."""
 
     points: np.ndarray  # (n, 3), m
-    elements: np.ndarray  # (e, 10)
+    elements: np.ndarray  # (e, k)
     material: Material
-    functions: np.ndarray  # (e, 10), of the six sides and four faces; held ones as well
+    functions: np.ndarray  # (e, f), numbers of those of its sides and faces; held ones as well
     moving: np.ndarray  # (function,), bool
+
+    @property
+    def kind(self) -> SolidElement:
+        """The cubic element that results."""
+        return CUBIC[self.elements.shape[1]]
+
+    def unknowns(self, elements: np.ndarray) -> np.ndarray:
+        """Numbers (e, 3, f) of the unknowns of some elements along x, y, z; -1 of functions that are held."""
+        number = np.where(self.moving, np.cumsum(self.moving) - 1, -1)[self.functions[elements]][:, None]
+        first = 3 * len(self.points)
+        return np.asarray(np.where(number < 0, -1, first + 3 * number + np.arange(3)[:, None]))
+
+    def signs(self, elements: np.ndarray) -> np.ndarray:
+        """Of the functions (e, f) of some elements: -1 where a side runs from the higher number to the lower."""
+        ends = self.elements[elements][:, sides_of(self.kind)]
+        out = np.ones((len(elements), self.functions.shape[1]))
+        out[:, : ends.shape[1]] = np.where(ends[:, :, 0] < ends[:, :, 1], 1.0, -1.0)
+        return out
 
     def matrices(self, elements: Collection[int] | None = None) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """As `AddedUnknowns.matrices`; three products of gradients summed over each pair of functions."""
         members = np.arange(len(self.elements)) if elements is None else np.array(sorted(elements), int)
-        count = self.nodes + len(self.moving)
-        own = np.column_stack([self.elements[members].astype(np.int64), self.nodes + self.functions[members]])
-        key, slot = np.unique(own[:, :, None] * count + own[:, None, 10:], return_inverse=True)
+        nodes, k = len(self.points), self.elements.shape[1]
+        count = nodes + len(self.moving)
+        own = np.column_stack([self.elements[members].astype(np.int64), nodes + self.functions[members]])
+        key, slot = np.unique(own[:, :, None] * count + own[:, None, k:], return_inverse=True)
         slot = slot.reshape(len(members), -1)
         blocks, masses = np.zeros((len(key), 3, 3)), np.zeros(len(key))
         lam, mu = lame(self.material.elastic_modulus, self.material.poisson_ratio)
-        sign = self._signs(members)
-        for part, products, mass in _products(self.points, self.elements[members]):
-            turn = sign[part][:, :, None] * sign[part][:, None, 10:]
+        sign = np.column_stack([np.ones((len(members), k)), self.signs(members)])
+        for part, products, mass in _products(self.kind, self.points, self.elements[members]):
+            turn = sign[part][:, :, None] * sign[part][:, None, k:]
             where = slot[part].ravel()
 
             def summed(entries: np.ndarray, where: np.ndarray = where, turn: np.ndarray = turn) -> np.ndarray:
@@ -70,16 +82,9 @@ class CubicFunctions(AddedUnknowns):
         scalar = sp.csr_matrix((self.material.density * masses, indices, indptr), shape=(count, count))
         return self._both(stiffness), self._both(sp.kron(scalar, sp.eye_array(3), format="csr"))
 
-    def _signs(self, members: np.ndarray) -> np.ndarray:
-        """Of all twenty functions (e, 20): -1 where a side runs from the higher number to the lower."""
-        ends = self.elements[members][:, _SIDES]
-        sign = np.ones((len(members), 20))
-        sign[:, 10:16] = np.where(ends[:, :, 0] < ends[:, :, 1], 1.0, -1.0)
-        return sign
-
     def _both(self, columns: sp.csr_matrix) -> sp.csr_matrix:
         """The whole symmetric matrix by its columns of added unknowns, without those that are held."""
-        n = 3 * self.nodes
+        n = 3 * len(self.points)
         kept = np.concatenate([np.arange(n), n + np.flatnonzero(np.repeat(self.moving, 3))])
         found = sp.csr_matrix(columns[kept][:, kept])
         return sp.csr_matrix(found + sp.vstack([found[:n], sp.csr_matrix((len(self), len(kept)))]).T)
@@ -90,72 +95,72 @@ def cubic_functions(points: np.ndarray, elements: np.ndarray, held: np.ndarray, 
 
     Parameters
     ----------
-    points, elements : (n, 3) m and (e, 10), ten-node tetrahedra
+    points, elements : (n, 3) m and (e, k), ten-node tetrahedra or 20-node hexahedra
     held : (f, 3 or more), corners first, of facets on which the displacements are those of the nodes: clamped or rigid
     material : of all elements
     """
-    corners, held = elements[:, :4], np.sort(held[:, :3], axis=1)
-    sides, side = np.unique(np.sort(corners[:, _SIDES], axis=2).reshape(-1, 2), axis=0, return_inverse=True)
-    faces, face = np.unique(np.sort(corners[:, _FACES], axis=2).reshape(-1, 3), axis=0, return_inverse=True)
-    rims = np.unique(held[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=0)
-    moving = np.concatenate([~_among(sides, rims), ~_among(faces, np.unique(held, axis=0))])
+    kind = CUBIC[elements.shape[1]]
+    around = 3 if kind.corners == 4 else 4
+    held = held[:, :around]
+    rims = np.stack([held, np.roll(held, -1, axis=1)], axis=2).reshape(-1, 2)
+    sides, of_sides = _numbered(elements, sides_of(kind))
+    faces, of_faces = _numbered(elements, faces_of(kind))
+    moving = np.concatenate([~_among(sides, np.sort(rims, axis=1)), ~_among(faces, np.sort(held[:, :3], axis=1))])
     places = np.concatenate([points[sides].mean(axis=1), points[faces].mean(axis=1)])[moving]
     return CubicFunctions(
-        nodes=len(points),
         numbers=np.tile(np.arange(3), len(places)),
         places=np.repeat(places, 3, axis=0),
         points=points,
         elements=elements,
         material=material,
-        functions=np.column_stack([side.reshape(-1, 6), len(sides) + face.reshape(-1, 4)]),
+        functions=np.column_stack([of_sides, len(sides) + of_faces]),
         moving=moving,
     )
 
 
-def cubic_shapes(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The twenty functions (q, 20), those of the nodes first, and their local derivatives (q, 20, 3) at (3, q)."""
-    at = np.column_stack([points.T, np.ones(points.shape[1])]) @ _OF_PLACE
-    values, slopes = shapes(_TEN, points)
-    added, by = np.empty((len(at), 10)), np.zeros((len(at), 10, 4))
-    for number, (i, j) in enumerate(_SIDES):
-        a, b = at[:, i], at[:, j]
-        added[:, number] = a * b * (a - b)
-        by[:, number, i], by[:, number, j] = b * (2.0 * a - b), a * (a - 2.0 * b)
-    for number, (i, j, k) in enumerate(_FACES, 6):
-        a, b, c = at[:, i], at[:, j], at[:, k]
-        added[:, number] = a * b * c
-        by[:, number, i], by[:, number, j], by[:, number, k] = b * c, a * c, a * b
-    scale = np.repeat([6.0 * math.sqrt(3.0), 27.0], [6, 4])
-    return (
-        np.column_stack([values, scale * added]),
-        np.concatenate([slopes, scale[:, None] * (by @ _OF_PLACE[:3].T)], axis=1),
-    )
+def _numbered(elements: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Ascending corners (m, 2 or 3) of all sides or faces of a mesh, and their numbers (e, local)."""
+    own = np.sort(elements[:, corners].reshape(-1, corners.shape[1]), axis=1)
+    found, number = np.unique(own, axis=0, return_inverse=True)
+    return found, number.reshape(len(elements), len(corners))
 
 
-def _products(points: np.ndarray, elements: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Numbers (p,), int d_i phi_a d_j phi_b dV (3, 3, p, 20, 10) and int phi_a phi_b dV (p, 20, 10), part by part."""
-    bent = curved(points, elements)
-    for members, degree in ((np.flatnonzero(~bent), _STRAIGHT_RULE), (np.flatnonzero(bent), CURVED_RULE)):
-        at, weights = rule(_TEN, degree)
-        (values, slopes), (_, of_map) = cubic_shapes(at), shapes(_TEN, at)
-        affine = degree == _STRAIGHT_RULE
-        masses = np.einsum("q,qa,qb->ab", weights, values, values[:, 10:])
-        tensor = np.einsum("q,qar,qbs->rsab", weights, slopes, slopes[:, 10:], optimize=True).reshape(9, -1)
+def _products(
+    kind: SolidElement, points: np.ndarray, elements: np.ndarray
+) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Numbers (p,), int d_i phi_a d_j phi_b dV (3, 3, p, a, f) and int phi_a phi_b dV (p, a, f), part by part."""
+    straight, k = _affine(kind, points, elements), kind.nodes
+    for affine, degree in zip((True, False), _RULES[kind.corners], strict=True):
+        members = np.flatnonzero(straight == affine)
+        at, weights = rule(kind.library, degree)
+        (values, slopes), (_, of_map) = cubic_shapes(kind, at), shapes(kind.library, at)
+        functions, added = values.shape[1], values.shape[1] - k
+        masses = np.einsum("q,qa,qb->ab", weights, values, values[:, k:])
+        tensor = np.einsum("q,qar,qbs->rsab", weights, slopes, slopes[:, k:], optimize=True).reshape(9, -1)
         for part in np.array_split(members, -(-len(members) * len(weights) // _CHUNK)) if len(members) else ():
             places = points[elements[part]]
             if affine:
                 jacobian = np.einsum("ar,ead->edr", of_map[0], places)
                 volume, inverse = np.linalg.det(jacobian), np.linalg.inv(jacobian)
                 pairs = np.einsum("e,eri,esj->ijers", volume, inverse, inverse, optimize=True)
-                products = (pairs.reshape(-1, 9) @ tensor).reshape(3, 3, len(part), 20, 10)
+                products = (pairs.reshape(-1, 9) @ tensor).reshape(3, 3, len(part), functions, added)
                 yield part, products, volume[:, None, None] * masses
                 continue
             jacobian = np.einsum("qar,ead->eqdr", of_map, places, optimize=True)
             volume = weights * np.linalg.det(jacobian)
             gradient = np.einsum("qar,eqri->ieqa", slopes, np.linalg.inv(jacobian), optimize=True)
             weighted = (gradient * volume[:, :, None]).transpose(0, 1, 3, 2)
-            products = weighted[:, None] @ gradient[None, :, :, :, 10:]
-            yield part, products, (volume[:, None, :] * values.T) @ values[:, 10:]
+            products = weighted[:, None] @ gradient[None, :, :, :, k:]
+            yield part, products, (volume[:, None, :] * values.T) @ values[:, k:]
+
+
+def _affine(kind: SolidElement, points: np.ndarray, elements: np.ndarray) -> np.ndarray:
+    """Bool (e,): all nodes lie where an affine map of the reference element has them."""
+    reference = kind.library.doflocs
+    origin, *ends = (int(abs(reference - corner).sum(axis=1).argmin()) for corner in (np.zeros(3), *np.eye(3)))
+    places = points[elements] - points[elements[:, [origin]]]
+    off = np.linalg.norm(places - reference @ places[:, ends], axis=2).max(axis=1)
+    return np.asarray(off <= _AFFINE * np.ptp(places, axis=1).max(axis=1))
 
 
 def _among(rows: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -35,7 +35,7 @@ class ElementError(ValueError):
 class SolidElement:
     """A solid element; `degree` is that of the polynomials that it holds completely.
 
-    `tetrahedron-20` is one of ten nodes to whose displacements those of `fem.elements.cubic` are added.
+    `tetrahedron-20` and `hexahedron-32` are of ten and 20 nodes; `fem.elements.cubic` adds displacements to them.
     """
 
     name: str
@@ -80,9 +80,10 @@ SOLIDS = {
         SolidElement("hexahedron-8", 8, 8, 1, "hexahedron", "MeshHex1"),
         SolidElement("hexahedron-20", 20, 8, 2, "hexahedron20", "MeshHexS2"),
         SolidElement("hexahedron-27", 27, 8, 2, "hexahedron27", "MeshHex2"),
+        SolidElement("hexahedron-32", 20, 8, 3, "hexahedron20", "MeshHexS2"),  # cubic on the shapes of 20 nodes
     )
 }
-CHOICES = ("tetrahedron-4", "tetrahedron-10", "tetrahedron-20", "hexahedron-20", "hexahedron-27")  # eight nodes lock
+CHOICES = tuple(name for name in SOLIDS if name != "hexahedron-8")  # which locks
 _BY_NODES = {one.nodes: one for one in SOLIDS.values() if one.degree < 3}
 _LINEAR = {4: SOLIDS["tetrahedron-4"], 8: SOLIDS["hexahedron-8"]}  # by corners
 

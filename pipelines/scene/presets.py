@@ -7,13 +7,10 @@ too.
 What decides, on the shipped rig: `plane` shifts the lines of the fault by 5 dB, which no refinement of it cures, so
 all presets take `solid`. The slices of the face add tones at their own passing frequency, n f_m / eps_beta, among the
 modes of the casing: 15 instead of 61 move the RMS of the sensors by 0.6 % (2.8 % at most), 31 by 0.1 % (2.5 %), the
-lines of the fault by 0.12 dB. The flexibility of the bearing seats moves these lines more than the rest of the casing
-does. A plain parametric housing takes hexahedra of 20 nodes, which follow the stresses at its edges: on the rig
-`standard` has 63,000 unknowns and frequencies 0.58 % too high, `reference` 120,000 and 0.35 % (`python -m
-benchmarks.casing_limits`); nodes in the faces and in the middle (27) take twice the time for 0.08 %. Both are
-extrapolated by a coarser mesh, which leaves 0.03 % in the median and adds a fifth to the time; `draft` is not, because
-elements 1.7 times as large as its own make no sound mesh of the rig.
-Other housings take tetrahedra and are always extrapolated.
+lines of the fault by 0.12 dB. The flexibility of the bearing seats moves these lines more than the rest of the casing.
+A plain parametric housing takes cubic hexahedra, which follow the stresses at its edges: on the rig `standard` has
+70,000 unknowns and frequencies 0.2 % too high (`python -m benchmarks.casing_limits`). Other housings take cubic
+tetrahedra. Both are extrapolated by quadratic displacements on the same mesh; `draft` is not, where it has hexahedra.
 """
 
 from __future__ import annotations
@@ -39,7 +36,9 @@ class Level:
     """Mesh law of every stage; element sizes and band of the casing relative to size and band of the scene; step.
 
     There are so many slices along the face, and more where they would be wider than `slice_width`, in mesh cycles.
-    Tetrahedra have an `element_size` and a `bore_size`, cubic ones a `cubic_size`, hexahedra an `extruded_size`.
+    Sizes of elements are relative to those of quadratic tetrahedra that the scene asks for (`COARSER`: where it asks
+    for others). Tetrahedra have an `element_size` and a `bore_size`, cubic ones a `cubic_size`, hexahedra an
+    `extruded_size`.
     """
 
     refinement: float
@@ -62,7 +61,7 @@ LEVELS = {
         element_size=1.1,
         bore_size=0.55,
         cubic_size=None,
-        extruded_size=1.25,
+        extruded_size=1.7,
         extruded_extrapolated=False,
         band=0.3,
         step_us=100.0,
@@ -74,7 +73,7 @@ LEVELS = {
         element_size=0.8,
         bore_size=0.32,
         cubic_size=1.5,
-        extruded_size=1.0,
+        extruded_size=1.36,
         extruded_extrapolated=True,
         band=0.7,
         step_us=50.0,
@@ -86,12 +85,13 @@ LEVELS = {
         element_size=0.64,
         bore_size=0.25,
         cubic_size=1.1,
-        extruded_size=0.68,
+        extruded_size=0.82,
         extruded_extrapolated=True,
         band=1.0,
         step_us=20.0,
     ),
 }
+COARSER = {"tetrahedron-20": 1.5, "hexahedron-32": 1.36}  # than quadratic tetrahedra, of about as many unknowns
 BETWEEN_BOSSES = 1.05  # distance of two axes, seen along x or z, over the sum of the radii of their bosses
 MOST_SLICES = 101  # that a scene may ask for
 PRESETS = tuple(LEVELS)
@@ -122,7 +122,7 @@ def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
     """Hexahedra of a plain parametric housing, unless its scene asks for tetrahedra: then cubic ones."""
     from pipelines.scene.tables.housing import HousingTable, MatricesHousingTable, MeshHousingTable
 
-    size, housing = casing.element_size_mm, casing.housing
+    size, housing = casing.element_size_mm / COARSER.get(casing.element, 1.0), casing.housing
     if isinstance(housing, MatricesHousingTable):
         return {}
     hexahedra = isinstance(housing, HousingTable) and (
@@ -135,7 +135,7 @@ def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
     )
     if hexahedra:
         return {
-            "casing.element": "hexahedron-20",
+            "casing.element": "hexahedron-32",
             "casing.element_size_mm": size * level.extruded_size,
             "casing.extrapolated": level.extruded_extrapolated,
         }

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 TRIAL = "trial casing"  # step with the modes that the size of elements is predicted from
 COARSER = ("coarser casing", "coarsest casing")  # steps with the modes that a casing is extrapolated from, or the first
-QUADRATIC = "quadratic casing"  # the one with the modes that a casing of cubic tetrahedra is
+QUADRATIC = "quadratic casing"  # the one with the modes that a casing of cubic elements is
 _NUMERIC = ("numpy", "scipy", "numba")
 
 
@@ -215,7 +215,7 @@ def _coarser_steps(mesh: Step, reduced: CasingModesSpec, interfaces: Mapping[str
     from pipelines.steps import casing_mesh
 
     steps: list[Step] = []
-    for name, sizes in zip(COARSER, coarser_sizes(mesh.spec.sizes, mesh.spec.element), strict=False):
+    for name, sizes in zip(COARSER, coarser_sizes(mesh.spec.sizes), strict=True):
         larger, ratio = replace(mesh.spec, sizes=sizes), sizes.element / mesh.spec.sizes.element
         seconds = mesh.seconds / ratio**2
         coarser = replace(mesh, name=f"{name} mesh", build=casing_mesh.build_coarser, spec=larger, seconds=seconds)

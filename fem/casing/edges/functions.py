@@ -4,10 +4,11 @@ The displacement in an element at an edge becomes
 
     u = sum_a N_a u_a + sum_ik N_i(s) R_i phi_ik(xi, eta) b_ik,
 
-N_i the quadratic functions of the three nodes along the side, R_i the frame at such a node, phi_ik its functions across
-the edge. As these vanish at all nodes, u_a remains the displacement there; one unknown b_ik is added for every function
-of a node on an edge. Where a chain ends within the body, the functions of its last node go on into the elements behind
-it and fade there; where they would meet elements that have no part in them, that node has none.
+N_a the functions of the element (cubic ones, too, where it has them), N_i the quadratic functions of the three nodes
+along the side, R_i the frame at such a node, phi_ik its functions across the edge. As these vanish at all nodes, u_a
+remains the displacement there; one unknown b_ik is added for every function of a node on an edge. Where a chain ends
+within the body, the functions of its last node go on into the elements behind it and fade there; where they would meet
+elements that have no part in them, that node has none.
 
 References: Szabo & Babuska (1991), Finite Element Analysis, section 10.1; Strouboulis, Copps & Babuska (2001), Comput.
 Methods Appl. Mech. Eng. 190(32-33), 4081-4193 (handbook functions, found numerically, in finite elements).
@@ -30,8 +31,10 @@ from fem.casing.edges.profiles import ALONG, Profiles
 from fem.casing.edges.topology import Sector, Topology
 from fem.casing.meshing.mesh import CasingMesh
 from fem.elements.added_unknowns import AddedUnknowns
+from fem.elements.cubic import CubicFunctions
+from fem.elements.cubic_shapes import element_shapes
 from fem.elements.materials import Material
-from fem.elements.solid_elements import SOLIDS, shapes, solid_element
+from fem.elements.solid_elements import SOLIDS, solid_element
 from fem.elements.solids import lame
 from fem.numerics.threads import side_by_side
 
@@ -53,6 +56,7 @@ class EdgeFunctions(AddedUnknowns):
 
     mesh: CasingMesh
     material: Material
+    cubic: CubicFunctions | None  # of the same mesh, whose unknowns stand before these
     parts: dict[int, list[_Part]]  # by element
 
     def matrices(self, elements: Collection[int] | None = None) -> tuple[sp.csr_matrix, sp.csr_matrix]:
@@ -62,26 +66,38 @@ class EdgeFunctions(AddedUnknowns):
         for element, own in chosen.items():
             same[_shape_key(self.mesh.nodes[self.mesh.elements[element]], own)].append(element)
         alike = list(same.values())
-        n, size = 3 * len(self.mesh.nodes), 3 * len(self.mesh.nodes) + len(self)
+        before = 3 * len(self.mesh.nodes) + (0 if self.cubic is None else len(self.cubic))
+        size = before + len(self)
         rows: list[np.ndarray] = []
         columns: list[np.ndarray] = []
         stiffness: list[np.ndarray] = []
         mass: list[np.ndarray] = []
         first, other = side_by_side(lambda: self._several(alike[::2]), lambda: self._several(alike[1::2]))
-        for members, (K_nodes, K_own, M_nodes, M_own) in zip([*alike[::2], *alike[1::2]], first + other, strict=True):
+        for members, found in zip([*alike[::2], *alike[1::2]], first + other, strict=True):
+            K_element, K_own, M_element, M_own = found
             for element in members:
-                added = n + _unknowns(self.parts[element])
-                at = (3 * self.mesh.elements[element].astype(np.int64) + np.arange(3)[:, None]).ravel()
-                row, column = np.repeat(added, len(at)), np.tile(at, len(added))
+                added = before + _unknowns(self.parts[element])
+                at, sign = self._of_element(element)
+                moving = np.flatnonzero(at.ravel() >= 0)
+                row, column = np.repeat(added, len(moving)), np.tile(at.ravel()[moving], len(added))
                 rows += [row, column, np.repeat(added, len(added))]
                 columns += [column, row, np.tile(added, len(added))]
-                stiffness += [K_nodes.ravel(), K_nodes.ravel(), K_own.ravel()]
-                mass += [M_nodes.ravel(), M_nodes.ravel(), M_own.ravel()]
+                for entries, across, among in ((stiffness, K_element, K_own), (mass, M_element, M_own)):
+                    coupled = (across * sign).reshape(len(added), -1)[:, moving].ravel()
+                    entries += [coupled, coupled, among.ravel()]
         if not rows:
             return sp.csr_matrix((size, size)), sp.csr_matrix((size, size))
         place = (np.concatenate(rows), np.concatenate(columns))
         K = sp.csr_matrix((np.concatenate(stiffness), place), shape=(size, size))
         return K, sp.csr_matrix((self.material.density * np.concatenate(mass), place), shape=(size, size))
+
+    def _of_element(self, element: int) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers (3, a) of its unknowns along x, y, z, -1 of those that are held, and signs (a,) of its functions."""
+        at = 3 * self.mesh.elements[element].astype(np.int64) + np.arange(3)[:, None]
+        if self.cubic is None:
+            return at, np.ones(at.shape[1])
+        one = np.array([element])
+        return np.hstack([at, self.cubic.unknowns(one)[0]]), np.append(np.ones(at.shape[1]), self.cubic.signs(one)[0])
 
     def _several(self, alike: list[list[int]]) -> list[tuple[np.ndarray, ...]]:
         """What `added_entries` gives for the first of every group of elements."""
@@ -93,7 +109,7 @@ class EdgeFunctions(AddedUnknowns):
         ends = np.zeros((3, 2), bool)
         for part in own:
             ends[part.sector.axis(0, 0)] = ends[part.sector.axis(1, 0)] = True
-        kind = solid_element(self.mesh.elements).name
+        kind = self.mesh.element.name
         points, weights, values, slopes = _rule(kind, ends.tobytes())
         tables, lines, owners = [], [], []
         for number, part in enumerate(own):
@@ -120,7 +136,12 @@ class EdgeFunctions(AddedUnknowns):
 
 
 def edge_functions(
-    mesh: CasingMesh, material: Material, *, held: Collection[str], joined: Sequence[np.ndarray] = ()
+    mesh: CasingMesh,
+    material: Material,
+    *,
+    held: Collection[str],
+    joined: Sequence[np.ndarray] = (),
+    cubic: CubicFunctions | None = None,
 ) -> EdgeFunctions:
     """Functions at all edges of a mesh where stresses grow without bound; none unless it is one of hexahedra.
 
@@ -129,12 +150,13 @@ def edge_functions(
     mesh, material : of the casing
     held : patches whose nodes are clamped
     joined : facets (f, k) at which parts of the mesh touch without sharing nodes
+    cubic : of the mesh, added before these
     """
     parts: dict[int, list[_Part]] = defaultdict(list)
     numbers: list[int] = []
     between: dict[int, list[np.ndarray]] = defaultdict(list)  # by the first unknown of a node
     if solid_element(mesh.elements).corners != 8:
-        return EdgeFunctions(len(mesh.nodes), np.zeros(0, int), np.zeros((0, 3)), mesh, material, {})
+        return EdgeFunctions(np.zeros(0, int), np.zeros((0, 3)), mesh, material, cubic, {})
     topology = Topology(mesh.nodes, mesh.elements, mesh.facets, mesh.facet_patch)
     for facets in joined:
         topology.mark(facets, len(mesh.patch_names))
@@ -163,7 +185,7 @@ def edge_functions(
                     parts[sector.element].append(_Part(sector, place, values[at], frame, first))
     of_node = np.array(numbers, int)
     places = np.repeat([np.mean(some, axis=0) for some in between.values()], np.diff([*between, len(of_node)]), axis=0)
-    return EdgeFunctions(len(mesh.nodes), of_node, places.reshape(-1, 3), mesh, material, dict(parts))
+    return EdgeFunctions(of_node, places.reshape(-1, 3), mesh, material, cubic, dict(parts))
 
 
 def _between(topology: Topology, node: int, fan: Fan) -> np.ndarray:
@@ -202,7 +224,7 @@ def _rule(kind: str, ends: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
         lines.append(gauss(np.unique(np.round(cuts, 12))))
     points = np.stack(np.meshgrid(*(x for x, _ in lines), indexing="ij"))
     weights = np.einsum("i,j,k->ijk", *(w for _, w in lines)).ravel()
-    values, slopes = shapes(SOLIDS[kind].library, points.reshape(3, -1))
+    values, slopes = element_shapes(SOLIDS[kind], points.reshape(3, -1))
     return points, weights, np.ascontiguousarray(values.T), np.ascontiguousarray(slopes.transpose(1, 2, 0))
 
 

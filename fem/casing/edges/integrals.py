@@ -26,12 +26,13 @@ def added_entries(
     lam: float,
     mu: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Products of the added functions with those of the nodes and with one another.
+    """Products of the added functions with those of the element and with one another.
 
     Parameters
     ----------
-    nodes : (a, 3), m, of the element
-    values, slopes, weights : (a, q), (a, 3, q) and (q,) of the nodes' functions, by the reference coordinates
+    nodes : (n, 3), m, of the element
+    values, slopes, weights : (a, q), (a, 3, q) and (q,) of the element's functions, by the reference coordinates; those
+        of the nodes come first
     tables : (f, 3, 3, q), an added function across the edge and its derivatives by xi and eta, three components each
     lines : (p, 2, q), the function of a node along the edge and its derivative
     owners : int (f,), the node of every added function
@@ -40,9 +41,9 @@ def added_entries(
 
     Returns
     -------
-    stiffness with the nodes (f, 3, a) and among themselves (f, f), mass of unit density alike
+    stiffness with the element's (f, 3, a) and among themselves (f, f), mass of unit density alike
     """
-    a, f, count = len(nodes), len(owners), len(weights)
+    a, f, count = len(values), len(owners), len(weights)
     K_nodes, M_nodes = np.zeros((2, f, 3, a))
     K_own, M_own = np.zeros((2, f, f))
     for first in range(0, count, _POINTS):

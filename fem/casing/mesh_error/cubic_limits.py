@@ -1,13 +1,14 @@
-"""Limits and bands of natural frequencies of cubic tetrahedra, by quadratic displacements on the same mesh.
+"""Limits and bands of natural frequencies of cubic elements, by quadratic displacements on the same mesh.
 
 What the quadratic elements are stiffer by, e = f_2 / f_3 - 1, tells what the cubic ones still are: f_0 = f_3 (1 - g e).
 No mesh is made anew, so that nothing is left to chance. In smooth parts of a body errors fall fast with the degree p,
 at a re-entrant edge as p^-2q with the order q = 1.09 in the element size: there g = 1 / (1.5^2.18 - 1) = 0.70 (Szabo &
 Babuska 1991, Finite Element Analysis, section 10.1), and g lies between 0 and that.
 
-On six housings with two or three sizes each (elements of 1.3 to 5 wall thicknesses) 95 % of the modes of each had a g
-within `SHARES`. A casting, a drum and a box with ribs and flange gave the numbers; for three more they were foretold
-(`python -m benchmarks.casing_limits`). The limit lies half-way, the band reaches to both ends.
+On six housings of tetrahedra, with two or three sizes each (elements of 1.3 to 5 wall thicknesses), 95 % of the modes
+of each had a g within `SHARES`. A casting, a drum and a box with ribs and flange gave the numbers; three more were
+foretold, and so were hexahedra with functions at their edges (`fem.casing.edges`), which came later, on three housings
+with three sizes each (`python -m benchmarks.casing_limits`). The limit lies half-way, the band reaches to both ends.
 """
 
 from __future__ import annotations
@@ -17,15 +18,16 @@ import numpy as np
 from fem.casing.mesh_error.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
 
 SHARES = (0.08, 0.47)  # g
-ORDER = 1.5  # with which e falls with the element size: 1.1 to 1.9 on these housings
+ORDERS = {4: 1.5, 8: 2.0}  # by corners: with which e falls with the element size, 1.1 to 1.9 and 1.9 to 2.1
 
 
-def cubic_limits(cubic: np.ndarray, quadratic: np.ndarray) -> FrequencyLimits:
+def cubic_limits(cubic: np.ndarray, quadratic: np.ndarray, *, order: float = ORDERS[4]) -> FrequencyLimits:
     """Limits f_3 (1 - g e) and bands, e taken for at least its median in these.
 
     Parameters
     ----------
     cubic, quadratic : (mode,), Hz, of the same modes; nan where the quadratic elements have no counterpart
+    order : with which smaller elements change them, one of `ORDERS`
 
     Raises
     ------
@@ -44,7 +46,7 @@ def cubic_limits(cubic: np.ndarray, quadratic: np.ndarray) -> FrequencyLimits:
     limits = cubic * (1.0 - 0.5 * (least + most) * excess)
     return FrequencyLimits(
         frequencies=cubic,
-        order=ORDER,
+        order=order,
         orders=np.full(len(cubic), np.nan),
         limits=limits,
         bands=0.5 * (most - least) * cubic * np.maximum(excess, usual),

@@ -2,7 +2,7 @@
 
 Elements of displacement are too stiff. The lowest modes on coarser meshes, with elements 1.3 and 1.7 times as large,
 paired by their shapes, tell the limit of every frequency and a band about it (`fem.casing.mesh_error.laws`). Of cubic
-tetrahedra those of quadratic ones on the same mesh do (`fem.casing.mesh_error.cubic_limits`).
+elements those of quadratic ones on the same mesh do (`fem.casing.mesh_error.cubic_limits`).
 
 The error of thin walls and sharp edges is nearly the same for all modes. One factor, from the mean m of what the limits
 lie lower than the frequencies, therefore corrects all of the stiffness: K = (1 - m)^2 K(h); mass and shapes stay.
@@ -17,9 +17,9 @@ import numpy as np
 import scipy.linalg as la
 from threadpoolctl import threadpool_limits
 
-from fem.casing.mesh_error.cubic_limits import cubic_limits
+from fem.casing.mesh_error.cubic_limits import ORDERS, cubic_limits
 from fem.casing.mesh_error.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
-from fem.casing.mesh_error.laws import law_of, ratios_of
+from fem.casing.mesh_error.laws import RATIOS, law_of
 from fem.casing.mesh_error.pairing import counterparts, sample_nodes
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.meshing.sizes import Sizes
@@ -30,6 +30,7 @@ from fem.casing.reduced.halves import lowest
 from fem.casing.reduced.modes import CasingModes
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import Material
+from fem.elements.solid_elements import SOLIDS
 from fem.storage.records import Record, array, integer, scalar, text
 
 MODES = 60  # lowest natural modes that are compared
@@ -52,9 +53,9 @@ class LowestModes(Record):
     element: str = text()  # of `fem.elements.solid_elements.SOLIDS`
 
 
-def coarser_sizes(sizes: Sizes, element: str) -> tuple[Sizes, ...]:
-    """Element sizes of the meshes that the errors of one are measured by."""
-    return tuple(sizes.times(ratio) for ratio in ratios_of(element))
+def coarser_sizes(sizes: Sizes) -> tuple[Sizes, ...]:
+    """Element sizes of the meshes that the errors of one of quadratic tetrahedra are measured by."""
+    return tuple(sizes.times(ratio) for ratio in RATIOS)
 
 
 def lowest_modes(
@@ -142,7 +143,7 @@ def limits_from(
     same_mesh = ratios == [1.0]
     try:
         if same_mesh:
-            limits = cubic_limits(*rows)
+            limits = cubic_limits(*rows, order=ORDERS[SOLIDS[coarser[0].element].corners])
         else:
             limits = law_of(coarser[0].element)((1.0, *ratios), np.array(rows))
     except LimitError as error:

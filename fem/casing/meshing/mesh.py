@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.elements.solid_elements import SOLIDS, SolidElement, solid_element
+from fem.elements.cubic_shapes import CUBIC
+from fem.elements.solid_elements import SolidElement, solid_element
 from fem.storage.records import Record, array, integer, names, scalar, text
 
 
@@ -36,7 +37,7 @@ class CasingMesh(Record):
     @property
     def element(self) -> SolidElement:
         """Of which it is made."""
-        return SOLIDS["tetrahedron-20"] if self.cubic else solid_element(self.elements)
+        return CUBIC[self.elements.shape[1]] if self.cubic else solid_element(self.elements)
 
     def patch(self, name: str) -> np.ndarray:
         """Facets (f, k) of a patch; `MeshError` with the known names if absent or empty."""

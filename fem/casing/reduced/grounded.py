@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.edges.functions import edge_functions
+from fem.casing.edges.added import added_functions
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.parts.bolted_joint import BoltedJoint, joint_stiffness
@@ -29,7 +29,6 @@ from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.halves import Places, interface_of
 from fem.casing.reduced.reduction import Interface
 from fem.elements.added_unknowns import AddedUnknowns
-from fem.elements.cubic import cubic_functions
 from fem.elements.materials import Material
 from fem.elements.solids import assemble, rigid_body_modes
 from fem.numerics.linear_solver import Solver
@@ -136,11 +135,12 @@ def ground_casing(
             raise AttachmentError(f"{name} shares nodes with a foot; move the foot or the bore")
     clamped_nodes = held[:0] if on_springs else held
     joined = () if split is None else (split.below, split.above)
-    stiff = [*(() if on_springs else feet), *(points if attachment == "rigid" else ())]
-    added = (
-        cubic_functions(mesh.nodes, mesh.elements, mesh.facets_of(stiff), material)
-        if mesh.cubic
-        else edge_functions(mesh, material, held=() if on_springs else feet, joined=joined)
+    added = added_functions(
+        mesh,
+        material,
+        held=() if on_springs else feet,
+        rigid=points if attachment == "rigid" else (),
+        joined=joined,
     )
     K, M = added.added_to(
         *assemble(

@@ -55,6 +55,11 @@ class DampedPartTable(Table):
 
 
 MOST_ERROR = 0.05  # that can be asked of frequencies
+NOT_EXTRAPOLATED = {  # elements whose error is not told, and what to take instead
+    "tetrahedron-4": "tetrahedron-10",
+    "hexahedron-20": "hexahedron-32",
+    "hexahedron-27": "hexahedron-32",
+}
 
 
 def percent(text: str) -> float:
@@ -78,11 +83,11 @@ class FlexibleBase(Table):
         Number, Field(gt=0, description="of the elements; the model rigid meshes only a housing that is no plain box")
     ] = 22.0
     element: Annotated[
-        Literal["tetrahedron-4", "tetrahedron-10", "tetrahedron-20", "hexahedron-20", "hexahedron-27"],
+        Literal["tetrahedron-4", "tetrahedron-10", "tetrahedron-20", "hexahedron-20", "hexahedron-27", "hexahedron-32"],
         Field(
-            description="tetrahedron-4 is too stiff in thin walls: to compare with; tetrahedron-20 has cubic "
-            "displacements: for walls one element thick; hexahedra: of a parametric housing "
-            "without flange, ribs, fillets and pads, or from a mesh file"
+            description="tetrahedron-4 is too stiff in thin walls: to compare with; tetrahedron-20 and hexahedron-32 "
+            "have cubic displacements: for walls one element thick; hexahedra: of a parametric housing without flange, "
+            "ribs, fillets and pads, or from a mesh file"
         ),
     ] = "tetrahedron-10"
     bore_element_size_mm: Annotated[Positive | None, Field(description="at the bearing seats, where smaller")] = None
@@ -152,8 +157,8 @@ class ElasticBase(FlexibleBase):
     extrapolated: Annotated[
         bool,
         Field(
-            description="stiffness extrapolated to elements of size zero, by coarser meshes (hexahedra by one, "
-            "tetrahedra by two); with tetrahedron-20 by quadratic displacements on the same mesh"
+            description="stiffness extrapolated to elements of size zero: with tetrahedron-20 and hexahedron-32 by "
+            "quadratic displacements on the same mesh, with tetrahedron-10 by two coarser meshes"
         ),
     ] = False
 
@@ -172,17 +177,15 @@ class ElasticBase(FlexibleBase):
             raise ValueError(f"error: {self.error} is not above 0 and at most {100 * MOST_ERROR:g} %; give one between")
         if self.error is not None and isinstance(self.housing, MeshHousingTable | MatricesHousingTable):
             raise ValueError("error: the file has one element size only; give a STEP file, or leave this out")
-        if self.error is not None and self.element == "tetrahedron-4":
-            raise ValueError(
-                "error: it can be measured with elements of higher degree, not with tetrahedron-4; leave one out"
-            )
-        if self.extrapolated and self.element == "tetrahedron-4":
-            raise ValueError(
-                "extrapolated: it was measured with elements of higher degree, not with tetrahedron-4; leave one out"
-            )
+        for key, asked in (("error", self.error is not None), ("extrapolated", self.extrapolated)):
+            if asked and self.element in NOT_EXTRAPOLATED:
+                raise ValueError(
+                    f"{key}: it is told by elements of higher degree, not by {self.element}; set element to "
+                    f"{NOT_EXTRAPOLATED[self.element]}, or leave this out"
+                )
         if self.extrapolated and isinstance(self.housing, MatricesHousingTable):
             raise ValueError("extrapolated: matrices have no elements; leave this out")
-        if self.extrapolated and isinstance(self.housing, MeshHousingTable) and self.element != "tetrahedron-20":
+        if self.extrapolated and isinstance(self.housing, MeshHousingTable) and self.element == "tetrahedron-10":
             raise ValueError(
                 "extrapolated: the file has one element size only; set element to tetrahedron-20, whose error is told "
                 "on one mesh, give a STEP file, or leave this out"
