@@ -57,21 +57,21 @@ def tetrahedra(size: float, nodes: int = 20, **other: float) -> dict[str, Any]:
     }
 
 
-def hexahedra(size: float, nodes: int) -> dict[str, Any]:
-    """Settings of an extrapolated mesh of hexahedra, size in mm."""
+def hexahedra(size: float) -> dict[str, Any]:
+    """Settings of an extrapolated mesh of cubic hexahedra, size in mm."""
     return {
-        "casing.element": f"hexahedron-{nodes}",
+        "casing.element": "hexahedron-32",
         "casing.extrapolated": True,
         "casing.element_size_mm": size,
     }
 
 
-FIRST = "hexahedra-20 22"
-FINEST = "hexahedra-20 15"
+FIRST = "hexahedra-32 30"
+FINEST = "hexahedra-32 18"
 MESHES = {
-    FIRST: hexahedra(22.0, 20),
-    "hexahedra-27 25": hexahedra(25.0, 27),
-    FINEST: hexahedra(15.0, 20),
+    FIRST: hexahedra(30.0),
+    "hexahedra-32 37": hexahedra(37.0),
+    FINEST: hexahedra(18.0),
     "tetrahedra-20 33": tetrahedra(33.0),
     "tetrahedra-20 28": tetrahedra(28.0),
     "tetrahedra-20 24": tetrahedra(24.0),

@@ -43,7 +43,7 @@ def touched(scene, *settings):
         ("casing.attachment=rigid", {"casing modes"}),
         ("casing.material.density_kg_m3=7300", {"casing modes"}),
         ("casing.housing.wall_thickness_mm=11", {"casing mesh"}),
-        ("casing.element_size_mm=30", {"casing mesh"}),
+        ("casing.element_size_mm=25", {"casing mesh"}),
         ("stages.1.direction_deg=1", {"casing mesh", "simulate"}),
         ("deviations.seed=2", {"simulate"}),
         ("faults.1.tooth=5", {"simulate"}),

@@ -79,7 +79,8 @@ def test_a_neighbour_takes_the_cuts_of_the_motion():
 
 @pytest.mark.parametrize("integrator", ["trapezoidal", "generalised-alpha"])
 def test_the_other_integrators_tell_rattle_as_well(integrator):
-    scene = RATTLE | ALONE | SHORT | {"simulation.integrator": integrator, "simulation.step_us": 50.0}
+    """In 0.8 s: rounding, which differs from processor to processor, decides when in the first half neighbours part."""
+    scene = RATTLE | ALONE | {"simulation.end_s": 0.8, "simulation.integrator": integrator, "simulation.step_us": 50.0}
     assert motion("minimal", scene).parted_at > 0.0
 
 

@@ -173,7 +173,7 @@ SCENES = {
     }),
     "rope": ("rig-missing-tooth", {"casing.model": "static", "bearings": LINEAR}),
     "hexahedra": ("minimal", {
-        "casing.model": "static", "casing.element": "hexahedron-27",
+        "casing.model": "static", "casing.element": "hexahedron-32",
         "casing.error": "0.2%",
     }),
 }  # fmt: skip

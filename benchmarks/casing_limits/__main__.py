@@ -24,7 +24,7 @@ from benchmarks.casing_limits.reference import reference
 from benchmarks.clock import conditions
 from benchmarks.markdown import markdown
 from benchmarks.page import filled
-from fem.casing.mesh_error.extrapolation import coarser_sizes, limits_from, lowest_modes
+from fem.casing.mesh_error.extrapolation import limits_from, lowest_modes
 from fem.casing.meshing.source import mesh_geometry
 
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -41,13 +41,11 @@ HEADERS = (
 def measured(case: Case, last: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """Frequencies, limits, bands and references (Hz) of the modes of one housing; references of the last result."""
     mesh = mesh_geometry(case.geometry, case.sizes, case.element)
-    meshes = [mesh, replace(mesh, cubic=0)]
-    if not mesh.cubic:
-        larger = coarser_sizes(case.sizes, case.element)
-        meshes = [mesh, *(mesh_geometry(case.geometry, sizes, case.element) for sizes in larger)]
-    finest, *coarser = found = [lowest_modes(one, case.material, static=False) for one in meshes]
-    inside = finest.frequencies <= HIGHEST
-    limits = limits_from(finest.frequencies[inside], finest.shapes[:, inside], finest.element_size, coarser)
+    cubic, quadratic = found = [
+        lowest_modes(one, case.material, static=False) for one in (mesh, replace(mesh, cubic=0))
+    ]
+    inside = cubic.frequencies <= HIGHEST
+    limits = limits_from(cubic.frequencies[inside], cubic.shapes[:, inside], cubic.element_size, [quadratic])
     numbers = {"frequencies": limits.frequencies, "limits": limits.limits, "bands": limits.bands}
     rounded = {name: values.round(4).tolist() for name, values in numbers.items()}
     if last is not None:
@@ -55,13 +53,19 @@ def measured(case: Case, last: Mapping[str, Any] | None = None) -> dict[str, Any
         if len(before) != len(limits.frequencies) or not np.allclose(rounded["frequencies"], before, rtol=1e-6):
             raise SystemExit(f"{case.name}: its frequencies are no longer those of the last result; leave out --limits")
         return {**last, "unknowns": [one.unknowns for one in found], "Hz": {**last["Hz"], **rounded}}
-    exact = reference(case.build, case.material, case.reference_size, limits.frequencies, finest.shapes[:, inside])
+    fineness = case.reference_size, case.reference_levels
+    exact = reference(case.build, case.material, *fineness, limits.frequencies, cubic.shapes[:, inside])
     references = {"references": exact.limits, "uncertainties": exact.uncertainties, "upper_bounds": exact.finest}
     return {
         "housing": case.name,
         "element": case.element,
         "unknowns": [one.unknowns for one in found],
-        "reference": {"unknowns_of_half": exact.unknowns, "order": exact.order},
+        "reference": {
+            "size": case.reference_size,
+            "levels": case.reference_levels,
+            "unknowns_of_half": exact.unknowns,
+            "order": exact.order,
+        },
         "Hz": {**rounded, **{name: values.round(4).tolist() for name, values in references.items()}},
     }
 

@@ -29,7 +29,10 @@ FREE = Sizes(element=0.033)  # 1.5 times 22 mm, as the preset takes cubic tetrah
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A housing that is its own mirror image about y = 0, how it is meshed, and the elements of its reference (m)."""
+    """A housing that is its own mirror image about y = 0, how it is meshed, and the elements of its reference (m).
+
+    `reference_levels`: how often these are divided towards edges, of `benchmarks.casing_limits.reference`.
+    """
 
     name: str
     geometry: Geometry
@@ -37,6 +40,7 @@ class Case:
     sizes: Sizes
     element: str
     reference_size: float
+    reference_levels: int = 1
 
     def build(self, gmsh: Any) -> None:
         """Make the solid in an open session, mm."""
@@ -48,12 +52,12 @@ class Case:
 
 def rig(folder: Path) -> Case:
     """The shipped rig."""
-    return _shipped("rig-healthy", 0.018)
+    return _shipped("rig-healthy", 0.0155, levels=2)
 
 
 def bench(folder: Path) -> Case:
     """A test bench of one stage: a small box with thick bosses, on four feet."""
-    return _shipped("bench", 0.014)
+    return _shipped("bench", 0.014, levels=2)
 
 
 def rig_step(folder: Path) -> Case:
@@ -77,9 +81,9 @@ def thin(folder: Path) -> Case:
         name="thin walls of aluminium",
         geometry=housing,
         material=ALUMINIUM,
-        sizes=Sizes(element=0.011),  # 2.2 wall thicknesses, as on the rig
-        element="hexahedron-20",
-        reference_size=0.012,
+        sizes=Sizes(element=0.015),  # three wall thicknesses, as on the rig
+        element="hexahedron-32",
+        reference_size=0.008,
     )
 
 
@@ -196,7 +200,7 @@ def _bores(axes: dict[float, tuple[float, float]], length: float) -> tuple[Bore,
     )
 
 
-def _shipped(scene: str, reference_size: float) -> Case:
+def _shipped(scene: str, reference_size: float, levels: int = 1) -> Case:
     part = make_plant(preset_on(load_scene(scene, {"casing.extrapolated": True}), "standard").scene).casing
     assert isinstance(part, ElasticPart), f"the casing of {scene} has no finite elements"
     return Case(
@@ -206,4 +210,5 @@ def _shipped(scene: str, reference_size: float) -> Case:
         sizes=part.sizes,
         element=part.element,
         reference_size=reference_size,
+        reference_levels=levels,
     )

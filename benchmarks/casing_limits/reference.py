@@ -4,9 +4,9 @@ One half of the body is meshed with tetrahedra by gmsh, graded to its singular e
 displacements (`cubic`); the modes of the whole are those of the half that are symmetric and those that are
 antisymmetric about the middle plane. Two errors are left, and both are taken off:
 
-    edges     a third level on the largest elements tells what the levels that are missing leave, a geometric row:
-              E = (f_2 - f_3) / (1 - s^q), s = 1/4, q = 1.09; with the element size it falls as h^q
-    elements  from three sizes with two levels: g = f_2 - E (h/h_3)^q = f_0 + c h^p with the median order p of all modes
+    edges     one more level on the largest elements tells what the levels that are missing leave, a geometric row:
+              E = (f_n - f_n+1) / (1 - s^q), s = 1/4, q = 1.09; with the element size it falls as h^q
+    elements  from three sizes with n levels: g = f_n - E (h/h_3)^q = f_0 + c h^p with the median order p of all modes
 
 The uncertainty of a mode is half of all that is taken off, and the scatter (rms over the modes) of the three meshes
 about the common order. From a mode that has no counterpart on one of the larger meshes the mean of the others is taken
@@ -34,7 +34,6 @@ from fem.elements.materials import Material
 from fem.numerics.linear_solver import factorize
 
 RATIOS = (1.0, 1.3, 1.7)  # sizes of the three meshes
-LEVELS = 2  # of division towards edges, with one more on the largest elements
 AROUND = 10.0  # elements around a full circle
 _CUBIC_ORDER = 6.0  # of frequencies of smooth bodies on cubic elements
 _FAR = 1e4  # mm
@@ -53,7 +52,12 @@ class Reference:
 
 
 def reference(
-    build: Callable[[Any], None], material: Material, size: float, frequencies: np.ndarray, shapes: np.ndarray
+    build: Callable[[Any], None],
+    material: Material,
+    size: float,
+    finest_levels: int,
+    frequencies: np.ndarray,
+    shapes: np.ndarray,
 ) -> Reference:
     """Reference of given modes.
 
@@ -61,12 +65,12 @@ def reference(
     ----------
     build : makes the whole solid in an open session of gmsh, mm; its lowest plane is clamped
     material : of the casing
-    size : m, of the smallest of the three element sizes
+    size, finest_levels : of the smallest of the three element sizes, m, and how often elements are divided at edges
     frequencies, shapes : (m,) Hz and (k, m) at `sample_nodes` of the modes that are looked for
     """
     highest, sizes = 1.03 * frequencies[-1], size * np.array(RATIOS)
     rows, unknowns = [], 0
-    for ratio, levels in (*((ratio, LEVELS) for ratio in RATIOS), (RATIOS[-1], LEVELS + 1)):
+    for ratio, levels in (*((ratio, finest_levels) for ratio in RATIOS), (RATIOS[-1], finest_levels + 1)):
         mesh = half_mesh(build, ratio * size, AROUND)
         found, others, n = half_modes(*mesh, material, levels, highest)
         number = counterparts(shapes, others)

@@ -106,9 +106,14 @@ def _halves(
     return np.argsort(part, kind="stable"), (first, first + second)
 
 
+def rows_of(K: sp.spmatrix) -> sp.csr_matrix:
+    """A symmetric matrix by rows; one by columns is taken as it is, for these are its rows."""
+    return sp.csr_matrix(K.T if K.format == "csc" else K)
+
+
 def group_graph(K: sp.spmatrix, block: int) -> sp.csr_matrix:
     """Which groups of `block` unknowns are coupled, without the diagonal."""
-    K, first = sp.csr_matrix(K), firsts(K.shape[0], block)
+    K, first = rows_of(K), firsts(K.shape[0], block)
     n, size = K.shape[0], len(first) - 1
     touched = sp.csr_matrix((np.ones(K.nnz, np.int32), K.indices // block, K.indptr), shape=(n, size))
     gather = sp.csr_matrix((np.ones(n, np.int32), np.arange(n), first), shape=(size, n))

@@ -76,7 +76,7 @@ def factorize(K: sp.spmatrix, *, solver: Solver = "auto", block: int = 3) -> Fac
         raise ImportError("solver 'cholmod' needs scikit-sparse: pip install 'gearcase[cholmod]', or take 'superlu'")
     if K.shape[0] != K.shape[1] or K.shape[0] == 0:
         raise ValueError(f"matrix to factorise has shape {K.shape}; it must be square and not empty")
-    K = sp.csc_matrix(K)
+    K = sp.csc_matrix(K.T if K.format == "csr" else K)  # symmetric: its rows are its columns
     if not np.isfinite(K.data).all():
         raise ValueError(f"matrix to factorise has {int((~np.isfinite(K.data)).sum())} entries that are not finite")
     if solver == "auto":

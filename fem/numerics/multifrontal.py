@@ -22,7 +22,7 @@ import scipy.sparse as sp
 
 from fem.numerics import blas
 from fem.numerics.compiled import stored
-from fem.numerics.elimination import Elimination
+from fem.numerics.elimination import Elimination, rows_of
 from fem.numerics.threads import side_by_side
 
 _STRIP = 64  # columns of an indefinite front eliminated at once
@@ -215,12 +215,14 @@ def _eliminate_all(
     panel: Callable[[int], np.ndarray],
     eliminate: Callable[[int, np.ndarray, np.ndarray, np.ndarray], None],
 ) -> None:
-    """Form the fronts and hand each to `eliminate`, which leaves the remainder in C.
+    """Form the fronts of a symmetric K and hand each to `eliminate`, which leaves the remainder in C.
 
     A (k, k) and B (r, k) lie in the zeros that `panel` gives for the supernode. C is the lower triangle, not zero.
     """
-    columns = sp.csc_matrix(K)[plan.order][:, plan.order]
-    columns = sp.csc_matrix(columns)
+    columns = rows_of(K)[plan.order]  # in the order of the plan; what follows turns the numbers of their entries
+    turned = np.empty(K.shape[0], columns.indices.dtype)
+    turned[plan.order] = np.arange(K.shape[0])
+    indices = turned[columns.indices]
     left: dict[int, np.ndarray] = {}
 
     def run(begin: int, stop: int) -> None:
@@ -231,7 +233,7 @@ def _eliminate_all(
             front = panel(number).reshape(k, k + r).T
             A, B, C = front[:k], front[k:], np.zeros((r, r), order="F")
             place[rows] = np.arange(r)
-            _own_entries(A, B, columns.indptr, columns.indices, columns.data, first, place)
+            _own_entries(A, B, columns.indptr, indices, columns.data, first, place)
             for child in plan.children[number]:
                 _add(A, B, C, left.pop(child), plan.rows[child], first, place)
             eliminate(number, A, B, C)

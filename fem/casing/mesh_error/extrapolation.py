@@ -83,7 +83,7 @@ def lowest_modes(
     with threadpool_limits(1):  # the heavy steps run in two halves side by side
         casing = ground_casing(mesh, material, interfaces=interfaces, ground=ground, attachment=attachment, joint=joint)
         if ground == "fixed" and not static:  # definite as it stands: no interface needs to be held
-            theta, phi = lowest(casing.interface, casing.M_free, MODES)
+            theta, phi = lowest(casing.interface, lambda: casing.M_free, MODES)
             frequencies = 1.0 / (2.0 * np.pi * np.sqrt(theta))
         else:
             count = 0 if static else 2 * MODES  # as many as leave no error in the lowest half
@@ -95,7 +95,7 @@ def lowest_modes(
         frequencies=frequencies,
         shapes=casing.expanded(phi)[unknowns],
         element_size=mesh.element_size,
-        unknowns=casing.K_free.shape[0],
+        unknowns=casing.unknowns,
         element=mesh.element.name,
     )
 

@@ -39,7 +39,10 @@ class CraigBamptonCasing(ElasticCasing):
         with threadpool_limits(1):  # the heavy steps run in two halves side by side
             casing = self.casing(mesh, material)
             reduction, counted = reduced_and_counted(
-                casing.interface, casing.K_free, casing.M_free, highest=self.limit, enrich=self.inertia_correction
+                casing.interface,
+                lambda: (casing.K_free, casing.M_free),
+                highest=self.limit,
+                enrich=self.inertia_correction,
             )
             result = casing_modes(casing, reduction, model=self.model, band_limit=self.limit, counted=counted)
             return result, check_up(casing, reduction)

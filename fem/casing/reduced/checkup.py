@@ -250,10 +250,11 @@ def _reduced_items(casing: GroundedCasing, reduction: Reduction, held: np.ndarra
     from fem.numerics.sparse_product import product
 
     b = reduction.constraint.shape[1]
-    interface = casing.interface
-    between = product(casing.K_free, reduction.constraint).T @ reduction.modes
+    interface, E = casing.interface, casing.expansion
+    modes = E @ reduction.modes
+    between = product(casing.K, E @ reduction.constraint).T @ modes
     scale = np.sqrt(np.outer(np.diag(interface.stiffness), np.maximum((2 * math.pi * reduction.frequencies) ** 2, 1.0)))
-    identity = reduction.modes.T @ product(casing.M_free, reduction.modes)
+    identity = modes.T @ product(casing.M, modes)
     static = 0.0
     if b:
         exact = interface.rows @ interface.factor.solve(interface.rows.T.toarray())

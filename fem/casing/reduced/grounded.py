@@ -32,6 +32,7 @@ from fem.elements.added_unknowns import AddedUnknowns
 from fem.elements.materials import Material
 from fem.elements.solids import assemble, rigid_body_modes
 from fem.numerics.linear_solver import Solver
+from fem.numerics.memory import give_back
 
 GROUND_AXES = ("ux", "uy", "uz")
 
@@ -59,12 +60,25 @@ class GroundedCasing:
     M: sp.csr_matrix
     expansion: sp.csr_matrix  # E (u, n)
     clamped: np.ndarray  # of the unknowns; empty on springs
-    K_free: sp.csr_matrix  # (n, n) without the reference springs
-    M_free: sp.csr_matrix
     coordinate_names: tuple[str, ...]  # of the interface, "ground_1:ux", ..., "bearing_1:ux", ...
     springs: np.ndarray  # (interface,), reference springs D, N/m; zero but at feet on springs
     interface: Interface
     parts: Mapping[str, sp.csr_matrix]  # what parts bring to K_free (n, n), by their names
+
+    @property
+    def unknowns(self) -> int:
+        """n, of the unknowns that are left."""
+        return int(self.expansion.shape[1])
+
+    @property
+    def K_free(self) -> sp.csr_matrix:
+        """Stiffness E^T K E (n, n) without the reference springs, made anew: it is as large as K."""
+        return _projected(self.K, self.expansion)
+
+    @property
+    def M_free(self) -> sp.csr_matrix:
+        """Mass E^T M E (n, n), made anew."""
+        return _projected(self.M, self.expansion)
 
     @property
     def K_held(self) -> sp.csr_matrix:
@@ -73,10 +87,11 @@ class GroundedCasing:
 
     def on_springs(self, springs: np.ndarray) -> sp.csr_matrix:
         """K of the unknowns q with springs (interface,) at the interface coordinates."""
+        K = self.K_free
         if not springs.any():
-            return self.K_free
+            return K
         rows = self.interface.rows
-        return sp.csr_matrix(self.K_free + rows.T @ sp.diags_array(springs) @ rows)
+        return sp.csr_matrix(K + rows.T @ sp.diags_array(springs) @ rows)
 
     def expanded(self, q: np.ndarray) -> np.ndarray:
         """Displacements (3 node, k) of the mesh."""
@@ -158,9 +173,20 @@ def ground_casing(
     parts = {name: _projected(part, expansion) for name, part in _parts(mesh, material, regions, added).items()}
     if bolts is not None:
         parts[JOINTS] = _projected(bolts, expansion)
+    give_back()
     reference = material.elastic_modulus * mesh.element_size
     springs = np.array([reference if name.startswith("ground_") else 0.0 for name in names])
     places = Places(np.delete(mesh.nodes, clamped_nodes, axis=0), added.places, added.numbers)
+    interface = interface_of(
+        None if attachment == "rigid" else places,
+        K_free,
+        M_free,
+        rows,
+        penalty=springs if on_springs else None,
+        solver=solver,
+    )
+    del K_free, M_free
+    give_back()
     return GroundedCasing(
         mesh=mesh,
         material=material,
@@ -170,18 +196,9 @@ def ground_casing(
         M=M,
         expansion=expansion,
         clamped=_unknowns(clamped_nodes),
-        K_free=K_free,
-        M_free=M_free,
         coordinate_names=names,
         springs=springs,
-        interface=interface_of(
-            None if attachment == "rigid" else places,
-            K_free,
-            M_free,
-            rows,
-            penalty=springs if on_springs else None,
-            solver=solver,
-        ),
+        interface=interface,
         parts=parts,
     )
 

@@ -27,6 +27,7 @@ from scipy.spatial import cKDTree
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.reduction import Interface, Reduction, held_interface, reduce_and_count
 from fem.numerics.linear_solver import Factor, Solver
+from fem.numerics.memory import give_back
 from fem.numerics.threads import side_by_side
 
 Result = TypeVar("Result")
@@ -122,20 +123,25 @@ def interface_of(
 
 
 def reduced_and_counted(
-    interface: Interface, K: sp.spmatrix, M: sp.spmatrix, *, highest: float, enrich: bool = True
+    interface: Interface,
+    whole: Callable[[], tuple[sp.csr_matrix, sp.csr_matrix]],
+    *,
+    highest: float,
+    enrich: bool = True,
 ) -> tuple[Reduction, int]:
     """`reduce_and_count`, of both halves if there are any.
 
     Parameters
     ----------
-    interface, K, M, highest, enrich : those of `reduce_body`
+    interface, highest, enrich : those of `reduce_body`
+    whole : makes K and M of the body in one piece, if it is needed
 
     Raises
     ------
     EigenError : not as many modes found as the law of inertia counts; or see `reduce_body`
     """
     if not isinstance(interface, MirroredInterface):
-        return reduce_and_count(interface, K, M, highest=highest, enrich=enrich)
+        return reduce_and_count(interface, *whole(), highest=highest, enrich=enrich)
 
     def reduced(half: Half) -> tuple[Reduction, int]:
         return reduce_and_count(half.interface, half.K, half.M, highest=highest, enrich=enrich)
@@ -144,13 +150,13 @@ def reduced_and_counted(
     return _joined(interface, one, other), first + second
 
 
-def lowest(interface: Interface, M: sp.csr_matrix, count: int) -> tuple[np.ndarray, np.ndarray]:
+def lowest(interface: Interface, whole: Callable[[], sp.csr_matrix], count: int) -> tuple[np.ndarray, np.ndarray]:
     """The lowest natural modes of a body that is definite as it stands, its interface free.
 
     Parameters
     ----------
     interface : of the body, without penalty
-    M : sparse (n, n), kg
+    whole : makes M (n, n) of the body in one piece, if it is needed
     count : number of modes
 
     Returns
@@ -162,7 +168,7 @@ def lowest(interface: Interface, M: sp.csr_matrix, count: int) -> tuple[np.ndarr
     EigenError : no convergence
     """
     if not isinstance(interface, MirroredInterface):
-        return block_lanczos(interface.factor.solve, M, count=count)
+        return block_lanczos(interface.factor.solve, whole(), count=count)
     found = _lowest_of_halves(interface, math.ceil(_SHARE * count))
     theta = np.concatenate([values for values, _ in found])
     order = np.argsort(-theta)[:count]
@@ -265,11 +271,17 @@ def _mirrored(
 
     def held(parity: float) -> Half:
         Q, C, share = reflection.motions(parity), vector[:, value * parity > 0.0], reflection.share(parity)
-        scale = sp.diags_array(np.divide(1.0, share, out=np.zeros_like(share), where=share > 0.0))
+        scale = np.divide(1.0, share, out=np.zeros_like(share), where=share > 0.0)
+
+        def of_half(matrix: sp.csr_matrix) -> sp.csr_matrix:
+            """Q_i^T A Q_j = A_i Q_j / share_i: the images of the rows give the same products."""
+            found = sp.csr_matrix(matrix[reflection.kept] @ Q)
+            found.data *= np.repeat(scale, np.diff(found.indptr))
+            return found
+
         at_rest = sp.diags_array(np.where(share > 0.0, 0.0, largest))
-        # Q_i^T K Q_j = K_i Q_j / share_i: the images of the rows give the same products
-        own_K = sp.csr_matrix(scale @ (K[reflection.kept] @ Q) + at_rest)
-        own_M = sp.csr_matrix(scale @ (M[reflection.kept] @ Q))
+        own_K, own_M = sp.csr_matrix(of_half(K) + at_rest), of_half(M)
+        give_back()
         own_rows = sp.csr_matrix(C.T @ (rows @ Q).toarray())
         own_penalty = None if penalty is None else np.einsum("ij,i,ij->j", C, penalty, C)
         return Half(Q, C, own_K, own_M, held_interface(own_K, own_rows, penalty=own_penalty, solver=solver))

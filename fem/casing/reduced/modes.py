@@ -133,7 +133,7 @@ def casing_modes(
         fixed_frequencies=reduction.frequencies,
         band_limit=band_limit,
         counted=counted,
-        unknowns=casing.K_free.shape[0],
+        unknowns=casing.unknowns,
         participation=basis.T @ (casing.expansion.T @ inertial),
         foot_stiffness=foot_stiffness,
         foot_inertia=foot_inertia,
