@@ -126,12 +126,13 @@ def test_limits_of_hexahedra_lie_in_their_bands_at_both_ends_of_what_they_are_ta
     assert SLOW[degree] < found.order < FAST[degree]
 
 
-@pytest.mark.parametrize("share", SHARES)
-def test_limits_of_cubic_elements_reach_to_both_ends_of_what_quadratic_ones_tell(share):
+@pytest.mark.parametrize("corners", SHARES)
+@pytest.mark.parametrize("end", [0, 1])
+def test_limits_of_cubic_elements_reach_to_both_ends_of_what_quadratic_ones_tell(corners, end):
     """f_3 = f_0 (1 + a), f_2 = f_3 (1 + e) with a = g e in parts of f_3."""
     excess = 5.0 * amplitudes()
-    cubic = EXACT / (1.0 - share * excess)
-    found = cubic_limits(cubic, cubic * (1.0 + excess))
+    cubic = EXACT / (1.0 - SHARES[corners][end] * excess)
+    found = cubic_limits(cubic, cubic * (1.0 + excess), corners=corners)
     off, usual = abs(found.limits - EXACT), excess >= np.median(excess)
     assert off[usual] == pytest.approx(found.bands[usual], rel=1e-9)
     assert (off <= found.bands * (1.0 + 1e-9)).all()
@@ -139,10 +140,10 @@ def test_limits_of_cubic_elements_reach_to_both_ends_of_what_quadratic_ones_tell
 
 def test_modes_that_quadratic_elements_do_not_have_take_the_median_of_the_others():
     cubic, quadratic = EXACT, EXACT * 1.04
-    found = cubic_limits(cubic, np.where(np.arange(60) == 5, np.nan, quadratic))
-    assert found.limits == pytest.approx(EXACT * (1.0 - 0.5 * sum(SHARES) * 0.04))
+    found = cubic_limits(cubic, np.where(np.arange(60) == 5, np.nan, quadratic), corners=4)
+    assert found.limits == pytest.approx(EXACT * (1.0 - 0.5 * sum(SHARES[4]) * 0.04))
     with pytest.raises(LimitError, match="2 modes have counterparts"):
-        cubic_limits(cubic, np.where(np.arange(60) < 58, np.nan, quadratic))
+        cubic_limits(cubic, np.where(np.arange(60) < 58, np.nan, quadratic), corners=4)
 
 
 def test_what_no_size_of_a_hexahedron_shows_stays_in_the_band_of_smaller_ones():

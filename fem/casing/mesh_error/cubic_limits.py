@@ -5,10 +5,11 @@ No mesh is made anew, so that nothing is left to chance. In smooth parts of a bo
 at a re-entrant edge as p^-2q with the order q = 1.09 in the element size: there g = 1 / (1.5^2.18 - 1) = 0.70 (Szabo &
 Babuska 1991, Finite Element Analysis, section 10.1), and g lies between 0 and that.
 
-On six housings of tetrahedra, with two or three sizes each (elements of 1.3 to 5 wall thicknesses), 95 % of the modes
-of each had a g within `SHARES`. A casting, a drum and a box with ribs and flange gave the numbers; three more were
-foretold, and so were hexahedra with functions at their edges (`fem.casing.edges`), which came later, on three housings
-with three sizes each (`python -m benchmarks.casing_limits`). The limit lies half-way, the band reaches to both ends.
+`SHARES` hold g of 95 % of the modes of each of six housings of tetrahedra, with two or three sizes each (elements of
+1.3 to 5 wall thicknesses): a casting, a drum and a box with ribs and flange gave the numbers, three more were foretold.
+Hexahedra have functions at their edges (`fem.casing.edges`), which leave other things; the rig and a bench, with three
+sizes each, gave theirs, and two more housings were foretold (`python -m benchmarks.casing_limits`). The limit lies
+half-way, the band reaches to both ends.
 """
 
 from __future__ import annotations
@@ -17,17 +18,17 @@ import numpy as np
 
 from fem.casing.mesh_error.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
 
-SHARES = (0.08, 0.47)  # g
-ORDERS = {4: 1.5, 8: 2.0}  # by corners: with which e falls with the element size, 1.1 to 1.9 and 1.9 to 2.1
+SHARES = {4: (0.08, 0.47), 8: (0.10, 0.60)}  # g, by the corners of the element
+ORDERS = {4: 1.5, 8: 2.0}  # with which e falls with the element size: 1.1 to 1.9, 1.9 to 2.1
 
 
-def cubic_limits(cubic: np.ndarray, quadratic: np.ndarray, *, order: float = ORDERS[4]) -> FrequencyLimits:
+def cubic_limits(cubic: np.ndarray, quadratic: np.ndarray, *, corners: int) -> FrequencyLimits:
     """Limits f_3 (1 - g e) and bands, e taken for at least its median in these.
 
     Parameters
     ----------
     cubic, quadratic : (mode,), Hz, of the same modes; nan where the quadratic elements have no counterpart
-    order : with which smaller elements change them, one of `ORDERS`
+    corners : of the elements, 4 or 8
 
     Raises
     ------
@@ -42,11 +43,11 @@ def cubic_limits(cubic: np.ndarray, quadratic: np.ndarray, *, order: float = ORD
         )
     usual = float(np.median(excess[known]))
     excess = np.where(known, excess, usual)
-    least, most = SHARES
+    least, most = SHARES[corners]
     limits = cubic * (1.0 - 0.5 * (least + most) * excess)
     return FrequencyLimits(
         frequencies=cubic,
-        order=order,
+        order=ORDERS[corners],
         orders=np.full(len(cubic), np.nan),
         limits=limits,
         bands=0.5 * (most - least) * cubic * np.maximum(excess, usual),

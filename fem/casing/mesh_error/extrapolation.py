@@ -17,7 +17,7 @@ import numpy as np
 import scipy.linalg as la
 from threadpoolctl import threadpool_limits
 
-from fem.casing.mesh_error.cubic_limits import ORDERS, cubic_limits
+from fem.casing.mesh_error.cubic_limits import cubic_limits
 from fem.casing.mesh_error.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
 from fem.casing.mesh_error.laws import RATIOS, law_of
 from fem.casing.mesh_error.pairing import counterparts, sample_nodes
@@ -143,7 +143,7 @@ def limits_from(
     same_mesh = ratios == [1.0]
     try:
         if same_mesh:
-            limits = cubic_limits(*rows, order=ORDERS[SOLIDS[coarser[0].element].corners])
+            limits = cubic_limits(*rows, corners=SOLIDS[coarser[0].element].corners)
         else:
             limits = law_of(coarser[0].element)((1.0, *ratios), np.array(rows))
     except LimitError as error:
