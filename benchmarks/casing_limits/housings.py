@@ -17,7 +17,7 @@ from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.solid import build_solid
 from fem.casing.meshing.source import Geometry
 from fem.casing.meshing.step_file import read_step
-from fem.elements.materials import CAST_IRON, Material
+from fem.elements.materials import CAST_IRON, STEEL, Material
 from pipelines.plant.casing import ElasticPart
 from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
@@ -61,8 +61,32 @@ def bench(folder: Path) -> Case:
 
 
 def reducer(folder: Path) -> Case:
-    """A two-stage reducer: a housing that gave no number of the law of hexahedra."""
+    """A two-stage reducer, whose bosses leave no room for hexahedra: it gave no number of any law."""
     return _shipped("reducer", 0.014, levels=2)
+
+
+def walls(folder: Path) -> Case:
+    """Plain walls of 6 to 14 mm, of steel: neither did these."""
+    housing = Housing(
+        length=0.38,
+        width=0.22,
+        height=0.2,
+        wall_thickness=0.01,
+        walls=Walls(side=0.01, end=0.008, floor=0.014, cover=0.006),
+        left=-0.09,
+        axis_height=0.1,
+        bores=_bores({0.0: (0.055, 0.075), 0.15: (0.080, 0.105)}, length=0.028),
+        feet=Feet(x=(-0.06, 0.26), length=0.05, height=0.012),
+    )
+    return Case(
+        name="walls of 6 to 14 mm",
+        geometry=housing,
+        material=STEEL,
+        sizes=Sizes(element=0.027),
+        element="hexahedron-32",
+        reference_size=0.013,
+        reference_levels=2,
+    )
 
 
 def rig_step(folder: Path) -> Case:
@@ -162,10 +186,11 @@ CASES: dict[str, Callable[[Path], Case]] = {
     "rig": rig,
     "thin": thin,
     "bench": bench,
-    "reducer": reducer,
+    "walls": walls,
     "rig-step": rig_step,
     "cast": cast,
     "drum": drum,
+    "reducer": reducer,
     "bench-tetrahedra": bench_tetrahedra,
     "thin-tetrahedra": thin_tetrahedra,
 }

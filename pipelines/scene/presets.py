@@ -122,7 +122,12 @@ def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
     """Hexahedra of a plain parametric housing, unless its scene asks for tetrahedra: then cubic ones."""
     from pipelines.scene.tables.housing import HousingTable, MatricesHousingTable, MeshHousingTable
 
-    size, housing = casing.element_size_mm / COARSER.get(casing.element, 1.0), casing.housing
+    housing, coarser = casing.housing, COARSER.get(casing.element, 1.0)
+
+    def sized(factor: float) -> float:
+        """As large as that, relative to quadratic tetrahedra."""
+        return casing.element_size_mm * (factor / coarser)
+
     if isinstance(housing, MatricesHousingTable):
         return {}
     hexahedra = isinstance(housing, HousingTable) and (
@@ -136,7 +141,7 @@ def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
     if hexahedra:
         return {
             "casing.element": "hexahedron-32",
-            "casing.element_size_mm": size * level.extruded_size,
+            "casing.element_size_mm": sized(level.extruded_size),
             "casing.extrapolated": level.extruded_extrapolated,
         }
     if isinstance(housing, MeshHousingTable):
@@ -145,13 +150,13 @@ def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
     if level.cubic_size is not None and not linear:
         return {
             "casing.element": "tetrahedron-20",
-            "casing.element_size_mm": size * level.cubic_size,
+            "casing.element_size_mm": sized(level.cubic_size),
             "casing.extrapolated": True,
         }
     return {
         "casing.element": "tetrahedron-4" if linear else "tetrahedron-10",
-        "casing.element_size_mm": size * level.element_size,
-        "casing.bore_element_size_mm": size * level.bore_size,
+        "casing.element_size_mm": sized(level.element_size),
+        "casing.bore_element_size_mm": sized(level.bore_size),
         "casing.extrapolated": not linear,
     }
 
