@@ -62,6 +62,17 @@ def count_children(_, *slow):
     return {"children": len(psutil.Process().children()), "slow": len(slow)}
 
 
+def begin(words, quick):
+    time.sleep(1.0)  # longer than what is built beside it
+    CALLS.append(f"{words} ahead with {quick['seconds']}")
+    raise ValueError(words)
+
+
+def finish(words, *_):
+    CALLS.append(words)
+    return {"calls": list(CALLS)}
+
+
 def end_at_once(_):
     os._exit(9)
 
@@ -232,6 +243,19 @@ def test_children_without_further_work_have_ended_when_the_last_long_stage_runs(
     outcome = run_graph(Graph([*long_graph(2), last]), cache, ["last"], processes=2)
     assert os.getpid() not in {outcome.value(n)["process"] for n in ("s0", "s1")}
     assert outcome.value("last") == {"children": 0, "slow": 2}
+
+
+@pytest.mark.parametrize(("processes", "begun"), [(2, ["sum ahead with 0.2", "sum"]), (1, ["sum"])])
+def test_what_a_step_does_ahead_is_done_beside_others_and_its_failure_is_not_that_of_the_step(cache, processes, begun):
+    """It takes what it names alone; in one process there is nobody beside whom it could be done."""
+    quick = Step(name="quick", kind="slow", build=make_slowly, spec=0.2)
+    last = Step(
+        name="last", kind="last", build=finish, spec="sum", takes=("s0", "s1", "quick"),
+        ahead=begin, ahead_takes=("quick",),
+    )  # fmt: skip
+    outcome = run_graph(Graph([quick, *long_graph(2, 0.5), last]), cache, ["last"], processes=processes)
+    assert outcome.value("last") == {"calls": begun}
+    assert begun == CALLS
 
 
 def test_a_child_that_dies_while_it_waits_for_work_is_replaced(cache):

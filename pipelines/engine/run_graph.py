@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from pipelines.engine.ahead import Ahead
 from pipelines.engine.build_step import Result, build_here, one_thread, step_record
 from pipelines.engine.cache import Cache
 from pipelines.engine.processes import Pool
@@ -100,6 +101,7 @@ def run_graph(
     results = {name: result for name, result in (known or {}).items() if name in graph.steps}
     verified: set[str] = set()
     urgency = graph.seconds_to_the_end()  # what the most must wait for starts first
+    ahead = Ahead()
     with one_thread(), Pool() as pool:
         while len(results) < len(graph.steps):
             ready = _take_what_is_cached(graph, cache, results, wanted, pool.names(), observer)
@@ -114,9 +116,12 @@ def run_graph(
                         observer.started(step)
                         pool.start(step, key, _upstream(step, results), cache.folder)
                 ready = [(step, key) for step, key in ready if step.seconds < _LONG_SECONDS]
+            if len(pool):
+                ahead.start(graph, results)
             if ready:
                 step, key = ready[0]
                 observer.started(step)
+                ahead.finish(step)
                 started = {*results, *pool.names(), step.name}
                 if not any(other.seconds >= _LONG_SECONDS for other in graph if other.name not in started):
                     pool.end_waiting()

@@ -53,6 +53,8 @@ class Step:
     streams: bool = False  # `build` takes a `folder` for arrays too large for memory; None where none can be written
     reads: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)  # by name of what it takes
     enough: str = ""  # a number in `spec`: a stored result with a larger one holds all that is asked, and serves
+    ahead: Callable[..., None] | None = None  # ``ahead(spec, *results of ahead_takes)``, see `pipelines.engine.ahead`
+    ahead_takes: tuple[str, ...] = ()
 
     @property
     def code(self) -> str:

@@ -57,6 +57,8 @@ def plant_steps(plant: Plant) -> list[Step]:
             libraries=_NUMERIC,
             seconds=1.5 * plant.motion.end,
             streams=True,
+            ahead=motion.compiled_ahead,
+            ahead_takes=plant.law_names,
         ),
     ]
 

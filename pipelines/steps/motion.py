@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from pipelines.plant.parts import MachineParts, MotionSettings, Recorded
 
 
+_SAMPLES_AHEAD = 10
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MotionSpec:
     """The parts of the machine without laws and casing, what is recorded, and how the motion is computed."""
@@ -50,6 +53,20 @@ def build(
         trajectory,
         ledger(trajectory, system.basis.shape[1], rope=bool(machine.load is not None and machine.load.coordinates)),
     )
+
+
+def compiled_ahead(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
+    """Move the machine a few steps without its casing: what moves it is compiled then, or read from disk."""
+    from fem.casing.models.no_casing import NoCasing
+    from mbd.simulate import Settings, simulate
+    from mbd.system.system import assemble
+    from pipelines.plant.assembly import assemble_machine
+
+    machine = assemble_machine(spec.machine, laws)
+    system = assemble(machine, NoCasing().reduce({one.name: (0.0, 0.0, 0.0) for one in machine.bearings}), ())
+    given = spec.motion
+    end = _SAMPLES_AHEAD / given.output_rate
+    simulate(system, Settings(end=end, output_rate=given.output_rate, step=given.step, integrator=given.integrator))
 
 
 def assembled(spec: MotionSpec, body: ReducedBody, laws: Sequence[tuple[MeshLaw, MeshLaw]]) -> System:
