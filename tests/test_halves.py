@@ -17,6 +17,8 @@ from fem.casing.reduced.grounded import ForcedPoint, ground_casing
 from fem.casing.reduced.halves import MirroredInterface, Places, interface_of, lowest, reduced_and_counted
 from fem.casing.reduced.reduction import held_interface, reduce_and_count
 from fem.elements.materials import CAST_IRON
+from pipelines.plant.plant import make_plant
+from pipelines.scene.file import load_scene
 
 HIGHEST = 3000.0
 SIZES = Sizes(element=0.03)
@@ -107,6 +109,16 @@ def test_a_casing_without_a_mirror_plane_stays_in_one_piece(mesh):
     assert not isinstance(one_sided.interface, MirroredInterface)
     pushed = ground_casing(mesh, CAST_IRON, forced=[ForcedPoint(sensor=housing.sensors[0], axes=("uz",))])
     assert not isinstance(pushed.interface, MirroredInterface)
+
+
+def test_functions_of_two_kinds_at_one_place_are_told_apart():
+    """In the rig functions of edges lie at the middles of sides, where cubic ones are."""
+    part = make_plant(load_scene("rig-healthy").scene).casing
+    mesh = mesh_geometry(replace(part.geometry, sensors=()), part.sizes, part.element)
+    added = added_functions(mesh, part.material, held=mesh.patches("ground_"))
+    places = np.round(added.places, 9)
+    assert len(np.unique(places, axis=0)) < len(np.unique(np.column_stack([places, added.numbers // 100]), axis=0))
+    assert len(np.unique(np.column_stack([places, added.numbers]), axis=0)) == len(added)
 
 
 def test_springs_that_differ_from_side_to_side_keep_it_whole(mesh):
