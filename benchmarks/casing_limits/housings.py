@@ -66,7 +66,7 @@ def reducer(folder: Path) -> Case:
 
 
 def walls(folder: Path) -> Case:
-    """Plain walls of 6 to 14 mm, of steel: neither did these."""
+    """Plain walls of 6 to 14 mm, of steel: they gave its lower end, after the limits had missed them."""
     housing = Housing(
         length=0.38,
         width=0.22,
@@ -89,13 +89,36 @@ def walls(folder: Path) -> Case:
     )
 
 
+def tall(folder: Path) -> Case:
+    """A tall box of aluminium with walls of 7 mm: it gave no number of any law."""
+    housing = Housing(
+        length=0.28,
+        width=0.2,
+        height=0.3,
+        wall_thickness=0.007,
+        left=-0.08,
+        axis_height=0.16,
+        bores=_bores({0.0: (0.047, 0.066), 0.12: (0.062, 0.084)}, length=0.022),
+        feet=Feet(x=(-0.05, 0.17), length=0.045, height=0.014),
+    )
+    return Case(
+        name="tall box",
+        geometry=housing,
+        material=ALUMINIUM,
+        sizes=Sizes(element=0.020),
+        element="hexahedron-32",
+        reference_size=0.012,
+        reference_levels=2,
+    )
+
+
 def rig_step(folder: Path) -> Case:
     """The shipped rig in a STEP housing with fillets, flange, ribs and pads."""
     return _shipped("rig-step", 0.034)
 
 
 def thin(folder: Path) -> Case:
-    """Plain walls of 5 mm, of aluminium: neither did this one."""
+    """Plain walls of 5 mm, of aluminium: it gave no number of the law of hexahedra."""
     housing = Housing(
         length=0.36,
         width=0.2,
@@ -110,7 +133,7 @@ def thin(folder: Path) -> Case:
         name="thin walls of aluminium",
         geometry=housing,
         material=ALUMINIUM,
-        sizes=Sizes(element=0.015),  # three wall thicknesses, as on the rig
+        sizes=Sizes(element=0.015),  # three wall thicknesses
         element="hexahedron-32",
         reference_size=0.008,
     )
@@ -187,6 +210,7 @@ CASES: dict[str, Callable[[Path], Case]] = {
     "thin": thin,
     "bench": bench,
     "walls": walls,
+    "tall": tall,
     "rig-step": rig_step,
     "cast": cast,
     "drum": drum,

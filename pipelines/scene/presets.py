@@ -73,7 +73,7 @@ LEVELS = {
         element_size=0.8,
         bore_size=0.32,
         cubic_size=1.5,
-        extruded_size=1.36,
+        extruded_size=1.27,
         extruded_extrapolated=True,
         band=0.7,
         step_us=50.0,
@@ -91,7 +91,7 @@ LEVELS = {
         step_us=20.0,
     ),
 }
-COARSER = {"tetrahedron-20": 1.5, "hexahedron-32": 1.36}  # than quadratic tetrahedra, of about as many unknowns
+COARSER = {"tetrahedron-20": 1.5, "hexahedron-32": 1.27}  # than quadratic tetrahedra, of about as many unknowns
 BETWEEN_BOSSES = 1.05  # distance of two axes, seen along x or z, over the sum of the radii of their bosses
 MOST_SLICES = 101  # that a scene may ask for
 PRESETS = tuple(LEVELS)
