@@ -46,7 +46,7 @@ def session() -> Iterator[Any]:
             gmsh.model.add("housing")
             yield gmsh
         except Exception as error:
-            if isinstance(error, MeshError | AttributeError | TypeError):  # the last two: an older gmsh, a fault of ours
+            if isinstance(error, MeshError | AttributeError | TypeError):  # the last two are faults of ours
                 raise
             raise MeshError(
                 f"gmsh could not mesh the housing: {error}. Try another element size; `gearcase housing FILE` tells "

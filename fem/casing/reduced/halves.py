@@ -307,20 +307,22 @@ def _mirrored(
 def _joined(interface: MirroredInterface, *reductions: Reduction) -> Reduction:
     """The reduction of the whole body by those of its halves."""
     b = len(interface.stiffness)
-    mass, between, modes, frequencies, late = np.zeros((b, b)), [], [], [], []
+    mass, between, frequencies, late = np.zeros((b, b)), [], [], []
     for half, own in zip(interface.halves, reductions, strict=True):
         C, own_b = half.coordinates, half.coordinates.shape[1]
         mass += C @ own.mass[:own_b, :own_b] @ C.T
         between.append(C @ own.mass[:own_b, own_b:])
-        modes.append(half.motions @ own.modes)
         frequencies.append(own.frequencies)
         late.append(np.arange(len(own.frequencies)) >= own.n_fixed)
     together, inertia = np.concatenate(frequencies), np.concatenate(late)
     order = np.lexsort((together, inertia))
     cross = np.hstack(between)[:, order]
+    modes, places = np.empty((len(interface.constraint), len(order))), np.split(np.argsort(order), [len(late[0])])
+    for half, own, place in zip(interface.halves, reductions, places, strict=True):
+        modes[:, place] = half.motions @ own.modes
     return Reduction(
         constraint=interface.constraint,
-        modes=np.hstack(modes)[:, order],
+        modes=modes,
         frequencies=together[order],
         n_fixed=int((~inertia).sum()),
         stiffness=la.block_diag(interface.stiffness, np.diag((2.0 * math.pi * together[order]) ** 2)),
