@@ -283,7 +283,7 @@ def _modes_on(
         ),
         takes=(mesh.name,),
         libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
-        seconds=2.0 * mesh.seconds,
+        seconds=0.9 * mesh.seconds,
     )
 
 
