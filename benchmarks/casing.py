@@ -5,43 +5,54 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import scipy.sparse as sp
+
 from benchmarks.clock import timed
 from benchmarks.rig import casing_model, casing_parts, keep, kept, read
+from fem.casing.edges.added import added_functions
+from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.meshing.source import mesh_geometry
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.casing.reduced.checkup import check_up
 from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.halves import reduced_and_counted
 from fem.casing.reduced.modes import casing_modes
-from fem.casing.reduced.reduction import count_fixed_modes, reduce_body
+from fem.elements.materials import Material
 from fem.elements.solids import assemble
 from fem.numerics.linear_solver import cholmod_available, factorize
+from pipelines.plant.casing import ElasticPart
 
 SHIFT = 4e7  # 1/s2: K + SHIFT M of the free body is definite and has the pattern of K
 
 
 def mesh(folder: Path) -> list[dict[str, Any]]:
-    """Geometry and tetrahedra."""
-    plant = read()
-    box, _ = casing_parts(plant)
-    model = casing_model(plant)
-    assert isinstance(model, CraigBamptonCasing)
-    seconds, found = timed(lambda: model.mesh(box))
+    """Geometry and elements, as the scene has them."""
+    part = read().casing
+    assert isinstance(part, ElasticPart)
+    seconds, found = timed(lambda: mesh_geometry(part.geometry, part.sizes, part.element))
     keep(folder, "mesh", found)
-    size = f"{len(found.nodes)} nodes, {len(found.elements)} tetrahedra"
+    size = f"{len(found.nodes)} nodes, {len(found.elements)} elements {part.element}"
     return [{"step": "mesh", "size": size, "solver": "", **seconds}]
+
+
+def free_matrices(mesh: CasingMesh, iron: Material) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+    """Stiffness and mass of the free body, with the functions that its elements are given beyond their nodes."""
+    constants = {
+        "elastic_modulus": iron.elastic_modulus,
+        "poisson_ratio": iron.poisson_ratio,
+        "density": iron.density,
+    }
+    added = added_functions(mesh, iron, held=mesh.patches("ground_"))
+    return added.added_to(*assemble(mesh.nodes, mesh.elements, **constants))
 
 
 def factors(folder: Path) -> list[dict[str, Any]]:
     """Assembly of K and M, and their factorisation by every solver that is installed."""
     plant = read()
     found, (_, iron) = kept(folder, "mesh"), casing_parts(plant)
-    constants = {
-        "elastic_modulus": iron.elastic_modulus,
-        "poisson_ratio": iron.poisson_ratio,
-        "density": iron.density,
-    }
-    seconds, (stiffness, mass) = timed(lambda: assemble(found.nodes, found.elements, **constants))
+    seconds, (stiffness, mass) = timed(lambda: free_matrices(found, iron))
     rows = [{"step": "assembly of K and M", "size": f"{stiffness.shape[0]} unknowns", "solver": "", **seconds}]
     shifted = (stiffness + SHIFT * mass).tocsr()
     for solver in ("multifrontal", "cholmod", "superlu"):
@@ -65,22 +76,17 @@ def modes(folder: Path) -> list[dict[str, Any]]:
     assert isinstance(model, CraigBamptonCasing)
     grounding, casing = timed(lambda: ground_casing(found, iron), repeats=1)
     limit = MODES_OVER_BAND * model.band
-    counting, counted = timed(
-        lambda: count_fixed_modes(casing.interface, casing.K_free, casing.M_free, limit), repeats=1
-    )
-    reducing, reduction = timed(
-        lambda: reduce_body(casing.interface, casing.K_free, casing.M_free, highest=limit), repeats=1
+    reducing, (reduction, counted) = timed(
+        lambda: reduced_and_counted(casing.interface, lambda: (casing.K_free, casing.M_free), highest=limit), repeats=1
     )
     checking, checked = timed(lambda: check_up(casing, reduction), repeats=1)
     result = casing_modes(casing, reduction, model="craig-bampton", band_limit=limit)
     recovering, body = timed(lambda: model.body(result, box.sensors))
     keep(folder, "craig-bampton", body)
-    n_fixed, total = reduction.n_fixed, len(result.mass)
-    size = f"{n_fixed} modes to {limit:.0f} Hz, {total} coordinates"
+    size = f"{counted} modes to {limit:.0f} Hz, {len(result.mass)} coordinates"
     return [
         {"step": "assembly, clamping, factorisation, constraint modes", "solver": result.solver, **grounding},
-        {"step": "modes counted by the law of inertia", "size": f"{counted} modes", "solver": "", **counting},
-        {"step": "fixed-interface modes and inertia correction", "size": size, "solver": result.solver, **reducing},
+        {"step": "fixed-interface modes, their count, inertia correction", "size": size, "solver": "", **reducing},
         {"step": "check-up", "size": f"{len(checked.failures)} of 14 items fail", "solver": "", **checking},
         {"step": "damping and recovery rows", "size": f"{len(box.sensors)} sensors", "solver": "", **recovering},
     ]

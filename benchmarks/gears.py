@@ -69,7 +69,7 @@ def evaluation(folder: Path) -> list[dict[str, Any]]:
     rows = []
     for model, slices in (("iso", 15), ("plane", 7), ("plane", 15), ("plane", 31)):
         settings = {"stages__1__mesh__model": model, "stages__1__mesh__slices": slices}
-        drive, _ = stage_law(*read(**settings), 0)
+        drive, _ = stage_law(read(**settings), 0)
         rows.append({"model": model, "slices": slices, "force_N": force, **per_call((drive, drive), force)})
     return rows
 

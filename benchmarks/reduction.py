@@ -75,7 +75,7 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
         return result
 
     with threadpool_limits(1):
-        box, iron = casing_parts(*read())
+        box, iron = casing_parts(read())
         model = CraigBamptonCasing(element_size=element_size / 1000, band=band, solver=solver)  # type: ignore[arg-type]
         limit = MODES_OVER_BAND * band
         mesh = step("geometry and mesh", lambda: model.mesh(box))
