@@ -66,10 +66,10 @@ def hexahedra(size: float) -> dict[str, Any]:
     }
 
 
-FIRST = "hexahedra-32 30"
+FIRST = "hexahedra-32 28"
 FINEST = "hexahedra-32 18"
 MESHES = {
-    FIRST: hexahedra(30.0),
+    FIRST: hexahedra(28.0),
     "hexahedra-32 37": hexahedra(37.0),
     FINEST: hexahedra(18.0),
     "tetrahedra-20 33": tetrahedra(33.0),

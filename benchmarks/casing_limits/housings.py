@@ -135,7 +135,7 @@ def thin(folder: Path) -> Case:
         material=ALUMINIUM,
         sizes=Sizes(element=0.015),  # three wall thicknesses
         element="hexahedron-32",
-        reference_size=0.008,
+        reference_size=0.0062,
     )
 
 
