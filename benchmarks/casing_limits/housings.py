@@ -118,7 +118,7 @@ def rig_step(folder: Path) -> Case:
 
 
 def thin(folder: Path) -> Case:
-    """Plain walls of 5 mm, of aluminium: it gave no number of the law of hexahedra."""
+    """Plain walls of 5 mm, of aluminium: they gave the upper end of the law of hexahedra, after it had missed some."""
     housing = Housing(
         length=0.36,
         width=0.2,
