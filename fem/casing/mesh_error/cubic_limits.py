@@ -8,7 +8,7 @@ Babuska 1991, Finite Element Analysis, section 10.1), and g lies between 0 and t
 `SHARES` hold g of 95 % of the modes of each of six housings of tetrahedra, with two or three sizes each (elements of
 1.3 to 5 wall thicknesses): a casting, a drum and a box with ribs and flange gave the numbers, three more were foretold.
 Hexahedra have functions at their edges (`fem.casing.edges`), which leave other things. The rig and a bench, with three
-sizes each, gave 0.10 to 0.60; two more housings, foretold with that, lay outside in 8 and 25 % of their modes and
+sizes each, gave 0.10 to 0.60; two more housings, foretold with that, lay outside in 10 and 25 % of their modes and
 widened it to both sides; the modes of a fifth, a tall box, all lay inside (`python -m benchmarks.casing_limits`). The
 limit lies half-way, the band reaches to both ends.
 """
