@@ -94,9 +94,19 @@ def test_stored_code_is_used_until_a_source_changes(program):
     assert answer(program(4.0)) == (8.0, 0)  # only the file of the inner function changed
 
 
-def test_two_processes_may_compile_at_once(program):
-    assert [answer(process)[0] for process in (program(5.0), program(5.0))] == [10.0, 10.0]
+def test_of_two_processes_at_once_one_compiles_and_the_other_waits_for_its_code(program, tmp_path):
+    assert sorted(answer(process) for process in (program(5.0), program(5.0))) == [(10.0, 0), (10.0, 1)]
     assert answer(program(5.0)) == (10.0, 1)
+    assert not list(tmp_path.rglob("*.lock"))
+
+
+def test_a_process_compiles_itself_what_another_one_failed_to(program, tmp_path):
+    (tmp_path / "factor.py").write_text(FACTOR.replace("{}", "5.0"), encoding="utf-8")
+    code = "import whole; whole.entry('no vector')"
+    broken = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, check=False)
+    assert b"numba" in broken.stderr
+    assert not list((tmp_path / "stored").rglob("*.lock"))
+    assert answer(program(5.0)) == (10.0, 0)
 
 
 def stored_files(folder):

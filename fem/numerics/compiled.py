@@ -26,7 +26,7 @@ import threading
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import llvmlite
 import llvmlite.binding as llvm
@@ -106,7 +106,16 @@ def stored(file: str, entry: bool = True, **options: Any) -> Callable:
     def decorate(function: Callable) -> Any:
         function.__qualname__ = f"{function.__qualname__}_{total:08x}"
         dispatcher = njit(**options)(function)
-        dispatcher._cache = _Stored(function)
+        files, compile_unlocked = _Stored(function), dispatcher.compile
+
+        def compile_once(signature: Any) -> Any:
+            try:
+                return compile_unlocked(signature)
+            except BaseException:
+                files.unlock()
+                raise
+
+        dispatcher._cache, dispatcher.compile = files, compile_once
         return dispatcher
 
     return decorate
@@ -116,11 +125,13 @@ class _Stored:
     """What a compiled function asks of its cache, answered from our files.
 
     The compiler's own cache looks for a folder when the function is defined and stops the program if none can be
-    written; it believes whoever can write there, and what is damaged.
+    written; it believes whoever can write there, and what is damaged. It does not know that another process is
+    compiling the same function: here the second one waits and reads.
     """
 
     def __init__(self, function: Callable) -> None:
         self._function = f"{function.__module__}.{function.__qualname__}"
+        self._lock: BinaryIO | None = None
 
     @property
     def cache_path(self) -> str:
@@ -128,16 +139,29 @@ class _Stored:
         return str(compiled_files.compiled_folder())
 
     def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
-        """The code for a signature; None if it must be compiled."""
+        """The code for a signature; None if it must be compiled. Then no other process compiles it until it is saved."""
         target.refresh()
-        content = compiled_files.read(*self._name_and_key(signature, target.codegen()))
+        name, key = self._name_and_key(signature, target.codegen())
+        content = compiled_files.read(name, key)
+        if content is None:
+            self._lock = compiled_files.lock(name)
+            content = compiled_files.read(name, key)
+            if content is not None:
+                self.unlock()
         return None if content is None else CompileResult._rebuild(target, *pickle.loads(content))
 
     def save_overload(self, signature: Any, result: Any) -> None:
-        """Keep the code for a signature."""
+        """Keep the code for a signature, and let other processes have it."""
         if result.library.has_dynamic_globals:
             raise TypeError(f"{self._function} holds addresses of this process and cannot be stored")
         compiled_files.write(*self._name_and_key(signature, result.codegen), dumps(result._reduce()))
+        self.unlock()
+
+    def unlock(self) -> None:
+        """Let other processes read the code, or compile it themselves."""
+        if self._lock is not None:
+            compiled_files.unlock(self._lock)
+            self._lock = None
 
     def flush(self) -> None:
         """Nothing: code that is compiled again replaces what was stored."""

@@ -3,6 +3,9 @@
 They lie in the cache folder, or in a folder of their own under NUMBA_CACHE_DIR where that is set. Reading one runs
 what it holds, so the open file itself is asked for its owner, whatever the folders above it are. Where none can be
 written or read, that is said once and the code is compiled in memory.
+
+A process that compiles a function holds a lock on it, so that others which need it at the same time wait for its file
+instead of compiling it, too.
 """
 
 from __future__ import annotations
@@ -13,6 +16,7 @@ import os
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 from fem.storage.cache_folder import (
     COMPILED,
@@ -25,6 +29,7 @@ from fem.storage.cache_folder import (
     warn_once,
     warn_without,
 )
+from fem.storage.locks import lock_file, same_file
 
 _FIRST_LINE = b"gearcase compiled code\n"
 _DIGEST_BYTES = 32
@@ -74,6 +79,31 @@ def write(name: str, key: str, content: bytes) -> None:
             raise
     except OSError as error:
         warn_without(_root(folder), error)
+
+
+def lock(name: str) -> BinaryIO | None:
+    """Wait until no other process compiles what is kept under a name; the lock, or None where there are no locks.
+
+    It is given back by `unlock`, or by the system when this process ends.
+    """
+    folder = compiled_folder()
+    path = folder / f"{name}.lock"
+    try:
+        _prepare(folder, make=True)
+        while True:
+            file = open(path, "wb")  # noqa: SIM115
+            if lock_file(file, wait=True) and same_file(file, path):
+                return file
+            file.close()
+    except OSError:  # `write` says what is wrong with the folder
+        return None
+
+
+def unlock(file: BinaryIO) -> None:
+    """Let other processes read what this one has compiled."""
+    with contextlib.suppress(OSError):  # where an open file cannot be removed, it stays
+        os.unlink(file.name)
+    file.close()
 
 
 def files(folder: Path) -> Iterator[Path]:

@@ -35,7 +35,7 @@ from fem.storage.cache_folder import (
     warn_without,
 )
 from pipelines.border.errors import CacheWarning, InputError
-from pipelines.border.locks import lock_file, same_file
+from fem.storage.locks import lock_file, same_file
 from pipelines.engine.manifest import Damaged, Entry, entry_name, read_manifest, verified, write_manifest
 
 _LOG = logging.getLogger(__name__)

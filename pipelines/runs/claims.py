@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from pipelines.border.errors import InputError, WorkError
-from pipelines.border.locks import lock_file, same_file
+from fem.storage.locks import lock_file, same_file
 from pipelines.border.shown import shown
 from pipelines.border.user_files import writable_folder
 from pipelines.runs.run_folder import RESPONSE, ROOT

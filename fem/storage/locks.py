@@ -26,4 +26,7 @@ def lock_file(file: BinaryIO, *, wait: bool = False) -> bool:
 
 def same_file(file: BinaryIO, path: Path) -> bool:
     """False if the file was removed, and perhaps made anew, between opening and locking."""
-    return os.path.samestat(os.fstat(file.fileno()), path.stat())
+    try:
+        return os.path.samestat(os.fstat(file.fileno()), path.stat())
+    except FileNotFoundError:
+        return False
