@@ -188,7 +188,9 @@ def _add_lower(panel: np.ndarray, C: np.ndarray, matrix: np.ndarray, place: np.n
         while i < count:
             end, row = ends[i], place[i]
             if column < k:
-                panel[row : row + end - i, column] += matrix[i:end, j]
+                for r in range(end - i):
+                    panel[row + r, column] += matrix[i + r, j]
             else:
-                C[row - k : row - k + end - i, column - k] += matrix[i:end, j]
+                for r in range(end - i):
+                    C[row - k + r, column - k] += matrix[i + r, j]
             i = end

@@ -43,7 +43,7 @@ from numba.np.arrayobj import populate_array
 from fem.numerics import compiled_files
 
 FLOAT, INTEGER = types.float64, types.int64
-VECTOR, MATRIX, CUBE = (types.Array(FLOAT, n, "C") for n in (1, 2, 3))
+VECTOR, MATRIX, CUBE, HYPERCUBE = (types.Array(FLOAT, n, "C") for n in (1, 2, 3, 4))
 INTEGERS, INTEGER_MATRIX = types.Array(INTEGER, 1, "C"), types.Array(INTEGER, 2, "C")
 
 PLAIN: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
@@ -251,7 +251,7 @@ def apart(result: types.Type, *arguments: types.Type) -> Callable:
     """Decorator of a compiled function (what `njit` returns), for compiled callers: a call through its address.
 
     The function takes `arguments` and returns `result`. Callers get a RuntimeError where it cannot be compiled; what
-    the compiler says is printed then.
+    the compiler says is printed then. ``compile()`` of what is returned compiles it before the first call.
     """
 
     def decorate(function: Any) -> Callable:
@@ -265,7 +265,9 @@ def apart(result: types.Type, *arguments: types.Type) -> Callable:
         first = inspect.Parameter("typingctx", inspect.Parameter.POSITIONAL_OR_KEYWORD)
         call.__signature__ = inspect.Signature([first, *own])  # type: ignore[attr-defined]
         call.__name__, call.__doc__ = function.py_func.__name__, function.py_func.__doc__
-        return intrinsic(call)
+        called: Any = intrinsic(call)
+        called.compile = functools.partial(function.compile, arguments)
+        return called
 
     return decorate
 

@@ -30,7 +30,8 @@ def _rows_product(
 ) -> None:
     """Rows `begin` to `end` of the product."""
     for i in range(begin, end):
-        out[i, :] = 0.0
+        for c in range(X.shape[1]):
+            out[i, c] = 0.0
         for p in range(indptr[i], indptr[i + 1]):
             value, j = data[p], indices[p]
             for c in range(X.shape[1]):

@@ -12,6 +12,7 @@ METHODS = {
     "generalised-alpha": ("mbd.integrators.generalised_alpha", "GeneralisedAlpha"),
     "reference": ("mbd.integrators.reference", "Reference"),
 }
+COMPILED = ("exponential", "trapezoidal")  # those whose time loop is `mbd.integrators.modal_loop`
 
 
 def make_integrator(name: str, system: System, step: float) -> Integrator:
@@ -23,3 +24,11 @@ def make_integrator(name: str, system: System, step: float) -> Integrator:
     """
     made: Integrator = named_class(METHODS, name, "integrator", ValueError)(system, step)
     return made
+
+
+def compile_loop(name: str) -> None:
+    """Compile the time loop of the integrator of that name, or read it from disk, before a machine is there."""
+    if name in COMPILED:
+        from mbd.integrators import modal_loop
+
+        modal_loop.compile_loop()

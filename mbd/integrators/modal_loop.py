@@ -13,11 +13,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numba import types
 
-from fem.numerics.compiled import inner, stored
+from fem.numerics.compiled import CUBE, FLOAT, HYPERCUBE, INTEGER, INTEGERS, MATRIX, VECTOR, inner, stored
 from mbd.elements.element import WIDTH
 from mbd.elements.newton import NEAR, iterate
-from mbd.elements.table import Instant, contact_changed, parametric_work
+from mbd.elements.table import INSTANT, TABLE, Instant, contact_changed, parametric_work
+from mbd.integrators.base import Block
 from mbd.system.rolling_frame import RollingFrame, frame_acceleration
 
 QUARTERS = 4
@@ -52,6 +54,20 @@ class Memory(NamedTuple):
     motor: np.ndarray  # (3,) angle, speed, time
     rows: np.ndarray  # (m + observed,)
     elements: Instant  # what they answered
+
+
+_FRAME = types.NamedTuple((INTEGER, FLOAT, VECTOR), RollingFrame)
+_CONSTANTS = types.NamedTuple(
+    (VECTOR, MATRIX, VECTOR, HYPERCUBE, CUBE, MATRIX, MATRIX, MATRIX, MATRIX, HYPERCUBE, HYPERCUBE, _FRAME), Constants
+)
+_MEMORY = types.NamedTuple((VECTOR, MATRIX, MATRIX, VECTOR, INTEGERS, VECTOR, VECTOR, INSTANT), Memory)
+_BLOCK = types.NamedTuple((*[MATRIX] * 7, CUBE, MATRIX, INTEGERS, CUBE), Block)
+
+
+def compile_loop() -> None:
+    """Compile the loop and the iteration in it, or read them from disk: they are the same for every machine."""
+    iterate.compile()
+    advance_modes.compile((TABLE, INTEGER, VECTOR, VECTOR, _CONSTANTS, _MEMORY, _BLOCK, FLOAT, INTEGERS))
 
 
 @inner(fastmath={"reassoc", "contract", "nsz"})

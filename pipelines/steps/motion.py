@@ -46,6 +46,9 @@ def build(
     ------
     OSError : the file cannot be written
     """
+    from mbd.integrators.methods import compile_loop
+
+    compile_loop(spec.motion.integrator)  # while `compiled_ahead` may still compile what the assembly needs
     system = assembled(spec, body, laws)
     trajectory = moved(system, spec.motion, folder / "values.npy" if folder else None)
     machine = system.machine
@@ -56,12 +59,19 @@ def build(
 
 
 def compiled_ahead(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
-    """Move the machine a few steps without its casing: what moves it is compiled then, or read from disk."""
+    """Move the machine a few steps without its casing: what moves it is compiled then, or read from disk.
+
+    The evaluation of the laws comes first: it takes the longest to compile. A process that begins with the motion
+    meanwhile compiles the time loop.
+    """
     from fem.casing.models.no_casing import NoCasing
+    from fem.contact.evaluation.evaluator import LawEvaluator
     from mbd.simulate import Settings, simulate
     from mbd.system.system import assemble
     from pipelines.plant.assembly import assemble_machine
 
+    for drive, _ in laws:
+        LawEvaluator(drive).evaluate(0.0, 0.0)
     machine = assemble_machine(spec.machine, laws)
     system = assemble(machine, NoCasing().reduce({one.name: (0.0, 0.0, 0.0) for one in machine.bearings}), ())
     given = spec.motion

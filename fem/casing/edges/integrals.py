@@ -78,8 +78,13 @@ def _inverse(nodes, slopes, weights, first, end):
     for r in range(3):
         for q in range(end - first):
             volume[q] += J[0, r, q] * inverse[r, 0, q]
-    inverse /= volume
-    return inverse, volume * weights[first:end]
+    for r in range(3):
+        for d in range(3):
+            for q in range(end - first):
+                inverse[r, d, q] /= volume[q]
+    for q in range(end - first):
+        volume[q] *= weights[first + q]
+    return inverse, volume
 
 
 @stored(__file__)
