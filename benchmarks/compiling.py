@@ -1,61 +1,58 @@
-"""What compiling adds to the first run of all: python -m benchmarks.compiling.
+"""Which functions the first run of a scene compiles, over all its processes: python -m benchmarks.compiling [SCENE].
 
-`minimal` runs in a process of its own with an empty cache, and again with nothing but the compiled code kept. Processor
-seconds, so that other work on the machine counts little.
+The command runs with an empty cache. Meanwhile the folder of compiled code is watched: the lock of a function is there
+as long as a process compiles it, and every time it is compiled its file is written anew. Seconds are wall time, beside
+whatever the run does at the same time.
 """
 
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
 import time
+from collections import defaultdict
 from pathlib import Path
-from typing import Any
 
-PLACES = 10  # functions that are listed
+from fem.processes.child import command
 
-
-def measured(out: str) -> None:
-    """Run the scene into a folder; print its seconds, and those of every function that is kept on disk."""
-    from numba.core import event
-
-    from pipelines.runs.run import Options, run_scene
-    from pipelines.scene.file import load_scene
-
-    started: dict[Any, float] = {}
-    seconds: dict[str, float] = {}
-
-    class Compiling(event.Listener):
-        def on_start(self, event: Any) -> None:
-            started[event.data["dispatcher"]] = time.process_time()
-
-        def on_end(self, event: Any) -> None:
-            made = event.data["dispatcher"]
-            if type(made._cache).__name__ == "_Stored":
-                seconds[made.py_func.__qualname__.rpartition("_")[0]] = time.process_time() - started[made]
-
-    with event.install_listener("numba:compile", Compiling()):
-        run_scene(load_scene("minimal"), Options(out=out))
-    print(f"{time.process_time():7.1f} s in all, {sum(seconds.values()):.1f} s compiling")
-    for name, spent in sorted(seconds.items(), key=lambda one: -one[1])[:PLACES]:
-        print(f"{spent:7.1f} s {name}")
+_LOOK_SECONDS = 0.01
+_LOCK, _CODE = ".lock", ".code"
 
 
-def main() -> None:
-    """Cold, then with compiled code."""
+def compiled_by(run: list[str], cache: Path) -> dict[str, tuple[int, float]]:
+    """How often, and in how many seconds, a command that uses an empty cache compiled each function."""
+    environment = {**os.environ, "GEARCASE_CACHE": str(cache)}
+    environment.pop("NUMBA_CACHE_DIR", None)
+    files: dict[str, set[int]] = defaultdict(set)  # numbers of the files seen under a name
+    locked: dict[str, list[float]] = {}  # first and last look that saw the lock
+    child = subprocess.Popen(run, env=environment, stdout=subprocess.DEVNULL)
+    while child.poll() is None:
+        for entry in os.scandir(cache / "compiled") if (cache / "compiled").is_dir() else ():
+            name = entry.name
+            if name.endswith(_LOCK):
+                now = time.perf_counter()
+                locked.setdefault(name.removesuffix(_LOCK), [now, now])[1] = now
+            elif name.endswith(_CODE):
+                files[name].add(entry.inode())
+        time.sleep(_LOOK_SECONDS)
+    if child.returncode:
+        raise SystemExit(f"the run ended with code {child.returncode}")
+    seconds = {name: last - first for name, (first, last) in locked.items()}
+    return {name: (len(numbers), seconds.get(name, 0.0)) for name, numbers in files.items()}
+
+
+def main(scene: str) -> None:
+    """Print the table."""
     with tempfile.TemporaryDirectory() as folder:
-        cache = Path(folder) / "cache"
-        environment = {**os.environ, "GEARCASE_CACHE": str(cache)}
-        environment.pop("NUMBA_CACHE_DIR", None)
-        for name in ("empty cache", "compiled code kept"):
-            shutil.rmtree(cache / "entries", ignore_errors=True)
-            print(name, flush=True)
-            run = [sys.executable, "-m", __spec__.name, str(Path(folder) / name)]
-            subprocess.run(run, env=environment, check=True)
+        run = command("gearcase", "run", scene, "-q", "--out", str(Path(folder) / "run"))
+        found = compiled_by(run, Path(folder) / "cache")
+    rows = sorted(found.items(), key=lambda one: -one[1][1])
+    for name, (times, seconds) in rows:
+        print(f"{seconds:7.2f} s, {times} x  {name.rpartition('_')[0]}")
+    print(f"{sum(s for _, (_, s) in rows):7.2f} s  {len(rows)} functions, {sum(n for _, (n, _) in rows)} times compiled")
 
 
 if __name__ == "__main__":
-    measured(sys.argv[1]) if sys.argv[1:] else main()
+    main(sys.argv[1] if sys.argv[1:] else "rig-missing-tooth")
