@@ -16,6 +16,7 @@ import _thread
 import contextlib
 import ctypes
 import functools
+import gc
 import hashlib
 import inspect
 import pickle
@@ -54,6 +55,7 @@ SPREAD: dict[str, Any] = {
 }  # of functions that call many others
 SUMS: dict[str, Any] = {"forceinline": True, "fastmath": {"contract", "reassoc", "nsz"}}  # terms in any order
 _NO_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_OBJECTS = 200_000  # made between two collections while a function is compiled
 _kept: list[Any] = []  # compiled code refers to the cells as long as the process lives
 _ADDRESS = ir.IntType(8).as_pointer()
 _CELL = ir.LiteralStructType((_ADDRESS, ir.FunctionType(ir.VoidType(), ()).as_pointer()))
@@ -110,7 +112,8 @@ def stored(file: str, entry: bool = True, **options: Any) -> Callable:
 
         def compile_once(signature: Any) -> Any:
             try:
-                return compile_unlocked(signature)
+                with _rare_collection():
+                    return compile_unlocked(signature)
             except BaseException:
                 files.unlock()
                 raise
@@ -119,6 +122,20 @@ def stored(file: str, entry: bool = True, **options: Any) -> Callable:
         return dispatcher
 
     return decorate
+
+
+@contextlib.contextmanager
+def _rare_collection() -> Iterator[None]:
+    """Garbage is looked for less often: compiling makes millions of objects, and looking took a sixth of its time."""
+    before = gc.get_threshold()
+    if before[0] >= _OBJECTS:  # set by a function that calls this one, or by the user
+        yield
+        return
+    gc.set_threshold(_OBJECTS, *before[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
 
 
 class _Stored:
