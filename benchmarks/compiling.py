@@ -49,9 +49,10 @@ def main(scene: str) -> None:
         run = command("gearcase", "run", scene, "-q", "--out", str(Path(folder) / "run"))
         found = compiled_by(run, Path(folder) / "cache")
     rows = sorted(found.items(), key=lambda one: -one[1][1])
-    for name, (times, seconds) in rows:
-        print(f"{seconds:7.2f} s, {times} x  {name.rpartition('_')[0]}")
-    print(f"{sum(s for _, (_, s) in rows):7.2f} s  {len(rows)} functions, {sum(n for _, (n, _) in rows)} times compiled")
+    for name, (number, seconds) in rows:
+        print(f"{seconds:7.2f} s, {number} x  {name.rpartition('_')[0]}")
+    times = sum(number for _, (number, _) in rows)
+    print(f"{sum(seconds for _, (_, seconds) in rows):7.2f} s  {len(rows)} functions, compiled {times} times")
 
 
 if __name__ == "__main__":

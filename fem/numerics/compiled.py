@@ -156,7 +156,7 @@ class _Stored:
         return str(compiled_files.compiled_folder())
 
     def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
-        """The code for a signature; None if it must be compiled. Then no other process compiles it until it is saved."""
+        """The code for a signature; None if it must be compiled: no other process does so until it is saved."""
         target.refresh()
         name, key = self._name_and_key(signature, target.codegen())
         content = compiled_files.read(name, key)

@@ -20,8 +20,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipelines.border.errors import InputError, WorkError
 from fem.storage.locks import lock_file
+from pipelines.border.errors import InputError, WorkError
 from pipelines.border.shown import shown
 from pipelines.border.user_files import writable_folder
 from pipelines.campaign.plan import Plan

@@ -34,8 +34,8 @@ from fem.storage.cache_folder import (
     make_private,
     warn_without,
 )
-from pipelines.border.errors import CacheWarning, InputError
 from fem.storage.locks import lock_file, same_file
+from pipelines.border.errors import CacheWarning, InputError
 from pipelines.engine.manifest import Damaged, Entry, entry_name, read_manifest, verified, write_manifest
 
 _LOG = logging.getLogger(__name__)

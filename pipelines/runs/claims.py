@@ -25,8 +25,8 @@ from itertools import count
 from pathlib import Path
 from typing import BinaryIO
 
-from pipelines.border.errors import InputError, WorkError
 from fem.storage.locks import lock_file, same_file
+from pipelines.border.errors import InputError, WorkError
 from pipelines.border.shown import shown
 from pipelines.border.user_files import writable_folder
 from pipelines.runs.run_folder import RESPONSE, ROOT
