@@ -1,17 +1,20 @@
 """The command `gearcase`: one command run, errors turned into one message and an exit code.
 
-Exit codes: 0 success, 1 the work failed, 2 the input cannot be used, 130 interrupted.
+Exit codes: 0 success, 1 the work failed, 2 the input cannot be used, 130 interrupted (SIGINT, SIGTERM).
 """
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import logging
 import os
+import signal
 import sys
+import threading
 import traceback
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TextIO
 
 from pipelines.command_line import FINISHED, STUDIES, parser
@@ -69,7 +72,7 @@ def _guarded(options: argparse.Namespace) -> int:
         sys.stderr.write(f"gearcase: the working folder is gone ({error.strerror}). Change to another folder.\n")
         return 2
     try:
-        with warnings.catch_warnings():
+        with _interrupted_by_sigterm(), warnings.catch_warnings():
             warnings.simplefilter("always", CacheWarning)
             warnings.simplefilter("always", SceneWarning)
             warnings.showwarning = _show_warning
@@ -89,6 +92,19 @@ def _guarded(options: argparse.Namespace) -> int:
         if options.verbose:
             sys.stderr.write("".join(f"{shown(line, 500)}\n" for line in traceback.format_exc().splitlines()))
         return _report(error, verbose=options.verbose)
+
+
+@contextlib.contextmanager
+def _interrupted_by_sigterm() -> Iterator[None]:
+    """Treat SIGTERM, of `kill` or a batch system, like Ctrl-C: child processes, locks and partial files are removed."""
+    if threading.current_thread() is not threading.main_thread():  # which alone may handle signals
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before or signal.SIG_DFL)
 
 
 def _report(error: Exception, *, verbose: bool) -> int:

@@ -65,6 +65,22 @@ def test_a_result_that_others_could_have_written_is_not_believed(tmp_path, which
 
 
 @posix
+@pytest.mark.parametrize("mode", [0o2770, 0o2775, 0o3770])
+def test_a_folder_of_a_group_is_refused_with_the_ways_to_share(tmp_path, mode):
+    """It stays as it is, even if it is empty; a folder of one user in it is a cache, as the message proposes."""
+    group = tmp_path / "group"
+    group.mkdir()
+    group.chmod(mode)
+    ways = rf"shared by a group \(mode {mode:o}\).*chmod \+t {group}.*GEARCASE_CACHE.*{group}/NAME.*docs/cache\.md"
+    with pytest.raises(UnusableFolder, match=ways):
+        claim(group, make=True)
+    assert stat.S_IMODE(group.stat().st_mode) == mode
+    group.chmod(mode | stat.S_ISVTX)
+    entry = Cache(group / "NAME").store("law", KEY, fill)
+    assert Cache(group / "NAME").find("law", KEY) == entry
+
+
+@posix
 @root_only
 def test_what_belongs_to_another_user_is_not_believed(tmp_path):
     cache = Cache(tmp_path / "root")

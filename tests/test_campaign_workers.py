@@ -21,6 +21,21 @@ def test_local_workers_are_processes_of_their_own():
     assert not any(os.path.exists(f"/proc/{number}") for number in found)
 
 
+def _lock_and_interrupt():
+    """The name in the system of the lock that compressing makes, and how an interrupt is handled."""
+    from numcodecs import blosc
+
+    blosc.Blosc().encode(bytes(100))
+    return blosc.get_mutex()._semlock.name, signal.getsignal(signal.SIGINT)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals as POSIX has them")
+def test_a_worker_may_be_killed_at_any_moment():
+    """A lock with a name would stay in the system; the interpreter would warn of a leaked semaphore."""
+    with local_workers(1) as hands:
+        assert hands.executor.submit(_lock_and_interrupt).result() == (None, signal.SIG_IGN)
+
+
 def test_a_file_of_the_working_folder_stands_in_for_no_library(tmp_path, monkeypatch):
     (tmp_path / "queue.py").write_text("raise RuntimeError('the wrong queue')", encoding="utf-8")
     monkeypatch.chdir(tmp_path)

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import meshio
 import numpy as np
@@ -19,12 +20,12 @@ from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from pipelines.border.errors import InputError
-from pipelines.commands.casing import mode_table
+from pipelines.commands.casing import mode_table, part_table
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, explain
 from pipelines.figures.film import film_page
-from pipelines.figures.mode_pictures import ModeView, write_mode
+from pipelines.figures.mode_pictures import ModeView, mode_figure, write_mode
 from pipelines.runs.casing_export import checked_target, mode_shapes, write_mat, write_uff, write_vtu
 
 
@@ -129,6 +130,47 @@ def test_a_page_needs_nothing_but_itself():
     assert "&lt;a &amp; b&gt;" in page
     assert not re.search(r"(src|href)=\"?http", page)
     assert page.count('"b25l"') == 1
+
+
+def test_a_mode_is_drawn_with_8_percent_of_the_diagonal(monkeypatch):
+    """A block with a diagonal of 1.3 m: the largest displacement is drawn as 0.104 m, after a quarter period."""
+    pytest.importorskip("pyvista")
+    from pipelines.figures import render
+    from pipelines.figures.view import draw_mode
+
+    monkeypatch.setattr(render, "_render", lambda drawn, title, arrays, *others, **more: arrays)
+    nodes = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.4, 0.0], [0.0, 0.0, 1.2]])
+    shape = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.5], [0.6, 0.8, 0.0], [0.0, 0.2, 0.0]])
+    triangles = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    arrays = render.render_mode(nodes, triangles, shape, 16)
+    drawn = []
+    move = draw_mode(SimpleNamespace(add_mesh=lambda mesh, **looks: drawn.append((mesh, looks))), arrays)
+    ((body, looks),) = [one for one in drawn if one[1].get("scalars") == "amplitude"]
+    np.testing.assert_allclose(body["amplitude"], [0.0, 0.5, 1.0, 0.2])
+    assert looks["clim"] == (0.0, 1.0)
+    for number, swing in ((0, 0.0), (4, 0.104), (12, -0.104)):
+        move(number)
+        np.testing.assert_allclose(body.points, nodes + swing * shape, atol=1e-7)
+
+
+def test_a_picture_of_a_mode_names_size_and_colours(elastic):
+    from pipelines.figures.views import Picture
+
+    places = {"origin": (0.0, 0.0), "x": (5.0, 0.0), "y": (0.0, 5.0), "z": (3.0, 3.0)}
+    picture = Picture(image=np.full((20, 30, 3), 255, np.uint8), places=places)
+    figure = mode_figure(mode_view(elastic), picture, np.array([0.3, 0.4, 1.2]))
+    left, bar = figure.axes
+    assert "body 300 x 400 x 1200 mm (x, y, z)" in left.texts[-1].get_text()
+    assert bar.get_ylim() == (0.0, 1.0)
+    assert np.linalg.norm(mode_view(elastic).shape, axis=1).max() == pytest.approx(1.0)
+
+
+def test_the_strain_energy_of_parts_and_the_rest_is_all():
+    natural = SimpleNamespace(
+        shares=np.array([[0.25, 0.0], [0.5, 0.125]]), part_names=("walls", "ribs"), frequencies=[100.0, 200.0]
+    )
+    rows = [line.split() for line in part_table(natural, np.array([0.02, 0.03]), 2).splitlines()[-2:]]
+    assert rows == [["1", "100.00", "2", "25.00", "50.00", "25.00"], ["2", "200.00", "3", "0.00", "12.50", "87.50"]]
 
 
 @pytest.mark.slow

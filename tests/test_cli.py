@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -177,6 +178,16 @@ def test_failures_of_the_work(capsys, monkeypatch, error, code, words):
     assert "Traceback" not in err
     if code == 1:
         assert "Traceback" in gearcase(capsys, "check", "minimal", "-v")[2]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals as POSIX has them")
+def test_sigterm_is_an_interrupt(capsys, monkeypatch):
+    """So that child processes end, and what they share is removed; afterwards SIGTERM is what it was."""
+    before = signal.getsignal(signal.SIGTERM)
+    monkeypatch.setattr("pipelines.commands.check.main", lambda options: os.kill(os.getpid(), signal.SIGTERM))
+    code, _, err = gearcase(capsys, "check", "minimal")
+    assert (code, "interrupted" in err) == (130, True)
+    assert signal.getsignal(signal.SIGTERM) == before
 
 
 def test_our_own_work_errors_are_one_message(capsys, monkeypatch):

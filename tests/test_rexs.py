@@ -169,6 +169,68 @@ def test_a_shaft_whose_own_axis_points_backwards_gives_the_same_scene(scene_of):
     assert found["stages"] == wanted["stages"]
 
 
+BACKWARDS = np.diag([-1.0, -1.0, 1.0])  # axes u, v, w of a shaft that points against the others
+
+
+def backwards(document):
+    """Shaft 2 with its origin at its other end; its sections and the places of its bearings are symmetric."""
+    place = {"support_vector": ([160.0, *axes(PLAIN)[1]], "mm"), "u_axis_vector": ([-1.0, 0.0, 0.0], "mm")}
+    return document.changed("shaft", place, 1)
+
+
+def numbers(document, kind):
+    return [number for number, (one, *_) in document.components.items() if one == kind]
+
+
+def test_the_thrust_of_a_bearing_has_the_direction_of_its_shaft(written):
+    """The bearing at y = 10 mm of shaft 2 takes thrust along +y: along +u at u = 10, or along -u at u = 150 mm."""
+    kind = "rolling_bearing_with_catalog_geometry"
+    found = [
+        read_gear_unit(read_document(written(document))).shafts[1].bearings
+        for document in (
+            unit().changed(kind, {"axial_force_absorption": "positive"}, 2),
+            backwards(unit()).changed(kind, {"axial_force_absorption": "negative"}, 3),
+        )
+    ]
+    directions = [{bearing.y: bearing.axial for bearing in bearings} for bearings in found]
+    assert directions == [{10.0: "positive", 150.0: "both_directions"}] * 2
+
+
+def test_the_speed_of_a_shaft_has_the_direction_of_its_axis(scene_of):
+    """Of shaft 2, forwards and from its other end."""
+    speed = {"rotational_speed": (-400.0, "1 / min"), "defines_speed": True}
+    _, wanted = scene_of(unit(speed=None).changed("shaft", speed, 1))
+    speed["rotational_speed"] = (400.0, "1 / min")
+    _, found = scene_of(backwards(unit(speed=None)).changed("shaft", speed, 1))
+    assert found["drive"] == wanted["drive"]
+    assert found["stages"] == wanted["stages"]
+    _, other = scene_of(unit(speed=None).changed("shaft", speed, 1))
+    assert other["stages"] != wanted["stages"]
+
+
+def test_places_relative_to_a_shaft_that_points_backwards_give_the_same_scene(scene_of):
+    """Shaft 3 is given in the frame of shaft 2, the pinion on it in that of shaft 3."""
+    kind = "rolling_bearing_with_catalog_geometry"
+    positive = {"axial_force_absorption": "positive"}
+    whole = unit().changed(kind, positive, 4)
+    _, wanted = scene_of(whole)
+    second, third = ([x, *place] for x, place in zip((160.0, 0.0), axes(PLAIN)[1:], strict=True))
+    one, two = numbers(whole, "shaft")[1:]
+    placed = {
+        "support_vector": (list(BACKWARDS @ np.subtract(third, second)), "mm"),
+        "u_axis_vector": ([-1.0, 0.0, 0.0], "mm"),
+        "reference_component_for_position": one,
+    }
+    on_it = {"support_vector": ([110.0, 0.0, 0.0], "mm"), "reference_component_for_position": two}
+    document = backwards(whole).changed("shaft", placed, 2).changed("cylindrical_gear", on_it, 3)
+    made, found = scene_of(document)
+    assert found["shafts"] == wanted["shafts"]
+    assert any("positive direction only" in note.reason for note in made.notes)
+    for one, other in zip(found["stages"], wanted["stages"], strict=True):
+        assert one["position_mm"] == pytest.approx(other["position_mm"])
+        assert one["direction_deg"] == pytest.approx(other["direction_deg"])
+
+
 def test_an_input_that_turns_backwards_reverses_the_frame(scene_of):
     """A half turn about z keeps hands, and makes the speed positive."""
     _, wanted = scene_of(unit())

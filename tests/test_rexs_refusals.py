@@ -234,13 +234,23 @@ COAXIAL = (  # the output on the axis of the input
 )
 
 
-def test_a_bearing_between_two_shafts_leaves_both_turning(imported):
+def with_pilot(axial):
+    """A coaxial unit whose input shaft runs in its output shaft, in a bearing that takes thrust as given."""
     document = unit(COAXIAL)
     data = {"u_coordinate_on_shaft_inner_side": (80.0, "mm"), "inner_diameter": (15.0, "mm")}
-    document = document.added("concept_bearing", "pilot", **data, axial_force_absorption="no_direction")
+    document = document.added("concept_bearing", "pilot", **data, axial_force_absorption=axial)
     roles = {"assembly": max(document.components), "inner_part": SHAFTS[0], "outer_part": SHAFTS[2]}
     document.relations.append(("side", roles))
-    made, scene = imported(document)
+    return document
+
+
+def test_thrust_between_two_shafts_has_the_direction_of_the_inner_one(imported):
+    made, _ = imported(with_pilot("negative"))
+    assert any("negative direction only" in note.reason for note in made.notes)
+
+
+def test_a_bearing_between_two_shafts_leaves_both_turning(imported):
+    made, scene = imported(with_pilot("no_direction"))
     (joint,) = scene.couplings
     assert (joint.shafts, joint.positions_mm) == ((1, 3), (80.0, 80.0))
     assert (joint.torsional_stiffness_N_m_per_rad, joint.axial_stiffness_N_per_um) == (0.0, 0.0)

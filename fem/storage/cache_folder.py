@@ -64,7 +64,7 @@ def claim(root: Path, *, make: bool) -> None:
     if _marked(root):
         check_private(root)
         return
-    if not any(root.iterdir()) and _own(root.stat()):
+    if not any(root.iterdir()) and _own(root.stat()) and not _of_group(root.stat()):
         root.chmod(0o700)
     check_private(root)
     strangers = _strangers(root)
@@ -94,7 +94,15 @@ def make_private(folder: Path) -> None:
 
 def check_private(folder: Path) -> None:
     """Raises UnusableFolder if someone else than its owner (this user or root) can write in a folder."""
-    reason = distrust(folder.stat())
+    status = folder.stat()
+    reason = distrust(status)
+    if reason and _of_group(status):
+        raise UnusableFolder(
+            f"{folder} is shared by a group (mode {stat.S_IMODE(status.st_mode):o}), whose members could place code in "
+            f"it that you would run. To share its disk: chmod +t {folder}, and every user sets GEARCASE_CACHE to a "
+            f"folder of their own in it, as {folder}/NAME. To share results: root fills a cache that others only read, "
+            "see Sharing in docs/cache.md"
+        )
     if reason:
         raise UnusableFolder(f"{folder} {reason}")
 
@@ -126,6 +134,12 @@ def warn_once(text: str) -> None:
     if text not in _said:
         _said.add(text)
         warnings.warn(CacheWarning(text), stacklevel=3)
+
+
+def _of_group(status: os.stat_result) -> bool:
+    """Whether a folder is meant to be shared by a group: it hands its group down, and the group can write in it."""
+    shared = stat.S_ISGID | stat.S_IWGRP
+    return os.name == "posix" and status.st_mode & shared == shared
 
 
 def _own(status: os.stat_result) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -54,6 +55,21 @@ def careful_file(path: Path | str) -> Iterator[CarefulFile]:
         os.replace(partial, path)
     finally:
         partial.unlink(missing_ok=True)
+
+
+def blocks_missing(dataset: h5py.Dataset) -> str:
+    """That a dataset is larger than what is stored of it, in words; "" if it is complete.
+
+    HDF5 reads blocks that are not in the file as zeros. A damaged length takes minutes to read.
+    """
+    if dataset.chunks is None:
+        return ""
+    needed = math.prod(-(-length // block) for length, block in zip(dataset.shape, dataset.chunks, strict=True))
+    stored = dataset.id.get_num_chunks()
+    if stored >= needed:
+        return ""
+    shape = " x ".join(map(str, dataset.shape))
+    return f"has {shape} values by its header, but the file holds {stored} of {needed} blocks of values"
 
 
 class CarefulFile(io.RawIOBase):

@@ -6,6 +6,7 @@ import contextlib
 import multiprocessing
 import multiprocessing.connection
 import os
+import signal
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
@@ -38,7 +39,7 @@ def local_workers(processes: int | None) -> Iterator[Workers]:
 
     def made() -> ProcessPoolExecutor:
         context = multiprocessing.get_context("spawn")  # a fork would copy the threads of numerical libraries
-        pools.append(ProcessPoolExecutor(count, mp_context=context, initializer=_end_with_parent))
+        pools.append(ProcessPoolExecutor(count, mp_context=context, initializer=_begin))
         return pools[-1]
 
     safe = os.environ.get("PYTHONSAFEPATH")
@@ -60,12 +61,19 @@ def local_workers(processes: int | None) -> Iterator[Workers]:
             os.environ["PYTHONSAFEPATH"] = safe
 
 
-def _end_with_parent() -> None:
-    """End this process when its parent is gone: what waits for work from a queue would wait for ever."""
+def _begin() -> None:
+    """Prepare a process of the pool: it leaves interrupts to its parent, and ends when that is gone.
+
+    It may be killed at any moment. A lock that a library makes here (numcodecs does) must not need to be removed then;
+    with the start method "fork" it has no name in the system. No process is started here.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if os.name == "posix":
+        multiprocessing.set_start_method("fork", force=True)
     parent = multiprocessing.parent_process()
     assert parent is not None, "not a child"
 
-    def watch() -> None:
+    def watch() -> None:  # a process that waits for work from a queue would wait for ever
         multiprocessing.connection.wait([parent.sentinel])
         os._exit(3)
 

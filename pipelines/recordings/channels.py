@@ -22,7 +22,8 @@ class Channel:
     """One signal of a file.
 
     `read` gives the samples of a slice; `units` and `rate` (Hz) are as the file says them, "" and None where it does
-    not; `place` is the sensor and axis that the file names.
+    not; `place` is the sensor and axis that the file names; `problem` is why its samples cannot be used, "" if they
+    can.
     """
 
     name: str
@@ -32,6 +33,7 @@ class Channel:
     units: str = ""
     rate: float | None = None
     place: tuple[str, str] | None = None
+    problem: str = ""
 
     @property
     def is_numeric(self) -> bool:
@@ -56,17 +58,19 @@ class Contents:
         return ", ".join(shown(channel.name, 60) for channel in self.channels[:20]) or "none"
 
 
-def array_channels(name: str, values: Any, *, units: str = "", rate: float | None = None) -> Iterator[Channel]:
+def array_channels(
+    name: str, values: Any, *, units: str = "", rate: float | None = None, problem: str = ""
+) -> Iterator[Channel]:
     """The signals of an array of one or two dimensions, of which the longer one is time; none of any other.
 
     Parameters
     ----------
     name : of the array; its signals are numbered from 1 where there are several
     values : array, or anything that is sliced like one, as a dataset of an HDF5 file
-    units, rate : of all its signals
+    units, rate, problem : of all its signals
     """
     shape = values.shape
-    facts: dict[str, Any] = {"dtype": np.dtype(values.dtype), "units": units, "rate": rate}
+    facts: dict[str, Any] = {"dtype": np.dtype(values.dtype), "units": units, "rate": rate, "problem": problem}
     if len(shape) == 1 and shape[0] >= LEAST_VALUES:
         yield Channel(name=name, size=shape[0], read=lambda part: values[part], **facts)
     if len(shape) != 2 or max(shape) < LEAST_VALUES or not min(shape):

@@ -29,6 +29,8 @@ def checked_extremes(channel: Channel, source: str) -> tuple[float, float]:
         raise InputError(f"{where} holds {what} ({shown(str(channel.dtype), 40)}). Give a signal over time.")
     if channel.size < LEAST_SAMPLES:
         raise InputError(f"{where} has {channel.size} samples, at least {LEAST_SAMPLES} are needed. Record longer.")
+    if channel.problem:
+        raise InputError(f"{where} {channel.problem}. The file is damaged or cut off; save or copy it again.")
     gaps, first, low, high = 0, 0, np.inf, -np.inf
     for start, values in channel.blocks():
         bad = np.flatnonzero(~np.isfinite(values))

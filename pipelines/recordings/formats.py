@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import contextlib
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -69,12 +70,8 @@ def memory_needed(path: Path) -> int:
     form = format_of(path)
     if form.memory is None:
         return 0
-    try:
+    with damage_refused(path, form):
         return form.memory(path)
-    except (InputError, MemoryError):
-        raise
-    except Exception as error:
-        raise _damaged(path, form, error) from error
 
 
 def open_channels(path: Path) -> Contents:
@@ -93,17 +90,20 @@ def open_channels(path: Path) -> Contents:
             f"{shown(path)}: takes {needed / 1e6:.0f} MB of memory, {SHARE * free / 1e6:.0f} MB may be used (half of "
             "what is free). Cut it, or save it as HDF5, NPY or CSV, which are read part by part."
         )
-    try:
+    with damage_refused(path, form):
         return form.open(path)
+
+
+@contextlib.contextmanager
+def damage_refused(path: Path, form: Format) -> Iterator[None]:
+    """Turn what a library raises, when it reads a file in the block, into InputError."""
+    try:
+        yield
     except (InputError, MemoryError):
         raise
-    except Exception as error:  # a library that meets a damaged file raises whatever it stumbles over
-        raise _damaged(path, form, error) from error
-
-
-def _damaged(path: Path, form: Format, error: Exception) -> InputError:
-    reason = " ".join(str(error).split()).rstrip(".") or type(error).__name__
-    return InputError(
-        f"{shown(path)}: cannot be read as {form.name} ({shown(reason)}). It is damaged, cut off or of another format; "
-        "save or copy it again."
-    )
+    except Exception as error:  # a library that meets a damaged file raises errors of every kind
+        reason = " ".join(str(error).split()).rstrip(".") or type(error).__name__
+        raise InputError(
+            f"{shown(path)}: cannot be read as {form.name} ({shown(reason)}). It is damaged, cut off or of another "
+            "format; save or copy it again."
+        ) from error

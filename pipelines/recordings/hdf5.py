@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fem.storage.hdf5 import blocks_missing
 from pipelines.border.errors import InputError
 from pipelines.border.shown import shown
 from pipelines.recordings.channels import Channel, Contents, array_channels, says_rate
@@ -47,7 +48,7 @@ def holds_recording(path: Path) -> bool:
         with h5py.File(path, "r") as file:
             found = file.get("acceleration")
             return isinstance(found, h5py.Dataset) and found.ndim == 3 and {"time", "sensor", "axis"} <= file.keys()
-    except OSError:  # damaged, or no HDF5: said by who reads it
+    except Exception:  # damaged, or no HDF5: who reads it refuses it
         return False
 
 
@@ -68,7 +69,8 @@ def _channels(file: Any) -> Iterator[Channel]:
             setting = float(np.ravel(item[()])[0])
     for name, item in datasets.items():
         rate = _rate(item.attrs) or setting
-        yield from array_channels(name, item, units=_text(item.attrs.get("units", "")), rate=rate)
+        units = _text(item.attrs.get("units", ""))
+        yield from array_channels(name, item, units=units, rate=rate, problem=blocks_missing(item))
 
 
 def _rate(attributes: Mapping[str, Any]) -> float | None:

@@ -20,13 +20,14 @@ from pipelines.border.errors import InputError
 from pipelines.border.shown import nearest_name, shown
 from pipelines.recordings.channels import Channel, Contents
 from pipelines.recordings.checks import checked_extremes, clipped_share
-from pipelines.recordings.formats import format_of, memory_needed, open_channels
+from pipelines.recordings.formats import damage_refused, format_of, memory_needed, open_channels
 from pipelines.recordings.hdf5 import holds_recording, open_hdf5
 from pipelines.recordings.machine import Machine
 from pipelines.recordings.machine_table import AXES, DEFAULT_AXIS, ChannelName
 from pipelines.recordings.time_axis import is_time, sampling
 from pipelines.recordings.units import ACCELERATIONS, GRAVITY, VOLTAGES, may_be_acceleration, plain_units
 from pipelines.signals.motion_warnings import ATTRIBUTE
+from pipelines.signals.response_file import has_checksum, open_response
 
 _LOG = logging.getLogger(__name__)
 _COUNTERS = ("sample", "index")
@@ -45,13 +46,14 @@ def read_recording(source: str | Path, machine: Machine) -> xarray.Dataset:
     """
     path = Path(source)
     form = format_of(path)
-    if form.open is open_hdf5 and holds_recording(path):
+    if form.open is open_hdf5 and (has_checksum(path) or holds_recording(path)):
         return _response(path)
     if (needed := memory_needed(path)) > _WORTH_A_LINE:
         _LOG.info("%s: %s takes about %.0f MB of memory", shown(path), form.name, needed / 1e6)
     contents = open_channels(path)
     try:
-        return _recording(contents, machine, path, form.name)
+        with damage_refused(path, form):
+            return _recording(contents, machine, path, form.name)
     except BaseException:
         contents.close()
         raise
@@ -59,10 +61,10 @@ def read_recording(source: str | Path, machine: Machine) -> xarray.Dataset:
 
 def _response(path: Path) -> xarray.Dataset:
     """A file that holds a recording already."""
-    try:
-        found = xarray.open_dataset(path, engine="h5netcdf")
-    except (OSError, ValueError) as error:
-        raise InputError(f"{shown(path)}: cannot be read as signals ({error}). Write it again.") from error
+    found = open_response(path)
+    if "acceleration" not in found:
+        found.close()
+        raise InputError(f"{shown(path)}: holds no acceleration. Give the machine sensors and run its scene again.")
     found.attrs["source"] = path.name
     return found
 

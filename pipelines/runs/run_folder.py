@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from pipelines.border.errors import InputError, WorkError
 from pipelines.border.shown import shown
-from pipelines.border.user_files import folder_name, is_regular_file, read_text, regular_file, write_whole
+from pipelines.border.user_files import folder_name, is_regular_file, read_text, write_whole
 
 if TYPE_CHECKING:
     import xarray
@@ -87,15 +87,12 @@ def opened_run(path: Path) -> Iterator[xarray.Dataset]:
     ------
     InputError : the file is damaged, or none of ours
     """
-    import xarray
+    from pipelines.signals.response_file import open_response
 
-    try:
-        with xarray.open_dataset(regular_file(path), engine="h5netcdf") as data:
-            if "time" not in data.dims:
-                raise InputError(f"{shown(path)}: holds no signals over time. Run the scene again.")
-            yield data
-    except OSError as error:
-        raise InputError(f"{shown(path)}: cannot be read as signals ({error}). Run the scene again.") from error
+    with open_response(path) as data:
+        if "time" not in data.dims:
+            raise InputError(f"{shown(path)}: holds no signals over time. Run the scene again.")
+        yield data
 
 
 def loaded_run(folder: Path) -> xarray.Dataset:

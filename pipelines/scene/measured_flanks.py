@@ -124,9 +124,9 @@ def _from_netcdf(file: Path, path: str) -> tuple[list[np.ndarray], np.ndarray]:
             sides = [str(flank) for flank in found["flank"].values]
             axes = [np.asarray(found[name].values, dtype=float) for name in wanted[1:]]
             given = np.asarray(found.values, dtype=float)
-    except (OSError, ValueError, TypeError, KeyError) as error:
-        if isinstance(error, SceneError):
-            raise
+    except SceneError:
+        raise
+    except Exception as error:  # the libraries raise errors of every kind
         raise _refused(path, f"cannot be read as netCDF ({error})", "Give a CSV or netCDF file") from error
     if not set(sides) <= set(FLANKS) or len(set(sides)) < len(sides) or not np.isfinite(given).all():
         raise _refused(path, "flanks or values do not fit", "Give flank as drive and coast, and finite deviations")

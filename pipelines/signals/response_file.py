@@ -1,4 +1,7 @@
-"""response.nc: the signals of a motion, written block by block, so that no run is too long for memory.
+"""response.nc: the signals of a motion, written and read block by block, so that no run is too long for memory.
+
+The last 48 bytes are a checksum of all bytes before them, because HDF5 does not check all of them itself. Readers of
+netCDF ignore what follows the end of the HDF5 data, and a program that changes the file removes the checksum.
 
 The signals have the lossless filters shuffle and deflate, which every netCDF-4 reader knows. They are packed here and
 not by the HDF5 library, because the strategy "run lengths" of deflate leaves such signals as small as its full search
@@ -7,20 +10,30 @@ does in half the time.
 
 from __future__ import annotations
 
+import hashlib
+import os
 import zlib
 from collections.abc import Mapping
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from fem.storage.hdf5 import careful_file
+from fem.storage.hdf5 import CarefulFile, blocks_missing, careful_file
 from mbd.output.trajectory import Trajectory
+from pipelines.border.errors import InputError
+from pipelines.border.shown import shown
+from pipelines.border.user_files import regular_file
 from pipelines.signals.labelled import coordinates, facts, read, signals
+
+if TYPE_CHECKING:
+    import xarray
 
 BLOCK = 8192  # samples written at once, and of one signal packed together
 _FILTERS: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+_MARK = b"gearcase sha256:"  # before the checksum
+_CHECKSUM_BYTES = len(_MARK) + hashlib.sha256().digest_size
 
 
 def write_response(motion: Trajectory, labels: Mapping[str, Any], path: Path | str) -> None:
@@ -60,6 +73,72 @@ def write_response(motion: Trajectory, labels: Mapping[str, Any], path: Path | s
                         one: tuple[Any, ...] = (slice(None), *place)
                         chunked[signal.name].write_direct_chunk((first, *place), _packed(whole[one]))
                 disk.check()
+        size = disk.seek(0, os.SEEK_END)
+        disk.write(_MARK + _digest(disk, size))
+
+
+def open_response(path: Path) -> xarray.Dataset:
+    """The signals in response.nc or a file of its form, each read when it is used; close it, or use it in `with`.
+
+    The checksum is verified. All of a file without one is read, so that damage is found here and not later.
+
+    Raises
+    ------
+    FileNotFoundError : there is no such file
+    InputError : it is damaged, or holds no signals
+    """
+    import h5py
+    import xarray
+
+    regular_file(path)
+    verified = has_checksum(path)
+    if verified:
+        with path.open("rb") as file:
+            size = path.stat().st_size - _CHECKSUM_BYTES
+            digest = _digest(file, size)
+            if file.read(_CHECKSUM_BYTES) != _MARK + digest:
+                raise _damaged(path, "its content does not match its checksum")
+    try:
+        if not verified:
+            with h5py.File(path, "r") as file:
+                _read_once("/", file)
+                file.visititems(_read_once)
+        return xarray.open_dataset(path, engine="h5netcdf")
+    except Exception as error:  # the libraries raise errors of every kind
+        raise _damaged(path, " ".join(str(error).split()) or type(error).__name__) from error
+
+
+def has_checksum(path: Path) -> bool:
+    """Whether a file ends with a checksum of ours."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - _CHECKSUM_BYTES))
+        return file.read(len(_MARK)) == _MARK
+
+
+def _digest(file: BinaryIO | CarefulFile, size: int) -> bytes:
+    """SHA-256 of the first `size` bytes of a file; the file is left behind them."""
+    file.seek(0)
+    total = hashlib.sha256()
+    for first in range(0, size, 1 << 20):
+        total.update(file.read(min(1 << 20, size - first)) or b"")
+    return total.digest()
+
+
+def _read_once(name: str, item: Any) -> None:
+    """Read the attributes and samples of a group or dataset of HDF5, block by block; damage raises an error."""
+    dict(item.attrs)
+    if getattr(item, "shape", ()):
+        if problem := blocks_missing(item):
+            raise OSError(f"{name} {problem}")
+        for first in range(0, len(item), BLOCK):
+            item[first : first + BLOCK]
+
+
+def _damaged(path: Path, reason: str) -> InputError:
+    return InputError(
+        f"{shown(path)}: cannot be read as signals ({shown(reason)}). The file is damaged or cut off; copy it again, "
+        "or run the scene again."
+    )
 
 
 def _packed(values: np.ndarray) -> bytes:

@@ -20,7 +20,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.io
@@ -31,6 +31,10 @@ from fem.casing.foreign.body import ForeignBody, ForeignError, foreign_body
 from fem.casing.foreign.nastran import SUFFIXES as NASTRAN
 from fem.casing.foreign.nastran import grid_points, output4, punched, superelement_equations
 from fem.processes.own_process import DAMAGED, opened_apart
+from fem.storage.hdf5 import blocks_missing
+
+if TYPE_CHECKING:
+    import h5py
 
 _log = logging.getLogger(__name__)
 SUFFIXES = (".op4", ".pch", ".mtx", ".mmf", ".matrix", ".hb", ".rsa", ".sti", ".npz", ".h5", ".hdf5")
@@ -200,11 +204,19 @@ def _hdf5(path: Path) -> Found:
         for name, item in file.items():
             if isinstance(item, h5py.Group):
                 if {"data", "indices", "indptr"} <= set(item):
-                    packed = tuple(item[part][:] for part in ("data", "indices", "indptr"))
+                    packed = tuple(_complete(item[part], path) for part in ("data", "indices", "indptr"))
                     arrays[name.lower()] = _sound(sp.csr_matrix(packed))
             elif item.ndim == 2:
-                arrays[name.lower()] = item[:]
+                square = item.shape[0] == item.shape[1]  # such a matrix may leave out blocks of zeros
+                arrays[name.lower()] = item[:] if square else _complete(item, path)
     return _of_arrays(arrays)
+
+
+def _complete(dataset: h5py.Dataset, path: Path) -> np.ndarray:
+    """The values of a dataset of HDF5. ForeignError if the file does not hold all of them."""
+    if problem := blocks_missing(dataset):
+        raise ForeignError(f"{path.name}: {str(dataset.name).strip('/')} {problem}; {DAMAGED}")
+    return dataset[:]
 
 
 def _sound(matrix: Any) -> Any:

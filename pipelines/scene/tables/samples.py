@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Discriminator, Field, Tag
 
+from fem.storage.hdf5 import blocks_missing
 from pipelines.border.errors import InputError, Problem, SceneError
 from pipelines.border.shown import nearest_name, shown
 from pipelines.border.user_files import read_text, regular_file
@@ -157,10 +158,12 @@ def _dataset(file: Path, name: str, path: str) -> np.ndarray:
                 raise _refused(
                     f"{path}.column", f"the file has no dataset of that name ({', '.join(opened)})", "", name
                 )
+            if problem := blocks_missing(found):
+                raise _refused(f"{path}.column", problem, "The file is damaged; save or copy it again", name)
             values = np.asarray(found[()], dtype=float).ravel()
-    except (OSError, ValueError, TypeError) as error:
-        if isinstance(error, SceneError):
-            raise
+    except SceneError:
+        raise
+    except Exception as error:  # the library raises errors of every kind
         raise _refused(f"{path}.file", f"cannot be read as HDF5 ({error})", "Give a CSV or HDF5 file") from error
     bad = np.flatnonzero(~np.isfinite(values))
     if len(bad):
