@@ -36,8 +36,8 @@ from pipelines.figures.stress_pictures import (
 from pipelines.figures.teeth.mesh_frames import mesh_frames, passage
 from pipelines.figures.teeth.scene_frame import placed, scene_frame
 from pipelines.figures.views import Picture
+from pipelines.plant.flanks_spec import FlanksSpec
 from pipelines.steps import stress
-from pipelines.steps.modified_laws import FlanksSpec
 
 LOAD = 1200.0
 COARSE = Solid(slices=5, refinement=0.6, positions=8)

@@ -16,6 +16,7 @@ from synthetic import MESH, WHEEL, response
 from pipelines.border.grid import Grid, GridError
 from pipelines.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
 from pipelines.figures.views import LeftOut
+from pipelines.report import pictures
 from pipelines.report.contents import cell, grid
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.page import typeset
@@ -130,7 +131,7 @@ def full(tmp_path_factory, runs, diagnosis):
         seeds=(diagnosis,),
         summary={"motor speed": "900 rpm", "coordinates": 212},
         gears=({"stage": 1, "gear": "pinion", "z": 20}, {"stage": 1, "gear": "wheel", "z": 55}),
-        stiffness=(CURVE,),
+        stiffness=pictures.stiffness([CURVE]),
         gear_picture=LeftOut(reason=LEFT_OUT),
         runs=runs,
         windows=WINDOWS,
@@ -245,7 +246,11 @@ def test_a_run_without_control_shows_its_signals_and_spectra_and_names_nothing_t
         revolution_frequency=WHEEL, mesh_frequency=MESH, windows={"steady": (0.5, 1.5)}, sensor="sensor_3", axis="z"
     )
     contents = ReportContents(
-        sensor="sensor_3", title="Minimal", stiffness=(CURVE,), runs={"healthy": runs["healthy"]}, settings=settings
+        sensor="sensor_3",
+        title="Minimal",
+        stiffness=pictures.stiffness([CURVE]),
+        runs={"healthy": runs["healthy"]},
+        settings=settings,
     )
     text, page = written(tmp_path, contents)
     assert page.headings == ["Signals and spectra", "Levels", "Stiffness", "Speed"]

@@ -10,6 +10,7 @@ from browser import CHROMIUM, browser
 from synthetic import MESH, WHEEL, response
 
 from pipelines.figures.plots import StiffnessPlot
+from pipelines.report import pictures
 from pipelines.report.contents import ReportContents
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.report import write_report
@@ -91,7 +92,7 @@ def report(tmp_path_factory):
         first=first,
         diagnoses=(diagnosis,),
         gears=gears,
-        stiffness=(StiffnessPlot(title="Stage 1", cycle=cycle, healthy=2e8 + 1e7 * np.cos(cycle)),),
+        stiffness=pictures.stiffness([StiffnessPlot(title="Stage 1", cycle=cycle, healthy=2e8 + 1e7 * np.cos(cycle))]),
         runs=runs,
         windows=windows,
         sensor="sensor_3",

@@ -258,6 +258,19 @@ def test_what_a_step_does_ahead_is_done_beside_others_and_its_failure_is_not_tha
     assert begun == CALLS
 
 
+@pytest.mark.parametrize(("processes", "built"), [(2, ["after", "spare"]), (1, [])])
+def test_spare_steps_are_built_here_while_others_are_built_elsewhere_and_may_fail(cache, processes, built):
+    spare = Step(name="spare", kind="slow", build=make_slowly, spec=0.01)
+    bad = Step(name="bad", kind="bad", build=make_nothing, spec="no picture")
+    after = Step(name="after", kind="after", build=count_children, takes=("spare",))
+    graph = Graph([*long_graph(2, 1.5), bad, spare, after])
+    outcome = run_graph(graph, cache, ["s0", "s1"], processes=processes, meanwhile=["bad", "spare", "after"])
+    assert sorted(outcome.results.keys() - {"s0", "s1"}) == built
+    if built:
+        assert outcome.value("spare")["process"] == os.getpid()
+        assert outcome.value("after")["children"] >= 2
+
+
 def test_a_child_that_dies_while_it_waits_for_work_is_replaced(cache):
     one, two = long_graph(2, 0.0)
     with Pool() as pool:

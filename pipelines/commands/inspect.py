@@ -86,15 +86,15 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
 def _write_casing(graph: Graph, plant: Plant, folder: Path, work: Work) -> None:
     from pipelines.figures.callouts import casing_figure
     from pipelines.figures.film import save_figure
-    from pipelines.steps import reporting
+    from pipelines.steps.pictures import rendered_casing
 
     if "casing mesh" not in graph.steps:
         sys.stdout.write(f"casing {plant.models['casing']}: no mesh to show\n")
         return
     mesh = work.build(graph, ["casing mesh"]).value("casing mesh")
-    picture = reporting.casing_picture(mesh, plant.sensors)
-    if picture is None or isinstance(picture, LeftOut):
-        sys.stdout.write(f"casing.png: {picture.reason if picture else 'nothing to show'}\n")
+    picture = rendered_casing(mesh, plant.sensors)
+    if isinstance(picture, LeftOut):
+        sys.stdout.write(f"casing.png: {picture.reason}\n")
         return
     save_figure(casing_figure(picture, f"Casing and key points of {plant.title}"), folder / "casing.png", dpi=115)
     _tell(folder / "casing.png")

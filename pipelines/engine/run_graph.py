@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import logging
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from pipelines.engine.processes import Pool
 from pipelines.engine.share import listening
 from pipelines.engine.step import Graph, Step, StepRecord, stored
 
+_log = logging.getLogger(__name__)
 _HELD_BYTES = 16e6  # a larger result is not held in memory: who needs it reads it from the cache
 _LONG_SECONDS = 3.0  # steps expected to take longer may go to a process of their own
 
@@ -77,6 +79,7 @@ def run_graph(
     observer: Observer | None = None,
     processes: int | None = None,
     known: Mapping[str, Result] | None = None,
+    meanwhile: Iterable[str] = (),
 ) -> Outcome:
     """Build or reuse the wanted steps and what they take.
 
@@ -87,27 +90,32 @@ def run_graph(
     observer : is told of every step; None: nobody
     processes : long steps built at the same time; default 2, or 1 on a single core
     known : results of steps of this graph that are at hand
+    meanwhile : names of further steps, each built only while this process would wait for others; one that fails is
+        missing in the outcome
 
     Raises
     ------
-    whatever a step raises, with the step's name added; WorkError if a process ends without an answer.
+    whatever a wanted step raises, with the step's name added; WorkError if a process ends without an answer.
     Finished steps stay in the cache.
     """
     wanted = set(wanted)
-    graph = graph.needed(wanted)
+    every, graph = graph.needed(wanted | set(meanwhile)), graph.needed(wanted)
     observer = observer or Silent()
     if processes is None:
         processes = min(2, os.cpu_count() or 1)
-    results = {name: result for name, result in (known or {}).items() if name in graph.steps}
+    results = {name: result for name, result in (known or {}).items() if name in every.steps}
+    failed: set[str] = set()
     verified: set[str] = set()
     urgency = graph.seconds_to_the_end()  # what the most must wait for starts first
     ahead = Ahead()
     with one_thread(), Pool() as pool:
-        while len(results) < len(graph.steps):
-            ready = _take_what_is_cached(graph, cache, results, wanted, pool.names(), observer)
+        while any(name not in results for name in graph.steps):
+            ready = _take_what_is_cached(every, cache, results, wanted, pool.names(), observer)
             ready = [(step, key) for step, key in ready if not pool.builds(key)]
             if _drop_damaged(ready, cache, results, verified):
                 continue
+            spare = [(step, key) for step, key in ready if step.name not in graph.steps and step.name not in failed]
+            ready = [(step, key) for step, key in ready if step.name in graph.steps]
             long = [(step, key) for step, key in ready if step.seconds >= _LONG_SECONDS]
             long.sort(key=lambda one: -urgency[one[0].name])
             if processes > 1 and (len({key for _, key in long}) > 1 or (long and len(pool))):
@@ -128,13 +136,23 @@ def run_graph(
                 with listening(functools.partial(observer.advanced, step)):
                     result = build_here(step, key, _upstream(step, results), cache)
                 _keep(results, step, result, observer)
+            elif len(pool) and spare:
+                step, key = spare[0]
+                observer.started(step)
+                try:
+                    result = build_here(step, key, _upstream(step, results), cache)
+                except Exception as error:
+                    failed.add(step.name)
+                    _log.debug("step %s, built meanwhile: %s", step.name, error)
+                else:
+                    _keep(results, step, result, observer)
             elif len(pool):
                 for step in graph:
                     if step.name not in results and step.takes:
                         step.load()  # while the children work
                 for step, result in pool.wait(observer.advanced):
                     _keep(results, step, result, observer)
-    return Outcome({name: results[name] for name in graph.steps})
+    return Outcome({name: results[name] for name in every.steps if name in results})
 
 
 def _take_what_is_cached(

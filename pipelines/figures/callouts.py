@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pipelines.figures.colours import POINTS, WEAR_COLOURS
-from pipelines.figures.plots import FAULTY, StiffnessPlot, draw_stiffness, new_figure, plain
+from pipelines.figures.plots import FAULTY, StiffnessPlot, draw_stiffness, fixed_figure, new_figure, plain
 from pipelines.figures.render import AXES_PLACES, KINDS, kind_of
 from pipelines.figures.teeth.tooth_shape import DrawnTooth
 from pipelines.figures.views import Picture
@@ -43,8 +43,12 @@ def gear_figure(
     near, tooth : the rendered damaged tooth, and what it shows, or None
     """
     shown = 1 + (near is not None) + (curve is not None)
-    figure = new_figure(5.0, 6.25 * shown)
-    left, *rest = np.atleast_1d(figure.subplots(1, shown, width_ratios=[1.05, *[1.0] * (shown - 1)]))
+    height, width = 5.0, 6.25 * shown
+    if title:  # of several lines, and perhaps a scale of wear: a layout engine finds room for them
+        figure = new_figure(height, width)
+    else:
+        figure = fixed_figure(height, width, columns=shown, left=0.05, across=0.85)
+    left, *rest = np.atleast_1d(figure.subplots(1, shown, width_ratios=[1.05 if title else 0.95, *[1.0] * (shown - 1)]))
     if near is not None:
         _draw_tooth(rest.pop(0), near, tooth)
     if curve is not None:
@@ -96,7 +100,7 @@ def _draw_tooth(axes: Axes, near: Picture, tooth: DrawnTooth | None) -> None:
 
 def casing_figure(picture: Picture, title: str = "Casing and key points") -> Figure:
     """The casing, every key point named at the side of the picture: yellow ground, red bearing, green sensor."""
-    figure = new_figure(7.0, 11.5)
+    figure = fixed_figure(7.0, 11.5, title=plain(title), left=0.1, right=0.1, bottom=0.4)
     axes = figure.subplots()
     left, right, top, bottom = show(axes, picture)
     points = {name: place for name, place in picture.places.items() if name not in AXES_PLACES}
@@ -129,8 +133,7 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
     handles = [
         Line2D([], [], marker="o", ls="", color=POINTS[kind], label=f"{kind} points ({counts[kind]})") for kind in KINDS
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
-    figure.suptitle(plain(title))
+    figure.legend(handles=handles, loc="lower center", ncols=3, frameon=False)
     return figure
 
 

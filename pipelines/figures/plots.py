@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.transforms import ScaledTranslation
 
 from pipelines.signals.analysis import channel
 
@@ -20,8 +21,11 @@ if TYPE_CHECKING:
 
 FAULTY, HEALTHY = "#c23b22", "#2a6f97"
 FIRST, SECOND = "#2a6f97", "#e08e0b"
-MARK = "#6b6b6b"
+MARK, GRID = "#6b6b6b", "#dddddd"
 WIDTH = 10.0  # inches
+LETTER = 0.085  # inches, mean width of a letter of 10 points
+HEADLINE = 0.3  # inches, what a title of the whole figure takes
+LABEL_BELOW, LABEL_LEFT = 0.29, 0.62  # inches from the axes to the words of their labels, numbers between
 RPM = 30 / np.pi
 
 
@@ -41,12 +45,52 @@ def new_figure(height: float, width: float = WIDTH) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
 
 
+def fixed_figure(
+    height: float,
+    width: float = WIDTH,
+    *,
+    title: str = "",
+    rows: int = 1,
+    columns: int = 1,
+    left: float = 0.85,
+    right: float = 0.15,
+    bottom: float = 0.54,
+    down: float = 0.84,
+    across: float = 0.6,
+) -> Figure:
+    """An empty figure with fixed margins, for a report: a solver that looks for them takes longer than the drawing.
+
+    Parameters
+    ----------
+    height, width : of the figure, inches
+    title : of the whole figure, "" for none
+    rows, columns : number of panels
+    left, right, bottom : margins, inches; that at the top holds the titles
+    down, across : distances between panels, inches
+    """
+    top = 0.34 + (HEADLINE if title else 0.0)
+    inside = width - left - right, height - bottom - top
+    panel = (inside[0] - (columns - 1) * across) / columns, (inside[1] - (rows - 1) * down) / rows
+    figure = Figure(figsize=(width, height))
+    figure.subplots_adjust(
+        left=left / width,
+        right=1.0 - right / width,
+        bottom=bottom / height,
+        top=1.0 - top / height,
+        wspace=across / panel[0],
+        hspace=down / panel[1],
+    )
+    if title:
+        figure.suptitle(title, y=1.0 - 0.08 / height)
+    return figure
+
+
 def stiffness_figure(curves: Sequence[StiffnessPlot]) -> Figure:
     """Stiffness curves, one panel per gear stage, healthy and with the faults."""
-    figure = new_figure(2.0 + 1.9 * len(curves))
+    title = "Mesh stiffness along the transverse line of action"
+    figure = fixed_figure(2.0 + 1.9 * len(curves), title=title, rows=len(curves))
     for curve, axes in zip(curves, np.atleast_1d(figure.subplots(len(curves), 1)), strict=True):
         draw_stiffness(axes, curve)
-    figure.suptitle("Mesh stiffness along the transverse line of action")
     return figure
 
 
@@ -68,8 +112,8 @@ def drive_figure(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]
         ("motor 2", {"ls": "--", "color": SECOND}),
     )
     has_rope = "rope_force" in run
-    panels = np.atleast_1d(new_figure(5.6 if has_rope else 3.2).subplots(1 + has_rope, 1, sharex=True))
-    figure = panels[0].figure
+    figure = fixed_figure(5.6 if has_rope else 3.2, rows=1 + has_rope, down=0.45)
+    panels = np.atleast_1d(figure.subplots(1 + has_rope, 1, sharex=True))
     time = run.time.values
     speeds = run.motor_speed.transpose("motor", "time").values if "motor_speed" in run else ()
     for (name, style), speed in zip(motors, speeds, strict=False):
@@ -98,7 +142,7 @@ def waveform_figure(
     sensor, axis : the channel, e.g. "sensor_3", "z"
     windows : (start, end) by name, s
     """
-    figure = new_figure(1.0 + 1.9 * len(runs))
+    figure = fixed_figure(1.0 + 1.9 * len(runs), rows=len(runs), columns=2, down=0.45)
     grid = figure.subplots(len(runs), 2, sharex="col", sharey="col", squeeze=False, width_ratios=[3, 2])
     middle = float(np.mean(next(iter(windows.values())))) if windows else None
     for (name, run), (whole, detail) in zip(runs.items(), grid, strict=True):
@@ -126,7 +170,8 @@ def bars_figure(title: str, names: Sequence[str], values: Sequence[float], unit:
     names, values : of the bars, values in `unit`
     unit : word at the axis
     """
-    figure = new_figure(1.2 + 0.32 * len(names))
+    longest = max(map(len, names), default=0)
+    figure = fixed_figure(1.2 + 0.32 * len(names), left=0.3 + LETTER * longest)
     axes = figure.subplots()
     bars = axes.barh(list(names), list(values), color=FIRST)
     axes.bar_label(bars, labels=[f"{value:.3g}" for value in values], padding=4)
@@ -173,10 +218,16 @@ def dress(axes: Axes, title: str, x: str, y: str) -> None:
     axes : what is dressed
     title, x, y : texts, those of the axes with their units
     """
-    axes.set_title(title, fontsize=10, loc="left")
+    axes.set_title(title, fontsize=10, loc="left", y=1.0)
     axes.set_xlabel(x)
     axes.set_ylabel(y)
-    axes.grid(visible=True, color="#dddddd", lw=0.6)
+    figure = axes.get_figure()
+    if figure is not None and figure.get_layout_engine() is None:  # else matplotlib measures all numbers for them
+        below = axes.transAxes + ScaledTranslation(0.0, -LABEL_BELOW, figure.dpi_scale_trans)
+        beside = axes.transAxes + ScaledTranslation(-LABEL_LEFT, 0.0, figure.dpi_scale_trans)
+        axes.xaxis.set_label_coords(0.5, 0.0, below)
+        axes.yaxis.set_label_coords(0.0, 0.5, beside)
+    axes.grid(visible=True, color=GRID, lw=0.6)
     axes.set_axisbelow(True)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -82,27 +82,47 @@ def gear_view(
     )
 
 
-def stage_view(plant: Plant, stage: int, law: MeshLaw, *, in_mesh: bool = False, damaged: bool = True) -> GearPairView:
-    """The pair of a stage at its place in the scene.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PlacedPair:
+    """A gear pair at its place in the scene, the fault that is shown, and all damage of that tooth."""
 
-    Parameters
-    ----------
-    plant, stage : the plant of a scene, and the number of the stage, from 1
-    law : of the drive flank, which says how deep wear is
-    in_mesh : as for `gear_view`
-    damaged : with the damaged tooth, and all its faults
-    """
-    pair = plant.layout.pairs[stage - 1]
+    pair: GearPair
+    frame: np.ndarray  # (4, 4), see `pipelines.figures.teeth.scene_frame`
+    sense: int
+    fault: Fault | None
+    damage: tuple[ToothFault, ...]
+
+
+def placed_pair(plant: Plant, stage: int) -> PlacedPair:
+    """The pair of a stage (from 1) of a plant."""
     pinion, wheel = plant.layout.pair_shafts[stage - 1]
     sense = plant.layout.pinion_senses[stage - 1]
     axes = plant.layout.axes
-    frame = scene_frame(axes[pinion], axes[wheel], plant.machine.meshes[stage - 1].y, sense)
     fault = shown_fault(plant.faults, stage)
+    return PlacedPair(
+        pair=plant.layout.pairs[stage - 1],
+        frame=scene_frame(axes[pinion], axes[wheel], plant.machine.meshes[stage - 1].y, sense),
+        sense=sense,
+        fault=fault,
+        damage=() if fault is None else tooth_damage(plant.faults, fault),
+    )
+
+
+def stage_view(placed: PlacedPair, law: MeshLaw | None, *, in_mesh: bool = False, damaged: bool = True) -> GearPairView:
+    """The pair at its place.
+
+    Parameters
+    ----------
+    placed : the pair
+    law : of the drive flank, which gives the depth of wear; None if `needs_law` is not true of the damage
+    in_mesh : as for `gear_view`
+    damaged : with the damaged tooth, and all its faults
+    """
+    pair, frame, sense, fault = placed.pair, placed.frame, placed.sense, placed.fault
     if fault is None:
         return replace(gear_view(pair, frame=frame, sense=sense, in_mesh=in_mesh), seen_from=_open_end(pair, sense))
     gear: Gear = getattr(pair, fault.gear)
-    of_tooth = tooth_damage(plant.faults, fault)
-    tooth = drawn_tooth(pair, law, fault.gear, twist(gear), of_tooth)
+    tooth = drawn_tooth(pair, law, fault.gear, twist(gear), placed.damage)
     marked = (fault.gear, fault.tooth or 0)
     view = gear_view(pair, marked, missing=tooth.missing, in_mesh=in_mesh, tooth=tooth, frame=frame, sense=sense)
     view = replace(view, seen_from=sense * tooth.end or _open_end(pair, sense))

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
+from matplotlib.ticker import FuncFormatter, NullLocator
 
-from pipelines.figures.plots import FAULTY, FIRST, HEALTHY, MARK, SECOND, dress, legend, new_figure, plain
+from pipelines.figures.plots import FAULTY, FIRST, HEALTHY, LETTER, MARK, SECOND, dress, fixed_figure, legend, plain
 from pipelines.signals.lines import LOADS
 from pipelines.signals.pass_lines import HARMONICS, PassLines
 from pipelines.signals.spectrum import Spectrum
@@ -39,7 +39,9 @@ class Trace:
 def spectrum_figure(diagnosis: Diagnosis, window: str) -> Figure:
     """Faulty over healthy spectrum up to four mesh orders, with f_r, the mesh orders and their sidebands marked."""
     settings = diagnosis.settings
-    figure = new_figure(5.4)
+    load = LOADS.get(diagnosis.load, diagnosis.load)
+    title = f"Spectrum at {settings.sensor} ({settings.axis}), {plain(window)}, {load}"
+    figure = fixed_figure(5.4, title=title, rows=2, down=0.45)
     panels = figure.subplots(2, 1, sharex=True, sharey=True)
     end = 4.4 * settings.mesh_frequency
     for axes, state, colour in zip(panels, ("faulty", "healthy"), (FAULTY, HEALTHY), strict=True):
@@ -55,20 +57,17 @@ def spectrum_figure(diagnosis: Diagnosis, window: str) -> Figure:
             mfc="none",
             mec="black",
             mew=0.7,
-            label="sidebands k $f_r$",
+            label="sidebands k fᵣ",
         )
         dress(axes, f"{state.capitalize()}", "frequency, Hz" if state == "healthy" else "", "amplitude, m/s²")
         legend(axes)
     _common_decades(panels)
-    figure.suptitle(
-        f"Spectrum at {settings.sensor} ({settings.axis}), {plain(window)}, {LOADS.get(diagnosis.load, diagnosis.load)}"
-    )
     return figure
 
 
 def single_spectrum_figure(spectrum: Spectrum, settings: DiagnosisSettings, title: str) -> Figure:
     """Spectrum of one run up to four mesh orders with f_r and the mesh orders marked, where there is no control."""
-    figure = new_figure(3.2)
+    figure = fixed_figure(3.2)
     axes = figure.subplots()
     _draw_spectrum(axes, spectrum, (0.0, 4.4 * settings.mesh_frequency), HEALTHY, "amplitude")
     _mark_orders(axes, settings)
@@ -115,7 +114,9 @@ def _draw_bars(axes: Axes, bars: Sequence[LineBar]) -> None:
 
 def error_bars_figure(bars: Sequence[LineBar], window: str) -> Figure:
     """The bars of the lines of a window side by side, dB over the level of the run."""
-    figure = new_figure(3.6)
+    names = [f"envelope {bar.label}" if bar.kind == "envelope" else bar.label for bar in bars]
+    longest = max(map(len, names), default=0)
+    figure = fixed_figure(3.6, bottom=0.3 + 0.7 * LETTER * longest)
     axes = figure.subplots()
     places = np.arange(len(bars), dtype=float)
     for name, colour, shift in (("numerical", NUMERICAL, -0.12), ("inputs", INPUTS, 0.12)):
@@ -124,7 +125,6 @@ def error_bars_figure(bars: Sequence[LineBar], window: str) -> Figure:
             ends = [[getattr(bars[i], name).low, getattr(bars[i], name).high] for i in shown]
             axes.vlines(places[shown] + shift, *np.array(ends).T, color=colour, lw=4.0, label=f"{name}, 5 to 95 %")
     axes.axhline(0.0, color=MARK, lw=0.8)
-    names = [f"envelope {bar.label}" if bar.kind == "envelope" else bar.label for bar in bars]
     axes.set_xticks(places, names, rotation=60, ha="right", fontsize=8)
     dress(axes, plain(window.capitalize()), "", "dB over the level")
     legend(axes)
@@ -133,7 +133,9 @@ def error_bars_figure(bars: Sequence[LineBar], window: str) -> Figure:
 
 def pass_figure(diagnosis: Diagnosis, window: str, spall: PassLines) -> Figure:
     """Healthy and faulty up to the third harmonic of a spall's pass frequency, its lines marked: envelope, spectrum."""
-    figure = new_figure(6.0)
+    sides = f", sidebands at {spall.spacing_label}" if spall.spacing else ""
+    whole = plain(f"{spall.fault.capitalize()}, {window}{sides} · {diagnosis.settings.sensor}")
+    figure = fixed_figure(6.0, title=whole, rows=2, down=0.45)
     lines, end = spall.own(diagnosis.lines.where(window=window)), (HARMONICS + 0.6) * spall.frequency
     for axes, found, title in zip(
         figure.subplots(2, 1, sharex=True), (diagnosis.envelopes, diagnosis.spectra), ("Envelope spectrum", "Spectrum"),
@@ -146,13 +148,9 @@ def pass_figure(diagnosis: Diagnosis, window: str, spall: PassLines) -> Figure:
             seen = lines.where(detected=1)
             axes.plot(seen.frequency, seen.faulty, "v", ms=5, color=FAULTY, label="detected", zorder=4)
         _limit_decades(axes)
-        for name, k, frequency in spall.wanted():
-            main = frequency == k * spall.frequency
-            _mark(axes, frequency, plain(name) if main else "")
+        _mark(axes, [(f, plain(name) if f == k * spall.frequency else "") for name, k, f in spall.wanted()])
         dress(axes, title, "frequency, Hz" if title == "Spectrum" else "", "amplitude, m/s²")
         legend(axes)
-    sides = f", sidebands at {spall.spacing_label}" if spall.spacing else ""
-    figure.suptitle(plain(f"{spall.fault.capitalize()}, {window}{sides} · {diagnosis.settings.sensor}"))
     return figure
 
 
@@ -174,7 +172,8 @@ def comparison_figure(
     window : whose rope mode is marked in the envelope, or None
     """
     f_r, f_m = settings.revolution_frequency, settings.mesh_frequency
-    figure = new_figure(8.2)
+    whole = f"{plain(title)} · {settings.sensor} ({settings.axis})"
+    figure = fixed_figure(8.2, title=whole, rows=2, columns=2)
     panels = figure.subplot_mosaic([["envelope", "envelope"], ["first", "second"]])
     top, left, right = (panels[name] for name in ("envelope", "first", "second"))
     rope = settings.rope_mode.get(window, 0.0) if window else 0.0
@@ -186,19 +185,15 @@ def comparison_figure(
             _draw_spectrum(axes, spectrum, span, colour, trace.name, thickness)
     for axes in (top, left, right):
         _limit_decades(axes)
-    for k in range(1, 9):
-        _mark(top, k * f_r, "$f_r$" if k == 1 else f"{k} $f_r$")
+    _mark(top, [(k * f_r, "fᵣ" if k == 1 else f"{k} fᵣ") for k in range(1, 9)])
     if rope:
         top.axvline(rope, color=ROPE, ls=":", lw=1.6, label=f"rope mode {rope:.2f} Hz")
-    for axes, centre, name in ((left, f_m, "$f_m$"), (right, 2 * f_m, "2 $f_m$")):
-        _mark(axes, centre, name)
-        for k in (-4, -3, -2, -1, 1, 2, 3, 4):
-            _mark(axes, centre + k * f_r, f"{k:+d}")
+    for axes, centre, name in ((left, f_m, "fₘ"), (right, 2 * f_m, "2 fₘ")):
+        _mark(axes, [(centre + k * f_r, f"{k:+d}" if k else name) for k in range(-4, 5)])
     dress(top, f"Envelope spectrum, band {low:.4g} to {high:.4g} Hz", "frequency, Hz", "amplitude, m/s²")
-    dress(left, "Spectrum around $f_m$, sidebands k $f_r$", "frequency, Hz", "amplitude, m/s²")
-    dress(right, "Spectrum around 2 $f_m$, sidebands k $f_r$", "frequency, Hz", "")
+    dress(left, "Spectrum around fₘ, sidebands k fᵣ", "frequency, Hz", "amplitude, m/s²")
+    dress(right, "Spectrum around 2 fₘ, sidebands k fᵣ", "frequency, Hz", "")
     legend(top)
-    figure.suptitle(f"{plain(title)} · {settings.sensor} ({settings.axis})")
     return figure
 
 
@@ -207,8 +202,14 @@ def _draw_spectrum(
 ) -> None:
     inside = (spectrum.frequency >= span[0]) & (spectrum.frequency <= span[1])
     axes.semilogy(spectrum.frequency[inside], spectrum.amplitude[inside], color=colour, lw=thickness, label=plain(name))
+    axes.yaxis.set_major_formatter(FuncFormatter(_power_of_ten))
     axes.yaxis.set_minor_locator(NullLocator())  # minor ticks of a log axis take half the time of a figure
     axes.set_xlim(span)
+
+
+def _power_of_ten(value: float, _: int) -> str:
+    """10⁻³: matplotlib would set it as a formula."""
+    return "10" + str(round(np.log10(value))).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def _limit_decades(axes: Axes) -> None:
@@ -229,22 +230,27 @@ def _common_decades(panels: Sequence[Axes]) -> None:
 
 
 def _mark_orders(axes: Axes, settings: DiagnosisSettings) -> None:
-    for order in range(1, 5):
-        _mark(axes, order * settings.mesh_frequency, "$f_m$" if order == 1 else f"{order} $f_m$")
-    _mark(axes, settings.revolution_frequency, "$f_r$", shift=3)
+    _mark(axes, [(n * settings.mesh_frequency, "fₘ" if n == 1 else f"{n} fₘ") for n in range(1, 5)])
+    _mark(axes, [(settings.revolution_frequency, "fᵣ")], shift=3)
 
 
-def _mark(axes: Axes, frequency: float, name: str, shift: float = 0.0) -> None:
-    axes.axvline(frequency, color=MARK, lw=0.6, ls=(0, (4, 3)), zorder=0)
-    axes.annotate(
-        name,
-        (frequency, 1.0),
-        xycoords=("data", "axes fraction"),
-        xytext=(shift, -3),
-        textcoords="offset points",
-        ha="left" if shift else "center",
-        va="top",
-        fontsize=8,
-        color=MARK,
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.8},
-    )
+def _mark(axes: Axes, places: Sequence[tuple[float, str]], shift: float = 0.0) -> None:
+    """Dashed lines at frequencies (Hz) with their names, which a `shift` (points) puts to the right of them."""
+    across = axes.get_xaxis_transform()
+    frequencies = [frequency for frequency, _ in places]
+    axes.vlines(frequencies, 0.0, 1.0, transform=across, color=MARK, lw=0.6, ls=(0, (4, 3)), zorder=0)
+    for frequency, name in places:
+        if not name:
+            continue
+        axes.annotate(
+            name,
+            (frequency, 1.0),
+            xycoords=across,
+            xytext=(shift, -3),
+            textcoords="offset points",
+            ha="left" if shift else "center",
+            va="top",
+            fontsize=8,
+            color=MARK,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.8},
+        )

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from pipelines.bars.line_bars import LineBars
 from pipelines.border.grid import Grid
-from pipelines.figures.plots import StiffnessPlot
-from pipelines.figures.views import LeftOut, Picture
+from pipelines.figures.views import LeftOut
 from pipelines.report.first_screen import FirstScreen
 from pipelines.signals.analysis import DiagnosisSettings, channel_names
 from pipelines.signals.diagnosis import Diagnosis
@@ -25,8 +24,8 @@ class ReportContents:
     Tables are rows of named cells (dicts with equal keys, the keys are the headers); numbers are set to four digits.
     `first` is the first screen. `runs` maps a name ("missing tooth", "healthy", ...) to a response, the run of the
     scene first. `diagnoses` are the comparisons whose lines are shown in full (rope, constant torque), `seeds` those of
-    further deviations, which enter the summary. `settings` say what to look at in a run without control. `gear_names`
-    are words for the places "pinion", "wheel" and "marked" of the picture.
+    further deviations, which enter the summary. `settings` say what to look at in a run without control. The pictures
+    and the stiffness are elements of the page, see `pipelines.report.pictures`.
     """
 
     title: str
@@ -36,12 +35,11 @@ class ReportContents:
     seeds: Sequence[Diagnosis] = ()
     bars: LineBars | str = ""  # of the lines of the first diagnosis, or why there are none
     gears: Sequence[Mapping[str, Any]] = ()
-    stiffness: Sequence[StiffnessPlot] = ()
     rolling: Sequence[Mapping[str, Any]] = ()  # bearings with their pass frequencies
     shafts: Sequence[Mapping[str, Any]] = ()  # faults of shafts with their orders
-    gear_picture: Picture | LeftOut | None = None
-    gear_names: Mapping[str, str] = field(default_factory=dict)
-    casing_picture: Picture | LeftOut | None = None
+    gear_picture: str | LeftOut | None = None
+    stiffness: str = ""
+    casing_picture: str | LeftOut | None = None
     casing_rows: Sequence[Mapping[str, Any]] = ()
     runs: Mapping[str, xarray.Dataset] = field(default_factory=dict)
     windows: Mapping[str, tuple[float, float]] = field(default_factory=dict)

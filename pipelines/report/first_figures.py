@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipelines.figures.plots import FAULTY, HEALTHY, MARK, dress, legend, new_figure, plain
+from pipelines.figures.plots import FAULTY, HEALTHY, MARK, dress, fixed_figure, legend, plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,7 +24,7 @@ SUSPECTED = "#f3c9a5"
 
 def average_figure(average: Average) -> Figure:
     """The average over one turn, over that of the healthy recordings, the suspected tooth shaded."""
-    figure = new_figure(*SIZE)
+    figure = fixed_figure(*SIZE)
     axes = figure.subplots()
     _draw(axes, average.place, average.value, average.reference)
     axes.set_xlim(average.place[0], average.place[-1])
@@ -51,7 +51,7 @@ def average_figure(average: Average) -> Figure:
 
 def envelope_figure(envelope: Envelope) -> Figure:
     """The envelope spectrum over that of the healthy recordings, the lines that the verdict reads named."""
-    figure = new_figure(*SIZE)
+    figure = fixed_figure(*SIZE)
     axes = figure.subplots()
     _draw(axes, envelope.line, envelope.amplitude, envelope.reference)
     axes.set_xlim(envelope.line[0], envelope.line[-1])
@@ -80,7 +80,7 @@ def envelope_figure(envelope: Envelope) -> Figure:
 
 def plain_symbols(name: str) -> str:
     """A label such as "2 f_r" with its subscript, everything else as it is."""
-    return plain(name).replace("f_r", "$f_r$").replace("f_m", "$f_m$")
+    return plain(name).replace("f_r", "fᵣ").replace("f_m", "fₘ")
 
 
 def _draw(axes: Axes, across: np.ndarray, value: np.ndarray, reference: np.ndarray | None) -> None:
@@ -93,7 +93,7 @@ def _draw(axes: Axes, across: np.ndarray, value: np.ndarray, reference: np.ndarr
 
 def _finish(axes: Axes, title: str, across: str, up: str, compared: bool) -> None:
     dress(axes, title, across, up)
-    axes.set_title(title, fontsize=LETTERS, loc="left")
+    axes.set_title(title, fontsize=LETTERS, loc="left", y=1.0)
     for text in (axes.xaxis.label, axes.yaxis.label):
         text.set_fontsize(LETTERS)
     axes.tick_params(labelsize=LETTERS)

@@ -7,8 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from pipelines.border.grid import Grid
-from pipelines.figures.callouts import casing_figure, gear_figure
-from pipelines.figures.plots import bars_figure, drive_figure, stiffness_figure
+from pipelines.figures.plots import bars_figure, drive_figure
 from pipelines.figures.views import LeftOut
 from pipelines.report import page, spectra
 from pipelines.report.contents import ReportContents, cell, grid, turned
@@ -74,14 +73,7 @@ def _what_was_run(contents: ReportContents) -> list[str]:
 
 def _gears(contents: ReportContents) -> list[str]:
     parts = [page.table(turned(grid("", contents.gears), ("stage", "gear")))] if contents.gears else []
-    if isinstance(contents.gear_picture, LeftOut):
-        parts.append(page.paragraph(contents.gear_picture.reason, "missing"))
-    elif contents.gear_picture is not None:
-        curve = contents.stiffness[0] if contents.stiffness else None
-        figure = gear_figure(contents.gear_picture, curve, contents.gear_names)
-        caption = "The gear pair in three dimensions" + (" and its stiffness over the mesh cycle." if curve else ".")
-        parts.append(page.picture(figure, caption))
-    return parts
+    return parts + _picture(contents.gear_picture)
 
 
 def _rolling(contents: ReportContents) -> list[str]:
@@ -99,20 +91,19 @@ def _shafts(contents: ReportContents) -> list[str]:
 
 
 def _stiffness(contents: ReportContents) -> list[str]:
-    if not contents.stiffness:
-        return []
-    caption = "Mesh stiffness over the mesh cycle; one cycle is the passage of one tooth pair."
-    return [page.picture(stiffness_figure(contents.stiffness), caption)]
+    return [contents.stiffness] if contents.stiffness else []
 
 
 def _casing(contents: ReportContents) -> list[str]:
     parts = [page.table(grid("", contents.casing_rows))] if contents.casing_rows else []
-    if isinstance(contents.casing_picture, LeftOut):
-        parts.append(page.paragraph(contents.casing_picture.reason, "missing"))
-    elif contents.casing_picture is not None:
-        caption = "Key points of the casing: ground (yellow), bearings (red), sensors (green)."
-        parts.append(page.picture(casing_figure(contents.casing_picture), caption))
-    return parts
+    return parts + _picture(contents.casing_picture)
+
+
+def _picture(found: str | LeftOut | None) -> list[str]:
+    """A picture, or why it is left out."""
+    if found is None:
+        return []
+    return [page.paragraph(found.reason, "missing") if isinstance(found, LeftOut) else found]
 
 
 def _drive(contents: ReportContents) -> list[str]:

@@ -30,6 +30,10 @@ def svg(figure: Figure, description: str) -> str:
     """
     from matplotlib import rc_context
 
+    from pipelines.report.scales import simplify_scales
+
+    if figure.get_layout_engine() is None:
+        simplify_scales(figure)
     written = io.StringIO()
     with rc_context({"svg.fonttype": "none", "svg.hashsalt": "report"}):
         figure.savefig(written, format="svg", dpi=PICTURE_DPI, metadata={"Date": None})

@@ -12,7 +12,7 @@ import numpy as np
 from fem.contact.faults.cracked_tooth import CrackedTooth
 from pipelines.figures.mesh_pictures import MeshView
 from pipelines.figures.pattern_pictures import PatternView, write_pattern
-from pipelines.figures.shapes import shown_cycle, shown_fault, stage_view, tooth_damage
+from pipelines.figures.shapes import PlacedPair, placed_pair, shown_cycle, stage_view
 from pipelines.figures.teeth.damage import crack_depth
 from pipelines.figures.teeth.mesh_frames import mesh_frames, passage
 from pipelines.figures.teeth.pattern import contact_pattern, damaged_part
@@ -38,9 +38,14 @@ class InspectedStage:
         return f"{self.plant.title}: stage {self.laws.stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth"
 
     @property
+    def placed(self) -> PlacedPair:
+        """The pair at its place, with the fault that is shown."""
+        return placed_pair(self.plant, self.laws.stage)
+
+    @property
     def fault(self) -> Fault | None:
         """The one that is shown."""
-        return shown_fault(self.plant.faults, self.laws.stage)
+        return self.placed.fault
 
     @property
     def marked(self) -> str:
@@ -55,11 +60,12 @@ class InspectedStage:
         if found.faults:
             teeth = found.pinion_faults, found.wheel_faults
             states.append(mesh_frames(found.faults, pair, found.drive, found.force, cycles, *teeth))
-        view = stage_view(self.plant, found.stage, found.healthy, in_mesh=True)
+        placed = self.placed
+        view = stage_view(placed, found.healthy, in_mesh=True)
         return MeshView(
             title=self.title,
-            gears=stage_view(self.plant, found.stage, found.healthy, in_mesh=True, damaged=False),
-            damaged=view if self.fault is not None else None,
+            gears=stage_view(placed, found.healthy, in_mesh=True, damaged=False),
+            damaged=view if placed.fault is not None else None,
             marked=self.marked,
             model=found.drive.model,
             force=found.force,
@@ -94,9 +100,10 @@ class InspectedStage:
         from pipelines.figures.callouts import gear_figure
         from pipelines.figures.film import save_figure
         from pipelines.figures.render import render_gears, render_tooth
-        from pipelines.steps.reporting import gear_names, stiffness_plots
+        from pipelines.steps.pictures import gear_names, stiffness_plots
 
-        view = stage_view(self.plant, self.laws.stage, self.laws.healthy)
+        placed = self.placed
+        view = stage_view(placed, self.laws.healthy)
         with ThreadPoolExecutor(2) as pool:  # each picture is drawn by a process of its own
             drawn = pool.submit(render_gears, view)
             drawn_near = pool.submit(render_tooth, view) if view.tooth is not None else None
@@ -106,7 +113,7 @@ class InspectedStage:
             return picture
         if isinstance(near, LeftOut):
             return near
-        names = gear_names(self.plant, self.laws.stage)
+        names = gear_names(placed)
         save_figure(gear_figure(picture, curve, names, self.gears_title(), near, view.tooth), path, dpi=115)
         return path
 
@@ -116,7 +123,7 @@ class InspectedStage:
         gear, tooth = ("pinion", 0) if fault is None else (fault.gear, fault.tooth or 0)
         sound = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
         patterns = [contact_pattern("healthy", pair, found.healthy, gear, tooth, found.force, sound)]
-        damage = () if fault is None else tooth_damage(self.plant.faults, fault)
+        damage = self.placed.damage
         if fault is not None:
             teeth = found.pinion_faults, found.wheel_faults
             patterns.append(contact_pattern(self.marked, pair, found.drive, gear, tooth, found.force, teeth))

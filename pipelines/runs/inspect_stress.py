@@ -33,7 +33,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     InputError : unknown ending of the mesh file
     """
     from pipelines.engine.step import Graph
-    from pipelines.figures.shapes import shown_fault, stage_view
+    from pipelines.figures.shapes import placed_pair, stage_view
     from pipelines.figures.stress_pictures import (
         StressView,
         checked_mesh_file,
@@ -56,8 +56,9 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     outcome = work.build(full, wanted)
     states = tuple(teeth_in_mesh(pair, outcome.value(name)) for name in wanted)
     folder, written = Path(options.out), []
-    damaged = stage_view(plant, stage, found.healthy, in_mesh=True)
-    healthy = stage_view(plant, stage, found.healthy, in_mesh=True, damaged=False)
+    placed = placed_pair(plant, stage)
+    damaged = stage_view(placed, found.healthy, in_mesh=True)
+    healthy = stage_view(placed, found.healthy, in_mesh=True, damaged=False)
     if target is not None:
         target.parent.mkdir(parents=True, exist_ok=True)
         write_teeth(states[-1], target, healthy.frame)
@@ -69,7 +70,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     view = StressView(
         title=f"{plant.title}: stage {stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
         gears=healthy,
-        damaged=None if shown_fault(plant.faults, stage) is None else damaged,
+        damaged=None if placed.fault is None else damaged,
         marked=found.passages[0].name if found.passages else "",
         note="the crack itself is not in the finite elements" if "cracked-tooth" in kinds else "",
         model=f"model solid, refinement {model.refinement:g}, {model.slices} slices along the face",

@@ -24,7 +24,7 @@ from pipelines.runs.error_bars import bars_step
 from pipelines.runs.judging import feature_steps, judged, verdict_words, write_verdict
 from pipelines.scene.file import LoadedScene, control_differences
 from pipelines.signals.motion_warnings import log_warnings
-from pipelines.steps.pair_curves import law_names
+from pipelines.steps.pictures import CASING, CURVES, picture_steps
 from pipelines.steps.study import Study, plan_study
 
 if TYPE_CHECKING:
@@ -79,8 +79,9 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
     diagnosing = _diagnose_step(study) if options.with_report else None
     first = study.cases[0]
     wanted = study.motions if diagnosing or study.baseline else [n for n in (first.faulty, first.healthy) if n]
-    graph = Graph(study.graph).needed(wanted)
-    count = len(graph.steps) + (diagnosing is not None) + options.with_report
+    pictures = picture_steps(study.plant, study.graph.steps) if options.with_report else []
+    graph = Graph([*study.graph, *pictures])
+    count = len(graph.needed(wanted).steps) + len(pictures) + (diagnosing is not None) + options.with_report
     count += len(feature_steps(study)) if options.with_report else 0
     count += diagnosing is not None  # its error bars
     failure: Exception | None = None
@@ -91,12 +92,19 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
         options.work.observed(count) as observer,
     ):
         cache = options.work.cache
-        outcome = run_graph(graph, cache, wanted, observer=observer, processes=options.work.processes)
+        outcome = run_graph(
+            graph,
+            cache,
+            wanted,
+            observer=observer,
+            processes=options.work.processes,
+            meanwhile=[step.name for step in pictures],
+        )
         log_warnings(outcome.value(name) for name in study.motions if name in outcome.results)
         _write_signals(claim.folder, loaded, study, outcome)
         try:
             if options.with_report:
-                outcome, told = _tell(claim.folder, loaded, study, diagnosing, outcome, cache, observer)
+                outcome, told = _tell(claim.folder, loaded, study, pictures, diagnosing, outcome, cache, observer)
                 run_folder.write_json(claim.folder / run_folder.RUN, _facts(loaded.name, study.plant, outcome))
         except Exception as error:
             failure = error
@@ -126,6 +134,7 @@ def _tell(
     folder: Path,
     loaded: LoadedScene,
     study: Study,
+    pictures: list[Step],
     diagnosing: Step | None,
     signals: Outcome,
     cache: Cache,
@@ -158,8 +167,9 @@ def _tell(
             words = f"{words}\n{told}" if study.baseline else f"{told}\n{words}"
         if found["failure"]:
             left_out.append(f"The diagnosis is left out: {found['failure']}")
+    outcome = _with_steps([*study.graph, *pictures], pictures, outcome, cache, observer)
     step = _report_step(loaded, study, diagnosing, outcome, verdict, bars)
-    known = [*study.graph, *judging, *([diagnosing] if diagnosing else []), step]
+    known = [*study.graph, *pictures, *judging, *([diagnosing] if diagnosing else []), step]
     outcome = _with_steps(known, [step], outcome, cache, observer)
     report = outcome.value(step.name)
     (folder / run_folder.REPORT).write_text(report["page"], encoding="utf-8")
@@ -222,8 +232,8 @@ def _report_step(
     from pipelines.steps import reporting
 
     plant = study.plant
-    casing = [name for name in ("casing mesh", "casing modes") if name in study.graph.steps]
-    takes = [*law_names(plant), "casing", *casing]
+    meshed, elastic = (name in study.graph.steps for name in ("casing mesh", "casing modes"))
+    takes = [CURVES, *([CASING] if meshed else []), "casing", *(["casing modes"] if elastic else [])]
     takes += diagnosing.takes if diagnosing else (study.cases[0].faulty,)
     kinds = [*(fault.kind for fault in plant.faults), *("bearing-spall" for _ in plant.spalls)]
     kinds += [*(fault.kind for fault in plant.shaft_faults), "healthy"]
@@ -233,8 +243,8 @@ def _report_step(
         plant=plant,
         name=loaded.name,
         diagnosing=diagnosing.spec if diagnosing else None,
-        meshed="casing mesh" in casing,
-        elastic="casing modes" in casing,
+        meshed=meshed,
+        elastic=elastic,
         responses=tuple(names[: 2 if diagnosing else 1]),
         steps=tuple(_cost_row(record) for record in outcome.records),
         ledger=outcome.ledger(),
@@ -255,7 +265,7 @@ def _report_step(
         spec=spec,
         takes=tuple(takes),
         reads={"casing modes": reporting.casing_summary},
-        libraries=("numpy", "matplotlib", "pyvista"),
+        libraries=("numpy", "matplotlib"),
     )
 
 

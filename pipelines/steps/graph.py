@@ -64,7 +64,7 @@ def plant_steps(plant: Plant) -> list[Step]:
 
 
 def _law_steps(plant: Plant) -> list[Step]:
-    from pipelines.steps import laws, modified_laws
+    from pipelines.steps import laws
 
     steps = []
     names = zip(plant.law_names, plant.sound_law_names, strict=True)
@@ -86,7 +86,7 @@ def _law_steps(plant: Plant) -> list[Step]:
                 Step(
                     name=name,
                     kind="flanks",
-                    build=modified_laws.build,
+                    build=laws.build_modified,
                     spec=added,
                     takes=(sound, *(step.name for step in surfaces)),
                     libraries=("numpy", "scipy"),

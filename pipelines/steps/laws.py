@@ -1,11 +1,43 @@
-"""Step `law`: the mesh law of a gear pair, both flanks."""
+"""Steps `law` and `flanks`: the mesh law of a gear pair, and the same with what its flanks and teeth have added to it.
+
+These are modified flanks, misaligned axes, and damaged teeth as variants. What is not there costs nothing: a stage
+without any of it has no step `flanks`. Only a cracked tooth needs finite elements: those of its crack surface, which
+another step condenses, or, for models that have none, of the section with the crack.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from fem.contact.faults.changed_law import damaged_law, evenly_damaged_law, modified_law
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import LawSpec
+from fem.contact.wheels.crack_surface import CrackSurface
+from pipelines.plant.flanks_spec import FlanksSpec
 
 
 def build(spec: LawSpec) -> tuple[MeshLaw, MeshLaw]:
     """The laws of drive and coast flank."""
     return spec.laws()
+
+
+def build_modified(
+    spec: FlanksSpec, sound: tuple[MeshLaw, MeshLaw], *surfaces: CrackSurface
+) -> tuple[MeshLaw, MeshLaw]:
+    """The laws of drive and coast flank; `surfaces` are those of the spec, or none."""
+    known: dict[str, dict[float, CrackSurface]] = {"pinion": {}, "wheel": {}}
+    for (gear, angle), surface in zip(spec.surfaces if surfaces else (), surfaces, strict=True):
+        known[gear][angle] = surface
+    drive, coast = (_flank(spec, law, known) for law in sound)
+    return drive, coast
+
+
+def _flank(spec: FlanksSpec, law: MeshLaw, surfaces: Mapping[str, Mapping[float, CrackSurface]]) -> MeshLaw:
+    law = modified_law(law, spec.pair, spec.modifications)
+    for gear, common in (("pinion", spec.pinion_wear), ("wheel", spec.wheel_wear)):
+        for fault in common:
+            law = evenly_damaged_law(law, spec.pair, gear, fault)
+    for gear, teeth in (("pinion", spec.pinion_damage), ("wheel", spec.wheel_damage)):
+        for faults in teeth:
+            law = damaged_law(law, spec.pair, gear, faults, surfaces[gear])
+    return law

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.gears.geometry import GearPair
-from pipelines.plant.assembly import mesh_faults
+from pipelines.plant.assembly import Laws, mesh_faults
 from pipelines.plant.flanks import Fault, first_tooth_fault
+from pipelines.plant.flanks_spec import FlanksSpec
+from pipelines.steps.laws import build_modified
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -40,14 +42,12 @@ class Passage:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PairLaws:
-    """The mesh laws of a gear pair with its load and its faults; deviations are left out."""
+class PairState:
+    """A gear pair with its load and its faults; deviations are left out."""
 
     stage: int  # from 1
     pair: GearPair
-    drive: MeshLaw
-    coast: MeshLaw
-    healthy: MeshLaw  # drive flank without any fault
+    flanks: FlanksSpec  # what is added to the law of the sound pair where no tooth is damaged
     sense: int  # +1 where the face coordinate of the laws runs along the global y, else -1
     force: float  # N, on the line of action, at the load of the scene
     pinion_faults: np.ndarray  # (tooth,) m or (tooth, 6), see `fem.contact.teeth`
@@ -59,6 +59,20 @@ class PairLaws:
     def cycle(self) -> float:
         """Mesh cycle at which the first damaged tooth meshes, 0 without one."""
         return self.passages[0].cycle if self.passages else 0.0
+
+    def with_laws(self, laws: Laws, sound: Laws) -> PairLaws:
+        """The same with its mesh laws; `sound` are those of the pair without modifications and faults."""
+        healthy, _ = build_modified(self.flanks, sound)
+        return PairLaws(**vars(self), drive=laws[0], coast=laws[1], healthy=healthy)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PairLaws(PairState):
+    """The mesh laws of a gear pair with its load and its faults; deviations are left out."""
+
+    drive: MeshLaw
+    coast: MeshLaw
+    healthy: MeshLaw  # drive flank without any fault
 
     def stiffness(
         self,
@@ -191,22 +205,17 @@ def law_names(plant: Plant) -> tuple[str, ...]:
     return tuple(dict.fromkeys([*plant.law_names, *plant.sound_law_names]))
 
 
-def pair_laws(plant: Plant, laws: Mapping[str, tuple[MeshLaw, MeshLaw]]) -> tuple[PairLaws, ...]:
-    """The pairs of a plant by stage; `laws` of drive and coast flank by the names of `law_names`."""
-    from pipelines.steps import modified_laws
-
+def pair_states(plant: Plant) -> tuple[PairState, ...]:
+    """The pairs of a plant by stage."""
     found = []
     for number, (mesh, facts) in enumerate(zip(plant.machine.meshes, plant.facts.stages, strict=True), 1):
-        flanks, faults = laws[plant.law_names[number - 1]], plant.faults_of(number)
-        healthy = modified_laws.build(plant.flanks[number - 1].healthy, laws[plant.sound_law_names[number - 1]])
+        faults = plant.faults_of(number)
         pinion, wheel = mesh_faults(mesh)
         found.append(
-            PairLaws(
+            PairState(
                 stage=number,
                 pair=mesh.pair,
-                drive=flanks[0],
-                coast=flanks[1],
-                healthy=healthy[0],
+                flanks=plant.flanks[number - 1].healthy,
                 sense=plant.layout.pinion_senses[number - 1],
                 force=facts.shown_force,
                 pinion_faults=pinion,
@@ -216,6 +225,12 @@ def pair_laws(plant: Plant, laws: Mapping[str, tuple[MeshLaw, MeshLaw]]) -> tupl
             )
         )
     return tuple(found)
+
+
+def pair_laws(plant: Plant, laws: Mapping[str, Laws]) -> tuple[PairLaws, ...]:
+    """The pairs of a plant by stage; `laws` of drive and coast flank by the names of `law_names`."""
+    names = zip(pair_states(plant), plant.law_names, plant.sound_law_names, strict=True)
+    return tuple(state.with_laws(laws[name], laws[sound]) for state, name, sound in names)
 
 
 def passages(faults: tuple[Fault, ...], stage: int) -> tuple[Passage, ...]:

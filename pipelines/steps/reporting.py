@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import gc
 import json
 import math
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,21 +20,15 @@ from pipelines.plant.plant import Plant
 from pipelines.plant.torques.hoist import Hoist
 from pipelines.signals.motion_warnings import gathered, told
 from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
-from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, law_names, pair_laws
 
 if TYPE_CHECKING:
     import xarray
 
-    from fem.casing.geometry.dimensions import Sensor
-    from fem.casing.meshing.mesh import CasingMesh
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.modes import CasingModes
-    from fem.contact.law import MeshLaw
     from pipelines.bars.line_bars import LineBars
     from pipelines.diagnosis.verdict import Verdict
-    from pipelines.figures.plots import StiffnessPlot
-    from pipelines.figures.views import LeftOut, Picture
     from pipelines.signals.analysis import DiagnosisSettings
     from pipelines.signals.diagnosis import Diagnosis
 
@@ -41,7 +37,7 @@ if TYPE_CHECKING:
 class ReportSpec:
     """The plant with what the report says about the run, and how many results of each kind it takes, in this order:
 
-    laws, then casing, then casing mesh (if `meshed`) and modes (if `elastic`), then the motions of all cases.
+    stiffness curves, casing picture (if `meshed`), casing, modes (if `elastic`), then the motions of all cases.
     """
 
     plant: Plant
@@ -68,10 +64,8 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
     from pipelines.report.run_screen import first_screen
     from pipelines.signals.response import make_response
 
-    plant, names = spec.plant, law_names(spec.plant)
-    count = len(names)
-    laws, body, rest = dict(zip(names, taken[:count], strict=True)), taken[count], list(taken[count + 1 :])
-    mesh, *rest = rest if spec.meshed else (None, *rest)
+    plant, (curves, *rest) = spec.plant, taken
+    casing, body, *rest = rest if spec.meshed else (None, *rest)
     modes, *rest = rest if spec.elastic else (None, *rest)
     labelled = spec.diagnosing.labels if spec.diagnosing else (plant.labels,)
     responses = list(map(make_response, rest, labelled))
@@ -79,10 +73,6 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
     found = diagnoses(spec.diagnosing.cases, responses) if spec.diagnosing and possible else []
     shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing and possible else []
     asked = plant.looked_for
-    pairs = pair_laws(plant, laws)
-    curves = stiffness_plots(pairs)
-    gears = gear_picture(plant, asked.stage, pairs[asked.stage - 1].healthy)
-    casing = casing_picture(mesh, plant.sensors)
     settings, failure = _settings(plant, found, responses[0], spec.failure)
     runs = _runs(spec, responses)
     contents = ReportContents(
@@ -95,9 +85,8 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
         gears=gear_rows(plant),
         rolling=rolling_rows(plant),
         shafts=shaft_rows(plant),
-        stiffness=[curves[asked.stage - 1], *(c for i, c in enumerate(curves, 1) if i != asked.stage)],
-        gear_picture=gears,
-        gear_names=gear_names(plant, asked.stage),
+        gear_picture=curves["gears"],
+        stiffness=curves["stiffness"],
         casing_picture=casing,
         casing_rows=_casing_rows(body, modes),
         runs=runs,
@@ -112,10 +101,22 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
         cautions=gathered(told(response.attrs) for response in responses),
         warnings=spec.warnings,
     )
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, _collector_paused():
         page = write_report(Path(folder) / "report.html", contents).read_text(encoding="utf-8")
-    left_out = [p.reason for p in (gears, casing) if isinstance(p, LeftOut)]
+    left_out = [p.reason for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
     return CountedResult({"page": page, "left_out": left_out}, kept=not left_out)
+
+
+@contextlib.contextmanager
+def _collector_paused() -> Iterator[None]:
+    """No search for unreachable objects, which takes a fifth of the time: figures are many objects in cycles."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 def _runs(spec: ReportSpec, responses: Sequence[xarray.Dataset]) -> dict[str, xarray.Dataset]:
@@ -212,53 +213,6 @@ def shaft_rows(plant: Plant) -> list[dict[str, Any]]:
         lines = shaft_lines(plant.layout, fault).wanted()
         rows.append({"fault": fault.name, "shaft": fault.shaft + 1} | {f"{k}x Hz": f for _, k, f in lines})
     return rows
-
-
-def stiffness_plots(pairs: Sequence[PairLaws]) -> list[StiffnessPlot]:
-    """Secant stiffness of every stage at its load, without deviations; with faults around the passage of the first."""
-    from pipelines.figures.plots import StiffnessPlot
-
-    plots = []
-    for found in pairs:
-        curve = found.curve(found.cycle + np.linspace(-PITCHES_SHOWN, PITCHES_SHOWN, POSITIONS))
-        faulty = curve.secant.sel(state="faulty").values if found.faults else None
-        title = f"Stage {found.stage}, {found.drive.model}, {found.force:.4g} N, counted from the bores"
-        healthy = curve.secant.sel(state="healthy").values
-        cycle = curve.cycle.values
-        plots.append(StiffnessPlot(title=title, cycle=cycle, healthy=healthy, faulty=faulty, label=found.faults))
-    return plots
-
-
-def gear_picture(plant: Plant, stage: int, law: MeshLaw) -> Picture | LeftOut:
-    """The pair of a stage with its first damaged tooth; `law` of its drive flank."""
-    from pipelines.figures.render import render_gears
-    from pipelines.figures.shapes import stage_view
-
-    return render_gears(stage_view(plant, stage, law))
-
-
-def gear_names(plant: Plant, stage: int) -> dict[str, str]:
-    """Words for the places of that picture."""
-    from pipelines.figures.shapes import shown_fault
-
-    pair = plant.layout.pairs[stage - 1]
-    names = {"pinion": f"pinion, {pair.pinion.teeth} teeth", "wheel": f"wheel, {pair.wheel.teeth} teeth"}
-    fault = shown_fault(plant.faults, stage)
-    return names | ({"marked": fault.name.replace("-", " ")} if fault else {})
-
-
-def casing_picture(mesh: CasingMesh | None, sensors: Sequence[Sensor]) -> Picture | LeftOut | None:
-    """The meshed casing with ground, bearing and sensor points; None without a mesh."""
-    if mesh is None:
-        return None
-    from fem.casing.reduced.attachment import nearest_surface_point
-    from pipelines.figures.render import render_casing
-    from pipelines.figures.shapes import casing_view
-
-    points = dict(zip(mesh.patch_names, mesh.patch_points, strict=True))
-    for sensor in sensors:
-        _, _, points[sensor.name] = nearest_surface_point(mesh.nodes, mesh.facets, np.array(sensor.position))
-    return render_casing(casing_view(mesh.nodes, mesh.facets, list(points), np.array(list(points.values()))))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

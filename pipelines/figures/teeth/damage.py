@@ -27,12 +27,19 @@ DRAWN_DEPTH = 0.12  # modules: as deep wear is drawn
 _ROUND = (1.0, 2.0, 5.0)
 
 
-def drawn_tooth(pair: GearPair, law: MeshLaw, gear: str, twist: float, faults: Sequence[ToothFault]) -> DrawnTooth:
+def needs_law(faults: Sequence[ToothFault]) -> bool:
+    """True if a fault is drawn by the gap that it opens on the flank, which a mesh law has."""
+    return any(type(fault) not in DRAWN for fault in faults)
+
+
+def drawn_tooth(
+    pair: GearPair, law: MeshLaw | None, gear: str, twist: float, faults: Sequence[ToothFault]
+) -> DrawnTooth:
     """The damaged tooth of "pinion" or "wheel" with all of `faults`.
 
     Parameters
     ----------
-    pair, law : the gears in mesh, and the law of their drive flank
+    pair, law : the gears in mesh, and the law of their drive flank, None if `needs_law` is not true
     gear : "pinion" or "wheel"
     twist : of the section along the face, rad/m
     faults : of the tooth
@@ -53,6 +60,7 @@ def drawn_tooth(pair: GearPair, law: MeshLaw, gear: str, twist: float, faults: S
         elif isinstance(fault, PittedTooth):
             depth = np.maximum(depth, patch_depth(section, face, fault.pits(section.gear), fault.flank))
         elif type(fault) not in DRAWN:
+            assert law is not None, "as `needs_law` says"
             depth = np.maximum(depth, worn_depth(section, face, pair, law, gear, fault))
     scale = _scale(float(depth.max()), section.gear.normal_module)
     points, quads, torn = surface_of(section, face, flat - scale * depth[..., None] * _normals(section), broken)

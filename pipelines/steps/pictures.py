@@ -1,0 +1,159 @@
+"""Steps `gear picture`, `stiffness curves` and `casing picture`: the figures of a report that show the machine.
+
+They need no motion, so they are drawn while the casing is computed. Each reads only what it shows: another load draws
+the curves again, at its force, and neither picture; another sensor noise draws nothing again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.casing.geometry.dimensions import Sensor
+from pipelines.engine.step import CountedResult, Step
+from pipelines.figures.shapes import PlacedPair, placed_pair
+from pipelines.figures.teeth.damage import needs_law
+from pipelines.figures.views import LeftOut, Picture
+from pipelines.plant.plant import Plant
+from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, PairState, pair_states
+
+if TYPE_CHECKING:
+    from fem.casing.meshing.mesh import CasingMesh
+    from pipelines.figures.plots import StiffnessPlot
+    from pipelines.plant.assembly import Laws
+
+GEARS, CURVES, CASING = "gear picture", "stiffness curves", "casing picture"
+
+
+def picture_steps(plant: Plant, names: Iterable[str]) -> list[Step]:
+    """The steps of a plant whose other steps have these names."""
+    stage = plant.looked_for.stage
+    placed = placed_pair(plant, stage)
+    laws = [name for pair in zip(plant.law_names, plant.sound_law_names, strict=True) for name in pair]
+    steps = [
+        Step(
+            name=GEARS,
+            kind="gear-picture",
+            build=build_gears,
+            spec=placed,
+            takes=(plant.sound_law_names[stage - 1],) if needs_law(placed.damage) else (),
+            libraries=("numpy", "pyvista"),
+            seconds=2.0,
+        ),
+        Step(
+            name=CURVES,
+            kind="stiffness-curves",
+            build=build_curves,
+            spec=CurvesSpec(pairs=pair_states(plant), first=stage, names=gear_names(placed)),
+            takes=(GEARS, *laws),
+            libraries=("numpy", "matplotlib"),
+        ),
+    ]
+    if "casing mesh" in names:
+        steps.append(
+            Step(
+                name=CASING,
+                kind="casing-picture",
+                build=build_casing,
+                spec=CasingPictureSpec(sensors=plant.sensors),
+                takes=("casing mesh",),
+                libraries=("numpy", "matplotlib", "pyvista"),
+                seconds=2.0,
+            )
+        )
+    return steps
+
+
+def build_gears(placed: PlacedPair, *sound: Laws) -> CountedResult:
+    """The rendered pair with its first damaged tooth, or why it is left out; `sound` if `needs_law` is true of it."""
+    from pipelines.figures.render import render_gears
+    from pipelines.figures.shapes import stage_view
+
+    picture = render_gears(stage_view(placed, sound[0][0] if sound else None))
+    return CountedResult(picture, kept=isinstance(picture, Picture))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CurvesSpec:
+    """The pairs by stage, the stage (from 1) that is shown first, and words for the places of its picture."""
+
+    pairs: tuple[PairState, ...]
+    first: int
+    names: Mapping[str, str]
+
+
+def build_curves(spec: CurvesSpec, picture: Picture | LeftOut, *laws: Laws) -> CountedResult:
+    """Elements of the page: "gears" the picture beside its curve or why it is left out, "stiffness" all curves.
+
+    Parameters
+    ----------
+    spec, picture : what is shown, and the rendered gears
+    laws : of each pair the laws with its flanks and faults, and without
+    """
+    from pipelines.report import pictures
+
+    states = zip(spec.pairs, laws[::2], laws[1::2], strict=True)
+    curves = stiffness_plots([state.with_laws(own, sound) for state, own, sound in states])
+    first = curves.pop(spec.first - 1)
+    gears = picture if isinstance(picture, LeftOut) else pictures.gears(picture, first, spec.names)
+    return CountedResult(
+        {"gears": gears, "stiffness": pictures.stiffness([first, *curves])}, kept=not isinstance(picture, LeftOut)
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class CasingPictureSpec:
+    """The sensors that the picture names."""
+
+    sensors: tuple[Sensor, ...]
+
+
+def build_casing(spec: CasingPictureSpec, mesh: CasingMesh) -> CountedResult:
+    """The casing with its key points as an element of the page, or why it is left out."""
+    from pipelines.report import pictures
+
+    picture = rendered_casing(mesh, spec.sensors)
+    if isinstance(picture, LeftOut):
+        return CountedResult(picture, kept=False)
+    return CountedResult(pictures.casing(picture))
+
+
+def stiffness_plots(pairs: Sequence[PairLaws]) -> list[StiffnessPlot]:
+    """Secant stiffness of every stage at its load, without deviations; with faults around the passage of the first."""
+    from pipelines.figures.plots import StiffnessPlot
+
+    plots = []
+    for found in pairs:
+        cycle = found.cycle + np.linspace(-PITCHES_SHOWN, PITCHES_SHOWN, POSITIONS)
+        plots.append(
+            StiffnessPlot(
+                title=f"Stage {found.stage}, {found.drive.model}, {found.force:.4g} N, counted from the bores",
+                cycle=cycle,
+                healthy=found.stiffness(cycle).secant,
+                faulty=found.stiffness(cycle, faulty=True).secant if found.faults else None,
+                label=found.faults,
+            )
+        )
+    return plots
+
+
+def gear_names(placed: PlacedPair) -> dict[str, str]:
+    """Words for the places of the picture of a pair."""
+    pair, fault = placed.pair, placed.fault
+    names = {"pinion": f"pinion, {pair.pinion.teeth} teeth", "wheel": f"wheel, {pair.wheel.teeth} teeth"}
+    return names | ({"marked": fault.name.replace("-", " ")} if fault else {})
+
+
+def rendered_casing(mesh: CasingMesh, sensors: Sequence[Sensor]) -> Picture | LeftOut:
+    """The meshed casing with ground, bearing and sensor points."""
+    from fem.casing.reduced.attachment import nearest_surface_point
+    from pipelines.figures.render import render_casing
+    from pipelines.figures.shapes import casing_view
+
+    points = dict(zip(mesh.patch_names, mesh.patch_points, strict=True))
+    for sensor in sensors:
+        _, _, points[sensor.name] = nearest_surface_point(mesh.nodes, mesh.facets, np.array(sensor.position))
+    return render_casing(casing_view(mesh.nodes, mesh.facets, list(points), np.array(list(points.values()))))

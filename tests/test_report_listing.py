@@ -1,0 +1,118 @@
+"""What the report of a run shows, in order: headings, figures and captions; and which pictures a setting changes."""
+
+import re
+import sys
+
+from pipelines.engine.storage import digest
+from pipelines.engine.working import Work
+from pipelines.figures import render
+from pipelines.plant.plant import make_plant
+from pipelines.runs import run_folder
+from pipelines.runs.run import Options, run_scene
+from pipelines.scene.file import load_scene
+from pipelines.steps.pictures import picture_steps
+
+RENDERER = """
+import json, sys
+from PIL import Image
+job = json.load(open(sys.argv[1]))
+for image in job["images"]:
+    Image.new("RGB", job["size"], "grey").save(image)
+json.dump({name: [300.0 + 9 * i, 200.0] for i, name in enumerate(job["places"])}, open(job["pixels"], "w"))
+"""
+SHORT = {"simulation.end_s": 0.6, "diagnosis.windows_s": {"steady": [0.1, 0.6]}, "diagnosis.gear": "pinion"}
+FAULTY = {
+    **SHORT,
+    "control": "without-faults",
+    "faults": [{"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 3}],
+    "casing.housing.pad_diameter_mm": 20.0,  # a casing with pads is meshed
+    "casing.housing.pad_height_mm": 3.0,
+    "casing.element_size_mm": 20.0,
+}
+BENCH = [
+    "# One stage, rigid casing, constant torque",
+    "figure: Time-synchronous average over 6 turns of shaft_1 without its mesh orders (residual signal), "
+    "sensor_3, z, steady.",
+    "figure: Envelope spectrum of sensor_3 (z), steady, of all that lies above fm / 2. A damaged tooth "
+    "raises the harmonics of fr = 15.0000 Hz.",
+    "# Signals and spectra",
+    "figure: Acceleration at the sensor, without sensor noise: the whole run, and a tenth of a second.",
+    "figure: Steady: one-sided peak amplitudes over 6 revolutions of the shaft with fr (0.4 s), hann "
+    "window, with sensor noise.",
+    "# Levels",
+    "# What was run",
+    "# Gears",
+    "figure: The gear pair in three dimensions and its stiffness over the mesh cycle.",
+    "# Stiffness",
+    "figure: Mesh stiffness over the mesh cycle; one cycle is the passage of one tooth pair.",
+    "# Casing",
+    "# Speed",
+    "figure: Speeds of the motors and the first shaft.",
+    "# Cost",
+    "figure: Where the time went.",
+    "# Energy balance",
+    "# Provenance",
+]
+DAMAGED = [
+    "# One stage, rigid casing, constant torque",
+    "figure: Time-synchronous average over 6 turns of shaft_1 without its mesh orders (residual signal), "
+    "sensor_3, z, steady. Shaded: where tooth 3, which stands out, is in mesh.",
+    "figure: Envelope spectrum of sensor_3 (z), steady, of all that lies above fm / 2. A damaged tooth "
+    "raises the harmonics of fr = 15.0000 Hz.",
+    "# Signals and spectra",
+    "figure: Acceleration at the sensor, without sensor noise: the whole run, and a tenth of a second.",
+    "figure: Steady, constant torque, deviations of seed 1: one-sided peak amplitudes over 6 revolutions "
+    "of the faulty shaft (0.4 s), hann window, sensor noise 0.01 m/s² rms.",
+    "# How it was decided",
+    "# Levels",
+    "# Healthy and faulty",
+    "figure: Steady, constant torque, deviations of seed 1: both runs with the same deviations. "
+    "Triangles: detected lines. Yellow beside a line: what the inputs do.",
+    "# Error bars",
+    "figure: Error bars, steady: what the numerics and the inputs leave open of each line.",
+    "# Envelope table",
+    "# What was run",
+    "# Gears",
+    "figure: The gear pair in three dimensions and its stiffness over the mesh cycle.",
+    "# Stiffness",
+    "figure: Mesh stiffness over the mesh cycle; one cycle is the passage of one tooth pair.",
+    "# Casing",
+    "figure: Key points of the casing: ground (yellow), bearings (red), sensors (green).",
+    "# Speed",
+    "figure: Speeds of the motors and the first shaft.",
+    "# Cost",
+    "figure: Where the time went.",
+    "# Energy balance",
+    "# Provenance",
+]
+
+
+def listed(folder, settings, monkeypatch):
+    """The lines of a report: "# heading" and "figure: caption"."""
+    monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-c", RENDERER])
+    finished = run_scene(load_scene("minimal", settings), Options(out=folder, work=Work(quiet=True, processes=1)))
+    page = (finished.folder / run_folder.REPORT).read_text(encoding="utf-8")
+    found = re.finditer(r"<h[12]>(.*?)</h|<figure[^>]*>.*?<svg.*?<figcaption>(.*?)</figcaption>", page, re.DOTALL)
+    return [f"# {one[1]}" if one[1] else f"figure: {re.sub('<[^>]*>', '', one[2])}" for one in found]
+
+
+def test_a_bench_shows_its_signals_and_its_machine(tmp_path, monkeypatch):
+    assert listed(tmp_path / "run", SHORT, monkeypatch) == BENCH
+
+
+def test_a_faulty_machine_is_shown_beside_its_control(tmp_path, monkeypatch):
+    assert listed(tmp_path / "run", FAULTY, monkeypatch) == DAMAGED
+
+
+def changed(**settings):
+    """Names of the steps of pictures that other settings of the faulty scene change."""
+    plants = [make_plant(load_scene("minimal", {**FAULTY, **more}).scene) for more in ({}, settings)]
+    own, other = ({step.name: digest(step.spec) for step in picture_steps(plant, ["casing mesh"])} for plant in plants)
+    return {name for name in own if own[name] != other[name]}
+
+
+def test_pictures_are_drawn_again_for_what_they_show_alone():
+    assert changed(**{"load.container_kg": 90.0}) == {"stiffness curves"}
+    assert changed(**{"diagnosis.noise_m_s2": 0.1, "deviations.seed": 7, "simulation.end_s": 0.7}) == set()
+    assert changed(**{"sensors.1.position_mm": [70.0, -80.0, 35.5]}) == {"casing picture"}
+    assert changed(faults=[{**FAULTY["faults"][0], "tooth": 4}]) == {"gear picture", "stiffness curves"}
