@@ -1,6 +1,7 @@
-"""What a step can do before its turn: in a thread, while other steps are built in processes of their own.
+"""What this process does in threads, while steps are built in processes of their own. Results do not depend on it.
 
-It compiles code, which takes longer than most steps where nothing is compiled yet. Results do not depend on it.
+A step can compile its code before its turn, which takes longer than most steps where nothing is compiled yet. Pictures
+are built, which take little of this process: a child draws them.
 """
 
 from __future__ import annotations
@@ -9,7 +10,8 @@ import logging
 import threading
 from collections.abc import Mapping
 
-from pipelines.engine.build_step import Result
+from pipelines.engine.build_step import Result, build_here
+from pipelines.engine.cache import Cache
 from pipelines.engine.step import Graph, Step
 
 _log = logging.getLogger(__name__)
@@ -44,3 +46,43 @@ def _run(step: Step, taken: list[Result]) -> None:
         step.ahead(step.spec, *(result.load() for result in taken))
     except Exception as error:  # the build itself says what is wrong
         _log.debug("step %s, ahead of its build: %s", step.name, error)
+
+
+class Aside:
+    """Builds one step at a time; a thread that is not finished ends with the process."""
+
+    def __init__(self) -> None:
+        self._step: Step | None = None
+        self._thread: threading.Thread | None = None
+        self._result: Result | Exception | None = None
+
+    def start(self, step: Step, key: str, upstream: Mapping[str, Result], cache: Cache) -> None:
+        """Begin to build a step, if none is being built."""
+        assert self._step is None, "one step at a time"
+
+        def run() -> None:
+            try:
+                self._result = build_here(step, key, upstream, cache)
+            except Exception as error:
+                self._result = error
+
+        self._step, self._result = step, None
+        self._thread = threading.Thread(target=run, daemon=True)
+        self._thread.start()
+
+    @property
+    def free(self) -> bool:
+        """Whether no step is being built, nor built and not yet taken."""
+        return self._step is None
+
+    @property
+    def ready(self) -> bool:
+        """Whether a step is built, or failed."""
+        return self._step is not None and self._result is not None
+
+    def take(self) -> tuple[Step, Result | Exception]:
+        """The step that is ready, and its result or what it raised."""
+        assert self._step is not None
+        assert self._result is not None
+        step, self._step = self._step, None
+        return step, self._result

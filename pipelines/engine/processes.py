@@ -122,12 +122,17 @@ class Pool:
             _input(child).close()
         return None
 
-    def wait(self, advanced: Callable[[Step, float], None]) -> list[tuple[Step, Result]]:
-        """Sleep until at least one job is done; raises what a step raised. `advanced` is told how far the steps are."""
+    def wait(
+        self, advanced: Callable[[Step, float], None], enough: Callable[[], bool] = lambda: False
+    ) -> list[tuple[Step, Result]]:
+        """Sleep until at least one job is done, or until it is `enough`; the jobs that are done.
+
+        Raises what a step raised. `advanced` is called with the share of each step that is done.
+        """
         look = time.monotonic() + _SHARE_SECONDS
         while True:
             done = [one for one in self._working if one[1].answer.exists() or one[0].poll() is not None]
-            if done:
+            if done or enough():
                 return [self._result(child, job) for child, job in done]
             if time.monotonic() >= look:
                 look += _SHARE_SECONDS

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from pipelines.engine.ahead import Ahead
+from pipelines.engine.ahead import Ahead, Aside
 from pipelines.engine.build_step import Result, build_here, one_thread, step_record
 from pipelines.engine.cache import Cache
 from pipelines.engine.processes import Pool
@@ -90,8 +90,8 @@ def run_graph(
     observer : is told of every step; None: nobody
     processes : long steps built at the same time; default 2, or 1 on a single core
     known : results of steps of this graph that are at hand
-    meanwhile : names of further steps, each built only while this process would wait for others; one that fails is
-        missing in the outcome
+    meanwhile : names of further steps, built beside the wanted ones while other processes work; one that fails or is
+        not finished with them is missing in the outcome
 
     Raises
     ------
@@ -107,9 +107,16 @@ def run_graph(
     failed: set[str] = set()
     verified: set[str] = set()
     urgency = graph.seconds_to_the_end()  # what the most must wait for starts first
-    ahead = Ahead()
+    ahead, aside = Ahead(), Aside()
     with one_thread(), Pool() as pool:
         while any(name not in results for name in graph.steps):
+            if aside.ready:
+                step, made = aside.take()
+                if isinstance(made, Result):
+                    _keep(results, step, made, observer)
+                else:
+                    failed.add(step.name)
+                    _log.debug("step %s, built meanwhile: %s", step.name, made)
             ready = _take_what_is_cached(every, cache, results, wanted, pool.names(), observer)
             ready = [(step, key) for step, key in ready if not pool.builds(key)]
             if _drop_damaged(ready, cache, results, verified):
@@ -126,6 +133,10 @@ def run_graph(
                 ready = [(step, key) for step, key in ready if step.seconds < _LONG_SECONDS]
             if len(pool):
                 ahead.start(graph, results)
+                if spare and aside.free:
+                    step, key = spare[0]
+                    observer.started(step)
+                    aside.start(step, key, _upstream(step, results), cache)
             if ready:
                 step, key = ready[0]
                 observer.started(step)
@@ -136,21 +147,11 @@ def run_graph(
                 with listening(functools.partial(observer.advanced, step)):
                     result = build_here(step, key, _upstream(step, results), cache)
                 _keep(results, step, result, observer)
-            elif len(pool) and spare:
-                step, key = spare[0]
-                observer.started(step)
-                try:
-                    result = build_here(step, key, _upstream(step, results), cache)
-                except Exception as error:
-                    failed.add(step.name)
-                    _log.debug("step %s, built meanwhile: %s", step.name, error)
-                else:
-                    _keep(results, step, result, observer)
             elif len(pool):
                 for step in graph:
                     if step.name not in results and step.takes:
                         step.load()  # while the children work
-                for step, result in pool.wait(observer.advanced):
+                for step, result in pool.wait(observer.advanced, lambda: aside.ready):
                     _keep(results, step, result, observer)
     return Outcome({name: results[name] for name in every.steps if name in results})
 
