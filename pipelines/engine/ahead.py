@@ -81,8 +81,10 @@ class Aside:
         return self._step is not None and self._result is not None
 
     def take(self) -> tuple[Step, Result | Exception]:
-        """The step that is ready, and its result or what it raised."""
+        """The step, when it is ready, and its result or what it raised."""
         assert self._step is not None
+        assert self._thread is not None
+        self._thread.join()
         assert self._result is not None
         step, self._step = self._step, None
         return step, self._result

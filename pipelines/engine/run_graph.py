@@ -90,8 +90,8 @@ def run_graph(
     observer : is told of every step; None: nobody
     processes : long steps built at the same time; default 2, or 1 on a single core
     known : results of steps of this graph that are at hand
-    meanwhile : names of further steps, built beside the wanted ones while other processes work; one that fails or is
-        not finished with them is missing in the outcome
+    meanwhile : names of further steps, begun beside the wanted ones while other processes work; one that fails or was
+        not begun is missing in the outcome
 
     Raises
     ------
@@ -111,12 +111,7 @@ def run_graph(
     with one_thread(), Pool() as pool:
         while any(name not in results for name in graph.steps):
             if aside.ready:
-                step, made = aside.take()
-                if isinstance(made, Result):
-                    _keep(results, step, made, observer)
-                else:
-                    failed.add(step.name)
-                    _log.debug("step %s, built meanwhile: %s", step.name, made)
+                failed |= _keep_aside(aside, results, observer)
             ready = _take_what_is_cached(every, cache, results, wanted, pool.names(), observer)
             ready = [(step, key) for step, key in ready if not pool.builds(key)]
             if _drop_damaged(ready, cache, results, verified):
@@ -153,6 +148,8 @@ def run_graph(
                         step.load()  # while the children work
                 for step, result in pool.wait(observer.advanced, lambda: aside.ready):
                     _keep(results, step, result, observer)
+        if not aside.free:
+            _keep_aside(aside, results, observer)
     return Outcome({name: results[name] for name in every.steps if name in results})
 
 
@@ -200,6 +197,16 @@ def _keep(results: dict[str, Result], step: Step, result: Result, observer: Obse
     large = result.entry is not None and result.entry.bytes > _HELD_BYTES
     results[step.name] = result.stored() if large else result
     observer.finished(step, result.record)
+
+
+def _keep_aside(aside: Aside, results: dict[str, Result], observer: Observer) -> set[str]:
+    """Keep what the thread has built, waiting for it if need be; the name of the step if it failed."""
+    step, made = aside.take()
+    if isinstance(made, Result):
+        _keep(results, step, made, observer)
+        return set()
+    _log.debug("step %s, built meanwhile: %s", step.name, made)
+    return {step.name}
 
 
 def _upstream(step: Step, results: Mapping[str, Result]) -> dict[str, Result]:

@@ -80,10 +80,10 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
     first = study.cases[0]
     wanted = study.motions if diagnosing or study.baseline else [n for n in (first.faulty, first.healthy) if n]
     pictures = picture_steps(study.plant, study.graph.steps) if options.with_report else []
-    graph = Graph([*study.graph, *pictures])
-    count = len(graph.needed(wanted).steps) + len(pictures) + (diagnosing is not None) + options.with_report
-    count += len(feature_steps(study)) if options.with_report else 0
-    count += diagnosing is not None  # its error bars
+    judging = feature_steps(study) if options.with_report else []
+    graph = Graph([*study.graph, *pictures, *judging])
+    count = len(graph.needed(wanted).steps) + len(pictures) + len(judging) + options.with_report
+    count += 2 * (diagnosing is not None)  # with its error bars
     failure: Exception | None = None
     told = _Told()
     with (
@@ -98,13 +98,15 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
             wanted,
             observer=observer,
             processes=options.work.processes,
-            meanwhile=[step.name for step in pictures],
+            meanwhile=[step.name for step in (*pictures, *judging)],
         )
         log_warnings(outcome.value(name) for name in study.motions if name in outcome.results)
         _write_signals(claim.folder, loaded, study, outcome)
         try:
             if options.with_report:
-                outcome, told = _tell(claim.folder, loaded, study, pictures, diagnosing, outcome, cache, observer)
+                outcome, told = _tell(
+                    claim.folder, loaded, study, pictures, judging, diagnosing, outcome, cache, observer
+                )
                 run_folder.write_json(claim.folder / run_folder.RUN, _facts(loaded.name, study.plant, outcome))
         except Exception as error:
             failure = error
@@ -135,6 +137,7 @@ def _tell(
     loaded: LoadedScene,
     study: Study,
     pictures: list[Step],
+    judging: list[Step],
     diagnosing: Step | None,
     signals: Outcome,
     cache: Cache,
@@ -143,7 +146,6 @@ def _tell(
     """Diagnosis and report of finished signals, each written as soon as it is there."""
     outcome, words, left_out = signals, "", []
     bars: LineBars | str = ""
-    judging = feature_steps(study)
     verdict = None
     if judging:
         outcome = _with_steps([*study.graph, *judging], judging, outcome, cache, observer)
