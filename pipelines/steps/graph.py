@@ -64,7 +64,7 @@ def plant_steps(plant: Plant) -> list[Step]:
 
 
 def _law_steps(plant: Plant) -> list[Step]:
-    from pipelines.steps import laws, modified_laws
+    from pipelines.steps import laws
 
     steps = []
     names = zip(plant.law_names, plant.sound_law_names, strict=True)
@@ -80,6 +80,8 @@ def _law_steps(plant: Plant) -> list[Step]:
             )
         )
         if not added.empty:
+            from pipelines.steps import modified_laws
+
             surfaces = _surface_steps(name, spec, added)
             steps += surfaces
             steps.append(
