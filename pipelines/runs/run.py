@@ -6,7 +6,7 @@ import json
 import logging
 import platform
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from traceback import format_exception
 from typing import TYPE_CHECKING, Any
@@ -80,15 +80,13 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
     first = study.cases[0]
     wanted = study.motions if diagnosing or study.baseline else [n for n in (first.faulty, first.healthy) if n]
     graph = Graph(study.graph).needed(wanted)
-    count = len(graph.steps) + (diagnosing is not None) + options.with_report
-    count += len(feature_steps(study)) if options.with_report else 0
-    count += diagnosing is not None  # its error bars
+    later = _later_steps(study, diagnosing) if options.with_report else []
     failure: Exception | None = None
     told = _Told()
     with (
         claimed(loaded.name, options.out) as claim,
         run_folder.logged_to(claim.folder / "log.jsonl"),
-        options.work.observed(count) as observer,
+        options.work.observed([*graph, *later]) as observer,
     ):
         cache = options.work.cache
         outcome = run_graph(graph, cache, wanted, observer=observer, processes=options.work.processes)
@@ -112,6 +110,12 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
         ledger=outcome.ledger(),
         left_out=told.left_out,
     )
+
+
+def _later_steps(study: Study, diagnosing: Step | None) -> list[Step]:
+    """What follows the motions, for the time that it takes."""
+    judging = [*feature_steps(study), *([diagnosing, bars_step(study)] if diagnosing else [])]
+    return [*judging, _planned_report(study, diagnosing)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -221,10 +225,7 @@ def _report_step(
     from pipelines.plant.checks.design_warnings import design_warnings
     from pipelines.steps import reporting
 
-    plant = study.plant
-    casing = [name for name in ("casing mesh", "casing modes") if name in study.graph.steps]
-    takes = [*law_names(plant), "casing", *casing]
-    takes += diagnosing.takes if diagnosing else (study.cases[0].faulty,)
+    plant, planned = study.plant, _planned_report(study, diagnosing)
     kinds = [*(fault.kind for fault in plant.faults), *("bearing-spall" for _ in plant.spalls)]
     kinds += [*(fault.kind for fault in plant.shaft_faults), "healthy"]
     names = [kinds[0].replace("-", " "), "healthy"]
@@ -233,8 +234,8 @@ def _report_step(
         plant=plant,
         name=loaded.name,
         diagnosing=diagnosing.spec if diagnosing else None,
-        meshed="casing mesh" in casing,
-        elastic="casing modes" in casing,
+        meshed="casing mesh" in planned.takes,
+        elastic="casing modes" in planned.takes,
         responses=tuple(names[: 2 if diagnosing else 1]),
         steps=tuple(_cost_row(record) for record in outcome.records),
         ledger=outcome.ledger(),
@@ -248,14 +249,23 @@ def _report_step(
             *(f"the control differs in more than the fault: {line}" for line in unlike),
         ),
     )
+    return replace(planned, spec=spec)
+
+
+def _planned_report(study: Study, diagnosing: Step | None) -> Step:
+    """The step without its spec, which follows from the results of others."""
+    from pipelines.steps import reporting
+
+    casing = [name for name in ("casing mesh", "casing modes") if name in study.graph.steps]
+    motions = diagnosing.takes if diagnosing else (study.cases[0].faulty,)
     return Step(
         name="report",
         kind="report",
         build=reporting.build,
-        spec=spec,
-        takes=tuple(takes),
+        takes=(*law_names(study.plant), "casing", *casing, *motions),
         reads={"casing modes": reporting.casing_summary},
         libraries=("numpy", "matplotlib", "pyvista"),
+        seconds=3.0,
     )
 
 
