@@ -124,7 +124,7 @@ def test_lines_for_a_pipe():
 
 
 def test_lengths_of_time_in_words():
-    assert [duration(s) for s in (0.2, 40.4, 150, 9000)] == ["1 s", "40 s", "2 minutes", "2.5 hours"]
+    assert [duration(s) for s in (0, 0.2, 40.4, 150, 9000)] == ["0 s", "1 s", "40 s", "2 minutes", "2.5 hours"]
 
 
 def test_in_a_pipe_a_run_writes_no_control_characters(tmp_path):

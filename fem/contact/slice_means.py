@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.contact.law import MeshLaw
+from fem.numerics.pchip import pchip
 
 FINER = 4  # the gap is curved where it decides: straight pieces of the law's own grid would make a tone, too
 PLACES = 17  # in a slice, at which its gap is read; odd
@@ -100,10 +101,8 @@ def _gap(law: MeshLaw, at: np.ndarray, gap: np.ndarray, xi: np.ndarray, straight
     half = width / 2 / law.position_step
     if not NARROWEST * law.position_step < width <= WIDEST:
         return np.broadcast_to(np.interp(xi, at, gap)[:, None], (xi.size, PLACES))
-    from scipy.interpolate import PchipInterpolator  # late: it takes long to import, and spur gears do without
-
     far = max(half, 1.0)
     first = gap[0] - straight[0] * far * (gap[1] - gap[0])
     last = gap[-1] + straight[1] * far * (gap[-1] - gap[-2])
-    curve = PchipInterpolator(np.array([at[0] - far, *at, at[-1] + far]), np.array([first, *gap, last]))
-    return curve(xi[:, None] + np.linspace(-half, half, PLACES))
+    places = xi[:, None] + np.linspace(-half, half, PLACES)
+    return pchip(np.array([at[0] - far, *at, at[-1] + far]), np.array([first, *gap, last]), places)

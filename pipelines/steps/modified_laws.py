@@ -7,11 +7,14 @@ those of its crack surface, which another step condenses, or, for models that ha
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from fem.contact.faults.changed_law import damaged_law, evenly_damaged_law, modified_law
 from fem.contact.law import MeshLaw
-from fem.contact.wheels.crack_surface import CrackSurface
 from pipelines.plant.flanks_spec import FlanksSpec
+
+if TYPE_CHECKING:
+    from fem.contact.wheels.crack_surface import CrackSurface
 
 
 def build(spec: FlanksSpec, sound: tuple[MeshLaw, MeshLaw], *surfaces: CrackSurface) -> tuple[MeshLaw, MeshLaw]:
