@@ -48,7 +48,7 @@ def test_a_slower_machine_lengthens_the_rest():
     for name in ("law_1", "law_2"):
         remaining.started(name, 0.0)
         remaining.finished(name, 4.0)
-    scale = (3 + 8) / (3 + 4)
+    scale = (10 + 8) / (10 + 4)
     assert remaining.left(4.0) == pytest.approx(scale * (10 + 6 + 3))
 
 

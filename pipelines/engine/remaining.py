@@ -17,7 +17,7 @@ from pipelines.engine.manifest import Entry
 from pipelines.engine.step import Step, stored, whole
 
 _LOOKED_AT = 3  # stored results of a kind, the newest ones
-_PRIOR = 3.0  # s: finished steps that took much less change the scale little
+_PRIOR = 10.0  # s: finished steps that took much less change the scale little
 _OVERDUE = 0.2  # what a step that takes longer than expected still takes, as a share of what it took
 
 
