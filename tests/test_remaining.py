@@ -13,12 +13,12 @@ from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, StepRecord
 
 SCHEDULE = (  # two processes: casing 10 beside laws 2 + 2, then motions 6 beside 6, then the report 3
-    Task(name="law_1", takes=(), seconds=2.0),
-    Task(name="law_2", takes=(), seconds=2.0),
-    Task(name="casing", takes=(), seconds=10.0),
-    Task(name="faulty", takes=("casing", "law_1", "law_2"), seconds=6.0),
-    Task(name="healthy", takes=("casing", "law_1", "law_2"), seconds=6.0),
-    Task(name="report", takes=("faulty", "healthy"), seconds=3.0),
+    Task(name="law_1", takes=(), seconds=2.0, kind="law"),
+    Task(name="law_2", takes=(), seconds=2.0, kind="law"),
+    Task(name="casing", takes=(), seconds=10.0, kind="casing"),
+    Task(name="faulty", takes=("casing", "law_1", "law_2"), seconds=6.0, kind="motion"),
+    Task(name="healthy", takes=("casing", "law_1", "law_2"), seconds=6.0, kind="motion"),
+    Task(name="report", takes=("faulty", "healthy"), seconds=3.0, kind="report"),
 )
 
 
@@ -52,6 +52,14 @@ def test_a_slower_machine_lengthens_the_rest():
     assert remaining.left(4.0) == pytest.approx(scale * (10 + 6 + 3))
 
 
+def test_a_finished_task_tells_more_of_its_kind():
+    remaining = Remaining(SCHEDULE, 1)
+    remaining.started("law_1", 0.0)
+    remaining.finished("law_1", 8.0)
+    others = (10 + 8) / (10 + 2)
+    assert remaining.left(8.0) == pytest.approx(8 + others * (10 + 12 + 3))
+
+
 def test_a_reused_task_says_nothing_about_the_machine():
     remaining = Remaining(SCHEDULE, 2)
     remaining.finished("casing", 50.0)
@@ -62,10 +70,10 @@ def test_a_reused_task_says_nothing_about_the_machine():
 def test_compiling_comes_before_what_runs_the_code_and_goes_on_beside_other_work():
     code = Task(name="code", takes=("law",), seconds=8.0, compiles=True)
     tasks = [
-        Task(name="law", takes=(), seconds=1.0),
+        Task(name="law", takes=(), seconds=1.0, kind="law"),
         code,
-        Task(name="casing", takes=(), seconds=6.0),
-        Task(name="motion", takes=("law", "casing", "code"), seconds=5.0),
+        Task(name="casing", takes=(), seconds=6.0, kind="casing"),
+        Task(name="motion", takes=("law", "casing", "code"), seconds=5.0, kind="motion"),
     ]
     remaining = Remaining(tasks, 2)
     assert remaining.count == 3

@@ -1,8 +1,8 @@
 """How long a run still takes: its schedule, simulated with the seconds that each step is expected to take.
 
 A step of this kind that was built on this machine before gives the seconds; without one the step's own estimate does.
-Code that is not compiled yet is a task of its own, which the steps that run it wait for. What the finished steps took
-against what was expected scales the rest.
+Code that is not compiled yet is a task of its own, which the steps that run it wait for. What finished steps took
+against what was expected scales the rest: those of the same kind, else all of them.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ class Task:
     name: str
     takes: tuple[str, ...]
     seconds: float
+    kind: str = ""
     compiles: bool = False  # nobody says when it begins or ends: it begins when it can, and ends with what takes it
 
 
@@ -46,6 +47,7 @@ class Remaining:
         self._since: dict[str, float] = {}  # beginning of what is at work, s
         self._shares: dict[str, list[tuple[float, float]]] = {}  # first and last one with their times
         self._expected = self._took = _PRIOR
+        self._factors: dict[str, float] = {}  # by kind: what the last one took over what was expected
 
     @property
     def count(self) -> int:
@@ -68,9 +70,12 @@ class Remaining:
         """A task is done, by work or because a stored result serves."""
         if name in self._left and name in self._since:
             (first, since), (last, then) = self._shares.get(name, [(0.0, self._since[name]), (1.0, now)])
-            self._expected += self._left[name].seconds * (last - first)
-            self._expected += sum(compiling.seconds for compiling in self._compiling_of(name))
+            task, code = self._left[name], sum(compiling.seconds for compiling in self._compiling_of(name))
+            share = task.seconds * (last - first)
+            self._expected += share + code
             self._took += then - since
+            if share and not code:
+                self._factors[task.kind] = (then - since) / share
         for compiling in self._compiling_of(name):
             del self._left[compiling.name]
         self._left.pop(name, None)
@@ -78,14 +83,14 @@ class Remaining:
 
     def left(self, now: float) -> float:
         """Seconds to the end: tasks begin as soon as what they take is done, those with the longest chain first."""
-        scale, waiting = self._took / self._expected, dict(self._left)
-        at_work = {name: self._left_of(waiting.pop(name), scale, now) for name in self._left if name in self._since}
+        waiting = dict(self._left)
+        at_work = {name: self._left_of(waiting.pop(name), now) for name in self._left if name in self._since}
         chain, time = _seconds_to_the_end(self._left.values()), 0.0
         while at_work or waiting:
             ready = [task for task in waiting.values() if not any(n in at_work or n in waiting for n in task.takes)]
             ready.sort(key=lambda task: -chain[task.name])
             for task in ready[: max(self._processes - len(at_work), 0)]:
-                at_work[task.name] = scale * waiting.pop(task.name).seconds
+                at_work[task.name] = self._scaled(waiting.pop(task.name))
             soonest = min(at_work.values())
             time += soonest
             at_work = {name: seconds - soonest for name, seconds in at_work.items() if seconds > soonest}
@@ -96,16 +101,20 @@ class Remaining:
         (first, since), (last, then) = self._shares.get(name, [(0.0, 0.0), (0.0, 0.0)])
         return (then - since) * (1.0 - last) / (last - first) if last > first else None
 
-    def _left_of(self, task: Task, scale: float, now: float) -> float:
+    def _left_of(self, task: Task, now: float) -> float:
         """Seconds that a task at work still takes."""
         pace = self.pace(task.name)
         if pace is not None:
             return max(pace - (now - self._shares[task.name][1][1]), 0.0)
-        compiling = [self._left_of(one, scale, now) for one in self._compiling_of(task.name)]
+        compiling = [self._left_of(one, now) for one in self._compiling_of(task.name)]
         if compiling:
-            return sum(compiling) + scale * task.seconds
+            return sum(compiling) + self._scaled(task)
         took = now - self._since.get(task.name, now)
-        return max(scale * task.seconds - took, _OVERDUE * took)
+        return max(self._scaled(task) - took, _OVERDUE * took)
+
+    def _scaled(self, task: Task) -> float:
+        """Seconds of a whole task on this machine."""
+        return task.seconds * self._factors.get(task.kind, self._took / self._expected)
 
     def _compiling_of(self, name: str) -> list[Task]:
         takes = self._left[name].takes if name in self._left else ()
@@ -150,11 +159,13 @@ def expected(steps: Iterable[Step], cache: Cache) -> list[Task]:
         seconds = sum(s for start, s in step.compiles.items() if not any(name.startswith(start) for name in compiled))
         takes, compiling = step.takes, f"code of {step.kind}"
         if seconds:
-            code = Task(name=compiling, takes=step.ahead_takes, seconds=machine * seconds, compiles=True)
+            code = Task(
+                name=compiling, kind=compiling, takes=step.ahead_takes, seconds=machine * seconds, compiles=True
+            )
             tasks.setdefault(compiling, code)
             takes = (*takes, compiling)
         seconds = step.seconds * (factors[step.kind] or machine)
-        tasks[step.name] = Task(name=step.name, takes=takes, seconds=seconds)
+        tasks[step.name] = Task(name=step.name, takes=takes, seconds=seconds, kind=step.kind)
     return list(tasks.values())
 
 

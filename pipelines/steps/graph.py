@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 TRIAL = "trial casing"  # step with the modes that the size of elements is predicted from
 COARSER = ("coarser casing", "coarsest casing")  # steps with the modes that a casing is extrapolated from, or the first
 QUADRATIC = "quadratic casing"  # the one with the modes that a casing of cubic elements is
-# s to compile what a motion runs, by the beginning of its name, and for slices that press on each other
+# s to compile what a motion runs, by the beginning of its name, and where slices press on each other
 _MOTION_CODE = {"mbd.integrators.": 13.0, "fem.contact.evaluation.": 7.0}
 _COUPLED_CODE = {"fem.contact.evaluation.coupled_face.": 17.0}
 _CASING_CODE = {"fem.numerics.multifrontal.": 6.0}
@@ -48,7 +48,7 @@ def plant_steps(plant: Plant) -> list[Step]:
     from pipelines.steps import motion
 
     casing = _casing_steps(plant)
-    coupled = any(spec.mesh.seconds for spec in plant.laws)  # finite elements couple the slices
+    coupled = "solid" in plant.models["mesh"]  # its slices press on each other
     return [
         *_law_steps(plant),
         *casing,
@@ -198,7 +198,7 @@ def _casing_steps(plant: Plant) -> list[Step]:
             spec=reduced,
             takes=("casing mesh",),
             libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
-            seconds=18.0,
+            seconds=10.0,
             compiles=_CASING_CODE,
             enough="model.band" if part.model.limit else "",
         ),
