@@ -18,6 +18,7 @@ from pipelines.engine.step import Step, stored, whole
 
 _LOOKED_AT = 3  # stored results of a kind, the newest ones
 _PRIOR = 10.0  # s: finished steps that took much less change the scale little
+_FASTEST = 0.67  # less says that the estimates were too long, not that the machine is that fast
 _OVERDUE = 0.2  # what a step that takes longer than expected still takes, as a share of what it took
 
 
@@ -114,7 +115,8 @@ class Remaining:
 
     def _scaled(self, task: Task) -> float:
         """Seconds of a whole task on this machine."""
-        return task.seconds * self._factors.get(task.kind, self._took / self._expected)
+        machine = max(self._took / self._expected, _FASTEST)
+        return task.seconds * self._factors.get(task.kind, machine)
 
     def _compiling_of(self, name: str) -> list[Task]:
         takes = self._left[name].takes if name in self._left else ()
