@@ -31,9 +31,10 @@ if TYPE_CHECKING:
 TRIAL = "trial casing"  # step with the modes that the size of elements is predicted from
 COARSER = ("coarser casing", "coarsest casing")  # steps with the modes that a casing is extrapolated from, or the first
 QUADRATIC = "quadratic casing"  # the one with the modes that a casing of cubic elements is
-# s to compile what a motion runs, by the beginning of its name, and where slices press on each other
+# s to compile what a step runs, by the beginning of its name: any motion, one of coupled slices, a law, casing modes
 _MOTION_CODE = {"mbd.integrators.": 13.0, "fem.contact.evaluation.": 7.0}
 _COUPLED_CODE = {"fem.contact.evaluation.coupled_face.": 17.0}
+_SOLID_CODE = {"fem.elements.nested_condensation.": 6.0}
 _CASING_CODE = {"fem.numerics.multifrontal.": 6.0}
 _NUMERIC = ("numpy", "scipy", "numba")
 
@@ -80,7 +81,8 @@ def _law_steps(plant: Plant) -> list[Step]:
 
     steps = []
     names = zip(plant.law_names, plant.sound_law_names, strict=True)
-    for (name, sound), spec, added in zip(names, plant.laws, plant.flanks, strict=True):
+    parts = zip(names, plant.laws, plant.flanks, plant.models["mesh"], strict=True)
+    for (name, sound), spec, added, model in parts:
         steps.append(
             Step(
                 name=sound,
@@ -89,6 +91,7 @@ def _law_steps(plant: Plant) -> list[Step]:
                 spec=spec,
                 libraries=spec.mesh.libraries,
                 seconds=spec.mesh.seconds,
+                compiles=_SOLID_CODE if model == "solid" else {},
             )
         )
         if not added.empty:
