@@ -227,7 +227,7 @@ def test_a_killed_export_leaves_the_old_file(capsys, here, monkeypatch):
 
 
 def test_simulate_then_export(capsys, here):
-    code, out, err = gearcase(capsys, "simulate", "minimal", *SHORT, "--out", "mine")
+    code, out, err = gearcase(capsys, "simulate", "minimal", *SHORT, "--out", "mine", "--quiet")
     assert (code, err) == (0, "")
     assert "response.nc" in out
     assert sorted(p.name for p in (here / "mine").iterdir()) == [

@@ -24,6 +24,7 @@ ONLY_IN = {  # package: modules or packages that may import it
 MBD_TAKES = {
     "fem.contact.law",
     "fem.numerics.compiled",
+    "fem.numerics.root",
     "fem.contact.evaluation.evaluator",
     "fem.contact.evaluation.kernel",
     "fem.contact.teeth",

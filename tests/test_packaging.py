@@ -139,7 +139,7 @@ def test_the_installed_command_works_from_another_folder(installed, tmp_path):
     assert "20/55" in run(command, "check", "minimal", cwd=tmp_path, env=elsewhere())
     run(command, "new", "my.toml", "--from", "minimal", cwd=tmp_path, env=elsewhere())
     out = run(command, "run", "my.toml", "--quiet", cwd=tmp_path, env=elsewhere())
-    report = Path(out.splitlines()[-1].removeprefix("report: "))
+    report = Path(next(line for line in out.splitlines() if line.startswith("report: ")).removeprefix("report: "))
     assert (tmp_path / report).is_file()
 
 

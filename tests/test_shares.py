@@ -9,7 +9,8 @@ from rich.progress import Progress
 
 import gearcase
 from pipelines.engine.cache import Cache
-from pipelines.engine.progress import Bar, Pace
+from pipelines.engine.progress import Bar
+from pipelines.engine.remaining import Remaining, Task
 from pipelines.engine.run_graph import Silent, run_graph
 from pipelines.engine.share import listening, tell_share
 from pipelines.engine.step import Graph, Step
@@ -70,19 +71,25 @@ def test_the_time_loop_tells_its_share(tmp_path):
 
 
 def test_the_time_left_follows_from_the_pace_since_the_first_share():
-    pace = Pace()
-    assert pace.left(0.1, 100.0) is None  # what came before, compiling say, is not repeated
-    assert pace.left(0.3, 104.0) == pytest.approx(14.0)
-    assert pace.left(1.0, 118.0) == 0.0
+    remaining = Remaining([Task(name="s0", takes=(), seconds=9.0)], 1)
+    remaining.advanced("s0", 0.1, 100.0)
+    assert remaining.pace("s0") is None  # what came before, compiling say, is not repeated
+    remaining.advanced("s0", 0.3, 104.0)
+    assert remaining.pace("s0") == pytest.approx(14.0)
+    remaining.advanced("s0", 1.0, 118.0)
+    assert remaining.pace("s0") == 0.0
 
 
 def test_the_bar_shows_the_share_and_the_time_left():
     console = Console(file=io.StringIO(), force_terminal=True, width=120)
     with Progress(console=console) as progress:
-        bar, (step,) = Bar(progress, 1), graph(1, 0.0)
+        remaining, (step,) = Remaining([Task(name="s0", takes=(), seconds=9.0)], 1), graph(1, 0.0)
+        bar = Bar(progress, remaining)
         bar.started(step)
+        remaining.advanced("s0", 0.25, 10.0)
         bar.advanced(step, 0.25)
         assert progress.tasks[0].description == "s0 25 %"
+        remaining.advanced("s0", 0.5, 12.0)
         bar.advanced(step, 0.5)
         assert progress.tasks[0].description.startswith("s0 50 %, ")
         assert progress.tasks[0].description.endswith(" s left")

@@ -16,7 +16,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 
 from fem.elements.solid_elements import SOLIDS, ElementError
 
@@ -177,16 +176,18 @@ def _check_conforming(nodes: np.ndarray, blocks: Sequence[np.ndarray]) -> None:
 
 def _pyramidal_holes(triangles: np.ndarray, quadrilaterals: np.ndarray, size: int) -> np.ndarray:
     """Of the outer quadrilaterals (f, 4) those on which four outer triangles with one common corner stand."""
+    from scipy.sparse import csr_array  # late: commands that only read a scene start sooner
+
     sides = [(0, 1, 2), (0, 2, 1), (1, 2, 0)]
     apex = np.concatenate([triangles[:, c] for _, _, c in sides])
     key = np.concatenate([triangles[:, a] * size + triangles[:, b] for a, b, _ in sides])
     edges, row = np.unique(key, return_inverse=True)
-    upon = sp.csr_array((np.ones(len(row)), (row.ravel(), apex)), shape=(len(edges), size))
+    upon = csr_array((np.ones(len(row)), (row.ravel(), apex)), shape=(len(edges), size))
     first, second = np.triu_indices(4, 1)
     own = quadrilaterals[:, first] * size + quadrilaterals[:, second]
     at = np.minimum(np.searchsorted(edges, own), len(edges) - 1)
     known = edges[at] == own
-    of = sp.csr_array((np.ones(int(known.sum())), (np.nonzero(known)[0], at[known])), shape=(len(own), len(edges)))
+    of = csr_array((np.ones(int(known.sum())), (np.nonzero(known)[0], at[known])), shape=(len(own), len(edges)))
     return quadrilaterals[np.unique((of @ upon == 4.0).nonzero()[0])]
 
 

@@ -14,6 +14,7 @@ from fem.elements.materials import STEEL, Material
 from fem.gears.gear import Gear, GeometryError, Rack, involute, require
 from fem.gears.interference import root_penetration
 from fem.gears.profile import form_radius
+from fem.numerics.root import brentq
 
 __all__ = ["Gear", "GearPair", "GeometryError", "Rack"]
 
@@ -105,8 +106,6 @@ class GearPair:
             f"{self.label}: the sum of profile shifts {shift:.4g} leaves no working pressure angle (inv alpha_wt = "
             f"{target:.3g}, limit > 0): raise a profile shift",
         )
-        from scipy.optimize import brentq  # late: commands that only read a scene start sooner
-
         angle = brentq(lambda alpha: involute(alpha) - target, 1e-9, math.radians(60.0), xtol=1e-15)
         return (p.base_radius + w.base_radius) / math.cos(angle)
 

@@ -19,10 +19,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from fem.gears.gear import GeometryError, require
 from fem.gears.geometry import GearPair
+from fem.numerics.root import brentq
 
 LARGEST_GAP = 100e-6  # m, tip-edge contact is followed up to this gap unless told otherwise
 

@@ -13,9 +13,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from fem.gears.gear import Gear, require
+from fem.numerics.root import brentq
 
 _FINE = 400  # points on the fillet from which arc length is measured
 

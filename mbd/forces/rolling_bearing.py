@@ -31,9 +31,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from scipy import optimize
 
 from fem.numerics.compiled import inner
+from fem.numerics.root import brentq
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, evaluated, rule
 from mbd.parts.bearings import BEARING_AXES, BearingSpec, bearing_force
 from mbd.parts.rolling_elements import RollingElements, pass_frequencies, reference_load
@@ -285,6 +285,6 @@ def tangent_at_load(elements: RollingElements) -> tuple[float, float, float]:
     high = 1e-6
     while short(high) < 0.0:
         high *= 2.0
-    depth = float(optimize.brentq(short, -high, high)) if short(-high) < 0.0 else 0.0
+    depth = float(brentq(short, -high, high)) if short(-high) < 0.0 else 0.0
     stiff = response(elements, np.array([depth, 0.0, 0.0, 0.0, 0.0]))[1]
     return float(stiff[0, 0] + stiff[2, 2]) / 2, float(stiff[1, 1]), float(stiff[3, 3] + stiff[4, 4]) / 2

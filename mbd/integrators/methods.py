@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fem.named_classes import named_class
-from mbd.integrators.base import Integrator
-from mbd.system.system import System
+
+if TYPE_CHECKING:
+    from mbd.integrators.base import Integrator
+    from mbd.system.system import System
 
 METHODS = {
     "exponential": ("mbd.integrators.exponential", "exponential"),

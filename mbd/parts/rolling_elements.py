@@ -15,8 +15,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from scipy import optimize, special
-
+from fem.numerics.root import brentq
 from mbd.parts.checks import MachineError, finite, not_negative, positive
 
 LINE_CONSTANT = 35948.0 * 1000.0 ** (10 / 9 + 8 / 9)  # c_L in N, m
@@ -102,12 +101,14 @@ def dimensionless_deflection(difference: float) -> float:
     if difference < 1e-9:
         return 1.0
 
+    from scipy import special  # late: it takes long to import, and only known rolling elements need it
+
     def miss(log_kappa: float) -> float:
         k2 = math.exp(2 * log_kappa)
         first, second = special.ellipk(1 - 1 / k2), special.ellipe(1 - 1 / k2)
         return ((k2 + 1) * second - 2 * first) / ((k2 - 1) * second) - difference
 
-    k2 = math.exp(2 * optimize.brentq(miss, 1e-6, 12.0, xtol=1e-13))
+    k2 = math.exp(2 * brentq(miss, 1e-6, 12.0, xtol=1e-13))
     first, second = special.ellipk(1 - 1 / k2), special.ellipe(1 - 1 / k2)
     return float(2 * first / math.pi * (math.pi / (2 * k2 * second)) ** (1 / 3))
 

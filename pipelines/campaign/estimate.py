@@ -12,9 +12,9 @@ from pipelines.border.errors import SceneError
 from pipelines.campaign.expressions import ExpressionError
 from pipelines.campaign.plan import Plan
 from pipelines.campaign.scenes import Draw, group_variables, scene_of
-from pipelines.campaign.shown_progress import words
 from pipelines.dataset.labels import labels
 from pipelines.engine.cache import Cache
+from pipelines.engine.remaining import duration
 from pipelines.engine.step import Graph, Step
 from pipelines.engine.storage import digest
 from pipelines.plant.checks.cost import cost
@@ -56,8 +56,8 @@ class Estimate:
             f"labels      {_counted(self.labels)}{part}",
             f"split       {_counted(self.splits)}; {by}",
             f"distinct    {_counted(self.kinds)}{part}",
-            f"time        about {words(total)} on {cores} cores: {words(self.motion_seconds)} of processor time for "
-            f"motions, {words(self.missing_seconds)} for laws and casings that the cache lacks",
+            f"time        about {duration(total)} on {cores} cores: {duration(self.motion_seconds)} of processor time "
+            f"for motions, {duration(self.missing_seconds)} for laws and casings that the cache lacks",
             f"disk        about {size_words(self.bytes)} in {self.runs} files per signal",
         ]
         if self.refused:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from pipelines.campaign.job import Done
 from pipelines.campaign.workers import Workers
 from pipelines.dataset.rows import FAILED
+from pipelines.engine.remaining import duration
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
@@ -46,7 +47,7 @@ class Lines(Silent):
         self._failed += done.row["status"] == FAILED
         if time.monotonic() - self._said >= _LINE_SECONDS:
             each = (time.monotonic() - self._start) / self._done
-            left = words((self._left - self._done) * each)
+            left = duration((self._left - self._done) * each)
             self._say(f"{self._done} of {self._left} scenes, {self._failed} failed, about {left} left")
 
     def _say(self, line: str) -> None:
@@ -97,13 +98,6 @@ def lines_now_and_then() -> Callable[[int, int], None]:
             sys.stderr.write(f"{done} of {total} runs\n")
 
     return told
-
-
-def words(seconds: float) -> str:
-    """A length of time for people."""
-    if seconds < 120:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} minutes" if seconds < 7200 else f"{seconds / 3600:.1f} hours"
 
 
 @contextlib.contextmanager

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator
+from pathlib import Path
 
 
 def main(options: argparse.Namespace) -> int:
     """Run the scene; print the verdict and where the report is."""
+    if not options.quiet:
+        from pipelines.border.shown import shown
+
+        sys.stderr.write(f"gearcase run {shown(str(options.scene))}\n")  # before the imports, which take a while
     from pipelines.engine.working import Work
     from pipelines.runs.run import Options, run_scene
     from pipelines.runs.run_folder import REPORT
@@ -34,4 +40,19 @@ def main(options: argparse.Namespace) -> int:
         f"{len(built)} steps built ({seconds:.1f} s of work), {len(finished.records) - len(built)} reused.\n"
         f"report: {finished.folder / REPORT}\n"
     )
+    sys.stdout.write("next:\n" + "".join(f"  {command}\n      {what}\n" for command, what in _next(options)))
     return 0
+
+
+def _next(options: argparse.Namespace) -> Iterator[tuple[str, str]]:
+    """Two commands that follow a first run, and what they do."""
+    import shlex
+
+    from pipelines.border.shown import shown
+
+    scene = shown(shlex.quote(str(options.scene)))
+    yield f"gearcase runs open {shown(shlex.quote(str(options.out or options.scene)))}", "open the report in a browser"
+    if str(options.scene).endswith(".toml") or Path("my.toml").exists():
+        yield f"gearcase inspect {scene}", "write pictures of its gears and its casing"
+    else:
+        yield f"gearcase new my.toml --from {scene}", "write a commented copy of the scene to change"

@@ -8,6 +8,10 @@ import sys
 
 def main(options: argparse.Namespace) -> int:
     """Run the machine and write response.nc; no control, diagnosis or report."""
+    if not options.quiet:
+        from pipelines.border.shown import shown
+
+        sys.stderr.write(f"gearcase simulate {shown(str(options.scene))}\n")  # before the imports, which take a while
     from pipelines.engine.working import Work
     from pipelines.runs.run import Options, run_scene
     from pipelines.runs.run_folder import RESPONSE

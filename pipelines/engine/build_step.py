@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from fem.numerics.compiled_files import compiled_folder
 from fem.storage.cache_folder import warn_without
 from fem.storage.ledger import counting
 from pipelines.border.errors import WorkError
@@ -82,7 +83,7 @@ def _all(value: Any) -> Any:
 def _built(
     step: Step, key: str, upstream: Mapping[str, Result], cache: Cache, inputs: list[Any], **place: Path | None
 ) -> Result:
-    start = time.perf_counter()
+    start, code = time.perf_counter(), _written(compiled_folder())
     with peak_memory() as peak, counting() as counts:
         try:
             made = step.build(step.spec, *inputs, **place)
@@ -94,6 +95,7 @@ def _built(
         **step.facts({name: upstream[name].record.content for name in step.takes}),
         "content": digest(built.value),
         "seconds": round(time.perf_counter() - start, 6),
+        "estimate": step.seconds if code == _written(compiled_folder()) else 0.0,  # 0: some of the time was compiling
         "peak_bytes": peak.bytes,
         "ledger": {**counts, **built.ledger},
         "step": step.name,
@@ -105,6 +107,11 @@ def _built(
     except StorageError as error:
         raise WorkError(f"step {step.name}: its result cannot be stored: {error}") from error
     return Result(step_record(step, key, facts, reused=False), entry, built.value)
+
+
+def _written(folder: Path) -> int:
+    """When the folder changed last, ns; 0 if there is none."""
+    return folder.stat().st_mtime_ns if folder.is_dir() else 0
 
 
 def step_record(step: Step, key: str, facts: Mapping[str, Any], *, reused: bool) -> StepRecord:

@@ -163,19 +163,17 @@ class Cache:
         """All entries (of one kind) by their manifests, newest use first; files of results are not verified."""
         if not self._readable():
             return
-        prefix = f"{kind}-" if kind else ""
-        found = []
-        for folder in self._entry_folders():
-            if not folder.name.startswith(prefix):
-                continue
+        used = []
+        for folder in self._entry_folders(f"{kind}-" if kind else ""):
+            with contextlib.suppress(OSError):
+                used.append(((folder / MANIFEST).stat().st_mtime, folder))
+        for _, folder in sorted(used, reverse=True):
             try:
                 facts, files = read_manifest(folder)
-                used = (folder / MANIFEST).stat().st_mtime
             except (OSError, Damaged):
                 continue
             if kind is None or facts["kind"] == kind:
-                found.append((used, Entry(folder, facts, sum(f["bytes"] for f in files.values()))))
-        yield from (entry for _, entry in sorted(found, key=lambda pair: -pair[0]))
+                yield Entry(folder, facts, sum(f["bytes"] for f in files.values()))
 
     def verify(self) -> tuple[int, list[str]]:
         """Check every entry; damaged ones are removed. Number of sound entries, and what was removed and why.
@@ -223,9 +221,10 @@ class Cache:
         """The files of compiled code."""
         return list(compiled_files.files(self.folder / COMPILED)) if self._readable() else []
 
-    def _entry_folders(self) -> list[Path]:
-        """Folders that carry our manifest; whatever else there is stays as it is."""
-        return sorted(filter(is_entry, self._entries.iterdir())) if self._entries.is_dir() else []
+    def _entry_folders(self, prefix: str = "") -> list[Path]:
+        """Folders that carry our manifest, their names beginning like that; whatever else there is stays as it is."""
+        found = self._entries.iterdir() if self._entries.is_dir() else ()
+        return sorted(folder for folder in found if folder.name.startswith(prefix) and is_entry(folder))
 
     def _readable(self) -> bool:
         """True if the folder is there and can be believed; it is said if it cannot."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import importlib.util
+import os
 import re
 from importlib import metadata
 from pathlib import Path
@@ -57,12 +58,16 @@ def _version(name: str) -> str:
 def _imports(module: str) -> tuple[str, ...]:
     out: set[str] = set()
     for plain, origin, names in _IMPORT.findall(_source(module).decode()):
-        if origin:
+        if plain:
+            out.update(re.findall(r"[\w.]+", plain))
+        elif _own(origin):
             members = (f"{origin}.{name}" for name in re.findall(r"(\w+)(?: +as +\w+)?", names))
             out.update(member if _path(member) else origin for member in members)
-        else:
-            out.update(re.findall(r"[\w.]+", plain))
-    return tuple(name for name in out if name.partition(".")[0] in OWN_PACKAGES and _path(name))
+    return tuple(name for name in out if _own(name) and _path(name))
+
+
+def _own(name: str) -> bool:
+    return name.partition(".")[0] in OWN_PACKAGES
 
 
 @functools.cache
@@ -70,20 +75,16 @@ def _source(module: str) -> bytes:
     path = _path(module)
     if path is None:
         raise ModuleNotFoundError(f"{module}: its source is not found; steps need modules with a source file")
-    return path.read_bytes()
+    return Path(path).read_bytes()
 
 
 @functools.cache
-def _path(module: str) -> Path | None:
+def _path(module: str) -> str | None:
     top, *rest = module.split(".")
     spec = importlib.util.find_spec(top)
     if spec is None or spec.origin is None:
         return None
-    base = Path(spec.origin)
     if not rest:
-        return base
-    folder = base.parent.joinpath(*rest)
-    for path in (folder.with_suffix(".py"), folder / "__init__.py"):
-        if path.is_file():
-            return path
-    return None
+        return spec.origin
+    base = os.path.join(os.path.dirname(spec.origin), *rest)  # strings: one call for each import of each module
+    return next((path for path in (f"{base}.py", os.path.join(base, "__init__.py")) if os.path.isfile(path)), None)

@@ -1,21 +1,24 @@
-"""What a long command shows while it works: a line per step, and the one at work; nothing if not at a terminal."""
+"""What a long command shows while it works: steps and time left, as a bar at a terminal, else as plain lines."""
 
 from __future__ import annotations
 
 import contextlib
 import logging
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from pipelines.engine.run_graph import Observer
+from pipelines.engine.cache import Cache
+from pipelines.engine.remaining import Remaining, duration, expected
+from pipelines.engine.run_graph import LONG_SECONDS, Observer
 from pipelines.engine.step import Step, StepRecord
 
 if TYPE_CHECKING:
     from rich.progress import Progress
 
 _LOG = logging.getLogger("pipelines.engine.step")
+_LINE_SECONDS = 10.0  # between two lines about a step at work
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,37 +69,63 @@ class Logging:
         _LOG.info("%s: %s", step.name, verb, extra={"facts": facts})
 
 
-class Pace:
-    """The time that a step still takes, from the shares that it tells.
+class Timing:
+    """Keeps the account of what remains."""
 
-    The pace counts from the first share on: what comes before, reading and compiling, is not repeated.
-    """
+    def __init__(self, remaining: Remaining, clock: Callable[[], float]) -> None:
+        self._remaining, self._clock = remaining, clock
 
-    def __init__(self) -> None:
-        self._first: tuple[float, float] | None = None
+    def started(self, step: Step) -> None:
+        """Pass on, with the time."""
+        self._remaining.started(step.name, self._clock())
 
-    def left(self, share: float, now: float) -> float | None:
-        """Seconds; None while they cannot be known.
+    def advanced(self, step: Step, share: float) -> None:
+        """Pass on, with the time."""
+        self._remaining.advanced(step.name, share, self._clock())
 
-        Parameters
-        ----------
-        share : done, 0 to 1
-        now : s
-        """
-        if self._first is None:
-            self._first = (share, now)
-        done = share - self._first[0]
-        return (now - self._first[1]) * (1.0 - share) / done if done > 0.0 else None
+    def finished(self, step: Step, record: StepRecord) -> None:
+        """Pass on, with the time."""
+        self._remaining.finished(step.name, self._clock())
+
+
+class Lines:
+    """Lines for a pipe or a file: what is computed, for how long it has been, and how long the rest takes."""
+
+    def __init__(self, remaining: Remaining, write: Callable[[str], Any], clock: Callable[[], float]) -> None:
+        self._remaining, self._write, self._clock = remaining, write, clock
+        self._start = self._said = clock()
+        if remaining.count:
+            count = f"{remaining.count} step" + ("s" if remaining.count > 1 else "")
+            write(f"{count} to compute, about {duration(remaining.left(self._start))}\n")
+
+    def started(self, step: Step) -> None:
+        """Name a step that takes long."""
+        if step.seconds >= LONG_SECONDS:
+            self._say(f"{step.name}: started")
+
+    def advanced(self, step: Step, share: float) -> None:
+        """How far a step is, now and then."""
+        if self._clock() - self._said >= _LINE_SECONDS:
+            self._say(f"{step.name}: {100 * share:.0f} %")
+
+    def finished(self, step: Step, record: StepRecord) -> None:
+        """What was built, and in which time."""
+        if not record.reused:
+            self._say(f"{step.name}: {record.seconds:.1f} s")
+
+    def _say(self, what: str) -> None:
+        self._said = self._clock()
+        left = f"; about {duration(self._remaining.left(self._said))} left" if self._remaining.count else ""
+        self._write(f"{self._said - self._start:4.0f} s  {what}{left}\n")
 
 
 class Bar:
     """A progress display: steps done, and the names of those at work; with the time left if they tell their share."""
 
-    def __init__(self, progress: Progress, total: int) -> None:
-        self._progress = progress
-        self._task = progress.add_task("steps", total=total)
+    def __init__(self, progress: Progress, remaining: Remaining) -> None:
+        self._progress, self._remaining, self._total = progress, remaining, remaining.count
+        self._task = progress.add_task("steps", total=self._total)
         self._working: dict[str, str] = {}
-        self._pace: dict[str, Pace] = {}
 
     def started(self, step: Step) -> None:
         """Show the name."""
@@ -105,17 +134,16 @@ class Bar:
 
     def advanced(self, step: Step, share: float) -> None:
         """Show the share and the time left."""
-        left = self._pace.setdefault(step.name, Pace()).left(share, time.monotonic())
+        left = self._remaining.pace(step.name)
         self._working[step.name] = f"{step.name} {100 * share:.0f} %" + ("" if left is None else f", {left:.0f} s left")
         self._show()
 
     def finished(self, step: Step, record: StepRecord) -> None:
         """Count, and print a line for what was built."""
         self._working.pop(step.name, None)
-        self._pace.pop(step.name, None)
         if not record.reused:
             self._progress.console.print(f"{record.name}: {record.seconds:.1f} s", highlight=False, markup=False)
-        self._progress.advance(self._task)
+        self._progress.update(self._task, completed=self._total - self._remaining.count)
         self._show()
 
     def _show(self) -> None:
@@ -145,24 +173,49 @@ class Several:
 
 
 @contextlib.contextmanager
-def shown_progress(total: int, *, quiet: bool, told: ProgressFunction | None = None) -> Iterator[Observer]:
-    """An observer that logs, tells a function, and shows progress on standard error if that is a terminal and `quiet`
-    is off."""
+def shown_progress(
+    steps: Iterable[Step], cache: Cache, processes: int, *, quiet: bool, told: ProgressFunction | None = None
+) -> Iterator[Observer]:
+    """An observer that logs, tells a function, and shows progress on standard error if `quiet` is off.
+
+    A terminal gets a bar, anything else plain lines.
+
+    Parameters
+    ----------
+    steps : of the run, each one after those it takes
+    cache : where results are stored
+    processes : long steps built at the same time
+    quiet : show nothing
+    told : a function that is told of every step
+    """
     import sys
 
     listeners: list[Observer] = [Logging()] if told is None else [Logging(), Telling(told)]
-    if quiet or not sys.stderr.isatty():
+    if quiet:
         yield Several(*listeners)
         return
+    remaining = Remaining(expected(steps, cache), processes)
+    timing = Timing(remaining, time.monotonic)
+    if not sys.stderr.isatty():
+        yield Several(timing, Lines(remaining, sys.stderr.write, time.monotonic), *listeners)
+        return
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, SpinnerColumn, TextColumn
+    from rich.progress import Task as Shown
+    from rich.text import Text
+
+    class Left(ProgressColumn):
+        """The time left."""
+
+        def render(self, task: Shown) -> Text:
+            return Text(f"{duration(remaining.left(time.monotonic()))} left" if remaining.count else "")
 
     columns = (
         SpinnerColumn(),
         BarColumn(),
         MofNCompleteColumn(),
-        TimeElapsedColumn(),
+        Left(),
         TextColumn("{task.description}", markup=False),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        yield Several(Bar(progress, total), *listeners)
+        yield Several(timing, Bar(progress, remaining), *listeners)

@@ -18,7 +18,7 @@ from pipelines.engine.step import Graph, Step, StepRecord, stored
 
 _log = logging.getLogger(__name__)
 _HELD_BYTES = 16e6  # a larger result is not held in memory: who needs it reads it from the cache
-_LONG_SECONDS = 3.0  # steps expected to take longer may go to a process of their own
+LONG_SECONDS = 3.0  # steps expected to take longer may go to a process of their own
 
 
 class Observer(Protocol):
@@ -101,8 +101,7 @@ def run_graph(
     wanted = set(wanted)
     every, graph = graph.needed(wanted | set(meanwhile)), graph.needed(wanted)
     observer = observer or Silent()
-    if processes is None:
-        processes = min(2, os.cpu_count() or 1)
+    processes = side_by_side(processes)
     results = {name: result for name, result in (known or {}).items() if name in every.steps}
     failed: set[str] = set()
     verified: set[str] = set()
@@ -118,14 +117,14 @@ def run_graph(
                 continue
             spare = [(step, key) for step, key in ready if step.name not in graph.steps and step.name not in failed]
             ready = [(step, key) for step, key in ready if step.name in graph.steps]
-            long = [(step, key) for step, key in ready if step.seconds >= _LONG_SECONDS]
+            long = [(step, key) for step, key in ready if step.seconds >= LONG_SECONDS]
             long.sort(key=lambda one: -urgency[one[0].name])
             if processes > 1 and (len({key for _, key in long}) > 1 or (long and len(pool))):
                 for step, key in long:
                     if len(pool) < processes and not pool.builds(key):
                         observer.started(step)
                         pool.start(step, key, _upstream(step, results), cache.folder)
-                ready = [(step, key) for step, key in ready if step.seconds < _LONG_SECONDS]
+                ready = [(step, key) for step, key in ready if step.seconds < LONG_SECONDS]
             if len(pool):
                 ahead.start(graph, results)
                 if spare and aside.free:
@@ -137,7 +136,7 @@ def run_graph(
                 observer.started(step)
                 ahead.finish(step)
                 started = {*results, *pool.names(), step.name}
-                if not any(other.seconds >= _LONG_SECONDS for other in graph if other.name not in started):
+                if not any(other.seconds >= LONG_SECONDS for other in graph if other.name not in started):
                     pool.end_waiting()
                 with listening(functools.partial(observer.advanced, step)):
                     result = build_here(step, key, _upstream(step, results), cache)
@@ -151,6 +150,11 @@ def run_graph(
         if not aside.free:
             _keep_aside(aside, results, observer)
     return Outcome({name: results[name] for name in every.steps if name in results})
+
+
+def side_by_side(processes: int | None) -> int:
+    """Number of long steps that are built at the same time: as asked, else 2, or 1 on a single core."""
+    return min(2, os.cpu_count() or 1) if processes is None else processes
 
 
 def _take_what_is_cached(

@@ -49,12 +49,13 @@ class Step:
     takes: tuple[str, ...] = ()
     modules: tuple[str, ...] = ()  # further modules whose code counts, beyond what `build` imports
     libraries: tuple[str, ...] = ("numpy",)
-    seconds: float = 0.0
+    seconds: float = 0.1
     streams: bool = False  # `build` takes a `folder` for arrays too large for memory; None where none can be written
     reads: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)  # by name of what it takes
     enough: str = ""  # a number in `spec`: a stored result with a larger one holds all that is asked, and serves
     ahead: Callable[..., None] | None = None  # ``ahead(spec, *results of ahead_takes)``, see `pipelines.engine.ahead`
     ahead_takes: tuple[str, ...] = ()
+    compiles: Mapping[str, float] = field(default_factory=dict)  # s to compile, by the beginning of stored code's name
 
     @property
     def code(self) -> str:
@@ -173,7 +174,7 @@ def stored(step: Step, cache: Cache, contents: Mapping[str, str], *, thorough: b
     thorough : verify the checksums of all files, as it must be before they are read
     """
     found = cache.find(step.kind, step.key(contents), thorough=thorough)
-    if found is not None and not _whole(found):
+    if found is not None and not whole(found):
         cache.discard(found.folder, "its facts are not those of a step")
         found = None
     if found is not None or not step.enough:
@@ -181,7 +182,7 @@ def stored(step: Step, cache: Cache, contents: Mapping[str, str], *, thorough: b
     facts = step.facts(contents)
     wanted = facts["fields"][step.enough]
     serving = []
-    for entry in filter(_whole, cache.entries(step.kind)):
+    for entry in filter(whole, cache.entries(step.kind)):
         given = entry.facts["fields"].get(step.enough)
         same = all(entry.facts[name] == facts[name] for name in ("takes", "code", "libraries"))
         others = {**entry.facts["fields"], step.enough: wanted}
@@ -232,7 +233,7 @@ def _nearest(step: Step, cache: Cache, facts: Mapping[str, Any]) -> list[str] | 
     """
     ranked = [
         (len(found), entry.facts.get("step") != step.name, found)
-        for entry in filter(_whole, cache.entries(step.kind))
+        for entry in filter(whole, cache.entries(step.kind))
         if (found := _differences(step, entry, facts)) is not None
     ]
     return min(ranked, key=lambda item: item[:2])[2] if ranked else None
@@ -264,7 +265,7 @@ def _comparable(values: int) -> int:
     return max(3, min(10, values // 4))
 
 
-def _whole(entry: Entry) -> bool:
+def whole(entry: Entry) -> bool:
     """True if an entry has the facts of a step; others were not stored by one."""
     facts = entry.facts
     typed = all(isinstance(facts.get(name), kind) for name, kind in _FACTS.items())

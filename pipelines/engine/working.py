@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 from pipelines.engine.cache import Cache
 from pipelines.engine.progress import ProgressFunction, shown_progress
-from pipelines.engine.run_graph import Observer, Outcome, run_graph
-from pipelines.engine.step import Graph
+from pipelines.engine.run_graph import Observer, Outcome, run_graph, side_by_side
+from pipelines.engine.step import Graph, Step
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,12 +21,13 @@ class Work:
     progress: ProgressFunction | None = None
     cache: Cache = field(default_factory=Cache)
 
-    def observed(self, total: int = 0) -> AbstractContextManager[Observer]:
-        """An observer of `total` steps, 0 if their number is not known."""
-        return shown_progress(total, quiet=self.quiet, told=self.progress)
+    def observed(self, steps: Iterable[Step] = ()) -> AbstractContextManager[Observer]:
+        """An observer of a run of these steps, in an order in which each one comes after those it takes."""
+        processes = side_by_side(self.processes)
+        return shown_progress(steps, self.cache, processes, quiet=self.quiet, told=self.progress)
 
     def build(self, graph: Graph, wanted: Iterable[str]) -> Outcome:
         """The wanted steps and what they take, from the cache or built."""
         wanted = tuple(wanted)
-        with self.observed(len(graph.needed(wanted).steps)) as observer:
+        with self.observed(graph.needed(wanted)) as observer:
             return run_graph(graph, self.cache, wanted, observer=observer, processes=self.processes)

@@ -6,18 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from fem.casing.foreign.casing import ForeignHousing
 from fem.casing.geometry.housing import Housing
 from fem.casing.meshing.sizes import Sizes, bending_wavelength
 from fem.casing.meshing.source import Geometry
-from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.registry import elastic_casing
 from fem.elements.materials import Material
 from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.bearings import bearing_points
-from pipelines.plant.casing_parts.damped import loss_factors, regions
-from pipelines.plant.casing_parts.joint import bolted_joint
-from pipelines.plant.foreign_housing import foreign_housing
 from pipelines.plant.housing import housing
 from pipelines.plant.layout import Layout, material
 from pipelines.plant.units import si_options
@@ -34,6 +29,8 @@ from pipelines.scene.tables.casing import (
 from pipelines.scene.tables.housing import ImportedTable, MatricesHousingTable
 
 if TYPE_CHECKING:
+    from fem.casing.foreign.casing import ForeignHousing
+    from fem.casing.models.elastic_casing import ElasticCasing
     from fem.casing.reduced.damping import DampingRatio
 
 _NOT_REDUCED = ("model", "frequency_error", "elements_per_wavelength")  # keys of a model's table: of its body, its mesh
@@ -120,6 +117,9 @@ def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
             mount_stiffness=mount,
             damping=table.damping_ratio,
         )
+    from pipelines.plant.casing_parts.damped import loss_factors, regions  # late, like all that only elastic ones need
+    from pipelines.plant.casing_parts.joint import bolted_joint
+
     return ElasticPart(
         model=elastic_casing(
             table.model,
@@ -155,6 +155,9 @@ def _of_matrices(
     layout: Layout,
     source: str,
 ) -> MatricesPart:
+    from pipelines.plant.casing_parts.damped import loss_factors
+    from pipelines.plant.foreign_housing import foreign_housing
+
     return MatricesPart(
         model=elastic_casing(table.model, ground=table.ground, attachment=table.attachment, **_options(table)),
         geometry=foreign_housing(matrices, scene.sensors, bearing_points(scene.shafts, layout), source),

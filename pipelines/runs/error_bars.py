@@ -44,7 +44,7 @@ def bars_step(study: Study) -> Step:
         spec=BarsSpec(plant=case.plant, control=case.control, extrapolated=len(casing) > 1),
         takes=(case.faulty, case.healthy, *case.plant.law_names, *casing),
         libraries=("numpy", "scipy"),
-        seconds=10.0,
+        seconds=3.0,
     )
 
 

@@ -44,6 +44,7 @@ def feature_steps(study: Study) -> list[Step]:
             spec=features.FeaturesSpec(settings=settings, labels=plant.labels, stream=stream),
             takes=(motion,),
             libraries=("numpy", "scipy"),
+            seconds=1.0,
         )
         for plant, motion, stream in taken
     ]

@@ -6,7 +6,7 @@ import json
 import logging
 import platform
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from traceback import format_exception
 from typing import TYPE_CHECKING, Any
@@ -82,14 +82,13 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
     pictures = picture_steps(study.plant, study.graph.steps) if options.with_report else []
     judging = feature_steps(study) if options.with_report else []
     graph = Graph([*study.graph, *pictures, *judging])
-    count = len(graph.needed(wanted).steps) + len(pictures) + len(judging) + options.with_report
-    count += 2 * (diagnosing is not None)  # with its error bars
+    later = [*pictures, *judging, *_later_steps(study, diagnosing)] if options.with_report else []
     failure: Exception | None = None
     told = _Told()
     with (
         claimed(loaded.name, options.out) as claim,
         run_folder.logged_to(claim.folder / "log.jsonl"),
-        options.work.observed(count) as observer,
+        options.work.observed([*graph.needed(wanted), *later]) as observer,
     ):
         cache = options.work.cache
         outcome = run_graph(
@@ -122,6 +121,12 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
         ledger=outcome.ledger(),
         left_out=told.left_out,
     )
+
+
+def _later_steps(study: Study, diagnosing: Step | None) -> list[Step]:
+    """What follows the motions, for the time that it takes."""
+    judging = [diagnosing, bars_step(study)] if diagnosing else []
+    return [*judging, _planned_report(study, diagnosing)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -233,10 +238,7 @@ def _report_step(
     from pipelines.plant.checks.design_warnings import design_warnings
     from pipelines.steps import reporting
 
-    plant = study.plant
-    meshed, elastic = (name in study.graph.steps for name in ("casing mesh", "casing modes"))
-    takes = [CURVES, *([CASING] if meshed else []), "casing", *(["casing modes"] if elastic else [])]
-    takes += diagnosing.takes if diagnosing else (study.cases[0].faulty,)
+    plant, planned = study.plant, _planned_report(study, diagnosing)
     kinds = [*(fault.kind for fault in plant.faults), *("bearing-spall" for _ in plant.spalls)]
     kinds += [*(fault.kind for fault in plant.shaft_faults), "healthy"]
     names = [kinds[0].replace("-", " "), "healthy"]
@@ -245,8 +247,8 @@ def _report_step(
         plant=plant,
         name=loaded.name,
         diagnosing=diagnosing.spec if diagnosing else None,
-        meshed=meshed,
-        elastic=elastic,
+        meshed=CASING in planned.takes,
+        elastic="casing modes" in planned.takes,
         responses=tuple(names[: 2 if diagnosing else 1]),
         steps=tuple(_cost_row(record) for record in outcome.records),
         ledger=outcome.ledger(),
@@ -260,14 +262,24 @@ def _report_step(
             *(f"the control differs in more than the fault: {line}" for line in unlike),
         ),
     )
+    return replace(planned, spec=spec)
+
+
+def _planned_report(study: Study, diagnosing: Step | None) -> Step:
+    """The step without its spec, which follows from the results of others."""
+    from pipelines.steps import reporting
+
+    meshed, elastic = (name in study.graph.steps for name in ("casing mesh", "casing modes"))
+    casing = [*([CASING] if meshed else []), "casing", *(["casing modes"] if elastic else [])]
+    motions = diagnosing.takes if diagnosing else (study.cases[0].faulty,)
     return Step(
         name="report",
         kind="report",
         build=reporting.build,
-        spec=spec,
-        takes=tuple(takes),
+        takes=(CURVES, *casing, *motions),
         reads={"casing modes": reporting.casing_summary},
         libraries=("numpy", "matplotlib"),
+        seconds=1.5,
     )
 
 

@@ -31,6 +31,11 @@ if TYPE_CHECKING:
 TRIAL = "trial casing"  # step with the modes that the size of elements is predicted from
 COARSER = ("coarser casing", "coarsest casing")  # steps with the modes that a casing is extrapolated from, or the first
 QUADRATIC = "quadratic casing"  # the one with the modes that a casing of cubic elements is
+# s to compile what a step runs, by the beginning of its name: any motion, one of coupled slices, a law, casing modes
+_MOTION_CODE = {"mbd.integrators.": 13.0, "fem.contact.evaluation.": 7.0}
+_COUPLED_CODE = {"fem.contact.evaluation.coupled_face.": 17.0}
+_SOLID_CODE = {"fem.elements.nested_condensation.": 6.0}
+_CASING_CODE = {"fem.numerics.multifrontal.": 6.0}
 _NUMERIC = ("numpy", "scipy", "numba")
 
 
@@ -44,6 +49,7 @@ def plant_steps(plant: Plant) -> list[Step]:
     from pipelines.steps import motion
 
     casing = _casing_steps(plant)
+    coupled = "solid" in plant.models["mesh"]  # its slices press on each other
     return [
         *_law_steps(plant),
         *casing,
@@ -55,12 +61,19 @@ def plant_steps(plant: Plant) -> list[Step]:
             takes=(casing[-1].name, *plant.law_names),
             modules=("mbd.simulate", METHODS[plant.motion.integrator][0]),
             libraries=_NUMERIC,
-            seconds=1.5 * plant.motion.end,
+            seconds=_motion_seconds(plant),
             streams=True,
             ahead=motion.compiled_ahead,
             ahead_takes=plant.law_names,
+            compiles=_MOTION_CODE | (_COUPLED_CODE if coupled else {}),
         ),
     ]
+
+
+def _motion_seconds(plant: Plant) -> float:
+    """Time steps by the slices of all stages, and no less than makes a long motion a process of its own."""
+    blocks = sum(math.ceil(spec.mesh.slices / 16) for spec in plant.laws)
+    return max(plant.motion.steps * (7e-6 + 20e-6 * blocks), 1.5 * plant.motion.end)
 
 
 def _law_steps(plant: Plant) -> list[Step]:
@@ -68,7 +81,8 @@ def _law_steps(plant: Plant) -> list[Step]:
 
     steps = []
     names = zip(plant.law_names, plant.sound_law_names, strict=True)
-    for (name, sound), spec, added in zip(names, plant.laws, plant.flanks, strict=True):
+    parts = zip(names, plant.laws, plant.flanks, plant.models["mesh"], strict=True)
+    for (name, sound), spec, added, model in parts:
         steps.append(
             Step(
                 name=sound,
@@ -77,6 +91,7 @@ def _law_steps(plant: Plant) -> list[Step]:
                 spec=spec,
                 libraries=spec.mesh.libraries,
                 seconds=spec.mesh.seconds,
+                compiles=_SOLID_CODE if model == "solid" else {},
             )
         )
         if not added.empty:
@@ -184,7 +199,8 @@ def _casing_steps(plant: Plant) -> list[Step]:
             spec=reduced,
             takes=("casing mesh",),
             libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
-            seconds=30.0,
+            seconds=10.0,
+            compiles=_CASING_CODE,
             enough="model.band" if part.model.limit else "",
         ),
         _elastic_step(plant, part, extrapolated_from([step.name for step in (*coarser, *lower)])),

@@ -8,12 +8,15 @@ another step condenses, or, for models that have none, of the section with the c
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from fem.contact.faults.changed_law import damaged_law, evenly_damaged_law, modified_law
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import LawSpec
-from fem.contact.wheels.crack_surface import CrackSurface
 from pipelines.plant.flanks_spec import FlanksSpec
+
+if TYPE_CHECKING:
+    from fem.contact.wheels.crack_surface import CrackSurface
 
 
 def build(spec: LawSpec) -> tuple[MeshLaw, MeshLaw]:

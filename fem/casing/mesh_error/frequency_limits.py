@@ -31,7 +31,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+
+from fem.numerics.root import brentq
 
 EDGE_ORDER = 1.09  # of a right-angled re-entrant edge
 SMOOTH_ORDER = 4.0  # of a smooth body, the largest that is believed

@@ -11,8 +11,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 from fem.casing.meshing.mesh import CasingMesh, MeshError
 from fem.casing.meshing.quality import checked_quality
@@ -20,6 +18,7 @@ from fem.casing.meshing.sizes import mean_edge
 from fem.casing.meshing.surface import Surface
 from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.solid_elements import SOLIDS, converted, curved, solid_element, solid_mesh
+from fem.numerics.connected import connected_parts
 from fem.storage.ledger import count
 
 _log = logging.getLogger(__name__)
@@ -97,8 +96,7 @@ def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None
     """MeshError if the mesh falls into parts that share no node, or no side: they would turn as in a hinge."""
     corners = elements[:, : solid_element(elements).corners]
     rows = np.repeat(corners[:, 0], corners.shape[1] - 1)
-    graph = sp.coo_matrix((np.ones(len(rows)), (rows, corners[:, 1:].ravel())), shape=(len(nodes),) * 2)
-    label = connected_components(graph, directed=False)[1][corners[:, 0]]
+    label = connected_parts(len(nodes), rows, corners[:, 1:].ravel())[corners[:, 0]]
     parts, sizes = np.unique(label, return_counts=True)
     if len(parts) > 1:
         loose = parts[sizes.argmin()]
@@ -123,8 +121,7 @@ def _over_sides(corners: np.ndarray) -> np.ndarray:
     """Number (e,) of the part to which an element belongs, parts sharing no side; corners (e, 4 or 8)."""
     mesh = solid_mesh(np.zeros((corners.max() + 1, 3)), corners)
     inner = mesh.f2t[:, mesh.f2t[1] >= 0]
-    graph = sp.coo_matrix((np.ones(inner.shape[1]), (inner[0], inner[1])), shape=(len(corners),) * 2)
-    return np.asarray(connected_components(graph, directed=False)[1])
+    return connected_parts(len(corners), inner[0], inner[1])
 
 
 def _facet_groups(raw: RawMesh, facets: np.ndarray) -> dict[str, np.ndarray]:

@@ -7,10 +7,9 @@ over edges of less than 50 degrees; a circle is fitted to the corners of each pi
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 from fem.casing.meshing.surface import Surface
+from fem.numerics.connected import connected_parts
 
 _SMOOTH = np.cos(np.radians(50.0))
 _SHOWN = 3
@@ -74,8 +73,7 @@ def _smooth_pieces(surface: Surface, axis: np.ndarray) -> list[np.ndarray]:
     pair = np.flatnonzero(np.diff(edge[order]) == 0)
     one, two = owner[pair], owner[pair + 1]
     smooth = np.einsum("fd,fd->f", normal[facets[one]], normal[facets[two]]) > _SMOOTH
-    graph = sp.coo_matrix((np.ones(smooth.sum()), (one[smooth], two[smooth])), shape=(len(facets),) * 2)
-    label = connected_components(graph, directed=False)[1]
+    label = connected_parts(len(facets), one[smooth], two[smooth])
     return [facets[label == number] for number in range(label.max() + 1)]
 
 

@@ -14,8 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from fem.casing.meshing.imported import (
@@ -29,6 +27,7 @@ from fem.casing.meshing.locate import ByCylinder
 from fem.casing.meshing.mesh import MeshError
 from fem.casing.meshing.sizes import MM, Refinement, Sizes
 from fem.casing.meshing.surface import Surface
+from fem.numerics.connected import connected_parts
 from fem.processes.own_process import DAMAGED, bounded_memory
 
 _log = logging.getLogger(__name__)
@@ -305,8 +304,7 @@ def read_triangles(path: Path) -> tuple[np.ndarray, np.ndarray]:
         raise MeshError(f"{path.name} holds no triangles; export the part again")
     places = np.asarray(mesh.points, float)
     same = cKDTree(places).query_pairs(1e-6 * float(np.ptp(places, axis=0).max()), output_type="ndarray")
-    graph = sp.coo_matrix((np.ones(len(same)), (same[:, 0], same[:, 1])), shape=(len(places),) * 2)
-    number = connected_components(graph, directed=False)[1]
+    number = connected_parts(len(places), same[:, 0], same[:, 1])
     first = np.unique(number, return_index=True)[1]
     triangles = number[np.vstack(found)]
     flat = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)

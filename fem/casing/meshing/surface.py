@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,12 +29,15 @@ class Surface:
 
     def parts(self, chosen: np.ndarray) -> list[np.ndarray]:
         """The chosen facets as sets (indices) that hang together over edges, in the order of their first facet."""
+        from scipy.sparse import coo_matrix  # late: commands that only read a scene start sooner
+        from scipy.sparse.csgraph import connected_components
+
         facets = np.flatnonzero(chosen)
         if not len(facets):
             return []
         sides = np.sort(self.triangles[facets][:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
         edge = np.unique(sides, axis=0, return_inverse=True)[1].ravel()
         owner = np.repeat(np.arange(len(facets)), 3)
-        incidence = sp.coo_matrix((np.ones(len(edge)), (owner, edge))).tocsr()
+        incidence = coo_matrix((np.ones(len(edge)), (owner, edge))).tocsr()
         label = connected_components(incidence @ incidence.T, directed=False)[1]
         return [facets[label == number] for number in range(label.max() + 1)]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from fem.casing.models.elastic_casing import ElasticCasing
 from fem.named_classes import named_class
+
+if TYPE_CHECKING:
+    from fem.casing.models.elastic_casing import ElasticCasing
 
 CASINGS = {
     "static": ("fem.casing.models.static_casing", "StaticCasing"),

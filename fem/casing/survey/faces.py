@@ -7,8 +7,8 @@ less than 40 degrees and form the curved faces.
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
+
+from fem.numerics.connected import connected_parts
 
 _PLANE = np.cos(np.radians(0.5))
 _SMOOTH = np.cos(np.radians(40.0))
@@ -23,11 +23,12 @@ def split(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     normals = vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-300)[:, None]
     one, two, length = _neighbours(points, triangles)
     cosine = np.einsum("kd,kd->k", normals[one], normals[two])
-    coplanar = _parts(one, two, cosine > _PLANE, len(triangles))
+    even = cosine > _PLANE
+    coplanar = connected_parts(len(triangles), one[even], two[even])
     flat = _flat_parts(points, triangles, coplanar, one, two, length, cosine)
     is_flat = flat[coplanar]
     joined = (cosine > _SMOOTH) & ~is_flat[one] & ~is_flat[two] | (coplanar[one] == coplanar[two])
-    return _parts(one, two, joined, len(triangles))
+    return connected_parts(len(triangles), one[joined], two[joined])
 
 
 def _neighbours(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -40,11 +41,6 @@ def _neighbours(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, 
     pair = np.flatnonzero(np.diff(number[order]) == 0)
     length = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
     return owner[pair], owner[pair + 1], length[number[order][pair]]
-
-
-def _parts(one: np.ndarray, two: np.ndarray, joined: np.ndarray, count: int) -> np.ndarray:
-    graph = sp.coo_matrix((np.ones(int(joined.sum())), (one[joined], two[joined])), shape=(count, count))
-    return np.asarray(connected_components(graph, directed=False)[1])
 
 
 def _flat_parts(

@@ -7,8 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 from fem.casing.meshing.gmsh_session import session
 from fem.casing.meshing.imported import STEP_SUFFIXES, STL_SUFFIXES, UNITS
@@ -21,6 +19,7 @@ from fem.casing.survey.faces import split
 from fem.casing.survey.features import bolt_patterns, faces_of
 from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.solid_elements import SOLIDS, converted, solid_element
+from fem.numerics.connected import connected_parts
 from fem.processes.own_process import DAMAGED, opened_apart
 
 _log = logging.getLogger(__name__)
@@ -122,8 +121,7 @@ def outward(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     count = len(triangles)
     rows = np.concatenate([one, one + count])
     columns = np.concatenate([two + count * against, two + count * ~against])
-    graph = sp.coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(2 * count,) * 2)
-    either = connected_components(graph, directed=False)[1].reshape(2, count)
+    either = connected_parts(2 * count, rows, columns).reshape(2, count)
     label = np.unique(either.min(axis=0), return_inverse=True)[1].ravel()
     first = np.unique(label, return_index=True)[1]
     turned = either[0] != either[0, first][label]
@@ -163,8 +161,7 @@ def _of_mesh(path: Path, unit: str) -> Contents:
 def _connected(cells: np.ndarray, count: int) -> np.ndarray:
     """Number (c,) from 0 of the part to which each cell belongs, parts sharing no point."""
     rows = np.repeat(cells[:, 0], cells.shape[1] - 1)
-    graph = sp.coo_matrix((np.ones(len(rows)), (rows, cells[:, 1:].ravel())), shape=(count, count))
-    return np.unique(connected_components(graph, directed=False)[1][cells[:, 0]], return_inverse=True)[1].ravel()
+    return np.unique(connected_parts(count, rows, cells[:, 1:].ravel())[cells[:, 0]], return_inverse=True)[1].ravel()
 
 
 def _by_edges(path: Path, unit: str, points: np.ndarray, triangles: np.ndarray, solid: np.ndarray) -> Contents:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,9 +11,11 @@ from fem.contact.faults.tooth_fault import ToothFault
 from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import with_variants
-from fem.contact.wheels.crack_surface import CrackSurface
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications, check_modifications, lead_gap, profile_gap
+
+if TYPE_CHECKING:
+    from fem.contact.wheels.crack_surface import CrackSurface
 
 
 def modified_law(law: MeshLaw, pair: GearPair, modifications: PairModifications) -> MeshLaw:

@@ -22,7 +22,7 @@ class Plane(PlaneSection, MeshModel):
     slices : slices of equal width over the face; the other options are those of the section
     """
 
-    seconds: ClassVar[float] = 8.0
+    seconds: ClassVar[float] = 3.0
     libraries: ClassVar[tuple[str, ...]] = ("numpy", "scipy", "scikit-fem")
     model: Literal["plane"] = "plane"
 

@@ -45,7 +45,7 @@ class Solid(MeshModel):
     largest_gap : no-load gap up to which tip-edge contact is followed, in m_n, see `PlaneSection`
     """
 
-    seconds: ClassVar[float] = 8.0
+    seconds: ClassVar[float] = 3.0
     libraries: ClassVar[tuple[str, ...]] = ("numpy", "scipy", "scikit-fem")
     places_webs: ClassVar[bool] = True
     model: Literal["solid"] = "solid"

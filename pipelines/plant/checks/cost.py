@@ -15,6 +15,7 @@ from pathlib import Path
 
 from fem.storage.cache_folder import cache_root
 from pipelines.border.errors import Problem, SceneError
+from pipelines.engine.remaining import duration
 from pipelines.scene.scene import Scene
 
 MOST_STEPS = 1e9  # of one simulation: half a day
@@ -104,7 +105,7 @@ def estimate(scene: Scene, simulations: int) -> str:
     disk = (simulations + min(simulations, _WRITTEN) * _PACKED) * one.bytes
     return (
         f"{simulations} simulation{'s' if simulations > 1 else ''} of {one.steps:.3g} time steps and {one.samples:.3g} "
-        f"samples of {one.channels} channels: about {_duration(simulations * one.seconds)} on one core besides laws "
+        f"samples of {one.channels} channels: about {duration(simulations * one.seconds)} on one core besides laws "
         f"and casing, {words(_MEMORY)} of memory, {words(disk)} on disk"
     )
 
@@ -116,12 +117,6 @@ def words(size: float) -> str:
             return f"{size:.3g} {unit}"
         size /= 1000
     return f"{size:.4g} TB"
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 120:
-        return f"{max(1.0, seconds):.0f} s"
-    return f"{seconds / 60:.0f} minutes" if seconds < 7200 else f"{seconds / 3600:.3g} hours"
 
 
 def _modes(scene: Scene) -> float:

@@ -51,7 +51,6 @@ def checked_plant(scene: Scene, source: str) -> Plant:
 
 def _bad_housing(scene: Scene, table: HousingModel, layout: Layout, source: str) -> Iterator[Problem]:
     from pipelines.plant.checks.casing_checks import bad_casing
-    from pipelines.plant.foreign_housing import foreign_housing
     from pipelines.plant.housing import housing
 
     if isinstance(table, HousingTable):
@@ -59,6 +58,8 @@ def _bad_housing(scene: Scene, table: HousingModel, layout: Layout, source: str)
     try:
         points = bearing_points(scene.shafts, layout)
         if isinstance(table, MatricesHousingTable):
+            from pipelines.plant.foreign_housing import foreign_housing
+
             foreign_housing(table, scene.sensors, points, source)
             return
         made = housing(table, scene.sensors, layout, points, source)

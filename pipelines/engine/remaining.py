@@ -1,0 +1,200 @@
+"""How long a run still takes: its schedule, simulated with the seconds that each step is expected to take.
+
+A step of this kind that was built on this machine before gives the seconds; without one the step's own estimate does.
+Code that is not compiled yet is a task of its own, which the steps that run it wait for. What finished steps took
+against what was expected scales the rest: those of the same kind, else all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import islice
+from statistics import median
+
+from pipelines.engine.cache import Cache
+from pipelines.engine.manifest import Entry
+from pipelines.engine.step import Step, stored, whole
+
+_LOOKED_AT = 3  # stored results of a kind, the newest ones
+_PRIOR = 10.0  # s: finished steps that took much less change the scale little
+_FASTEST = 0.67  # less says that the estimates were too long, not that the machine is that fast
+_OVERDUE = 0.2  # what a step that takes longer than expected still takes, as a share of what it took
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """What is computed, the tasks that it waits for, and the seconds that it is expected to take."""
+
+    name: str
+    takes: tuple[str, ...]
+    seconds: float
+    kind: str = ""
+    compiles: bool = False  # nobody says when it begins or ends: it begins when it can, and ends with what takes it
+
+
+class Remaining:
+    """The tasks of a run that are not finished.
+
+    Parameters
+    ----------
+    tasks : in an order in which each one comes after those it takes
+    processes : tasks at work at the same time
+    """
+
+    def __init__(self, tasks: Iterable[Task], processes: int) -> None:
+        self._left = {task.name: task for task in tasks}
+        self._processes = processes
+        self._since: dict[str, float] = {}  # beginning of what is at work, s
+        self._shares: dict[str, list[tuple[float, float]]] = {}  # first and last one with their times
+        self._expected = self._took = _PRIOR
+        self._factors: dict[str, float] = {}  # by kind: what the last one took over what was expected
+
+    @property
+    def count(self) -> int:
+        """Number of steps that are not finished."""
+        return sum(not task.compiles for task in self._left.values())
+
+    def started(self, name: str, now: float) -> None:
+        """A task is at work since `now`, s."""
+        self._since[name] = now
+        self._begin_compiling(now)
+
+    def advanced(self, name: str, share: float, now: float) -> None:
+        """So much of a task (0 to 1) is done; what came before its first share, reading and compiling, is over."""
+        first = self._shares.get(name, [(share, now)])[0]
+        self._shares[name] = [first, (share, now)]
+        for compiling in self._compiling_of(name):
+            del self._left[compiling.name]
+
+    def finished(self, name: str, now: float) -> None:
+        """A task is done, by work or because a stored result serves."""
+        if name in self._left and name in self._since:
+            (first, since), (last, then) = self._shares.get(name, [(0.0, self._since[name]), (1.0, now)])
+            task, code = self._left[name], sum(compiling.seconds for compiling in self._compiling_of(name))
+            share = task.seconds * (last - first)
+            self._expected += share + code
+            self._took += then - since
+            if share and not code:
+                self._factors[task.kind] = (then - since) / share
+        for compiling in self._compiling_of(name):
+            del self._left[compiling.name]
+        self._left.pop(name, None)
+        self._begin_compiling(now)
+
+    def left(self, now: float) -> float:
+        """Seconds to the end: tasks begin as soon as what they take is done, those with the longest chain first."""
+        waiting = dict(self._left)
+        at_work = {name: self._left_of(waiting.pop(name), now) for name in self._left if name in self._since}
+        chain, time = _seconds_to_the_end(self._left.values()), 0.0
+        while at_work or waiting:
+            ready = [task for task in waiting.values() if not any(n in at_work or n in waiting for n in task.takes)]
+            ready.sort(key=lambda task: -chain[task.name])
+            for task in ready[: max(self._processes - len(at_work), 0)]:
+                at_work[task.name] = self._scaled(waiting.pop(task.name))
+            soonest = min(at_work.values())
+            time += soonest
+            at_work = {name: seconds - soonest for name, seconds in at_work.items() if seconds > soonest}
+        return time
+
+    def pace(self, name: str) -> float | None:
+        """Seconds that a task still takes at the pace since its first share; None while there is none."""
+        (first, since), (last, then) = self._shares.get(name, [(0.0, 0.0), (0.0, 0.0)])
+        return (then - since) * (1.0 - last) / (last - first) if last > first else None
+
+    def _left_of(self, task: Task, now: float) -> float:
+        """Seconds that a task at work still takes."""
+        pace = self.pace(task.name)
+        if pace is not None:
+            return max(pace - (now - self._shares[task.name][1][1]), 0.0)
+        compiling = [self._left_of(one, now) for one in self._compiling_of(task.name)]
+        if compiling:
+            return sum(compiling) + self._scaled(task)
+        took = now - self._since.get(task.name, now)
+        return max(self._scaled(task) - took, _OVERDUE * took)
+
+    def _scaled(self, task: Task) -> float:
+        """Seconds of a whole task on this machine."""
+        machine = max(self._took / self._expected, _FASTEST)
+        return task.seconds * self._factors.get(task.kind, machine)
+
+    def _compiling_of(self, name: str) -> list[Task]:
+        takes = self._left[name].takes if name in self._left else ()
+        return [self._left[one] for one in takes if one in self._left and self._left[one].compiles]
+
+    def _begin_compiling(self, now: float) -> None:
+        for task in self._left.values():
+            if task.compiles and not any(name in self._left for name in task.takes):
+                self._since.setdefault(task.name, now)
+
+
+def _seconds_to_the_end(tasks: Iterable[Task]) -> dict[str, float]:
+    """Seconds of every task with the longest chain of those that wait for it."""
+    chain: dict[str, float] = {}
+    behind: dict[str, float] = {}
+    for task in reversed(list(tasks)):
+        chain[task.name] = task.seconds + behind.get(task.name, 0.0)
+        for name in task.takes:
+            behind[name] = max(behind.get(name, 0.0), chain[task.name])
+    return chain
+
+
+def expected(steps: Iterable[Step], cache: Cache) -> list[Task]:
+    """The tasks of steps that the cache does not hold, as far as that is known before any is built."""
+    contents: dict[str, str] = {}
+    factors: dict[str, float | None] = {}
+    missing: list[Step] = []
+    for step in steps:
+        if all(name in contents for name in step.takes):
+            entry = stored(step, cache, contents, thorough=False) or _like(step, cache, contents)
+            if entry is not None:
+                contents[step.name] = entry.facts["content"]
+                continue
+        if step.kind not in factors:
+            factors[step.kind] = _factor(cache, step.kind)
+        missing.append(step)
+    known = [factor for factor in factors.values() if factor is not None]
+    machine = median(known) if known else 1.0
+    compiled = [path.name for path in cache.compiled()]
+    tasks: dict[str, Task] = {}
+    for step in missing:
+        seconds = sum(s for start, s in step.compiles.items() if not any(name.startswith(start) for name in compiled))
+        takes, compiling = step.takes, f"code of {step.kind}"
+        if seconds:
+            code = Task(
+                name=compiling, kind=compiling, takes=step.ahead_takes, seconds=machine * seconds, compiles=True
+            )
+            tasks.setdefault(compiling, code)
+            takes = (*takes, compiling)
+        seconds = step.seconds * (factors[step.kind] or machine)
+        tasks[step.name] = Task(name=step.name, takes=takes, seconds=seconds, kind=step.kind)
+    return list(tasks.values())
+
+
+def _like(step: Step, cache: Cache, contents: Mapping[str, str]) -> Entry | None:
+    """For a step whose spec follows from results: a stored one that took the same."""
+    if step.spec is not None:
+        return None
+    took = [contents[name] for name in step.takes]
+    return next((entry for entry in _newest(cache, step.kind) if entry.facts["takes"] == took), None)
+
+
+def _factor(cache: Cache, kind: str) -> float | None:
+    """Seconds that steps of a kind took on this machine, over their own estimates; None if none is stored."""
+    found = [
+        entry.facts["seconds"] / entry.facts["estimate"]
+        for entry in _newest(cache, kind)
+        if entry.facts.get("estimate")
+    ]
+    return median(found) if found else None
+
+
+def _newest(cache: Cache, kind: str) -> Iterator[Entry]:
+    return islice(filter(whole, cache.entries(kind)), _LOOKED_AT)
+
+
+def duration(seconds: float) -> str:
+    """A length of time in words."""
+    if seconds < 120:
+        return f"{1 if 0 < seconds < 1 else seconds:.0f} s"
+    return f"{seconds / 60:.0f} minutes" if seconds < 7200 else f"{seconds / 3600:.1f} hours"
