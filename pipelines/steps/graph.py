@@ -32,10 +32,10 @@ TRIAL = "trial casing"  # step with the modes that the size of elements is predi
 COARSER = ("coarser casing", "coarsest casing")  # steps with the modes that a casing is extrapolated from, or the first
 QUADRATIC = "quadratic casing"  # the one with the modes that a casing of cubic elements is
 # s to compile what a step runs, by the beginning of its name: any motion, one of coupled slices, a law, casing modes
-_MOTION_CODE = {"mbd.integrators.": 13.0, "fem.contact.evaluation.": 7.0}
-_COUPLED_CODE = {"fem.contact.evaluation.coupled_face.": 17.0}
-_SOLID_CODE = {"fem.elements.nested_condensation.": 6.0}
-_CASING_CODE = {"fem.numerics.multifrontal.": 6.0}
+_MOTION_CODE = {"mbd.integrators.": 8.0, "fem.contact.evaluation.": 4.0}
+_COUPLED_CODE = {"fem.contact.evaluation.coupled_face.": 10.0}
+_SOLID_CODE = {"fem.elements.nested_condensation.": 3.0}
+_CASING_CODE = {"fem.numerics.multifrontal.": 5.0}
 _NUMERIC = ("numpy", "scipy", "numba")
 
 
