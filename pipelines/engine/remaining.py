@@ -19,7 +19,7 @@ from pipelines.engine.step import Step, stored, whole
 _LOOKED_AT = 3  # stored results of a kind, the newest ones
 _PRIOR = 10.0  # s: finished steps that took much less change the scale little
 _FASTEST = 0.67  # less says that the estimates were too long, not that the machine is that fast
-_SLOWEST = 2.0  # more says that a step waited, or that its own estimate was too short
+_SLOWEST = 3.0  # more says that a step waited, or that its own estimate was too short
 _OVERDUE = 0.2  # what a step that takes longer than expected still takes, as a share of what it took
 
 
