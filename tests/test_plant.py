@@ -46,7 +46,8 @@ def test_a_conversion_is_recognised(line):
 def test_no_unit_of_a_scene_is_converted_behind_the_plant():
     found = {path.relative_to(ROOT): list(converted(nodes(path))) for path in files_behind()}
     assert len(found) > 100
-    assert {path: values for path, values in found.items() if values} == {}
+    wrong = [f"{path}: {', '.join(values)}" for path, values in found.items() if values]
+    assert not wrong, "\n".join(wrong)
 
 
 def test_behind_the_plant_only_what_makes_other_scenes_names_the_class():
