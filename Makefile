@@ -16,10 +16,10 @@ run: $(BIN)/.installed
 	$(BIN)/gearcase run rig-missing-tooth
 
 test: $(BIN)/.installed-dev
-	$(BIN)/python -m pytest -n 2 --dist loadfile
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 test-lowest: $(LOWEST)/.installed
-	$(LOWEST)/bin/python -m pytest -n 2 --dist loadfile
+	$(LOWEST)/bin/python -m pytest -n 2 --dist worksteal
 
 test-all: $(BIN)/.installed-dev
 	$(BIN)/python tests/all_parts.py

@@ -186,16 +186,13 @@ SHORT = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def bench_run(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("bench") / "run"
-    missing = [{"kind": "missing-tooth", "stage": 1, "gear": "wheel", "tooth": 3}]
-    return gearcase.run(gearcase.Scene.from_file("bench").changed(SHORT | {"faults": missing}), out=folder), folder
+MISSING = [{"kind": "missing-tooth", "stage": 1, "gear": "wheel", "tooth": 3}]
 
 
 @pytest.mark.slow
-def test_a_bench_speaks_of_no_hoist_in_any_output(bench_run):
-    _, folder = bench_run
+def test_a_bench_speaks_of_no_hoist_in_any_output(tmp_path):
+    folder = tmp_path / "run"
+    gearcase.run(gearcase.Scene.from_file("bench").changed(SHORT | {"faults": MISSING}), out=folder)
     for file in sorted(folder.iterdir()):
         text = file.read_bytes().decode("utf-8", errors="ignore") if file.suffix != ".html" else file.read_text("utf-8")
         if file.suffix == ".nc":
@@ -218,8 +215,8 @@ def test_check_and_messages_of_a_bench_speak_of_no_hoist(capsys):
     assert not HOIST.findall(capsys.readouterr().out)
 
 
-def test_torque_of_the_load_and_displacement_at_a_probe_are_recorded(bench_run):
-    data, _ = bench_run
+def test_torque_of_the_load_and_displacement_at_a_probe_are_recorded():
+    data = gearcase.simulate(gearcase.Scene.from_file("bench").changed(SHORT | {"faults": MISSING}))
     assert data.probe_displacement.sizes == {"time": 7680, "probe": 1, "axis": 3}
     assert 1e-7 < float(abs(data.probe_displacement).max()) < 1e-4
     np.testing.assert_allclose(data.source_torque.sel(source="load"), -100.0)

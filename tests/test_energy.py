@@ -134,7 +134,7 @@ def test_integrals_of_the_flow_are_those_of_its_states_within_the_steps():
     """Gauss quadrature of states propagated inside every step, through contact loss, with 3 to 60 rad per step."""
     machine = train(1, profile=JERK)
     system = assemble(machine, rigid_casing(machine, extra=10), ())
-    step, n = 5e-5, 400
+    step, n = 5e-5, 200
     integrator = exponential(system, step)
     start = integrator.start(equilibrium(system))
     times = 0.005 + step * np.arange(n + 1)

@@ -1,13 +1,13 @@
 """The house: rooms of at most 15 files, imports that go down the list of rooms, no circle of files."""
 
 import ast
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
-from pathlib import Path
 
 import pytest
+import sources
+from sources import module_name, nodes
 
-ROOT = Path(__file__).resolve().parent.parent
-PACKAGES = ("fem", "mbd", "pipelines", "gearcase")
 MOST_FILES = 15
 ROOMS = (  # from the ground up: a room imports from itself and from what stands above it in this list
     "fem",
@@ -83,18 +83,14 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
 )
 
 
-def module_name(path):
-    parts = path.relative_to(ROOT).with_suffix("").parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+FILES = {module_name(path): path for path in sources.FILES}
 
 
-FILES = {module_name(path): path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))}
-
-
+@cache
 def imported(name):
     """Modules of ours that a module imports, inside functions and for types alone too."""
     found = set()
-    for node in ast.walk(ast.parse(FILES[name].read_text(encoding="utf-8"))):
+    for node in nodes(FILES[name]):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -109,17 +105,26 @@ def room(name):
     return name if FILES[name].name == "__init__.py" else name.rpartition(".")[0]
 
 
-@pytest.mark.parametrize("name", sorted({room(name) for name in FILES if FILES[name].name != "__init__.py"}))
-def test_a_room_is_known_and_holds_at_most_15_files(name):
-    assert name in ROOMS
-    inside = [other for other in FILES if room(other) == name and FILES[other].name != "__init__.py"]
-    assert len(inside) <= MOST_FILES, inside
+MODULES = [name for name in FILES if FILES[name].name != "__init__.py"]
 
 
-@pytest.mark.parametrize("name", [name for name in FILES if FILES[name].name != "__init__.py"])
-def test_imports_go_down_the_list_of_rooms(name):
-    above = [other for other in imported(name) if ROOMS.index(room(other)) > ROOMS.index(room(name))]
-    assert not above, f"{name} of {room(name)} imports {above}"
+def test_a_room_is_known_and_holds_at_most_15_files():
+    inside = {}
+    for name in MODULES:
+        inside.setdefault(room(name), []).append(name)
+    assert not inside.keys() - set(ROOMS), inside.keys() - set(ROOMS)
+    full = [f"{name}: {len(files)} files, {files}" for name, files in inside.items() if len(files) > MOST_FILES]
+    assert not full, "\n".join(full)
+
+
+def test_imports_go_down_the_list_of_rooms():
+    above = [
+        f"{name} of {room(name)} imports {other}"
+        for name in MODULES
+        for other in sorted(imported(name))
+        if ROOMS.index(room(other)) > ROOMS.index(room(name))
+    ]
+    assert not above, "\n".join(above)
 
 
 def test_no_circle_of_imports():

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import zipfile
+from functools import cache
 from pathlib import Path
 
 import numba
@@ -62,6 +63,7 @@ def run(user, command, cwd, cache, packages):
     )
 
 
+@cache
 def interpreter():
     """One that another user can start, of the version for which the libraries were built; None if there is none."""
     if os.name != "posix" or os.geteuid() != 0:
@@ -76,10 +78,11 @@ def interpreter():
     return None
 
 
-PYTHON = interpreter()
-pytestmark = pytest.mark.skipif(
-    PYTHON is None, reason="only root can act as other users, who must reach an interpreter"
-)
+@pytest.fixture(scope="module", autouse=True)
+def another_user():
+    """Looked for when a test of this file runs: other users need seconds to import the libraries."""
+    if interpreter() is None:
+        pytest.skip("only root can act as other users, who must reach an interpreter")
 
 
 @pytest.fixture
@@ -94,7 +97,7 @@ def shared():
 
 
 def program(user, shared, cache, word):
-    done = run(user, [PYTHON, shared / "program.py", word], shared, cache, ROOT)
+    done = run(user, [interpreter(), shared / "program.py", word], shared, cache, ROOT)
     assert done.returncode == 0, done.stderr
     return done.stdout.strip(), done.stderr
 
@@ -165,7 +168,7 @@ def test_a_service_account_runs_a_scene_with_a_read_only_installation(installed,
     home.mkdir()
     os.chown(home, ONE, ONE)
     changes = ("--set", "simulation.end_s=0.05", "--set", "diagnosis.windows_s={}")
-    command = [PYTHON, "-P", "-m", "pipelines.cli", "simulate", "minimal", *changes, "--quiet"]
+    command = [interpreter(), "-P", "-m", "pipelines.cli", "simulate", "minimal", *changes, "--quiet"]
     place = cache and home / cache
     done = run(ONE, command, home, place, installed)
     assert done.returncode == 0, done.stderr
