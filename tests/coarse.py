@@ -23,8 +23,6 @@ def coarse(name, end=0.1):
         settings[f"stages.{number}.mesh.model"] = "iso"
     if scene.casing.model == "craig-bampton":
         settings |= {"casing.element_size_mm": 40.0, "casing.band_Hz": 800.0}
-    if scene.casing.model == "craig-bampton" and scene.casing.element == "tetrahedron-10":
-        settings["casing.element"] = "tetrahedron-4"  # quadratic ones of an imported housing: tests/test_any_housing.py
     return settings
 
 
