@@ -88,7 +88,7 @@ def small_housing(**changes) -> Housing:
 
 
 def short_housing(**changes) -> Housing:
-    """One shaft, two bearings and four feet: half the elements of `small_housing`, with all kinds of edges and seats."""
+    """One shaft, two bearings and four feet: half the elements of `small_housing`, all kinds of edges and seats."""
     usual = {
         "bore_diameters": (0.047,),
         "boss_diameters": (0.065,),
