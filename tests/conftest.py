@@ -54,3 +54,15 @@ def own_cache(tmp_path, monkeypatch):
     folder = tmp_path / "cache"
     monkeypatch.setenv("GEARCASE_CACHE", str(folder))
     return folder
+
+
+@pytest.fixture(scope="session", autouse=True)
+def single_blas_thread():
+    """One thread for products of matrices: a plugin of pytest loads NumPy before the environment can say so.
+
+    Two threads that wait for a processor that others use take up to ten times the processor time.
+    """
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1):
+        yield

@@ -87,6 +87,22 @@ def small_housing(**changes) -> Housing:
     return housing_for_shafts((0.0, 0.07668), **(usual | changes))
 
 
+def short_housing(**changes) -> Housing:
+    """One shaft, two bearings and four feet: half the elements of `small_housing`, all kinds of edges and seats."""
+    usual = {
+        "bore_diameters": (0.047,),
+        "boss_diameters": (0.065,),
+        "length": 0.14,
+        "width": 0.12,
+        "height": 0.12,
+        "left": -0.07,
+        "axis_height": 0.06,
+    }
+    bare = housing_for_shafts((0.0,), foot_length=0.03, boss_length=0.02, **(usual | changes))
+    ends = bare.left + 0.015, bare.left + bare.length - 0.015
+    return replace(bare, feet=replace(bare.feet, x=ends))
+
+
 def usual_sensors(housing: Housing) -> tuple[Sensor, ...]:
     """Nine sensors: eight on the bosses (sensor_i on the rim of bearing_i, above the bore), one on the cover.
 

@@ -34,7 +34,15 @@ def test_the_re_entrant_edge_and_the_rim_of_the_clamped_end_are_found():
     assert len(singular_sides(topology, np.zeros_like(clamped))) == 3
 
 
-@pytest.mark.parametrize("element", ["hexahedron-20", "hexahedron-27", "hexahedron-32"])
+@pytest.mark.parametrize(
+    "element",
+    [
+        "hexahedron-20",
+        "hexahedron-27",
+        # the functions of hexahedron-20; `test_cubic` and `test_extrapolation` check them beside cubic ones
+        pytest.param("hexahedron-32", marks=pytest.mark.slow),
+    ],
+)
 def test_most_of_the_error_goes_and_no_frequency_falls_below_that_of_finer_elements(element):
     """Displacements that are continuous bound every frequency from above."""
     (plain, _), (closer, _) = (frequencies(bracket(2, element), functions=both) for both in (False, True))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.linalg as la
-from housings import small_housing
+from housings import short_housing
 from threadpoolctl import threadpool_limits
 
 from fem.casing.edges.added import added_functions
@@ -20,7 +20,7 @@ from fem.elements.materials import CAST_IRON
 from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
 
-HIGHEST = 3000.0
+HIGHEST = 5000.0
 SIZES = Sizes(element=0.03)
 
 
@@ -37,7 +37,7 @@ def single_threads():
 
 @pytest.fixture(scope="module")
 def mesh():
-    return meshed(small_housing(width=0.16))
+    return meshed(short_housing())
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +103,7 @@ def test_each_half_moves_as_it_is_called(mesh, fixed):
 
 def test_a_casing_without_a_mirror_plane_stays_in_one_piece(mesh):
     """A wider bore on one side, a force at one sensor: half of it is not like the other half."""
-    housing = small_housing(width=0.16)
+    housing = short_housing()
     first = replace(housing.bores[0], diameter=0.8 * housing.bores[0].diameter)
     one_sided = ground_casing(meshed(replace(housing, bores=(first, *housing.bores[1:]))), CAST_IRON)
     assert not isinstance(one_sided.interface, MirroredInterface)
