@@ -6,9 +6,10 @@ import sys
 
 import pytest
 
+from pipelines.border.shown import duration
 from pipelines.engine.cache import Cache
 from pipelines.engine.progress import Lines, Several, Timing
-from pipelines.engine.remaining import Remaining, Task, duration, expected
+from pipelines.engine.remaining import Remaining, Task, expected
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, StepRecord
 

@@ -270,7 +270,7 @@ def test_spare_steps_are_built_here_while_others_are_built_elsewhere_and_may_fai
     assert sorted(outcome.results.keys() - {"s0", "s1"}) == built
     if built:
         assert outcome.value("spare")["process"] == os.getpid()
-        assert outcome.value("after")["children"] >= 2
+        assert len(outcome.value("after")["children"]) >= 2
 
 
 def test_a_child_that_dies_while_it_waits_for_work_is_replaced(cache):

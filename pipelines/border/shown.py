@@ -46,6 +46,13 @@ def nearest_name(word: str, names: Iterable[str], cutoff: float = 0.6) -> str:
     return next(iter(difflib.get_close_matches(word[:MOST_CHARACTERS], some, n=1, cutoff=cutoff)), "")
 
 
+def duration(seconds: float) -> str:
+    """A length of time in words."""
+    if seconds < 120:
+        return f"{1 if 0 < seconds < 1 else seconds:.0f} s"
+    return f"{seconds / 60:.0f} minutes" if seconds < 7200 else f"{seconds / 3600:.1f} hours"
+
+
 def _printable(character: str) -> str:
     return character if character.isprintable() else character.encode("unicode_escape").decode("ascii")
 

@@ -9,12 +9,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipelines.border.errors import SceneError
+from pipelines.border.shown import duration
 from pipelines.campaign.expressions import ExpressionError
 from pipelines.campaign.plan import Plan
 from pipelines.campaign.scenes import Draw, group_variables, scene_of
 from pipelines.dataset.labels import labels
 from pipelines.engine.cache import Cache
-from pipelines.engine.remaining import duration
 from pipelines.engine.step import Graph, Step
 from pipelines.engine.storage import digest
 from pipelines.plant.checks.cost import cost

@@ -8,10 +8,10 @@ import time
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
+from pipelines.border.shown import duration
 from pipelines.campaign.job import Done
 from pipelines.campaign.workers import Workers
 from pipelines.dataset.rows import FAILED
-from pipelines.engine.remaining import duration
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID

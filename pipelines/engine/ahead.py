@@ -57,7 +57,14 @@ class Aside:
         self._result: Result | Exception | None = None
 
     def start(self, step: Step, key: str, upstream: Mapping[str, Result], cache: Cache) -> None:
-        """Begin to build a step, if none is being built."""
+        """Begin to build a step; `free` must be true.
+
+        Parameters
+        ----------
+        step, key : the step, and the key of its result
+        upstream : results by the names of the steps that it takes
+        cache : where the result is stored
+        """
         assert self._step is None, "one step at a time"
 
         def run() -> None:

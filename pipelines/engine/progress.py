@@ -9,8 +9,9 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from pipelines.border.shown import duration
 from pipelines.engine.cache import Cache
-from pipelines.engine.remaining import Remaining, duration, expected
+from pipelines.engine.remaining import Remaining, expected
 from pipelines.engine.run_graph import LONG_SECONDS, Observer
 from pipelines.engine.step import Step, StepRecord
 

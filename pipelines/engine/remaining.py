@@ -192,10 +192,3 @@ def _factor(cache: Cache, kind: str) -> float | None:
 
 def _newest(cache: Cache, kind: str) -> Iterator[Entry]:
     return islice(filter(whole, cache.entries(kind)), _LOOKED_AT)
-
-
-def duration(seconds: float) -> str:
-    """A length of time in words."""
-    if seconds < 120:
-        return f"{1 if 0 < seconds < 1 else seconds:.0f} s"
-    return f"{seconds / 60:.0f} minutes" if seconds < 7200 else f"{seconds / 3600:.1f} hours"

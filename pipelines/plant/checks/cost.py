@@ -15,7 +15,7 @@ from pathlib import Path
 
 from fem.storage.cache_folder import cache_root
 from pipelines.border.errors import Problem, SceneError
-from pipelines.engine.remaining import duration
+from pipelines.border.shown import duration
 from pipelines.scene.scene import Scene
 
 MOST_STEPS = 1e9  # of one simulation: half a day
