@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 from fem.casing.edges.added import added_functions
 from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.source import mesh_geometry
+from fem.casing.reduced import halves
 from fem.casing.reduced.grounded import ForcedPoint, ground_casing
 from fem.casing.reduced.halves import MirroredInterface, Places, interface_of, lowest, reduced_and_counted
 from fem.casing.reduced.reduction import held_interface, reduce_and_count
@@ -88,6 +89,15 @@ def test_none_of_the_lowest_modes_is_left_out(fixed, count):
     exact, _ = lowest(whole, lambda: casing.M_free, count)
     assert found == pytest.approx(exact, rel=1e-9)
     assert modes.T @ (casing.M_free @ modes) == pytest.approx(np.eye(count), abs=1e-9)
+
+
+def test_halves_that_give_too_few_modes_are_solved_for_all_of_them(fixed, monkeypatch):
+    """As where most of the lowest modes are of one half: here each is asked for two of twelve first."""
+    casing, whole = fixed
+    monkeypatch.setattr(halves, "_SHARE", 0.1)
+    found, _ = lowest(casing.interface, lambda: casing.M_free, 12)
+    exact, _ = lowest(whole, lambda: casing.M_free, 12)
+    assert found == pytest.approx(exact, rel=1e-9)
 
 
 def test_each_half_moves_as_it_is_called(mesh, fixed):
