@@ -1,5 +1,6 @@
 """The time that a run still takes: a simulated schedule, learned from stored results, told in plain lines."""
 
+import argparse
 import os
 import subprocess
 import sys
@@ -7,6 +8,7 @@ import sys
 import pytest
 
 from pipelines.border.shown import duration
+from pipelines.commands import run
 from pipelines.engine.cache import Cache
 from pipelines.engine.progress import Lines, Several, Timing
 from pipelines.engine.remaining import Remaining, Task, expected
@@ -162,3 +164,10 @@ def test_a_quiet_run_writes_nothing_to_standard_error(tmp_path):
         capture_output=True, check=False,
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_the_next_commands_name_the_program_as_it_was_typed_where_path_does_not_hold_it(monkeypatch):
+    monkeypatch.setattr(sys, "argv", [".venv/bin/gearcase", "run", "minimal"])
+    monkeypatch.setenv("PATH", os.devnull)
+    (command, _), _ = run._next(argparse.Namespace(scene="minimal", out=None))
+    assert command == ".venv/bin/gearcase runs open minimal"

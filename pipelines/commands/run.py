@@ -45,14 +45,18 @@ def main(options: argparse.Namespace) -> int:
 
 
 def _next(options: argparse.Namespace) -> Iterator[tuple[str, str]]:
-    """Two commands that follow a first run, and what they do."""
+    """Two commands that follow a first run, and what they do; as this one was typed where PATH does not hold it."""
     import shlex
+    import shutil
 
     from pipelines.border.shown import shown
 
+    typed = sys.argv[0]
+    program = shlex.quote(typed) if Path(typed).name == "gearcase" and not shutil.which("gearcase") else "gearcase"
     scene = shown(shlex.quote(str(options.scene)))
-    yield f"gearcase runs open {shown(shlex.quote(str(options.out or options.scene)))}", "open the report in a browser"
+    run = shown(shlex.quote(str(options.out or options.scene)))
+    yield f"{program} runs open {run}", "open the report in a browser"
     if str(options.scene).endswith(".toml") or Path("my.toml").exists():
-        yield f"gearcase inspect {scene}", "write pictures of its gears and its casing"
+        yield f"{program} inspect {scene}", "write pictures of its gears and its casing"
     else:
-        yield f"gearcase new my.toml --from {scene}", "write a commented copy of the scene to change"
+        yield f"{program} new my.toml --from {scene}", "write a commented copy of the scene to change"
