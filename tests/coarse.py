@@ -23,6 +23,8 @@ def coarse(name, end=0.1):
         settings[f"stages.{number}.mesh.model"] = "iso"
     if scene.casing.model == "craig-bampton":
         settings |= {"casing.element_size_mm": 40.0, "casing.band_Hz": 800.0}
+    if name.startswith("rig") and scene.casing.element == "hexahedron-32":
+        settings["casing.element"] = "tetrahedron-4"  # cubic ones with functions at edges: bench and reducer
     return settings
 
 

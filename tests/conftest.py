@@ -1,5 +1,6 @@
 """One cache folder for the whole test run, so that a stage is built once however many tests need it."""
 
+import gc
 import os
 
 import pytest
@@ -39,6 +40,17 @@ def pytest_unconfigure(config):
 
 _FOLDER = pytest.StashKey[str]()
 _BEFORE = pytest.StashKey[str | None]()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Leave the imported modules out of the search for garbage, which otherwise takes a fifth of the collection."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.freeze()
 
 
 def pytest_terminal_summary(terminalreporter, config):

@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-from scipy import stats
 
 from pipelines.border.errors import InputError, SceneError
 from pipelines.campaign.campaign import planned
@@ -27,6 +26,8 @@ def column(found, name):
 
 @pytest.mark.parametrize("design", ["random", "latin-hypercube", "sobol"])
 def test_draws_follow_their_distribution(tmp_path, design):
+    from scipy import stats  # takes most of a second
+
     text = f"""design = "{design}"
 scenes = 512
 [variables]

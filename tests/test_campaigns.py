@@ -155,8 +155,8 @@ def test_a_machine_without_the_folder_sends_the_same_bits(whole, tmp_path):
 def test_what_a_process_did_before_changes_no_bit(whole, tmp_path):
     """Any number of workers means any order: here the last scene comes first."""
     plan = load(tmp_path)
-    run(tmp_path)
     again = tmp_path / "out"
+    shutil.copytree(whole, again)
     draws = planned(plan)
     identity, layout = find_begun(again, identity_facts(plan, draws))
     for one in reversed(draws):
@@ -185,12 +185,12 @@ def test_a_finished_campaign_has_nothing_to_do(whole, tmp_path):
 
 
 def test_a_scene_that_cannot_be_run_is_a_row_with_its_reason(tmp_path):
-    text = PLAN.replace("tooth = { from = 0, to = 9 }", "tooth = [0, 1, 999]").replace("scenes = 6", "scenes = 12")
+    text = PLAN.replace("tooth = { from = 0, to = 9 }", "tooth = [0, 1, 999]")
     finished = run(tmp_path, text)
     rows = list(read_rows(tmp_path / "out"))
     bad = [row for row in rows if row["values"]["tooth"] == 999]
     assert finished.failed == len(bad) > 0
-    assert len(rows) == 12
+    assert len(rows) == 6 > len(bad)
     for row in rows:
         assert (row["status"] == "failed") == (row in bad)
         assert ("tooth" in row["reason"]) == (row in bad)

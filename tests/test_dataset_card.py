@@ -12,7 +12,7 @@ from pipelines.dataset.labels import COLUMNS
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    plan = PLAN.replace("scenes = 8", "scenes = 24\nlicence = 'CC-BY-4.0'")
+    plan = PLAN.replace("scenes = 8", "scenes = 12\nlicence = 'CC-BY-4.0'")
     folder = make_dataset(tmp_path_factory.mktemp("card") / "known", plan, failed=(3,))
     assert main(["dataset", "features", str(folder), "--processes", "1"]) == 0
     write_card(folder)
@@ -26,20 +26,20 @@ def card(folder):
 
 def test_the_card_names_what_is_stored_and_how_it_was_made(card):
     assert card.startswith("# Known signals\n")
-    assert "| `acceleration` | (run, sensor, axis, time) | (24, 2, 3, 4000) | float32 | m/s2 |" in card
+    assert "| `acceleration` | (run, sensor, axis, time) | (12, 2, 3, 4000) | float32 | m/s2 |" in card
     assert all(f"| `{name}` |" in card for name in COLUMNS)
     assert "| speed_rpm | uniform from 600 to 1500 | drive.speeds_rpm |" in card
     assert "| seed | whole numbers from 1 to 6 | deviations.seed |" in card
     assert "Runs with equal `seed` are one group" in card
     assert "mesh iso" in card
-    assert "worst 2.4 %" in card
+    assert "worst 1.2 %" in card
     assert "1 runs failed" in card
 
 
 def test_counts_of_the_card_are_those_of_the_runs(card):
     counts = re.findall(r"^\| (healthy|missing-tooth) \| (\d+) \| (\d+) \|$", card, re.M)
     assert len(counts) == 2
-    assert sum(int(number) for _, *numbers in counts for number in numbers) == 23
+    assert sum(int(number) for _, *numbers in counts for number in numbers) == 11
 
 
 def test_the_licence_is_that_of_the_plan_and_none_is_made_up(card, tmp_path):

@@ -170,7 +170,7 @@ def test_pieces_that_cannot_be_are_refused(dataset):
 
 
 def test_memory_holds_a_few_runs_however_many_there_are(tmp_path):
-    dataset = gearcase.open_dataset(make_dataset(tmp_path / "many", PLAN.replace("scenes = 8", "scenes = 60")))
+    dataset = gearcase.open_dataset(make_dataset(tmp_path / "many", PLAN.replace("scenes = 8", "scenes = 24")))
     one = dataset.acceleration[0].nbytes
     for _ in gearcase.pieces(dataset.isel(run=[0, 1]), 0.1, noise_m_s2=0.1):
         pass  # what is loaded once: modules, metadata

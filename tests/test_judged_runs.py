@@ -11,8 +11,9 @@ from pipelines.runs.run import Options, run_scene
 from pipelines.scene.file import load_scene
 
 SHORT = {
-    "simulation.end_s": 0.6,
-    "diagnosis.windows_s": {"steady": [0.1, 0.6]},
+    "drive.speeds_rpm": [0.0, 1800.0, 1800.0],
+    "simulation.end_s": 0.3,
+    "diagnosis.windows_s": {"steady": [0.1, 0.3]},
     "diagnosis.gear": "pinion",
     "control": "without-faults",
 }

@@ -140,7 +140,7 @@ def test_lengths_of_time_in_words():
 
 def test_in_a_pipe_a_run_writes_no_control_characters(tmp_path):
     done = subprocess.run(
-        [sys.executable, "-m", "pipelines.cli", "run", "minimal", "--set", "simulation.end_s=0.3",
+        [sys.executable, "-m", "pipelines.cli", "run", "minimal", "--set", "simulation.end_s=0.06",
          "--set", "diagnosis.windows_s={}", "--out", str(tmp_path / "out")],
         capture_output=True, check=False, env={**os.environ, "FORCE_COLOR": "", "TERM": "xterm-256color"},
     )  # fmt: skip
@@ -159,7 +159,7 @@ def test_in_a_pipe_a_run_writes_no_control_characters(tmp_path):
 
 def test_a_quiet_run_writes_nothing_to_standard_error(tmp_path):
     done = subprocess.run(
-        [sys.executable, "-m", "pipelines.cli", "run", "minimal", "--set", "simulation.end_s=0.31", "-q",
+        [sys.executable, "-m", "pipelines.cli", "run", "minimal", "--set", "simulation.end_s=0.07", "-q",
          "--set", "diagnosis.windows_s={}", "--out", str(tmp_path / "out")],
         capture_output=True, check=False,
     )  # fmt: skip

@@ -2,10 +2,12 @@
 
 import io
 import time
+from pathlib import Path
 
 import pytest
 from rich.console import Console
 from rich.progress import Progress
+from waiting import HANGING
 
 import gearcase
 from pipelines.engine.cache import Cache
@@ -22,6 +24,16 @@ def go_on(seconds):
         tell_share(quarter / 4)
         time.sleep(seconds / 4)
     return {"seconds": seconds}
+
+
+def go_on_when_heard(folder):
+    """Go on from each share once the observer has made the file that is named after it."""
+    for quarter in range(1, 4):
+        tell_share(quarter / 4)
+        end = time.monotonic() + HANGING
+        while not (Path(folder) / str(quarter / 4)).exists() and time.monotonic() < end:
+            time.sleep(0.01)
+    return {"heard": 3}
 
 
 def graph(count, seconds):
@@ -44,12 +56,25 @@ def test_a_step_tells_its_share(tmp_path):
     assert heard.shares == {"s0": [0.25, 0.5, 0.75, 1.0]}
 
 
+class Answering(Heard):
+    def advanced(self, step, share):
+        super().advanced(step, share)
+        (Path(step.spec) / str(share)).touch()
+
+
 def test_steps_in_other_processes_tell_theirs(tmp_path):
-    heard = Heard()
-    run_graph(graph(2, 4.0), Cache(tmp_path), ["s0", "s1"], observer=heard, processes=2)
+    folders = {name: tmp_path / name for name in ("s0", "s1")}
+    for folder in folders.values():
+        folder.mkdir()
+    steps = [
+        Step(name=name, kind="long", build=go_on_when_heard, spec=str(folder), seconds=9.0)
+        for name, folder in folders.items()
+    ]
+    heard = Answering()
+    run_graph(Graph(steps), Cache(tmp_path / "cache"), list(folders), observer=heard, processes=2)
     for shares in heard.shares.values():
-        assert shares == sorted(shares)
-    assert {0.5, 0.75} <= {share for shares in heard.shares.values() for share in shares}
+        assert shares == [0.25, 0.5, 0.75]
+    assert heard.shares.keys() == folders.keys()
 
 
 def test_without_a_listener_nothing_happens():

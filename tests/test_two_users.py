@@ -102,12 +102,18 @@ def program(user, shared, cache, word):
     return done.stdout.strip(), done.stderr
 
 
-def test_every_folder_is_the_users_own(shared):
+def test_every_folder_is_the_users_own_and_a_single_file_of_another_user_is_not_run(shared):
     assert program(ONE, shared, shared / "cache", "mine") == ("3.0 0 nothing", "")
     assert program(ONE, shared, shared / "cache", "mine") == ("3.0 1 mine", "")
     made = [shared / "cache", *(path for path in (shared / "cache").rglob("*") if path.is_dir())]
     assert {path.name for path in made} >= {"cache", "entries", "partial", "compiled"}
     assert {(path.stat().st_uid, stat.S_IMODE(path.stat().st_mode)) for path in made} == {(ONE, 0o700)}
+    (code,) = (shared / "cache" / "compiled").iterdir()
+    os.chown(code, OTHER, OTHER)
+    code.chmod(0o644)
+    printed, said = program(ONE, shared, shared / "cache", "mine")
+    assert printed == "3.0 0 mine"
+    assert f"{code} belongs to another user" in said
 
 
 @pytest.mark.slow
@@ -121,16 +127,6 @@ def test_what_one_user_laid_ready_is_not_used_by_another(shared, victim):
         assert printed == "3.0 0 nothing"
         assert said.count("CacheWarning") == 1
         assert f"belongs to another user (number {ONE})" in said
-
-
-def test_a_single_file_of_another_user_is_not_run(shared):
-    program(OTHER, shared, shared / "cache", "own")
-    (code,) = (shared / "cache" / "compiled").iterdir()
-    os.chown(code, ONE, ONE)
-    code.chmod(0o644)
-    printed, said = program(OTHER, shared, shared / "cache", "own")
-    assert printed == "3.0 0 own"
-    assert f"{code} belongs to another user" in said
 
 
 def test_what_root_laid_ready_is_read_by_all(shared):
