@@ -24,7 +24,8 @@ def coarse(name, end=0.1):
     if scene.casing.model == "craig-bampton":
         settings |= {"casing.element_size_mm": 40.0, "casing.band_Hz": 800.0}
     if name.startswith("rig") and scene.casing.element == "hexahedron-32":
-        settings["casing.element"] = "tetrahedron-4"  # cubic ones with functions at edges: bench and reducer
+        # cubic elements with edge functions are those of bench and reducer; casings in two halves: tests/test_halves.py
+        settings["casing.element"] = "tetrahedron-4"
     return settings
 
 
