@@ -2,6 +2,7 @@
 
 import math
 import re
+import tomllib
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from fem.casing.survey.shaft_fit import ShaftPlace, fit_shafts
 from fem.elements.materials import Material
 from fem.elements.solids import assemble
 from pipelines.cli import main
+from pipelines.housings.block import housing_block
 from pipelines.housings.thinned import thinned
 from pipelines.plant.housing_file import main as write_housing
 from pipelines.runs.checked import check_scene
@@ -92,7 +94,8 @@ def test_a_file_that_was_turned_and_moved_is_put_back(small, step, tmp_path):
         gmsh.model.occ.translate(solids, 12.0, -7.0, 30.0)
         gmsh.model.occ.synchronize()
         gmsh.write(str(path))
-    fit = fit_shafts(survey(path).bores, shafts(small))
+    contents = survey(path)
+    fit = fit_shafts(contents.bores, shafts(small))
     back = np.array([[np.cos(TILT), 0.0, np.sin(TILT)], [0.0, 1.0, 0.0], [-np.sin(TILT), 0.0, np.cos(TILT)]])
     assert np.abs(fit.axes - back).max() < 1e-6
     assert np.abs(fit.placed(np.array([[0.012, -0.007, 0.030]]))).max() < 1e-6
@@ -100,6 +103,8 @@ def test_a_file_that_was_turned_and_moved_is_put_back(small, step, tmp_path):
     for seat in fit.seats:
         assert seat.bore.diameter == pytest.approx(small.bore(seat.bearing).diameter)
         assert seat.middle == pytest.approx(seat.y, abs=1e-6)
+    block = housing_block(contents, "turned.step", ".step", fit, load_scene("minimal").scene)
+    assert tomllib.loads(block)["casing"]["housing"]["axes"] == pytest.approx(back, abs=1e-6)
 
 
 def test_a_bore_a_little_off_its_shaft_is_offered_with_the_distance(small, step):
@@ -150,9 +155,10 @@ def test_a_bolt_circle_is_known_by_its_bore(tmp_path):
     with session() as gmsh:
         occ = gmsh.model.occ
         occ.addBox(-50, -50, 0, 100, 100, 10)
-        holes = [occ.addCylinder(0, 0, -1, 0, 0, 12, 15)]
+        middle = (12, -7)  # off the origin of the file
+        holes = [occ.addCylinder(*middle, -1, 0, 0, 12, 15)]
         for k in range(6):
-            x, y = 32 * math.cos(math.pi * k / 3), 32 * math.sin(math.pi * k / 3)
+            x, y = middle[0] + 32 * math.cos(math.pi * k / 3), middle[1] + 32 * math.sin(math.pi * k / 3)
             holes.append(occ.addCylinder(x, y, -1, 0, 0, 12, 3))
         occ.cut([(3, 1)], [(3, tag) for tag in holes])
         occ.synchronize()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -33,6 +34,7 @@ from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.presets import preset_on
 from pipelines.steps.graph import plant_steps
+from pipelines.steps.reporting import _casing_rows
 
 BAND = 3000.0
 COUNT = 12
@@ -129,6 +131,15 @@ def test_coarser_meshes_that_are_not_stiffer_are_refused(coarse):
     for factors in ((0.99, 0.98), (1.2, 1.4)):
         with pytest.raises(ExtrapolationError, match=r"0 to 25 %.*element_size_mm"):
             measured_limits(modes, same_shapes(modes, *factors))
+
+
+def test_the_report_lists_frequencies_with_the_root_of_the_stiffness_factor():
+    modes = SimpleNamespace(
+        unknowns=300, solver="Lanczos", checkup=SimpleNamespace(frequencies=np.array([500.0]), mass=1.0, limit_names=())
+    )
+    body = SimpleNamespace(model="craig-bampton", coordinate_names=(), stiffness_factor=0.81)
+    rows = {row["what"]: row["value"] for row in _casing_rows(body, modes)}
+    assert rows["first grounded modes Hz"] == "450.0"
 
 
 def test_more_meshes_are_made_only_where_they_are_asked_for():

@@ -19,6 +19,8 @@ from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.source import mesh_geometry
 from fem.casing.meshing.step_file import read_triangles
 from fem.elements.solids import assemble
+from pipelines.plant.foreign_housing import foreign_housing
+from pipelines.scene.tables.housing import MatricesHousingTable
 
 IRON = {"elastic_modulus": 1.1e11, "poisson_ratio": 0.26, "density": 7200.0}
 STRAIGHT = "straight.msh"
@@ -272,6 +274,20 @@ def test_matrices_in_another_system_of_units_have_the_same_frequencies_and_mass(
     assert np.abs(check.centre - [0.03, 0.015, 0.01]).max() < 1e-5
     assert check.rigid_modes == 6
     assert check.wrong == ()
+
+
+def test_every_file_of_a_scene_is_read_for_what_it_is_named_for(tmp_path):
+    names = ("file", "mass_file", "nodes_file", "equations_file")
+    for name in names:
+        (tmp_path / name).write_text(name, encoding="utf-8")
+    table = MatricesHousingTable(
+        **{name: str(tmp_path / name) for name in names},
+        units="kg-m-s",
+        bearings=({"name": "bearing_1", "nodes": [1]},),
+        grounds=({"nodes": [2]},),
+    )
+    files = foreign_housing(table, (), [(0.0, 0.0, 0.0)], "scene").files
+    assert [files.stiffness, files.mass, files.nodes, files.equations] == [str(tmp_path / name) for name in names]
 
 
 def test_harwell_boeing_files_that_are_cut_off_or_of_another_kind_are_refused(tmp_path):

@@ -5,9 +5,12 @@ import ast
 import pytest
 from sources import ROOT, nodes
 
+from fem.contact.faults.missing_tooth import MissingTooth
 from pipelines.border.errors import SceneError
 from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules, digest
+from pipelines.plant.checks.collisions import Cylinder
+from pipelines.plant.flanks import Fault, first_tooth_fault
 from pipelines.plant.plant import make_drivetrain, make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_steps
@@ -104,3 +107,23 @@ def test_a_diagnosis_can_be_repeated_where_the_file_of_the_housing_is_gone():
     assert make_drivetrain(scene).diagnosis.mesh_frequency == pytest.approx(300.0)
     with pytest.raises(SceneError, match=r"gone\.step"):
         make_plant(scene)
+
+
+def test_a_missing_tooth_is_shown_before_other_damage():
+    def fault(kind, tooth, stage=1):
+        return Fault(stage=stage, gear="wheel", tooth=tooth, kind=kind, damage=MissingTooth())
+
+    worn, cracked, chipped = fault("worn-tooth", None), fault("cracked-tooth", 3), fault("chipped-tooth", 9)
+    missing = fault("missing-tooth", 7)
+    assert first_tooth_fault([worn, cracked, missing, fault("missing-tooth", 8)], 1) == missing
+    assert first_tooth_fault([worn, cracked, chipped], 1) == cracked
+    assert first_tooth_fault([worn, fault("missing-tooth", 7, stage=2)], 1) is None
+
+
+def test_gears_that_touch_with_their_faces_do_not_overlap():
+    def gear(start, end):
+        return Cylinder(name="tip circle", path="stages.1", shaft=0, radius=0.05, start=start, end=end)
+
+    assert gear(0.0, 0.02).overlaps(gear(0.01, 0.03))
+    assert not gear(0.0, 0.02).overlaps(gear(0.02, 0.04))
+    assert not gear(0.02, 0.04).overlaps(gear(0.0, 0.02))

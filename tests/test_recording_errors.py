@@ -179,6 +179,7 @@ def test_time_that_falls_or_has_unknown_units_is_refused(tmp_path):
         ("0.05,,2.0", "line 502, column drive end: the cell is empty"),
         ("0.05,1.0", "line 502 has 2 cells, the first line of data 3"),
         ("0.05,1.0,2.0,3.0", "line 502 has 4 cells, the first line of data 3"),
+        ("0.05,1.0,2.0,", "line 502 has 4 cells, the first line of data 3"),
         ("2024-05-01 12:00:00,1.0,2.0", 'column time: "2024-05-01 12:00:00" is no number'),
     ],
 )

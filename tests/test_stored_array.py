@@ -107,6 +107,11 @@ def test_hdf5_closes_in_peace_on_a_full_disk(tmp_path, room):
             assert len(file["group"]) == 40
 
 
+def test_writing_returns_the_number_of_bytes(tmp_path):
+    with open(tmp_path / "file", "w+b", buffering=0) as raw:
+        assert CarefulFile(raw).write(b"abc") == 3
+
+
 def test_a_careful_file_appears_whole_or_not_at_all(tmp_path):
     def interrupted():
         with careful_file(tmp_path / "file.h5") as disk, h5py.File(disk, "w") as file:

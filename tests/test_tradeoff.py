@@ -16,9 +16,10 @@ from pipelines.scene.presets import LEVELS, PRESETS, preset_on
 from pipelines.trade import choices as choices_module
 from pipelines.trade import tradeoff
 from pipelines.trade.choices import choices
-from pipelines.trade.tradeoff import trade
+from pipelines.trade.probes import DECIBEL, Value
+from pipelines.trade.tradeoff import differences, trade
 from pipelines.trade.tradeoff_page import answers, trade_figure, trade_table
-from pipelines.trade.variants import step_costs
+from pipelines.trade.variants import Measured, step_costs
 
 SHORT = {
     "simulation.end_s": 0.15,
@@ -82,6 +83,16 @@ def test_a_choice_with_truer_lines_of_the_fault_is_not_beaten_by_a_truer_rms():
     assert tradeoff._beaten(true, [(29.0, 0.21, 0.9)])
     assert not tradeoff._beaten(true, [true])
     assert tradeoff._beaten((22.0, math.nan, 0.0), [true])
+
+
+def test_values_are_compared_by_ratio_and_levels_by_difference():
+    def measured(force, level):
+        values = Value(name="force", unit="N", value=force), Value(name="level", unit=DECIBEL, value=level)
+        return Measured(by_probe={"probe": values}, seconds={}, peak_bytes=0)
+
+    errors, decibels = differences(measured(210.0, -37.0), measured(200.0, -40.0))
+    assert errors == {"probe": pytest.approx(0.05)}
+    assert decibels == {"probe": pytest.approx(3.0)}
 
 
 @pytest.mark.slow
