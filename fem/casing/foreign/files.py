@@ -15,6 +15,7 @@ from __future__ import annotations
 import io
 import logging
 import re
+import warnings
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
@@ -154,7 +155,9 @@ def _matrix_text(path: Path) -> Found:
     with path.open(encoding="latin-1") as file:
         head = file.readline()
     if head.startswith("%%MatrixMarket"):
-        return Found({"matrix": sp.coo_matrix(scipy.io.mmread(path))})
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # whatever kind of matrix it returns becomes ours
+            return Found({"matrix": sp.coo_matrix(scipy.io.mmread(path))})
     text = path.read_text(encoding="latin-1").replace(",", " ")
     rows = np.loadtxt(io.StringIO(text), comments="*", ndmin=2)
     if rows.shape[1] == 3:
