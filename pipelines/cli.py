@@ -84,14 +84,23 @@ def _guarded(options: argparse.Namespace) -> int:
         sys.stderr.write("gearcase: interrupted. Finished steps are kept; the same command goes on from there.\n")
         return 130
     except BrokenPipeError:
-        nowhere = os.open(os.devnull, os.O_WRONLY)  # what is still to be written, at the end of the interpreter, too
-        for stream in (sys.stdout, sys.stderr):
-            os.dup2(nowhere, stream.fileno())
+        _to_nowhere(sys.stdout, sys.stderr)
         return 0  # who reads us, as `head` does, has enough
     except Exception as error:
+        try:
+            sys.stdout.flush()
+        except OSError:
+            _to_nowhere(sys.stdout)
         if options.verbose:
             sys.stderr.write("".join(f"{shown(line, 500)}\n" for line in traceback.format_exc().splitlines()))
         return _report(error, verbose=options.verbose)
+
+
+def _to_nowhere(*streams: TextIO) -> None:
+    """Drop what is still to be written: at its end, the interpreter would try again and set an exit code of its own."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in streams:
+        os.dup2(nowhere, stream.fileno())
 
 
 @contextlib.contextmanager
