@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
@@ -43,6 +42,8 @@ def crack_modes(
     depth_at, reach : depth (m) of the crack at face coordinates (n,), and both ends (m) of the cracked part of the face
     surface : of that gear at the angle of the crack
     """
+    from scipy.linalg import solve_triangular
+
     # the coordinate of the surface runs with the twist of its gear: that of the pinion is zeta, that of the wheel -zeta
     sense = law.cycle_sign * pair.pinion.hand_sign * (1 if gear == "pinion" else -1)
     low, high = sorted(sense * y for y in reach)

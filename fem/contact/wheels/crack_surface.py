@@ -21,8 +21,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.linalg import cho_solve
 
 from fem.contact.wheels.compliance import axial_ends
 from fem.contact.wheels.cracked_ring import plane_cracked_ring, solid_cracked_ring
@@ -139,6 +137,8 @@ def _distances(mesh: SectorMesh) -> np.ndarray:
 
 def _plane_release(mesh: SectorMesh, young: float, poisson: float, deepest: float) -> Callable[[float], float]:
     """Function from depth (m) to the compliance (m2/N) that a crack adds in plane deformation, mean over the flank."""
+    from scipy.linalg import cho_solve
+
     loaded = np.flatnonzero(mesh.flank_arc >= mesh.form_arc)
     ring = plane_cracked_ring(mesh, young, poisson, flank_loads(mesh)[:, loaded])
     nodes = _distances(mesh)
@@ -231,6 +231,8 @@ def _released(stiffness: np.ndarray, springs: np.ndarray, components: int) -> tu
 
 def load_weights(surface: CrackSurface, arc: np.ndarray) -> np.ndarray:
     """Weights (place, row) of the loaded rows for loads at arc lengths (place,), m, on the flank."""
+    from scipy.interpolate import CubicSpline
+
     rows = surface.load_arc
     weights: np.ndarray = CubicSpline(rows, np.eye(len(rows)))(np.clip(arc, rows[0], rows[-1]))
     return weights
