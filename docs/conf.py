@@ -3,6 +3,7 @@
 `make docs` builds it into build/site without a network. Warnings are errors.
 """
 
+import re
 import sys
 from pathlib import Path
 
@@ -77,6 +78,7 @@ def mathml(self, node):
     block = isinstance(node, nodes.math_block)
     try:
         formula = tex2mathml(node.astext(), as_block=block)
+        formula = re.sub(r"<mi>(sin|cos|tan|ln)</mi>", r'<mo lspace="0.17em" rspace="0.17em">\1</mo>', formula)
     except MathError as problem:
         logging.getLogger(__name__).warning("formula %r: %s", node.astext(), problem, location=node)
         formula = ""
