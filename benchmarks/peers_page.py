@@ -15,7 +15,7 @@ Found = dict[str, Any]
 
 def sections() -> list[str]:
     """Headings, tables and conditions of every peer; those never measured say so."""
-    text = ["## Beside other programs", LEAD]
+    text = ["## Comparison with other programs", LEAD]
     for title, name, table in PEERS:
         path = RESULTS / f"{name}.json"
         text.append(f"### {title}")
@@ -28,9 +28,8 @@ def sections() -> list[str]:
 
 
 LEAD = (
-    "Each table was measured in one run on one thread, both sides on the same problem; seconds are the processor's. "
-    "CalculiX is the Debian package calculix-ccx with SPOOLES; the Python packages live in the environment of "
-    "`make peers`."
+    "Each table was measured in one run on one thread, all programs on the same problem. Seconds are processor time. "
+    "CalculiX is the Debian package calculix-ccx with SPOOLES; `make peers` installs the Python packages."
 )
 
 
@@ -105,7 +104,7 @@ def floor_table(found: Found) -> str:
         [name, f"{found[key]['flops']:.3g}", f"{found[key]['bytes']:.3g}", f"{found['seconds'][key]:.3g}"]
         for name, key in (
             ("factorisation of the casing", "factor"),
-            ("one time step of the rig, mesh forces apart", "step"),
+            ("one time step of the rig without mesh forces", "step"),
         )
     ]
     rates = found["rates"]

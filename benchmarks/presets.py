@@ -25,7 +25,7 @@ from pipelines.trade.variants import Measured, measure
 SCENE, REFERENCE = "rig-missing-tooth", PRESETS[-1]
 COMPILED = ("minimal", "--set", "stages.1.mesh.model=solid", "--set", "simulation.end_s=0.05",
             "--set", "diagnosis.windows_s={}")  # fmt: skip
-AS_WRITTEN = "as the scene says"
+AS_WRITTEN = "as shipped"
 
 
 def presets(folder: Path) -> list[dict[str, Any]]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from importlib import metadata
 from pathlib import Path
 
 from benchmarks.checks import gears, motion, plane, signals, solid, structures
@@ -26,11 +27,13 @@ PAGE = Path(__file__).resolve().parent.parent / "docs" / "validation.md"
 HEADERS = ("quantity", "source", "unit", "reference", "gearcase", "deviation", "gate", "test")
 LEAD = """# Validation
 
-Made by `python -m benchmarks.validation`; a test keeps its rows and gates current. The first tables hold numbers that
-were published, computed by others or follow exactly; several values of one kind share a row, whose deviation is the
-largest of them. Deviations are relative unless they carry the unit. What has no single number (limits, invariants,
-rates) stands in the last table.
-"""
+On this page you see how far results of gearcase deviate from published, independent or exact ones, and which test holds
+each limit (gate). `python -m benchmarks.validation` computes the page in a few minutes; a test keeps it equal to the
+code. The version was {version}.
+
+Values of one kind share a row, with their largest deviation. Deviations are relative unless they carry a unit. The last
+table lists limits, invariants and rates, which have no single reference number.
+""".format(version=metadata.version("gearcase"))
 
 
 def fixed_cells(check: Check) -> tuple[str, ...]:
@@ -53,7 +56,7 @@ def page(values: Mapping[Check, Values]) -> str:
     for subject in SUBJECTS:
         lines += [f"\n## {subject.title}\n", _line(HEADERS), _line(["---"] * len(HEADERS))]
         lines += [row(check, values[check]) for check in subject.checks]
-    lines += ["\n## What must always hold\n", _line(("statement", "gate", "test")), _line(["---"] * 3)]
+    lines += ["\n## Invariants\n", _line(("statement", "gate", "test")), _line(["---"] * 3)]
     for statement, gate, test in INVARIANTS:
         file, _, function = test.partition("::")
         lines.append(_line((statement, gate, f"`{file}` {function}")))

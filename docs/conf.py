@@ -3,6 +3,7 @@
 `make docs` builds it into build/site without a network. Warnings are errors.
 """
 
+import re
 import sys
 from pathlib import Path
 
@@ -11,6 +12,10 @@ sys.path.insert(0, str(HERE))
 sys.path.insert(0, str(HERE.parent))
 
 import reference_pages  # noqa: E402
+from docutils import nodes  # noqa: E402
+from docutils.utils.math import MathError  # noqa: E402
+from docutils.utils.math.latex2mathml import tex2mathml  # noqa: E402
+from sphinx.util import logging  # noqa: E402
 
 from pipelines.engine.code_version import library_versions  # noqa: E402
 
@@ -30,7 +35,8 @@ source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["sg_execution_times.rst"]
 nitpicky = False
 
-myst_enable_extensions = ["colon_fence"]
+myst_enable_extensions = ["colon_fence", "dollarmath"]
+html_math_renderer = "mathml"
 myst_heading_anchors = 3
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
@@ -67,7 +73,21 @@ def headed(app, what, name, found, options, lines):
         lines[first:first] = ["Examples", "--------"]
 
 
+def mathml(self, node):
+    """A formula as MathML, which browsers draw without a script; one that cannot be converted is a warning."""
+    block = isinstance(node, nodes.math_block)
+    try:
+        formula = tex2mathml(node.astext(), as_block=block)
+        formula = re.sub(r"<mi>(sin|cos|tan|ln)</mi>", r'<mo lspace="0.17em" rspace="0.17em">\1</mo>', formula)
+    except MathError as problem:
+        logging.getLogger(__name__).warning("formula %r: %s", node.astext(), problem, location=node)
+        formula = ""
+    self.body.append(f'<div class="math">{formula}</div>' if block else formula)
+    raise nodes.SkipNode
+
+
 def setup(app):
     """The reference is written before the pages are read, and docstrings are headed before numpydoc reads them."""
+    app.add_html_math_renderer("mathml", (mathml, None), (mathml, None))
     app.connect("builder-inited", lambda app: reference_pages.write(HERE / "reference"))
     app.connect("autodoc-process-docstring", headed, priority=100)

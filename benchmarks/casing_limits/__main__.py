@@ -34,7 +34,7 @@ BLOCK = "casing limits"
 HIGHEST = 3500.0  # Hz
 HEADERS = (
     "housing", "element", "unknowns", "modes", "inside their band", "band, %", "error of the mesh, %",
-    "error of the limit, %", "uncertainty of the reference, %",
+    "error after extrapolation, %", "uncertainty of the reference, %",
 )  # fmt: skip
 
 

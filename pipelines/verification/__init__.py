@@ -1,1 +1,1 @@
-"""Verification: what a study claims of a machine, put to the test by measures that are stated beforehand."""
+"""Verification: what a study claims of a machine, checked by measures that are stated in advance."""

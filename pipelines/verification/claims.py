@@ -80,48 +80,48 @@ def rope_over_torque(evidence: Evidence, measure: str) -> xarray.DataArray:
 
 
 _HIDDEN = (
-    "The pitch deviations of the gears repeat with the same turn of the shaft and fill the same lines in the healthy "
-    "machine, most of all around f_m, where the casing answers little; the fault must rise over them."
+    "The pitch deviations of the gears repeat once per revolution of the shaft and excite the same lines in the "
+    "healthy machine, most of all around f_m, where the response of the casing is small. The fault must exceed them."
 )
 _REVERSED = (
-    "Without friction lowering excites the machine as lifting run backwards does; only the vibrations, which die away "
-    "after a shock in both directions, make a difference of 1 or 2 dB."
+    "Without friction, lowering excites the machine as lifting run backwards does. Only the vibrations, which decay "
+    "after a shock in both directions, cause a difference of 1 or 2 dB."
 )
 _SLIDING = (
-    "Tooth friction reverses with the direction: its force at mesh frequency adds to that of the transmission error in "
-    "one direction and counts against it in the other. So the mesh line changes, by 13 dB at 2 f_m, and the "
-    "modulation, which is taken over it, does too; the healthy machine shows the same. It is no sign of the fault: see "
-    "what the fault adds."
+    "Tooth friction reverses with the direction. Its force at mesh frequency adds to that of the transmission error in "
+    "one direction and opposes it in the other. This changes the mesh line, by 13 dB at 2 f_m, and with it the "
+    "modulation, which is relative to this line. The healthy machine shows the same change, so it is no sign of the "
+    "fault; see the tables of what the fault adds."
 )
 _ADDED = (
-    "The fault takes one tooth away in both directions, and friction of 5 % changes the force that it interrupts by as "
-    "little."
+    "The fault removes one tooth in both directions, and friction of 5 % changes the force that it interrupts by a "
+    "similar share."
 )
 _STEADY = (
     "At constant speed the rope carries the weight of the container as the constant torque does, and its bounce of "
-    "12 Hz lies far below the mesh. The ramps accelerate the container, which raises the force in the mesh and hardly "
-    "the vibration: that follows from the teeth. What differs sample by sample is the phase, as the bounce turns the "
-    "shafts."
+    "12 Hz is far below the mesh frequency. The ramps accelerate the container, which raises the force in the mesh but "
+    "hardly the vibration, because the teeth excite it. The signals differ sample by sample in their phase, because "
+    "the bounce turns the shafts."
 )
 
 CLAIMS: dict[str, tuple[Claim, ...]] = {
-    "With the missing tooth sensor 3 shows f_r and sidebands of f_m: faulty over healthy": (
+    "The missing tooth causes f_r and sidebands of f_m at sensor 3: faulty over healthy": (
         Claim("f_r and harmonics in the envelope of f_m/2 to 3 f_m/2", "envelope", over_control, SHOWS, _HIDDEN),
         Claim("f_r and harmonics in the envelope of 1 to 2 kHz", "envelope_1_to_2_kHz", over_control, SHOWS, _HIDDEN),
         Claim("sidebands around f_m", "sidebands_1", over_control, SHOWS, _HIDDEN),
         Claim("sidebands around 2 f_m", "sidebands_2", over_control, SHOWS, _HIDDEN),
         Claim("peak of the time-synchronous average", "tsa_peak", over_control, SHOWS, _HIDDEN),
     ),
-    "Healthy it does not: lines of the healthy machine under the limit of 10 dB over their floor": (
+    "The healthy machine shows no such lines: distance of its lines below the limit of 10 dB over their floor": (
         Claim("f_r, its harmonics and sidebands, median of 21 lines", "under_limit", of_control, 0.0, _HIDDEN),
     ),
-    "Lifting shows it more clearly than lowering: lifting over lowering, faulty machine": (
+    "Lifting shows the fault more clearly than lowering: lifting over lowering, faulty machine": (
         Claim("modulation of f_m", "modulation_1", lifting_over_lowering, EQUAL, f"{_REVERSED} {_SLIDING}"),
         Claim("modulation of 2 f_m", "modulation_2", lifting_over_lowering, EQUAL, f"{_REVERSED} {_SLIDING}"),
         Claim("f_r and harmonics in the envelope", "envelope", lifting_over_lowering, EQUAL, _REVERSED),
         Claim("peak of the time-synchronous average", "tsa_peak", lifting_over_lowering, EQUAL, _REVERSED),
     ),
-    "Lifting shows it more clearly than lowering: what the fault adds to the healthy machine, lifting over lowering": (
+    "Lifting shows the fault more clearly than lowering: what the fault adds to the healthy machine": (
         Claim("sidebands around f_m", "sidebands_1", added_in_lifting, EQUAL, _ADDED),
         Claim("sidebands around 2 f_m", "sidebands_2", added_in_lifting, EQUAL, _ADDED),
         Claim("f_r and harmonics in the envelope", "envelope", added_in_lifting, EQUAL, _ADDED),
@@ -134,4 +134,4 @@ CLAIMS: dict[str, tuple[Claim, ...]] = {
     ),
 }
 
-UNTESTED = {"The signals with the rope are closer to the rig": "cannot be told: no measured signals of it are public."}
+UNTESTED = {"The signals with the rope are closer to the rig": "undecided, no measured signals of the rig are public."}

@@ -2,7 +2,7 @@
 
 The mean of n values with standard deviation s lies within t s/sqrt(n) of the true one with 95 % probability, t the
 97.5 % point of Student's distribution with n - 1 degrees of freedom. A claim of at least so much holds if this whole
-interval reaches it, it does not hold if the whole interval stays below, and else it cannot be told.
+interval reaches it, it does not hold if the whole interval stays below. Otherwise it is undecided.
 
 References
 ----------
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-HOLDS, FAILS, OPEN = "holds", "does not hold", "cannot be told"
+HOLDS, FAILS, OPEN = "holds", "does not hold", "undecided"
 FEWEST = 2  # seeds of a standard error
 
 

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 _WORDS = {"static-torque": "constant torque", "none": "no losses"}
 RULE = (
-    "Cells: mean over the seeds of the deviations ± its standard error, dB. A claim holds if the 95 % interval of the "
-    "mean reaches its limit, it does not hold if the interval stays below; else it cannot be told."
+    "Cells: mean over the seeds of the deviations ± its standard error, dB. A claim holds if the whole 95 % interval "
+    "of the mean reaches its limit. It does not hold if the whole interval stays below. Otherwise it is undecided."
 )
 
 Verdicts = dict[str, list[tuple[Claim, dict[str, Judgement]]]]
@@ -68,7 +68,7 @@ def grids(found: Verdicts) -> list[Grid]:
 
 
 def reasons(found: Verdicts) -> list[str]:
-    """Why claims do not hold, or cannot be told: each reason once, with the claims it stands for."""
+    """Why claims do not hold or are undecided: each reason once, with its claims."""
     claims: dict[str, list[str]] = {}
     for judged in found.values():
         for claim, by_condition in judged:

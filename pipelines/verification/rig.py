@@ -74,7 +74,7 @@ def cases(seeds: int) -> Iterator[Case]:
 
 
 def scene_of(case: Case, preset: str) -> LoadedScene:
-    """The shipped scene of a case with its seed and friction, computed as finely as the preset says."""
+    """The shipped scene of a case with its seed and friction, computed with the accuracy of the preset."""
     own = {"deviations.seed": case.seed, "sensors": [SENSOR], **LOSSES[case.losses]}
     return preset_on(load_scene(SCENES[case.state, case.load], own), preset)
 
