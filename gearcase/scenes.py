@@ -7,8 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fem.storage import shown_html
+from pipelines.border.toml_text import format_value
 from pipelines.runs.checked import Checked, check_scene
 from pipelines.scene.file import LoadedScene, changed, load_scene, scene_of_tree
+from pipelines.scene.merge import leaves
 from pipelines.scene.presets import preset_on
 
 __all__ = ["Checked", "Scene", "check"]
@@ -103,6 +106,11 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"<Scene {self.name}: {self.title}>"
+
+    def _repr_html_(self) -> str:
+        """The keys that were given with their values, for a notebook."""
+        given = ((".".join(map(str, path)), format_value(value)) for path, value in leaves(self.loaded.tree).items())
+        return shown_html.table(f"{self.name}: {self.title}", ("key", "value"), given)
 
 
 def check(scene: Scene) -> Checked:

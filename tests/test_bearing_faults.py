@@ -132,8 +132,8 @@ def test_a_spall_raises_its_lines_and_the_control_does_not(diagnoses, name):
 def test_a_spall_and_a_missing_tooth_are_told_side_by_side(diagnoses):
     found = diagnoses["compound"]
     assert headline([found]) == (
-        "One tooth of the stage 1 pinion missing: seen at sensor_3 (axis z) in the one window that was looked at. "
-        "Spall on the outer ring of bearing_1: seen at sensor_3 (axis z) in the one window that was looked at."
+        "One tooth of the stage 1 pinion missing: seen at sensor_3 (axis z) in the one analysed window. "
+        "Spall on the outer ring of bearing_1: seen at sensor_3 (axis z) in the one analysed window."
     )
     assert "harmonics of f_r = 50.0000 Hz" in sentences(found)[0]
     assert "harmonics of bearing_1 BPFO = 179.2" in sentences(found)[0]

@@ -9,7 +9,7 @@ from pipelines.diagnosis.verdict import Finding, Verdict
 from pipelines.orders.kinematics import Gear
 from pipelines.orders.plant_kinematics import kinematics_of
 from pipelines.plant.checks.validity import checked_plant
-from pipelines.report.run_screen import looked_at, over_teeth
+from pipelines.report.run_screen import over_teeth, shown_gear
 from pipelines.scene.file import load_scene
 from pipelines.signals.analysis import DiagnosisSettings
 
@@ -64,4 +64,4 @@ def test_the_average_is_that_of_the_gear_that_an_alarm_names(alarm, shown):
     verdict = Verdict(
         findings=findings, whole=finding("whole machine"), alarm=alarm, healthy=8, tested=8, false_alarms=0, left_out=()
     )
-    assert looked_at(plant, verdict, kinematics_of(plant.layout, ())).name == shown
+    assert shown_gear(plant, verdict, kinematics_of(plant.layout, ())).name == shown

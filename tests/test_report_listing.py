@@ -31,57 +31,51 @@ FAULTY = {
 }
 BENCH = [
     "# One stage, rigid casing, constant torque",
-    "figure: Time-synchronous average over 6 turns of shaft_1 without its mesh orders (residual signal), "
+    "figure: Time-synchronous average over 6 revolutions of shaft 1 without its mesh orders (residual signal), "
     "sensor_3, z, steady.",
-    "figure: Envelope spectrum of sensor_3 (z), steady, of all that lies above fm / 2. A damaged tooth "
-    "raises the harmonics of fr = 15.0000 Hz.",
+    "figure: Envelope spectrum of sensor_3 (z), steady. A damaged tooth raises the harmonics of fr = 15.0000 Hz.",
     "# Signals and spectra",
-    "figure: Acceleration at the sensor, without sensor noise: the whole run, and a tenth of a second.",
+    "figure: Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right).",
     "figure: Steady: one-sided peak amplitudes over 6 revolutions of the shaft with fr (0.4 s), hann "
     "window, with sensor noise.",
     "# Levels",
     "# What was run",
     "# Gears",
-    "figure: The gear pair in three dimensions and its stiffness over the mesh cycle.",
-    "# Stiffness",
-    "figure: Mesh stiffness over the mesh cycle; one cycle is the passage of one tooth pair.",
+    "figure: The gear pair and its mesh stiffness; one mesh cycle is the passage of one tooth pair.",
     "# Casing",
     "# Speed",
     "figure: Speeds of the motors and the first shaft.",
     "# Cost",
-    "figure: Where the time went.",
+    "figure: Time of each step.",
     "# Energy balance",
     "# Provenance",
 ]
 DAMAGED = [
     "# One stage, rigid casing, constant torque",
-    "figure: Time-synchronous average over 6 turns of shaft_1 without its mesh orders (residual signal), "
-    "sensor_3, z, steady. Shaded: where tooth 3, which stands out, is in mesh.",
-    "figure: Envelope spectrum of sensor_3 (z), steady, of all that lies above fm / 2. A damaged tooth "
-    "raises the harmonics of fr = 15.0000 Hz.",
+    "figure: Time-synchronous average over 6 revolutions of shaft 1 without its mesh orders (residual signal), "
+    "sensor_3, z, steady. Shaded: the engagement of tooth 3, with the strongest evidence.",
+    "figure: Envelope spectrum of sensor_3 (z), steady. A damaged tooth raises the harmonics of fr = 15.0000 Hz.",
     "# Signals and spectra",
-    "figure: Acceleration at the sensor, without sensor noise: the whole run, and a tenth of a second.",
+    "figure: Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right).",
     "figure: Steady, constant torque, deviations of seed 1: one-sided peak amplitudes over 6 revolutions "
     "of the faulty shaft (0.4 s), hann window, sensor noise 0.01 m/s² rms.",
     "# How it was decided",
     "# Levels",
     "# Healthy and faulty",
     "figure: Steady, constant torque, deviations of seed 1: both runs with the same deviations. "
-    "Triangles: detected lines. Yellow beside a line: what the inputs do.",
+    "Triangles: detected lines. Yellow, next to a line: the effect of uncertain inputs.",
     "# Error bars",
-    "figure: Error bars, steady: what the numerics and the inputs leave open of each line.",
+    "figure: Error bars, steady: numerical uncertainty of each line, and the effect of uncertain inputs.",
     "# Envelope table",
     "# What was run",
     "# Gears",
-    "figure: The gear pair in three dimensions and its stiffness over the mesh cycle.",
-    "# Stiffness",
-    "figure: Mesh stiffness over the mesh cycle; one cycle is the passage of one tooth pair.",
+    "figure: The gear pair and its mesh stiffness; one mesh cycle is the passage of one tooth pair.",
     "# Casing",
-    "figure: Key points of the casing: ground (yellow), bearings (red), sensors (green).",
+    "figure: The casing with its points on the ground (yellow), bearings (red) and sensors (green).",
     "# Speed",
     "figure: Speeds of the motors and the first shaft.",
     "# Cost",
-    "figure: Where the time went.",
+    "figure: Time of each step.",
     "# Energy balance",
     "# Provenance",
 ]

@@ -174,7 +174,7 @@ def test_the_level_of_an_order_is_the_amplitude_of_its_sine(unbalanced):
 
 def test_the_verdict_names_the_shaft_and_its_levels_and_no_gear(unbalanced):
     _, found = unbalanced
-    where = "seen at sensor_3 (axis z) in the one window that was looked at."
+    where = "seen at sensor_3 (axis z) in the one analysed window."
     assert headline([found]) == f"Unbalance of shaft 1 at y = 20 mm: {where}"
     assert "mesh order" not in criterion(found)
     (text,) = sentences(found)

@@ -1,4 +1,4 @@
-"""Error bars of lines: what the numerics leave open of their levels, and beside it what uncertain inputs do."""
+"""Error bars of lines: the numerical uncertainty of their levels, and the effect of uncertain inputs."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from typing import Any
 
 import numpy as np
 
-LOW, HIGH = 5.0, 95.0  # per cent of the draws
+from fem.storage import shown_html
+
+LOW, HIGH = 5.0, 95.0  # per cent of the samples
 
 
 @dataclass(frozen=True, kw_only=True)
 class Band:
-    """From `low` to `high`, 5 to 95 % of the draws, dB over the level of the run; `source` makes `share` of it."""
+    """From `low` to `high`, 5 to 95 % of the samples, dB over the level of the run; `source` causes `share` of it."""
 
     low: float
     high: float
@@ -24,6 +26,10 @@ class Band:
     def width(self) -> float:
         """Of the band, dB."""
         return self.high - self.low
+
+    def __str__(self) -> str:
+        low, high = (round(end, 2) + 0.0 for end in (self.low, self.high))  # + 0.0 makes zero of minus zero
+        return f"{low:+.2f} to {high:+.2f}" if low or high else "below 0.01"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,7 +48,7 @@ class LineBar:
 
 @dataclass(frozen=True, kw_only=True)
 class LineBars:
-    """Bars of all lines clearly over their floor; `notes` say in sentences what they hold and what they do not."""
+    """Error bars of all lines clearly over their floor; `notes` state what they contain and what they leave out."""
 
     bars: tuple[LineBar, ...]
     notes: tuple[str, ...]
@@ -50,6 +56,22 @@ class LineBars:
     def of(self, window: str) -> tuple[LineBar, ...]:
         """Those of a window."""
         return tuple(bar for bar in self.bars if bar.window == window)
+
+    def _repr_html_(self) -> str:
+        """The lines with their bands, and what the bands contain, for a notebook."""
+        head = ("window", "line", "Hz", "m/s²", "numerical, dB", "inputs, dB")
+        rows = (
+            (
+                bar.window,
+                bar.label,
+                bar.frequency,
+                bar.level,
+                *(one and str(one) for one in (bar.numerical, bar.inputs)),
+            )
+            for bar in self.bars
+        )
+        notes = shown_html.table("Notes", (), ((note,) for note in self.notes))
+        return shown_html.table("Error bars, 5 to 95 %, relative to the level of the run", head, rows) + notes
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, as JSON takes them; levels in m/s2, bands in dB over the level."""

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from pipelines.bars.line_bars import LineBar
 
 LEFT_OUT = (
-    "Not in the bars: the mesh law (its error is what gearcase converge tells with --over gear-mesh and --over "
-    "slices), modes that the reduction leaves out, the seats (casing.attachment mean or rigid), feet and mounts, and "
-    "the deviations of the teeth (gearcase run with --seeds)."
+    "The error bars leave out: the mesh law (gearcase converge --over gear-mesh and --over slices estimate its error), "
+    "modes above the band of the reduction, the stiffness of the bearing seats (casing.attachment mean or rigid), feet "
+    "and mounts, and the deviations of the teeth (gearcase run --seeds)."
 )
 
 
@@ -25,17 +25,24 @@ def notes(bars: Sequence[LineBar], missed: Sequence[str], remedy: str, damping_s
     """
     found = []
     if remedy:
-        found.append(f"The error of the casing's mesh is not known: {remedy}. Shown is what the inputs do.")
+        found.append(
+            f"The discretisation error of the casing is not known: {remedy}. Only the effect of uncertain inputs is "
+            "shown."
+        )
     else:
         found.append(
-            "Numerical: 5 to 95 % of 200 draws of the casing's natural modes from the limits and bands of their "
-            "frequencies, and the error of the time step."
+            "Numerical: 5 to 95 % of 200 samples of the casing's natural frequencies within their error bands, and the "
+            "error of the time step."
         )
     found.append(
-        "Inputs: 5 to 95 % of 200 draws of one factor on the casing's damping ratios, most of them from "
-        f"{1 / (1 + damping_spread):.2g} to {1 + damping_spread:.2g} (assumed; diagnosis.damping_spread)."
+        "Inputs: 5 to 95 % of 200 samples of one factor on all damping ratios of the casing, mostly between "
+        f"{1 / (1 + damping_spread):.2g} and {1 + damping_spread:.2g} (an assumption; set it by "
+        "diagnosis.damping_spread)."
     )
     found.append(LEFT_OUT)
     if missed:
-        found.append(f"Other forces than those of the bearings make: {', '.join(missed)}.")
+        found.append(
+            "Other forces than those of the bearings act on these lines, so their error bars are incomplete: "
+            f"{', '.join(missed)}."
+        )
     return tuple(found)

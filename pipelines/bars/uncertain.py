@@ -10,7 +10,7 @@ from fem.casing.reduced.modes import CasingModes
 from fem.casing.uncertain.frequency_errors import FrequencyErrors, frequency_errors
 from pipelines.plant.casing import CasingPart, ElasticPart, MatricesPart
 
-EXTRAPOLATE = "set casing.extrapolated = true (more meshes of the casing) and run the scene again"
+EXTRAPOLATE = "set casing.extrapolated = true, which computes further meshes, and run the scene again"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -41,7 +41,7 @@ def uncertain(
         first = RIGID_MOTIONS if modes.ground == "springs" else 0
         errors = frequency_errors(measured_limits(modes, coarser), first)
         return Uncertain(errors=errors, damping_spread=damping_spread, remedy="")
-    remedy = "it has no finite elements; choose casing.model craig-bampton"
+    remedy = 'it has no finite elements; set casing.model = "craig-bampton"'
     if isinstance(part, ElasticPart):
         remedy = EXTRAPOLATE
     elif isinstance(part, MatricesPart):

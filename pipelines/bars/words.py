@@ -11,18 +11,18 @@ from pipelines.border.grid import Grid
 def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:
     """The bars of the lines of a window; where no numerical error is known there is no column for it."""
     numerical = any(bar.numerical is not None for bar in bars)
-    headers = ("line", "Hz", "m/s²", *(("numerical dB", "mostly by") if numerical else ()), "inputs dB")
+    headers = ("line", "Hz", "m/s²", *(("numerical dB", "main source") if numerical else ()), "inputs dB")
     rows = tuple(
         (
             f"envelope {bar.label}" if bar.kind == "envelope" else bar.label,
             f"{bar.frequency:.3f}",
             f"{bar.level:.3g}",
             *(_numerical_cells(bar.numerical) if numerical else ()),
-            _ends(bar.inputs),
+            str(bar.inputs),
         )
         for bar in bars
     )
-    title = f"Error bars, {window}: 5 to 95 %, over the level of the faulty run"
+    title = f"Error bars, {window}: 5 to 95 %, dB relative to the level of the faulty run"
     return Grid(
         title=title,
         headers=headers,
@@ -41,9 +41,4 @@ def bars_words(found: LineBars | str) -> str:
 
 
 def _numerical_cells(band: Band | None) -> tuple[str, str]:
-    return ("", "") if band is None else (_ends(band), f"{band.source} ({100 * band.share:.0f} %)")
-
-
-def _ends(band: Band) -> str:
-    low, high = (round(end, 2) + 0.0 for end in (band.low, band.high))  # + 0.0 makes a plain zero of minus zero
-    return f"{low:+.2f} to {high:+.2f}" if low or high else "below 0.01"
+    return ("", "") if band is None else (str(band), f"{band.source} ({100 * band.share:.0f} %)")

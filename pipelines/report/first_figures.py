@@ -19,17 +19,17 @@ if TYPE_CHECKING:
 
 SIZE = (2.4, 5.0)  # height and width, inches
 LETTERS = 8.5  # points
-SUSPECTED = "#f3c9a5"
+STRONGEST = "#f3c9a5"
 
 
 def average_figure(average: Average) -> Figure:
-    """The average over one turn, over that of the healthy recordings, the suspected tooth shaded."""
+    """The average over one turn and that of the healthy recordings, the tooth with the strongest evidence shaded."""
     figure = fixed_figure(*SIZE)
     axes = figure.subplots()
     _draw(axes, average.place, average.value, average.reference)
     axes.set_xlim(average.place[0], average.place[-1])
     if average.marked is not None:
-        axes.axvspan(*average.marked, color=SUSPECTED, lw=0, zorder=0)
+        axes.axvspan(*average.marked, color=STRONGEST, lw=0, zorder=0)
         middle = sum(average.marked) / 2
         beyond = middle > average.place.mean()
         axes.annotate(
@@ -50,7 +50,7 @@ def average_figure(average: Average) -> Figure:
 
 
 def envelope_figure(envelope: Envelope) -> Figure:
-    """The envelope spectrum over that of the healthy recordings, the lines that the verdict reads named."""
+    """The envelope spectrum and that of the healthy recordings, the lines of the verdict named."""
     figure = fixed_figure(*SIZE)
     axes = figure.subplots()
     _draw(axes, envelope.line, envelope.amplitude, envelope.reference)
@@ -87,8 +87,8 @@ def _draw(axes: Axes, across: np.ndarray, value: np.ndarray, reference: np.ndarr
     if reference is None:
         axes.plot(across, value, color=HEALTHY, lw=0.9)
         return
-    axes.plot(across, value, color=FAULTY, lw=1.0, label="this run", zorder=2)
-    axes.plot(across, reference, color=HEALTHY, lw=1.0, label="healthy", zorder=3)
+    axes.plot(across, reference, color=HEALTHY, lw=1.0, label="healthy")
+    axes.plot(across, value, color=FAULTY, lw=1.0, label="this run")
 
 
 def _finish(axes: Axes, title: str, across: str, up: str, compared: bool) -> None:

@@ -79,14 +79,17 @@ def _gears(contents: ReportContents) -> list[str]:
 def _rolling(contents: ReportContents) -> list[str]:
     if not contents.rolling:
         return []
-    note = "Pass frequencies at the highest speed without slip; a spall of a rolling element passes twice per BSF."
+    note = (
+        "Pass frequencies at the highest speed, without slip. A spall of a rolling element strikes both rings: twice "
+        "per turn of the element (2 BSF)."
+    )
     return [page.table(grid("", contents.rolling)), page.paragraph(note)]
 
 
 def _shafts(contents: ReportContents) -> list[str]:
     if not contents.shafts:
         return []
-    note = "Orders 1x and 2x at the highest speed; the spectrum is searched for them."
+    note = "Frequencies of the orders 1x and 2x at the highest speed; the diagnosis evaluates these lines."
     return [page.table(grid("", contents.shafts)), page.paragraph(note)]
 
 
@@ -117,12 +120,12 @@ def _drive(contents: ReportContents) -> list[str]:
 def _cost(contents: ReportContents) -> list[str]:
     parts = [page.table(grid("Seconds and memory per step", contents.steps))] if contents.steps else []
     if contents.ledger:
-        rows = tuple((name, cell(value)) for name, value in contents.ledger.items())
-        parts.append(page.table(Grid(title="Build ledger", headers=("item", "count"), rows=rows)))
+        rows = tuple((name.replace("_", " "), cell(value)) for name, value in contents.ledger.items() if value)
+        parts.append(page.table(Grid(title="What was computed", headers=("item", "count"), rows=rows)))
     seconds = {str(row["step"]): float(row["seconds"]) for row in contents.steps if {"step", "seconds"} <= set(row)}
     if len(seconds) > 1:
         figure = bars_figure("Seconds per step", list(seconds), list(seconds.values()), "s")
-        parts.append(page.picture(figure, "Where the time went."))
+        parts.append(page.picture(figure, "Time of each step."))
     return parts
 
 

@@ -14,13 +14,12 @@ from pipelines.features.average import FEWEST_TURNS, average
 from pipelines.features.turns import cut_turns
 from pipelines.orders.kinematics import Gear, Kinematics
 from pipelines.orders.plant_kinematics import kinematics_of
-from pipelines.orders.revolutions import HIGHEST
 from pipelines.orders.rotation import Rotation
 from pipelines.plant.looked_for import LookedFor
 from pipelines.plant.plant import Plant
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.zoom_data import ENVELOPE_ORDERS, streams
-from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal, sampling
+from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
 from pipelines.signals.diagnosis import Diagnosis
 from pipelines.signals.verdict import all_seen, case_name, headline
 
@@ -29,8 +28,8 @@ if TYPE_CHECKING:
 
 IN_MESH = 1.0  # pitches to either side of the pitch point, about what a tooth is in mesh
 CONTROL = (
-    "Against the exact healthy control, with the same deviations: what is seen is what the fault adds. One control "
-    "gives no false-alarm rate."
+    "Compared with the exact healthy control, which has the same deviations: every difference comes from the fault. "
+    "A single control gives no false-alarm rate."
 )
 
 
@@ -43,7 +42,7 @@ def first_screen(
     verdict: Verdict | None = None,
     baseline: bool = False,
 ) -> FirstScreen:
-    """What an engineer asks first.
+    """Verdict, main numbers, an average over one revolution and an envelope spectrum.
 
     Parameters
     ----------
@@ -56,28 +55,28 @@ def first_screen(
     baseline : whether it compares with healthy machines of other deviations, not with the exact control
     """
     if verdict is not None and baseline:
-        told, found, label = list(words.sentences(verdict)), verdict.alarm, _against(verdict)
+        verdicts, found, label = list(words.sentences(verdict)), verdict.alarm, _against(verdict)
     else:
-        told, found = _verdict(plant, diagnoses, failure)
+        verdicts, found = _verdict(plant, diagnoses, failure)
         label = CONTROL if diagnoses else ""
     return FirstScreen(
-        sentences=told,
+        sentences=verdicts,
         found=found,
         label=label,
         figures=_numbers(plant, settings),
         average=None if settings is None else _average(plant, settings, runs, verdict),
-        envelope=None if settings is None else _envelope(settings, runs),
+        envelope=None if settings is None else _envelope(settings, diagnoses[0].band if diagnoses else None, runs),
         ranking=() if verdict is None else [_ranked(finding) for finding in verdict.findings],
     )
 
 
 def _against(verdict: Verdict) -> str:
-    return f"Against {verdict.healthy} healthy recordings of machines with other deviations."
+    return f"Compared with {verdict.healthy} healthy recordings of machines with other deviations."
 
 
 def _ranked(finding: Finding) -> Ranked:
-    remarks = [] if finding.tooth is None else [f"most at tooth {finding.tooth}"]
-    remarks += [f"cannot be told from {', '.join(finding.alike)}"] if finding.alike else []
+    remarks = [] if finding.tooth is None else [f"strongest at tooth {finding.tooth}"]
+    remarks += [f"cannot be distinguished from {', '.join(finding.alike)}"] if finding.alike else []
     return Ranked(
         component=finding.component,
         evidence=finding.rise,
@@ -93,14 +92,16 @@ def _verdict(plant: Plant, diagnoses: Sequence[Diagnosis], failure: str) -> tupl
         seen = any(all_seen(d, window) for d in diagnoses for window in d.settings.windows)
         return [headline(diagnoses), _evidence(diagnoses)], seen
     if not plant.fault_words:
-        return ["No verdict: this run is healthy, there is no fault to look for."], None
+        return ["No verdict: the scene has no fault. To simulate one, add faults."], None
     if not plant.looked_for.possible:
-        return ["No verdict: the scene has no sensor or no window of constant speed."], None
-    return ["No verdict: there is no healthy control to compare with."], None
+        return [
+            "No verdict: the scene has no sensor, or no window of constant speed. Add sensors or diagnosis.windows_s."
+        ], None
+    return ['No verdict: there is no healthy control to compare with. Set control = "without-faults".'], None
 
 
 def _evidence(diagnoses: Sequence[Diagnosis]) -> str:
-    """The largest rise of a detected line over all cases; how many lines are detected in the first one."""
+    """The largest increase of a detected line over all cases; the number of detected lines in the first one."""
     first, window = diagnoses[0], next(iter(diagnoses[0].settings.windows))
     counted = first.lines.where(window=window).without_mesh()
     text = (
@@ -113,7 +114,7 @@ def _evidence(diagnoses: Sequence[Diagnosis]) -> str:
     best = max(risen, key=lambda lines: float(lines.difference.max()))
     at = int(best.difference.argmax())
     of_all = " of all cases" if len(diagnoses) > 1 or len(first.settings.windows) > 1 else ""
-    return f"{text}; the largest rise{of_all} is {best.difference[at]:+.1f} dB, at {best.label[at]}."
+    return f"{text}; the largest increase{of_all} is {best.difference[at]:+.1f} dB, at {best.label[at]}."
 
 
 def _numbers(plant: Plant, settings: DiagnosisSettings | None) -> list[tuple[str, str]]:
@@ -129,9 +130,9 @@ def _numbers(plant: Plant, settings: DiagnosisSettings | None) -> list[tuple[str
     measured = settings is not None and not asked.speed_is_known
     found = [
         ("Speed of the motor" + (", measured" if measured else ""), f"{speed:.5g} rpm"),
-        ("Tooth meshing f_m", f"{f_m:.5g} Hz"),
-        (f"Turns of shaft {shaft + 1}, f_r", f"{f_r:.5g} Hz"),
-        ("Gear looked at", f"stage {asked.stage} {asked.gear}, {teeth} teeth"),
+        ("Mesh frequency f_m", f"{f_m:.5g} Hz"),
+        (f"Revolution frequency f_r of shaft {shaft + 1}", f"{f_r:.5g} Hz"),
+        ("Monitored gear", f"stage {asked.stage} {asked.gear}, {teeth} teeth"),
     ]
     return found + ([("Channel", _channel(asked))] if asked.sensor else [])
 
@@ -140,8 +141,8 @@ def _channel(asked: LookedFor) -> str:
     return f"{asked.sensor}, {'all axes' if asked.axis == 'resultant' else asked.axis}"
 
 
-def looked_at(plant: Plant, verdict: Verdict | None, kinematics: Kinematics) -> Gear:
-    """The gear that ranks first in an alarm, else the one that the scene looks at."""
+def shown_gear(plant: Plant, verdict: Verdict | None, kinematics: Kinematics) -> Gear:
+    """The gear that ranks first in an alarm, else the one that the scene monitors."""
     gears = {gear.name: gear for gear in kinematics.gears}
     if verdict is not None and verdict.alarm:
         ranked = [gears[finding.component] for finding in verdict.findings[:1] if finding.component in gears]
@@ -153,16 +154,16 @@ def looked_at(plant: Plant, verdict: Verdict | None, kinematics: Kinematics) -> 
 def _average(
     plant: Plant, settings: DiagnosisSettings, runs: Sequence[xarray.Dataset], verdict: Verdict | None
 ) -> Average | None:
-    """Over the teeth of the gear, the suspected one in the middle; None if its shaft hardly turns in the first window.
+    """Over the teeth of the gear, the marked one in the middle; None if its shaft hardly turns in the first window.
 
-    Suspected is the tooth that the verdict names, else the damaged one of the scene.
+    The marked tooth is the one that the verdict names, else the damaged one of the scene.
     """
     kinematics = kinematics_of(plant.layout, ())
-    gear = looked_at(plant, verdict, kinematics)
+    gear = shown_gear(plant, verdict, kinematics)
     named = [one.tooth for one in verdict.findings if one.component == gear.name] if verdict is not None else []
     damaged = [fault.tooth for fault in plant.faults_of(gear.stage) if gear.name == f"stage {gear.stage} {fault.gear}"]
-    suspected = next((tooth for tooth in (*named, *damaged) if tooth is not None), None)
-    middle = gear.teeth / 2 if suspected is None else float(suspected)
+    marked = next((tooth for tooth in (*named, *damaged) if tooth is not None), None)
+    middle = gear.teeth / 2 if marked is None else float(marked)
     window = next(iter(settings.windows))
     meshes = [other.teeth for other in kinematics.gears_on(gear.shaft)]
     found = [
@@ -176,23 +177,23 @@ def _average(
     reference = None if other is None else np.interp(place, other[0], other[1], period=gear.teeth)
     across = f"teeth of the {gear.name}"
     caption = (
-        f"Time-synchronous average over {turns} turns of {gear.shaft} without its mesh orders (residual signal), "
-        f"{_channel(plant.looked_for)}, {window}."
+        f"Time-synchronous average over {turns} revolutions of {gear.shaft.replace('_', ' ')} without its mesh orders "
+        f"(residual signal), {_channel(plant.looked_for)}, {window}."
     )
-    if suspected is None:
+    if marked is None:
         place = place + middle
     else:
-        across += f", from tooth {suspected}"
-        why = "which stands out" if suspected in named else "damaged in the scene"
-        caption += f" Shaded: where tooth {suspected}, {why}, is in mesh."
+        across += f", from tooth {marked}"
+        why = "with the strongest evidence" if marked in named else "damaged in the scene"
+        caption += f" Shaded: the engagement of tooth {marked}, {why}."
     return Average(
         place=place,
         value=value,
         reference=reference,
         across=across,
         unit="acceleration, m/s²",
-        marked=None if suspected is None else (-IN_MESH, IN_MESH),
-        marked_name="" if suspected is None else f"tooth {suspected}",
+        marked=None if marked is None else (-IN_MESH, IN_MESH),
+        marked_name="" if marked is None else f"tooth {marked}",
         caption=caption,
     )
 
@@ -225,18 +226,14 @@ def over_teeth(
     return place[order], residual[order], turns.count
 
 
-def _envelope(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> Envelope | None:
-    """Of the first window, to a dozen orders of the shaft, in the range that the features look at.
-
-    None if the sampling rate holds nothing above half of the mesh frequency.
-    """
+def _envelope(
+    settings: DiagnosisSettings, band: tuple[float, float] | None, runs: Sequence[xarray.Dataset]
+) -> Envelope:
+    """Of the first window, up to a dozen orders of the shaft; `band` (Hz) is that of the diagnosis, if there is one."""
     window = next(iter(settings.windows))
-    first, *others = zip(runs, streams(len(runs)), strict=True)
-    band = 0.5 * settings.mesh_frequency, HIGHEST * sampling(runs[0])[0]
-    if band[0] >= band[1]:
-        return None
     own, *healthy = (
-        analyse(run, settings, stream=stream, band=band).envelopes[window] for run, stream in (first, *others[:1])
+        analyse(run, settings, stream=stream, band=band).envelopes[window]
+        for run, stream in zip(runs[:2], streams(len(runs)), strict=False)
     )
     f_r = settings.revolution_frequency
     shown = own.frequency <= ENVELOPE_ORDERS * f_r
@@ -249,7 +246,7 @@ def _envelope(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> En
         marked=[(k * f_r, "f_r" if k == 1 else f"{k} f_r") for k in range(1, settings.envelope_harmonics + 1)],
         band=f"band {own.band_low:.4g} to {own.band_high:.4g} Hz",
         caption=(
-            f"Envelope spectrum of {settings.sensor} ({settings.axis}), {window}, of all that lies above f_m / 2. "
+            f"Envelope spectrum of {settings.sensor} ({settings.axis}), {window}. "
             f"A damaged tooth raises the harmonics of f_r = {f_r:.4f} Hz."
         ),
     )

@@ -40,7 +40,7 @@ def signals(contents: ReportContents) -> list[str]:
 
 
 def levels(contents: ReportContents) -> list[str]:
-    """Levels of every sensor, and how long the flanks were apart."""
+    """Levels of every sensor, and how often and how long the drive flanks lost contact."""
     run = next(iter(contents.runs.values()), None)
     if run is None:
         return []
@@ -50,9 +50,9 @@ def levels(contents: ReportContents) -> list[str]:
 
 
 def _waveforms(contents: ReportContents) -> str:
-    assert contents.channel is not None  # asked before
+    assert contents.channel is not None
     figure = waveform_figure(contents.runs, *contents.channel, contents.windows)
-    caption = "Acceleration at the sensor, without sensor noise: the whole run, and a tenth of a second."
+    caption = "Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right)."
     return page.picture(figure, caption, "static")
 
 
@@ -91,8 +91,8 @@ def healthy_faulty(contents: ReportContents) -> list[str]:
             bars = contents.bars.of(window) if isinstance(contents.bars, LineBars) and number == 0 else ()
             caption = f"{_named(diagnosis, window)}: both runs with the same deviations. Triangles: detected lines."
             if any(bar.numerical is not None for bar in bars):
-                caption += " Black on a line: its error bar."
-            caption += " Yellow beside a line: what the inputs do." if bars else ""
+                caption += " Black, on a line: its numerical error bar."
+            caption += " Yellow, next to a line: the effect of uncertain inputs." if bars else ""
             parts.append(page.picture(healthy_faulty_figure(diagnosis, window, bars), caption))
             for spall in diagnosis.settings.passes:
                 parts.append(page.picture(pass_figure(diagnosis, window, spall), f"{caption} Dashed: {spall.label}."))
@@ -100,14 +100,14 @@ def healthy_faulty(contents: ReportContents) -> list[str]:
 
 
 def error_bars(contents: ReportContents) -> list[str]:
-    """What the numerics and uncertain inputs leave open of the lines."""
+    """Numerical uncertainty of the lines, and the effect of uncertain inputs on them."""
     if isinstance(contents.bars, str):
         return [page.paragraph(contents.bars)] if contents.bars else []
     windows = dict.fromkeys(bar.window for bar in contents.bars.bars)
     parts = []
     for window in windows:
         bars = contents.bars.of(window)
-        caption = f"Error bars, {window}: what the numerics and the inputs leave open of each line."
+        caption = f"Error bars, {window}: numerical uncertainty of each line, and the effect of uncertain inputs."
         parts += [page.picture(error_bars_figure(bars, window), caption), page.table(bars_grid(bars, window))]
     return [*parts, *map(page.paragraph, contents.bars.notes)]
 
@@ -146,9 +146,9 @@ def envelope_table(contents: ReportContents) -> list[str]:
     parts = [
         page.paragraph(
             f"Harmonics of f_r in the envelope and sidebands n f_m + k f_r in the spectrum at {settings.sensor} "
-            f"({settings.axis}); detected lines are shaded. The floor is the median between the orders, one f_r to "
-            "either side. The stated sensor noise is in both runs."
-            + (" The rope mode is printed beside each line." if settings.rope_mode else "")
+            f"({settings.axis}); detected lines are shaded. The floor is the median of the bins between the orders, "
+            "one f_r to either side. Both runs contain the stated sensor noise."
+            + (" The last column gives the rope mode." if settings.rope_mode else "")
         )
     ]
     for diagnosis in contents.diagnoses:

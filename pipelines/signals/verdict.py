@@ -33,28 +33,30 @@ def _headline(diagnoses: Sequence[Diagnosis], fault: str, graded: Callable[[Line
     seen, partly = grades.count("seen"), grades.count("partly")
     what, where = _capital(fault), f"{first.sensor} ({_axis(first.axis)})"
     if seen == len(cases):
-        many = "in the one window that was looked at" if len(cases) == 1 else f"in all {len(cases)} cases"
+        many = "in the one analysed window" if len(cases) == 1 else f"in all {len(cases)} cases"
         return f"{what}: seen at {where} {many}."
-    if seen == 0 and partly == 0:
-        return f"{what}: not seen at {where}; no line is detected in any of {len(cases)} cases."
+    if seen == 0:
+        found = f"partly detected in {partly}" if partly else "no line is detected in any"
+        return f"{what}: not seen at {where}; {found} of {len(cases)} case{'s' if len(cases) > 1 else ''}."
     named = [f"{case_name(d)} {window}" for (d, window), g in zip(cases, grades, strict=True) if g == "seen"]
     where_seen = f" ({'; '.join(named)})" if named and len(named) <= 4 else ""
-    tail = f", single lines are detected in {partly} more" if partly else ""
+    tail = f"; partly detected in {partly} further case{'s' if partly > 1 else ''}" if partly else ""
     return f"{what}: seen at {where} in {seen} of {len(cases)} cases{where_seen}{tail}."
 
 
 def criterion(diagnosis: Diagnosis) -> str:
-    """What it takes for a line to be detected and a fault to be seen."""
+    """The conditions for a detected line, for a fault that is seen and for one that is partly detected."""
     settings = diagnosis.settings
     gears = (
         f"the fault is seen if at least {SIDEBANDS_WANTED} sidebands around one mesh order and one harmonic in the "
         "envelope are detected"
     )
-    wanted = [gears] * bool(settings.fault)
-    wanted += [pass_lines.criterion()] * bool(settings.passes) + [shaft_lines.criterion()] * bool(settings.turning)
+    required = [gears] * bool(settings.fault)
+    required += [pass_lines.criterion()] * bool(settings.passes) + [shaft_lines.criterion()] * bool(settings.turning)
     return (
         f"A line is detected if it lies at least {settings.difference_limit:g} dB over the healthy control with the "
-        f"same deviations and at least {settings.floor_limit:g} dB over its local floor; {', '.join(wanted)}."
+        f"same deviations and at least {settings.floor_limit:g} dB over its local floor. In one window, "
+        f"{', '.join(required)}. A fault with fewer detected lines is partly detected."
     )
 
 
@@ -113,10 +115,10 @@ def directions(diagnosis: Diagnosis) -> str:
     if abs(first - second) < EQUAL:
         end = f"equal within {EQUAL:g} dB"
     else:
-        end = f"clearer in {windows[0] if first > second else windows[1]} by {abs(first - second):.1f} dB"
+        end = f"{abs(first - second):.1f} dB higher in {windows[0] if first > second else windows[1]}"
     return (
-        f"Modulation of the mesh with {case_name(diagnosis)} (sidebands over f_m, root sum square): {first:.1f} dB in "
-        f"{windows[0]}, {second:.1f} dB in {windows[1]}: {end}."
+        f"Modulation with {case_name(diagnosis)} (root sum square of the sidebands over the line at f_m): {first:.1f} "
+        f"dB in {windows[0]} and {second:.1f} dB in {windows[1]}, {end}."
     )
 
 
@@ -218,7 +220,7 @@ def _standing(diagnosis: Diagnosis, lines: LineTable) -> str:
     settings, (low, high) = diagnosis.settings, diagnosis.band
     counted = lines.without_mesh()
     if not counted.detected.any():
-        return f"none of {len(counted)} lines is detected. {_reason(diagnosis, counted)}"
+        return f"none of the {len(counted)} lines is detected. {_reason(diagnosis, counted)}"
     envelope = lines.where(kind="envelope")
     parts = [
         f"{int(envelope.detected.sum())} of {len(envelope)} harmonics of f_r = {settings.revolution_frequency:.4f} Hz "
@@ -232,8 +234,8 @@ def _standing(diagnosis: Diagnosis, lines: LineTable) -> str:
     best = int(np.argmax(np.where(counted.detected == 1, counted.difference, -np.inf)))
     where = "in the envelope" if counted.kind[best] == "envelope" else "in the spectrum"
     return (
-        f"{', '.join(parts[:-1])} and {parts[-1]} are detected; the largest rise is "
-        f"{counted.difference[best]:+.1f} dB at {counted.label[best]} {where}."
+        f"{', '.join(parts[:-1])} and {parts[-1]} are detected; the largest increase over "
+        f"the control is {counted.difference[best]:+.1f} dB, at {counted.label[best]} {where}."
     )
 
 
@@ -245,15 +247,15 @@ def _reason(diagnosis: Diagnosis, lines: LineTable) -> str:
     words = []
     if hidden:
         cause = (
-            "pitch deviations repeat with the same revolution"
+            "pitch deviations repeat with every revolution and mask the fault"
             if diagnosis.deviations != "off"
-            else ("the error-free train itself carries these orders")
+            else "gears without deviations excite these orders as well and mask the fault"
         )
-        words.append(f"{hidden} are as strong in the healthy control ({cause}, so they hide the fault)")
+        words.append(f"{hidden} are about as strong in the healthy control ({cause})")
     if buried:
         words.append(
-            f"{buried} do not clear the local floor (sensor noise {diagnosis.noise:.3g} m/s² rms and vibration that "
-            "does not repeat with the shaft)"
+            f"{buried} do not exceed the local floor by {settings.floor_limit:g} dB (the floor is sensor noise of "
+            f"{diagnosis.noise:.3g} m/s² rms and vibration that is not periodic with the shaft)"
         )
     text = "Of these lines " + " and ".join(words) + "."
     return f"{text} {settings.reason}".strip()
@@ -263,11 +265,11 @@ def _control(lines: LineTable) -> str:
     counted = lines.without_mesh()
     shown = int(counted.healthy_shows.sum())
     if shown == 0:
-        return "The healthy control shows none of these lines over its floor."
+        return "In the healthy control none of these lines exceeds its floor."
     best = int(np.argmax(np.where(counted.healthy_shows == 1, counted.healthy_over_floor, -np.inf)))
     return (
-        f"The healthy control itself shows {shown} of the {len(counted)} lines over its floor, "
-        f"the clearest {counted.label[best]} with {counted.healthy_over_floor[best]:.1f} dB."
+        f"In the healthy control {shown} of the {len(counted)} lines exceed{'s' if shown == 1 else ''} the floor, "
+        f"{counted.label[best]} most, by {counted.healthy_over_floor[best]:.1f} dB."
     )
 
 
@@ -276,8 +278,8 @@ def _rope(rope: float, lines: LineTable, f_r: float) -> str:
     near = list(dict.fromkeys(abs(int(k)) for k in counted.order[counted.near_rope == 1]))
     text = f"The rope mode lies at {rope:.2f} Hz ({rope / f_r:.2f} f_r)"
     if near:
-        return f"{text}: on the lines of order {', '.join(map(str, near))}, which it can raise without any fault."
-    return f"{text}: between these lines, on none of them."
+        return f"{text}, on the lines of order {', '.join(map(str, near))}, which it can raise without a fault."
+    return f"{text}. It coincides with none of these lines."
 
 
 def _axis(axis: str) -> str:

@@ -86,11 +86,11 @@ class CurvesSpec:
 
 
 def build_curves(spec: CurvesSpec, picture: Picture | LeftOut, *laws: Laws) -> CountedResult:
-    """Elements of the page: "gears" the picture beside its curve or why it is left out, "stiffness" all curves.
+    """Elements of the page: "gears", the picture and its curve or why there is none; "stiffness", the other curves.
 
     Parameters
     ----------
-    spec, picture : what is shown, and the rendered gears
+    spec, picture : the pairs, and the rendered gears
     laws : of each pair the laws with its flanks and faults, and without
     """
     from pipelines.report import pictures
@@ -98,10 +98,10 @@ def build_curves(spec: CurvesSpec, picture: Picture | LeftOut, *laws: Laws) -> C
     states = zip(spec.pairs, laws[::2], laws[1::2], strict=True)
     curves = stiffness_plots([state.with_laws(own, sound) for state, own, sound in states])
     first = curves.pop(spec.first - 1)
-    gears = picture if isinstance(picture, LeftOut) else pictures.gears(picture, first, spec.names)
-    return CountedResult(
-        {"gears": gears, "stiffness": pictures.stiffness([first, *curves])}, kept=not isinstance(picture, LeftOut)
-    )
+    if isinstance(picture, LeftOut):
+        return CountedResult({"gears": picture, "stiffness": pictures.stiffness([first, *curves])}, kept=False)
+    gears = pictures.gears(picture, first, spec.names)
+    return CountedResult({"gears": gears, "stiffness": pictures.stiffness(curves) if curves else ""})
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -140,7 +140,7 @@
       ],
       series: [
         { label: view.across, value: (_, value) => shown(value) },
-        ...data.runs.map((run) => ({
+        ...[...data.runs].reverse().map((run) => ({
           label: run.name,
           stroke: run.colour,
           width: 1,
@@ -151,7 +151,8 @@
       hooks: { drawClear: [marked(view)] },
     };
     const title = element("h3", {}, box, view.title + (view.window ? `, ${view.window}` : ""));
-    const chart = new uPlot(options, [x, ...traces.map((trace) => numbers(trace, view.logarithmic))], box);
+    const curves = traces.map((trace) => numbers(trace, view.logarithmic));
+    const chart = new uPlot(options, [x, ...curves.reverse()], box); // the run of the scene is drawn last, over its control
     buttons(title, chart);
     return chart;
   }
