@@ -61,7 +61,7 @@ def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncerta
     """
     body = system.layout.casing
     if not len(body.coordinate_names):
-        raise BarsError("No error bars: the bearings are mounted on the ground, so the signals do not depend on a casing.")
+        raise BarsError("No error bars: the bearings are on the ground, so the signals do not depend on a casing.")
     form, found, missed = modal_form(body), list[LineBar](), list[str]()
     for window in diagnosis.settings.windows:
         lines = diagnosis.lines.where(window=window).of("envelope", "sideband", "mesh", "shaft")
