@@ -80,7 +80,7 @@ def test_wear_has_its_depth_and_is_drawn_deeper_by_a_stated_factor():
     moved = np.linalg.norm(worn.points - sound.points, axis=1)
     assert np.allclose(moved, worn.scale * worn.depth, atol=1e-9)
     assert worn.scale > 1
-    assert f"drawn {worn.scale:g} times" in worn.words
+    assert f"enlarged {worn.scale:g} times" in worn.words
 
 
 def test_faults_of_one_tooth_are_drawn_together_and_a_missing_tooth_is_said():

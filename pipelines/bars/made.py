@@ -61,7 +61,7 @@ def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncerta
     """
     body = system.layout.casing
     if not len(body.coordinate_names):
-        raise BarsError("The bearings stand on the ground: no casing takes part in the signals.")
+        raise BarsError("No error bars: the bearings are on the ground, so the signals do not depend on a casing.")
     form, found, missed = modal_form(body), list[LineBar](), list[str]()
     for window in diagnosis.settings.windows:
         lines = diagnosis.lines.where(window=window).of("envelope", "sideband", "mesh", "shaft")
@@ -83,7 +83,7 @@ class _Window:
         forces = run.bearing_force.transpose("time", "bearing", "axis")
         on_casing = [b for b in forces.bearing.values if f"{b}:ux" in body.row_names]
         if not on_casing:
-            raise BarsError("No bearing stands on the casing, whose forces could tell how it is driven.")
+            raise BarsError("No error bars: no bearing is mounted on the casing, so its excitation is not known.")
         places = [f"{bearing}:u{axis}" for bearing in on_casing for axis in forces.axis.values]
         first = round(segment.start * rate)
         speed = run.motor_speed.isel(motor=0, time=slice(first, first + round(segment.duration * rate)))

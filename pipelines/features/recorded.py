@@ -111,14 +111,14 @@ def recorded_channels(recording: xarray.Dataset) -> tuple[tuple[str, ...], tuple
     """
     name = "acceleration" if "acceleration" in recording else "journal_acceleration"
     if name not in recording:
-        raise FeatureError("no accelerations were recorded, so there is nothing to look at")
+        raise FeatureError("the recording has no acceleration channel; give at least one")
     signal = recording[name].rename(bearing="sensor") if "bearing" in recording[name].dims else recording[name]
     laid = signal.transpose("sensor", "axis", "time")
     pairs = [(str(sensor), str(axis)) for sensor in laid.sensor.values for axis in laid.axis.values]
     values = laid.values.reshape(len(pairs), -1).astype(float)
     there = [i for i, one in enumerate(values) if np.isfinite(one).all() and one.any()]
     if not there:
-        raise FeatureError("no channel holds a signal: all are zero or not numbers")
+        raise FeatureError("no channel contains a signal: all values are zero or not numbers")
     values = values[there] - values[there].mean(axis=-1, keepdims=True)
     return tuple(pairs[i][0] for i in there), tuple(pairs[i][1] for i in there), values
 

@@ -75,5 +75,5 @@ def mode_figure(view: ModeView, picture: Picture, size: np.ndarray) -> Figure:
         va="bottom",
     )
     bar = figure.colorbar(ScalarMappable(Normalize(0.0, 1.0), cmap="viridis"), ax=axes, shrink=0.7, pad=0.01)
-    bar.set_label("amplitude of displacement over its largest")
+    bar.set_label("displacement amplitude relative to its maximum")
     return figure

@@ -158,12 +158,12 @@ def _draw(axes: Axes, picture: Picture, view: StressView, number: int) -> None:
         column, row = picture.places[gear]
         axes.text(column, row, gear, ha="center", va="center", fontsize=10, fontweight="bold",
                   bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.5})  # fmt: skip
-    handles: list[Patch | Line2D] = [Line2D([], [], color=CONTACT, lw=3, label="contact lines (drawn in front)")]
+    handles: list[Patch | Line2D] = [Line2D([], [], color=CONTACT, lw=3, label="contact lines (shown in front)")]
     if number and view.marked:
         handles.append(Patch(color=GONE, alpha=0.6, label=view.marked))
     axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8, frameon=False)
     note = f"face width {1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1, not deformed"
-    note += "\nwithin 0.3 modules of a contact line stress is smoothed: see the Hertz pressure in mesh_<stage>.png"
+    note += "\nstress within 0.3 modules of a contact line is smoothed; mesh_<stage>.png gives the Hertz pressure there"
     if number and view.note:
         note += f"\n{view.note}"
     axes.text(0.0, -0.01, note, fontsize=8, transform=axes.transAxes, va="top")

@@ -126,8 +126,8 @@ def _note(exact: bool, stretch: int) -> str:
     if stretch == 1:
         return "Every sample is shown."
     kept = (
-        f"Of every curve {MOST_POINTS if exact else POINTS} points are kept at most: the extremes of stretches of the "
-        "signal, the largest lines of stretches of a spectrum."
+        f"Each curve has at most {MOST_POINTS if exact else POINTS} points: the extremes of each interval of a signal, "
+        "and the largest line of each interval of a spectrum."
     )
     return kept if exact else f"{kept} The channel of the verdict is shown in full."
 

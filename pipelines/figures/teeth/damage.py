@@ -60,7 +60,7 @@ def drawn_tooth(
         elif isinstance(fault, PittedTooth):
             depth = np.maximum(depth, patch_depth(section, face, fault.pits(section.gear), fault.flank))
         elif type(fault) not in DRAWN:
-            assert law is not None, "as `needs_law` says"
+            assert law is not None, "required by `needs_law`"
             depth = np.maximum(depth, worn_depth(section, face, pair, law, gear, fault))
     scale = _scale(float(depth.max()), section.gear.normal_module)
     points, quads, torn = surface_of(section, face, flat - scale * depth[..., None] * _normals(section), broken)
@@ -136,7 +136,7 @@ DRAWN: dict[type[ToothFault], Callable[..., DrawnTooth]] = {
 
 def _scaled(tooth: DrawnTooth) -> str:
     """How much deeper than it is damage is drawn, in words."""
-    return "" if tooth.scale == 1.0 else f", drawn {tooth.scale:g} times as deep"
+    return "" if tooth.scale == 1.0 else f", depth enlarged {tooth.scale:g} times"
 
 
 def crack_depth(fault: CrackedTooth, face_width: float) -> tuple[np.ndarray, np.ndarray]:
