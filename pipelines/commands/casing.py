@@ -161,7 +161,8 @@ def band_words(limits: FrequencyLimits, factor: float, relative: np.ndarray) -> 
     how = f"three element sizes, common order {limits.order:.2f}" if by_sizes else "cubic and quadratic elements"
     return (
         f"Hz: stiffness times {factor:.4f}, extrapolated to zero element size from {how}.\n"
-        f"+-: error band, {100 * np.nanmedian(relative):.2f} % in the median, {100 * np.nanmax(relative):.2f} % at most. "
+        f"+-: error band, {100 * np.nanmedian(relative):.2f} % in the median, "
+        f"{100 * np.nanmax(relative):.2f} % at most.\n"
         "On the mesh without extrapolation, and extrapolated mode by mode: --json."
     )
 

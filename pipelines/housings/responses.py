@@ -156,6 +156,7 @@ def accelerance_figure(found: Accelerance, title: str) -> Figure:
         dress(above, point, "", "m/s2/N")
         dress(below, "", "Hz", "phase, deg")
         above.set_ylim(max(0.5 * low, 1e-6 * high), 2.0 * high)
+        below.set_xlim(0.0, found.frequencies[-1])
         below.set_ylim(-180.0, 180.0)
         below.set_yticks([-180, 0, 180])
         above.legend(loc="lower right", ncols=3, frameon=False, fontsize=8)
