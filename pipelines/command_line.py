@@ -291,7 +291,7 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
     ),
     (
         "converge",
-        "refine one thing and say how far the answer is off",
+        "refine one setting and estimate the discretisation error",
         "gearcase converge minimal --over step",
         converge_arguments,
     ),

@@ -1,4 +1,4 @@
-"""`gearcase casing`: the reduced casing of a scene, its check-up, its modes, its error, its files."""
+"""`gearcase casing`: the reduced casing of a scene, its check-up, modes, frequency responses and exported files."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MESH_MODELS = {  # distance from converged contact in space, docs/choosing-a-model.md
-    "iso": "about 10 % softer than plane, with a shape of its own",
+    "iso": "about 10 % softer than plane, with another shape over the mesh cycle",
     "energy": "within 10 % in single contact, up to half too stiff in double contact",
     "plane": "2 to 14 % too stiff by the pair: 2 to 3 % wide, 5 % narrow spur, 7 to 14 % narrow helical",
     "solid": "within 0.6 % of converged contact in space",
