@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import scipy.io
 import scipy.linalg as la
 import scipy.sparse as sp
 from housings import small_housing
@@ -32,9 +35,10 @@ from pipelines.housings.responses import (
     damping_words,
     table_lines,
 )
-from pipelines.runs.casing_export import free_body, write_casing
+from pipelines.runs.casing_export import FORMATS, free_body, write_casing
 from pipelines.runs.single_results import Casing
 
+ROOT = Path(__file__).resolve().parent.parent
 FACTOR = 0.97  # of the stiffness, as extrapolation gives one
 
 
@@ -239,3 +243,36 @@ def test_the_number_of_a_mode_is_a_number_or_all():
     assert (mode_number("all"), mode_number("3")) == ("all", 3)
     with pytest.raises(argparse.ArgumentTypeError, match="whole number from 1"):
         mode_number("any")
+
+
+def page_block(language):
+    """The block of code of a language in the section of the page on exported matrices."""
+    section = (ROOT / "docs" / "housings.md").read_text(encoding="utf-8").partition("exported matrices\n")[2]
+    (text,) = re.findall(rf"^```{language}\n(.*?)^```", section, re.M | re.S)
+    return text.replace("sensor_3", "sensor_2")  # the casing of these tests has two
+
+
+def test_the_examples_of_the_page_read_the_files_and_give_the_same_response(casing, tmp_path, monkeypatch):
+    """The Python example as it is printed; the MATLAB one with the names and products that it takes."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("casing.npz", "casing.mat"):
+        write_casing(casing, "a casing", tmp_path / name)
+    body, found = casing.body, {}
+    exec(page_block("python"), found)
+    rows = (body.row("sensor_2:uz")[None], body.row("bearing_1:uz")[None])
+    exact = accelerances(body, *rows, np.array([500.0]))[0, 0, 0]
+    assert found["frequencies"] == pytest.approx(casing.frequencies, rel=1e-9)
+    assert found["response"] == pytest.approx(exact, rel=1e-7)
+    c = scipy.io.loadmat("casing.mat", simplify_cells=True)
+    text = page_block("matlab")
+    assert set(re.findall(r"\bc\.(\w+)", text)) <= c.keys()
+    out, into = (list(c["row_names"]).index(name) for name in re.findall(r"'(\w+:u\w)'", text))
+    w = 2 * math.pi * 500.0
+    dynamic = c["stiffness"] + 1j * w * c["damping"] - w**2 * c["mass"]
+    assert -(w**2) * c["rows"][out] @ la.solve(dynamic, c["rows"][into]) == pytest.approx(exact, rel=1e-9)
+
+
+def test_the_page_names_every_format_of_an_export():
+    text = (ROOT / "docs" / "housings.md").read_text(encoding="utf-8").partition("exported matrices\n")[2]
+    heads = " ".join(re.findall(r"^\| (`\.[^|]*)\|", text, re.M))
+    assert set(re.findall(r"`(\.\w+)`", heads)) == set(FORMATS)
