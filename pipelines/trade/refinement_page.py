@@ -25,7 +25,7 @@ CASINGS = {
     "static": "its inertia is that of the static shapes alone",
     "craig-bampton": "0.7 % in frequency on the shipped mesh of the rig, 3 % with tetrahedra of that size",
 }
-LABELLED = 8  # quantities with the widest error bands, which get a colour
+LABELLED = 7  # quantities with the widest error bands, which get a colour
 REACH = {  # probes whose settings move what a study looks at
     "gears": ("gears",),
     "modes": ("modes",),
