@@ -12,6 +12,7 @@ from typing import NoReturn
 from pipelines.border.argument_types import (
     count,
     days,
+    mode_number,
     number,
     path,
     positive,
@@ -132,9 +133,19 @@ def _casing(sub: argparse.ArgumentParser) -> None:
         type=path,
         action="append",
         default=[],
-        help="write the reduced casing as .h5, .mat or .uff (modal test), or its modes as .vtu; repeatable",
+        help="write the reduced matrices as .h5, .mat, .npz, .mtx, .op4 or .pch, a modal model as .uff, or the "
+        "modes on the mesh as .vtu; repeatable",
+    )
+    sub.add_argument(
+        "--response",
+        metavar="POINT",
+        nargs="+",
+        default=[],
+        help="acceleration per force at a point and axis, as in bearing_1:z, over frequency: CSV and PNG here; "
+        "further POINTs respond (default: all sensors)",
     )
     sub.add_argument("--modes", metavar="N", type=count, default=20, help="rows of the table of modes (default 20)")
+    json_argument(sub)
 
 
 def _out(sub: argparse.ArgumentParser) -> None:
@@ -209,9 +220,9 @@ def _inspect(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--screen", action="store_true", help="instead, a window with a slider for the position")
     sub.add_argument(
         "--casing-mode",
-        type=count,
+        type=mode_number,
         metavar="N",
-        help="instead, natural mode N of the casing: PNG, GIF and HTML",
+        help="instead, natural mode N of the casing: PNG, GIF and HTML; all: one PNG of all modes in its band",
     )
 
 
@@ -266,7 +277,12 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
     ),
     ("gears", "stiffness and load share of each pair, healthy and faulty", "gearcase gears bench", _gears),
     ("housing", "bores and seats in a housing's file", "gearcase housing box.step --scene bench", housing_arguments),
-    ("casing", "build the casing and print its check-up", "gearcase casing rig-healthy", _casing),
+    (
+        "casing",
+        "reduce the casing: modes, check-up, frequency responses, matrices to export",
+        "gearcase casing rig-healthy --response bearing_1:z --export casing.npz",
+        _casing,
+    ),
     (
         "modes",
         "linearise the loaded machine and print its frequencies",
@@ -275,7 +291,7 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
     ),
     (
         "converge",
-        "refine one thing and say how far the answer is off",
+        "refine one setting and estimate the discretisation error",
         "gearcase converge minimal --over step",
         converge_arguments,
     ),

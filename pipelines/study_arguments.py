@@ -23,7 +23,7 @@ def scene_arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--preset",
         choices=PRESETS,
-        help="how finely it is computed; --set counts more (default: as the scene says)",
+        help="mesh sizes, slices and time step; --set overrides it (default: the settings of the scene)",
     )
 
 
@@ -38,9 +38,17 @@ def converge_arguments(sub: argparse.ArgumentParser) -> None:
     """What is refined, and how far."""
     work_arguments(sub)
     sub.add_argument("--over", choices=tuple(AXES), required=True, help="what is refined")
-    sub.add_argument("--levels", type=count, metavar="N", default=3, help="levels, one finer than in use (default 3)")
-    sub.add_argument("--error", type=share, metavar="E", default=0.01, help="wanted error, as in 1%% (default)")
-    sub.add_argument("--out", type=picture, metavar="FILE", help="plot to write (convergence-<scene>-<what>.png here)")
+    sub.add_argument(
+        "--levels",
+        type=count,
+        metavar="N",
+        default=3,
+        help="levels of refinement, one of them finer than the setting in use (default 3)",
+    )
+    sub.add_argument("--error", type=share, metavar="E", default=0.01, help="target error, as in 1%% (default)")
+    sub.add_argument(
+        "--out", type=picture, metavar="FILE", help="plot to write (default: convergence-<scene>-<axis>.png here)"
+    )
 
 
 def tradeoff_arguments(sub: argparse.ArgumentParser) -> None:

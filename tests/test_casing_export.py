@@ -1,7 +1,7 @@
 """The reduced casing in files of other programs, pictures of its modes, and the store of its modes."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import meshio
@@ -27,6 +27,7 @@ from pipelines.engine.step import Graph, Step, explain
 from pipelines.figures.film import film_page
 from pipelines.figures.mode_pictures import ModeView, mode_figure, write_mode
 from pipelines.runs.casing_export import checked_target, mode_shapes, write_mat, write_uff, write_vtu
+from pipelines.runs.single_results import Casing
 
 
 @pytest.fixture(scope="module")
@@ -103,11 +104,52 @@ def test_effective_masses_stay_below_the_mass_and_are_printed(elastic):
     assert (natural.effective_mass.sum(axis=0) <= natural.total * (1 + 1e-9)).all()
     text = mode_table(natural, 3)
     assert "about z %" in text
+    assert "+-" not in text
     assert len(text.splitlines()) == 3 + 3 + 1
 
 
+def test_a_mode_has_one_frequency_and_its_error_band(elastic):
+    natural = natural_modes(elastic[1])
+    bands = np.full(len(natural.frequencies), np.nan)
+    bands[1] = 1.234
+    rows = [line.split() for line in mode_table(natural, 2, bands).splitlines()[1:]]
+    assert rows[0][:4] == ["mode", "Hz", "+-", "Hz"]
+    assert [row[:3] for row in rows[2:4]] == [
+        ["1", f"{natural.frequencies[0]:.2f}", "-"],
+        ["2", f"{natural.frequencies[1]:.2f}", "1.23"],
+    ]
+
+
+def test_the_band_of_a_frequency_holds_its_own_extrapolated_frequency_and_the_band_of_that(elastic):
+    _, modes, body = elastic
+    natural = natural_modes(modes)
+    frequencies = natural.frequencies[:4]
+    limits = SimpleNamespace(
+        frequencies=frequencies / 0.99,
+        correction=0.01,
+        limits=frequencies * (1.0 + np.array([0.0, 0.02, -0.03, 0.0])),
+        bands=0.01 * frequencies,
+    )
+    casing = Casing(
+        body=body,
+        mesh=None,
+        modes=modes,
+        natural=natural,
+        checkup=None,
+        limits=limits,
+        error=None,
+        records=(),
+        band=1.0,
+    )
+    assert casing.bands[:4] / frequencies == pytest.approx([0.01, 0.03, 0.04, 0.01])
+    assert np.isnan(casing.bands[4:]).all()
+    sprung = replace(casing, modes=SimpleNamespace(ground="springs"))  # six motions on the mounts come first
+    assert np.isnan(sprung.bands[:6]).all()
+    assert sprung.bands[6:10] / natural.frequencies[6:10] == pytest.approx([0.01, 0.03, 0.04, 0.01])
+
+
 def test_an_unknown_ending_is_refused():
-    with pytest.raises(InputError, match=r"must be one of \.h5, \.mat, \.uff, \.vtu"):
+    with pytest.raises(InputError, match=r"must be one of \.h5, \.mat, \.npz, \.mtx, \.op4, \.pch, \.uff, \.vtu"):
         checked_target("casing.txt")
 
 
@@ -171,6 +213,32 @@ def test_the_strain_energy_of_parts_and_the_rest_is_all():
     )
     rows = [line.split() for line in part_table(natural, np.array([0.02, 0.03]), 2).splitlines()[-2:]]
     assert rows == [["1", "100.00", "2", "25.00", "50.00", "25.00"], ["2", "200.00", "3", "0.00", "12.50", "87.50"]]
+
+
+def test_a_sheet_holds_a_still_of_every_mode_at_its_largest_deflection(elastic, tmp_path, monkeypatch):
+    from pipelines.figures import mode_pictures
+    from pipelines.figures.views import Picture
+
+    places = {"origin": (0.0, 0.0), "x": (5.0, 0.0), "y": (0.0, 5.0), "z": (3.0, 3.0)}
+    shades = []
+
+    def render(nodes, triangles, shape, frames, size):
+        shades.append(len(shades))
+        return [Picture(image=np.full((20, 30, 3), 10 * number, np.uint8), places=places) for number in range(frames)]
+
+    drawn_sheets = []
+    sheet = mode_pictures.sheet_figure
+    monkeypatch.setattr(mode_pictures, "render_mode", render)
+    monkeypatch.setattr(mode_pictures, "sheet_figure", lambda *some: drawn_sheets.append(some) or sheet(*some))
+    views = [replace(mode_view(elastic), number=n, frequency=100.0 * n) for n in range(1, 31)]
+    found = mode_pictures.write_modes(iter(views), len(views), tmp_path)
+    assert [path.name for path in found] == ["casing_modes_1.png", "casing_modes_2.png"]
+    assert all(path.stat().st_size > 1000 for path in found)
+    assert len(shades) == 30
+    assert [len(one[0]) for one in drawn_sheets] == [24, 6]
+    assert {int(still.image[0, 0, 0]) for _, stills in drawn_sheets for still in stills} == {10}  # a quarter period
+    titles = [axes.get_title() for axes in sheet(views[:5], drawn_sheets[0][1][:5]).axes]
+    assert titles[4] == "mode 5: 500.0 Hz"
 
 
 @pytest.mark.slow

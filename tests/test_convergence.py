@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,8 +18,16 @@ from pipelines.scene.file import load_scene
 from pipelines.trade.axes import AXES, AxisError
 from pipelines.trade.convergence import CAUTION, ConvergenceError, study
 from pipelines.trade.probes import Value
-from pipelines.trade.refinement import modes_of_common_order, refine
-from pipelines.trade.refinement_page import CASINGS, MESH_MODELS, convergence_figure, not_refined, verdict
+from pipelines.trade.refinement import RefinementStudy, modes_of_common_order, refine, unpaired_modes
+from pipelines.trade.refinement_page import (
+    CASINGS,
+    LABELLED,
+    MESH_MODELS,
+    convergence_figure,
+    not_refined,
+    pairing_words,
+    verdict,
+)
 from pipelines.trade.slicing import tone_and_distance
 from pipelines.trade.variants import Measured
 
@@ -127,6 +136,10 @@ def test_a_study_names_what_it_did_not_refine_with_the_size_that_is_known():
     assert "time step" not in said
     assert "casing model rigid, its elasticity is left out" in not_refined(["plane"], "rigid", "step")
     assert "mesh model" not in not_refined(["plane"], "rigid", "casing-mesh")
+    alone = not_refined(["plane"], "craig-bampton", "casing-mesh")
+    assert "casing model craig-bampton" in alone
+    assert "()" not in alone
+    assert "other settings" not in alone
 
 
 def test_every_model_of_a_scene_has_words():
@@ -163,3 +176,52 @@ def test_casing_modes_share_an_order_though_they_cross_from_mesh_to_mesh():
         assert quantity.limit - limit == pytest.approx(0.0, abs=1e-3 * (mesh[0] - limit))
         assert quantity.values == pytest.approx(mesh)
         assert (np.array(quantity.bands) > mesh - quantity.limit).all()
+
+
+def refined(quantities, unpaired=None):
+    """A study of the casing mesh over three levels."""
+    return RefinementStudy(
+        axis="casing-mesh",
+        fineness=(1.3, 1.0, 1 / 1.3),
+        levels=(),
+        quantities=quantities,
+        units=dict.fromkeys(quantities, "Hz"),
+        unpaired=unpaired or {},
+    )
+
+
+def test_modes_without_a_counterpart_are_named_with_their_closest_one():
+    """Modes 3 and 4 of the finest level are half one, half the other on the coarsest: neither has a pair of MAC 0.5."""
+    exact = np.array([300.0, 400.0, 410.0, 600.0])
+    fine, coarse = level(exact, [0, 1, 2, 3]), level(1.01 * exact, [0, 1, 2, 3])
+    x = np.linspace(0.0, 1.0, 40)
+    third = np.sin(3 * np.pi * x) + 1.2 * np.sin(7 * np.pi * x)
+    values = list(coarse.values)
+    values[2] = replace(values[2], shape=tuple(third))
+    found = unpaired_modes([fine, fine, Measured(by_probe={"modes": tuple(values)}, seconds={}, peak_bytes=0)])
+    assert found == {"casing mode 3": pytest.approx(1.0 / (1.0 + 1.2**2), rel=1e-6)}
+    one = study((1 / 1.3, 1.0, 1.3), (1.0, 1.1, 1.3))
+    words = pairing_words(refined({f"casing mode {n}": one for n in (1, 2, 4)}, found))
+    assert "3 of 4 modes have a counterpart on every level. Left out: modes 3 (0.41)." in words
+    assert "0.5 or more" in words
+    assert pairing_words(refined({"casing mode 1": one})) == "1 of 1 modes have a counterpart on every level."
+
+
+def test_a_figure_of_many_modes_names_the_worst_and_keeps_its_legend_inside():
+    sizes = (1 / 1.3, 1.0, 1.3)
+    many = {f"casing mode {n}": study(sizes, [100.0 + 0.01 * n * h**2 for h in sizes]) for n in range(1, 29)}
+    figure = convergence_figure("rig", refined(many))
+    (legend,) = figure.legends
+    texts = [text.get_text() for text in legend.get_texts()]
+    assert [text.split(" (")[0] for text in texts[:LABELLED]] == [f"casing mode {n}" for n in range(29 - LABELLED, 29)]
+    assert texts[LABELLED:] == [
+        f"{28 - LABELLED} others, with narrower bands",
+        "setting in use; dashes: its error bands",
+    ]
+    curves = [line for line in figure.axes[0].lines if len(line.get_xdata()) == 3]
+    assert len({line.get_color() for line in curves}) == LABELLED + 1
+    figure.draw_without_rendering()
+    box, whole = legend.get_window_extent(), figure.bbox
+    assert box.x0 >= whole.x0
+    assert box.x1 <= whole.x1
+    assert box.y0 >= whole.y0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 from dataclasses import replace
 
@@ -12,7 +13,7 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.working import Work
 from pipelines.scene import presets
 from pipelines.scene.file import load_scene
-from pipelines.scene.presets import LEVELS, PRESETS, preset_on
+from pipelines.scene.presets import LEVELS, PRESETS, load_asked, preset_on
 from pipelines.trade import choices as choices_module
 from pipelines.trade import tradeoff
 from pipelines.trade.choices import choices
@@ -125,6 +126,26 @@ def test_a_preset_changes_only_how_finely_a_scene_is_computed(preset):
     for part in ("faults", "drive", "load", "shafts", "bearings", "deviations", "sensors"):
         assert getattr(plain, part) == getattr(fine, part)
     assert plain.casing.housing == fine.casing.housing
+
+
+def test_a_band_in_a_file_of_the_user_overrides_the_preset(tmp_path, capsys):
+    """Of shipped scenes and of defaults a preset reduces the band, as its figures were measured."""
+    mine, variant, plain = (tmp_path / f"{name}.toml" for name in ("mine", "variant", "plain"))
+    mine.write_text('extends = "rig-healthy"\ncasing = { band_Hz = 3000.0 }\nsimulation = { step_us = 30.0 }\n')
+    variant.write_text('extends = "mine.toml"\ntitle = "variant"\n')
+    plain.write_text('extends = "rig-healthy"\ntitle = "plain"\n')
+    shipped = load_scene("rig-healthy").scene.casing.band_Hz
+    for path, band in ((mine, 3000.0), (variant, 3000.0), (plain, 0.7 * shipped)):
+        found = preset_on(load_scene(path), "standard").scene
+        assert (found.casing.band_Hz, found.simulation.step_us) == (pytest.approx(band), 50.0)
+    found = preset_on(load_scene(mine, ["casing.band_Hz=1000"]), "standard").scene
+    assert found.casing.band_Hz == 1000.0
+    load_asked(argparse.Namespace(scene=str(mine), settings=[], preset="standard"))
+    said = capsys.readouterr().err
+    assert "simulation.step_us 30.0 -> 50.0" in said
+    assert "band_Hz" not in said
+    load_asked(argparse.Namespace(scene=str(plain), settings=[], preset="standard"))
+    assert f"casing.band_Hz {shipped} -> {0.7 * shipped}" in capsys.readouterr().err
 
 
 def test_a_setting_counts_more_than_the_preset():

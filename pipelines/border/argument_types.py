@@ -27,6 +27,11 @@ def count(text: str) -> int:
     return int(text)
 
 
+def mode_number(text: str) -> int | str:
+    """A whole number from 1, or the word "all"."""
+    return text if text == "all" else count(text)
+
+
 def several(text: str) -> int:
     """A whole number from 2."""
     if count(text) < 2:

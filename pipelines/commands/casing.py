@@ -1,24 +1,29 @@
-"""`gearcase casing`: the reduced casing of a scene, its check-up, its modes, its error, its files."""
+"""`gearcase casing`: the reduced casing of a scene, its check-up, modes, frequency responses and exported files."""
 
 from __future__ import annotations
 
 import argparse
-import math
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import numpy as np
 
     from fem.casing.mesh_error.frequency_limits import FrequencyLimits
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.modes import CasingModes, NaturalModes
+    from pipelines.runs.single_results import Casing
 
 
 def main(options: argparse.Namespace) -> int:
-    """Build the casing; print check-up, modes and error (elastic models) and the coordinates; write the files asked."""
+    """Build the casing; print check-up, modes with error bands and coordinates; write the requested files."""
     from pipelines.border.errors import InputError
+    from pipelines.border.json_text import json_text
     from pipelines.engine.working import Work
+    from pipelines.housings.responses import checked_names
     from pipelines.runs.casing_export import checked_target, write_casing
     from pipelines.runs.single_results import build_casing, no_full_model, scene_graph
     from pipelines.scene.presets import load_asked
@@ -28,44 +33,106 @@ def main(options: argparse.Namespace) -> int:
     graph, plant = scene_graph(loaded)
     if "casing mesh" not in graph.steps and any(t.suffix == ".vtu" for t in targets):
         raise InputError(no_full_model(plant))
+    if options.response:
+        if plant.models["casing"] == "none":
+            raise InputError("--response: casing.model = 'none' has no motion. Set casing.model to craig-bampton.")
+        bearings = [f"bearing_{number}" for number in range(1, len(plant.bearing_points) + 1)]
+        checked_names(options.response, bearings, [sensor.name for sensor in plant.sensors])
     work = Work(processes=options.processes, quiet=options.quiet)
     casing = build_casing(loaded, work, error_check=options.error_check)
+    if options.json:
+        sys.stdout.write(json_text(casing_facts(casing, loaded.name)))
+    else:
+        sys.stdout.write("".join(f"{text}\n" for text in _texts(casing, options.modes)))
+    written = [path for target in targets for path in write_casing(casing, plant.title, target)]
+    if options.response:
+        written += _write_response(casing, options.response, loaded.name, plant.title)
+    (sys.stderr if options.json else sys.stdout).write("".join(f"{path}\n" for path in written))
+    return 0
+
+
+def _texts(casing: Casing, count: int) -> Iterator[str]:
+    """What is printed, paragraph by paragraph."""
     body = casing.body
     if casing.modes is not None and casing.natural is not None and casing.checkup is not None:
-        factor = body.stiffness_factor
-        extrapolated = f"stiffness times {factor:.4f}, extrapolated to elements of size zero\n" if factor != 1.0 else ""
-        table = mode_table(casing.natural, options.modes)
-        sys.stdout.write(f"{describe(casing.modes)}\n{extrapolated}{casing.checkup.report(0)}\n{table}\n")
-        if casing.natural.part_names:
-            sys.stdout.write(f"{part_table(casing.natural, modal_ratios(body), options.modes)}\n")
+        yield describe(casing.modes)
+        yield casing.checkup.report(0)
+        yield mode_table(casing.natural, count, casing.bands)
         if casing.limits is not None:
-            sys.stdout.write(f"{limit_table(casing.limits, options.modes)}\n")
+            yield band_words(casing.limits, body.stiffness_factor, casing.bands / casing.frequencies)
+        if casing.natural.part_names:
+            yield part_table(casing.natural, modal_ratios(body), count)
     if casing.joint:
-        sys.stdout.write(f"joint: {casing.joint}\n")
+        yield f"joint: {casing.joint}"
     if casing.mesh is not None and casing.mesh.divided:
-        sys.stdout.write(
+        yield (
             f"{casing.mesh.divided} of the file were divided into {len(casing.mesh.elements)} tetrahedra between the "
-            "same nodes\n"
+            "same nodes"
         )
     if casing.mesh is not None and casing.mesh.straightened:
-        sys.stdout.write(
+        yield (
             f"{casing.mesh.straightened} of {len(casing.mesh.elements)} curved elements of the file were folded or "
-            "nearly so and have lost curvature, with those that share their mid-side nodes\n"
+            "nearly so and have lost curvature, with those that share their mid-side nodes"
         )
     if casing.error is not None:
-        sys.stdout.write(f"{casing.error.report()}\n")
-    sys.stdout.write(f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} rows\n")
+        yield casing.error.report()
+    yield f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} rows"
     for name, (x, y, z) in zip(body.point_names, body.point_positions * 1000, strict=True):
-        sys.stdout.write(f"  {name:10} x {x:8.2f}  y {y:8.2f}  z {z:8.2f} mm\n")
+        yield f"  {name:10} x {x:8.2f}  y {y:8.2f}  z {z:8.2f} mm"
     if body.feet:
-        sys.stdout.write(weight_lines(body))
+        yield weight_lines(body).rstrip("\n")
     for record in casing.records:
         reused = ", taken from the cache" if record.reused else ""
-        sys.stdout.write(f"  {record.name:19} {record.seconds:7.1f} s {record.peak_bytes / 1e6:6.0f} MB{reused}\n")
-    for target in targets:
-        write_casing(casing, plant.title, target)
-        sys.stdout.write(f"{target}\n")
-    return 0
+        yield f"  {record.name:19} {record.seconds:7.1f} s {record.peak_bytes / 1e6:6.0f} MB{reused}"
+
+
+def _write_response(casing: Casing, names: list[str], scene: str, title: str) -> list[Path]:
+    """Table and plot of the accelerances, in the working folder."""
+    from pathlib import Path
+
+    from pipelines.border.user_files import whole_file, writable_file
+    from pipelines.figures.film import save_figure
+    from pipelines.housings.responses import accelerance, accelerance_figure, damping_words, table_lines
+
+    words = damping_words(modal_ratios(casing.body), casing.frequencies, casing.band)
+    found = accelerance(casing.body, names, casing.band, words)
+    stem = f"response-{scene}-{found.force.replace(':', '-')}"
+    table, plot = (writable_file(f"{stem}{ending}", "--response") for ending in (".csv", ".png"))
+    with whole_file(table) as partial, Path(partial).open("w", encoding="utf-8") as file:
+        file.writelines(table_lines(found, title))
+    save_figure(accelerance_figure(found, title), plot, dpi=110)
+    return [table, plot]
+
+
+def casing_facts(casing: Casing, scene: str) -> dict[str, Any]:
+    """Frequencies with their bands, effective masses, damping and points; SI.
+
+    `frequency_Hz` are those of the reduced casing. Where the stiffness is extrapolated, `extrapolation` holds the
+    elastic modes as they are on the mesh, each extrapolated to zero element size, and the band of that.
+    """
+    body, natural, limits = casing.body, casing.natural, casing.limits
+    return {
+        "scene": scene,
+        "units": "SI",
+        "model": body.model,
+        "coordinates": body.coordinate_names,
+        "rows": body.row_names,
+        "points": dict(zip(body.point_names, body.point_positions, strict=True)),
+        "band_Hz": casing.band,
+        "frequency_Hz": casing.frequencies,
+        "frequency_band_Hz": casing.bands,
+        "damping_ratio": modal_ratios(body),
+        "effective_mass": None if natural is None else natural.effective_mass,
+        "stiffness_factor": body.stiffness_factor,
+        "extrapolation": None
+        if limits is None
+        else {
+            "mesh_frequency_Hz": limits.frequencies,
+            "extrapolated_frequency_Hz": limits.limits,
+            "extrapolated_band_Hz": limits.bands,
+            "order": limits.orders,
+        },
+    }
 
 
 def weight_lines(body: ReducedBody) -> str:
@@ -86,30 +153,18 @@ def weight_lines(body: ReducedBody) -> str:
     return f"own weight {up.sum():.4g} N: {feet} N{seats}\n"
 
 
-def limit_table(limits: FrequencyLimits, count: int) -> str:
-    """Limits of the natural frequencies at elements of size zero, with their bands; rigid motions are left out."""
+def band_words(limits: FrequencyLimits, factor: float, relative: np.ndarray) -> str:
+    """Where the error bands of the frequencies come from, and where the other frequencies are."""
     import numpy as np
 
-    from pipelines.border.grid import Grid
-
-    alone = bool(np.isfinite(limits.orders).any())  # orders are told by meshes of three sizes only
-    rows = [
-        (str(i + 1), f"{f:.2f}", f"{limit:.2f}", f"{band:.2f}", f"{100 * band / limit:.2f}", *([_order(order)] * alone))
-        for i, (f, limit, band, order) in enumerate(
-            zip(limits.frequencies, limits.limits, limits.bands, limits.orders, strict=True)
-        )
-    ]
-    what = f"three sizes, common order {limits.order:.2f}" if alone else "cubic and quadratic displacements on one mesh"
-    title = (
-        f"Elements of size zero, from {what}; bands of {len(rows)} modes: "
-        f"{100 * limits.median_band:.2f} % in the median, {100 * limits.widest_band:.2f} % at most"
+    by_sizes = bool(np.isfinite(limits.orders).any())  # meshes of one size give no order
+    how = f"three element sizes, common order {limits.order:.2f}" if by_sizes else "cubic and quadratic elements"
+    return (
+        f"Hz: stiffness times {factor:.4f}, extrapolated to zero element size from {how}.\n"
+        f"+-: error band, {100 * np.nanmedian(relative):.2f} % in the median, "
+        f"{100 * np.nanmax(relative):.2f} % at most.\n"
+        "On the mesh without extrapolation, and extrapolated mode by mode: --json."
     )
-    headers = ("mode", "Hz on its mesh", "limit, Hz", "+- Hz", "+- %", *(["order alone"] * alone))
-    return Grid(title=title, headers=headers, rows=tuple(rows[:count])).to_text()
-
-
-def _order(order: float) -> str:
-    return "not monotone" if math.isnan(order) else f"{order:.1f}"
 
 
 def modal_ratios(body: ReducedBody) -> np.ndarray:
@@ -142,19 +197,23 @@ def describe(modes: CasingModes) -> str:
     fixed = modes.mode_set.n_fixed
     if not modes.band_limit:
         return text
-    sure = f"the law of inertia counts {modes.counted}" if modes.counted >= 0 else "not counted by the law of inertia"
+    sure = f"Sturm-sequence count {modes.counted}" if modes.counted >= 0 else "without a Sturm-sequence count"
     return f"{text}\n{fixed} fixed-interface modes to {modes.band_limit:g} Hz ({sure}), {len(modes.mass)} coordinates"
 
 
-def mode_table(natural: NaturalModes, count: int) -> str:
-    """Natural frequencies with effective masses in percent of mass and inertia."""
+def mode_table(natural: NaturalModes, count: int, bands: np.ndarray | None = None) -> str:
+    """Natural frequencies, their error bands where they are known, effective masses in percent of mass and inertia."""
+    import numpy as np
+
     from pipelines.border.grid import Grid
 
     share = 100.0 * natural.effective_mass / natural.total
-    headers = ("mode", "Hz", "x %", "y %", "z %", "about x %", "about y %", "about z %")
+    known = bands is not None and bool(np.isfinite(bands).any())
+    widths = [[f"{band:.2f}" if np.isfinite(band) else "-"] for band in bands] if bands is not None and known else []
     rows = [
-        (str(i + 1), f"{natural.frequencies[i]:.2f}", *(f"{v:.2f}" for v in share[i]))
+        (str(i + 1), f"{natural.frequencies[i]:.2f}", *(widths[i] if known else ()), *(f"{v:.2f}" for v in share[i]))
         for i in range(min(count, len(share)))
     ]
-    rows.append(("all", f"{len(share)} modes", *(f"{v:.2f}" for v in share.sum(axis=0))))
+    rows.append(("all", f"{len(share)} modes", *([""] * known), *(f"{v:.2f}" for v in share.sum(axis=0))))
+    headers = ("mode", "Hz", *(["+- Hz"] * known), "x %", "y %", "z %", "about x %", "about y %", "about z %")
     return Grid(title="Natural modes in the ground, effective mass", headers=headers, rows=tuple(rows)).to_text()

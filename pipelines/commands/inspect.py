@@ -100,11 +100,14 @@ def _write_casing(graph: Graph, plant: Plant, folder: Path, work: Work) -> None:
     _tell(folder / "casing.png")
 
 
-def _casing_mode(graph: Graph, plant: Plant, number: int, folder: Path, work: Work) -> int:
+def _casing_mode(graph: Graph, plant: Plant, number: int | str, folder: Path, work: Work) -> int:
     from pipelines.border.errors import InputError
 
     if "casing mesh" not in graph.steps or "casing modes" not in graph.steps:
-        raise InputError(f"--casing-mode: a {plant.models['casing']} casing has no mesh with elastic modes")
+        raise InputError(
+            f"--casing-mode: a {plant.models['casing']} casing has no mesh with elastic modes. Set casing.model to "
+            "craig-bampton, and casing.housing to a shape or a mesh."
+        )
     outcome = work.build(graph, ["casing", "casing modes"])
     sys.stdout.write(_listed(_casing_mode_files(outcome, graph, plant.title, number, folder)))
     return 0
@@ -120,24 +123,43 @@ def _listed(found: list[Path] | LeftOut) -> str:
     return f"{found.reason}\n" if isinstance(found, LeftOut) else "".join(f"{path}\n" for path in found)
 
 
-def _casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int, folder: Path) -> list[Path] | LeftOut:
-    """Still, film and page of a natural mode of the casing in its ground; InputError beyond the last one."""
+def _casing_mode_files(
+    outcome: Outcome, graph: Graph, title: str, number: int | str, folder: Path
+) -> list[Path] | LeftOut:
+    """Still, film and page of a natural mode of the casing in its ground, or a sheet of all modes in its band.
+
+    Raises
+    ------
+    InputError : a number beyond the last mode
+    """
+    from fem.casing.reduced.body import MODES_OVER_BAND
     from fem.casing.reduced.modes import natural_modes
     from pipelines.border.errors import InputError
-    from pipelines.figures.mode_pictures import ModeView, write_mode
+    from pipelines.figures.mode_pictures import ModeView, write_mode, write_modes
     from pipelines.runs.casing_export import mode_shapes
 
     modes = outcome.value("casing modes")[0]
     factor = outcome.value("casing").stiffness_factor
     natural = natural_modes(modes, graph.steps["casing"].spec.mounts, stiffness_factor=factor)
-    if number > len(natural.frequencies):
-        raise InputError(f"--casing-mode {number}: the reduced casing has {len(natural.frequencies)} modes")
-    view = ModeView(
-        title=f"Casing of {title}",
-        number=number,
-        frequency=float(natural.frequencies[number - 1]),
-        nodes=modes.nodes,
-        facets=modes.facets,
-        shape=mode_shapes(modes, natural, [number - 1])[0],
-    )
-    return write_mode(view, folder)
+    if isinstance(number, int) and number > len(natural.frequencies):
+        raise InputError(
+            f"--casing-mode {number}: the reduced casing has {len(natural.frequencies)} modes. Give a lower number, "
+            "or all."
+        )
+
+    def view(place: int, shape: np.ndarray) -> ModeView:
+        return ModeView(
+            title=f"Casing of {title}",
+            number=place + 1,
+            frequency=float(natural.frequencies[place]),
+            nodes=modes.nodes,
+            facets=modes.facets,
+            shape=shape,
+        )
+
+    if isinstance(number, int):
+        return write_mode(view(number - 1, mode_shapes(modes, natural, [number - 1])[0]), folder)
+    limit = graph.steps["casing"].spec.limit
+    inside = len(natural.frequencies) if limit is None else int((natural.frequencies <= limit / MODES_OVER_BAND).sum())
+    places = range(max(inside, 1))
+    return write_modes((view(place, mode_shapes(modes, natural, [place])[0]) for place in places), len(places), folder)

@@ -1,8 +1,10 @@
-"""Moving pictures of a casing's natural mode: a still, a GIF and a page that needs nothing but itself."""
+"""Pictures of a casing's natural modes: a sheet of stills; of one mode a still, a GIF and a self-contained page."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +20,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FRAMES = 16  # of one period
+STILL = 4  # frames of one for a still: the second one shows the largest deflection
+ON_A_SHEET = 24  # modes
+_COLUMNS = 4
 _MILLISECONDS = 70  # per frame
 
 
@@ -35,9 +40,7 @@ class ModeView:
 
 def write_mode(view: ModeView, folder: Path) -> list[Path] | LeftOut:
     """casing_mode_<n>.png, .gif and .html in a folder; the reason if they cannot be rendered."""
-    triangles = drawn_triangles(view.facets)
-    used, place = np.unique(triangles, return_inverse=True)
-    pictures = render_mode(view.nodes[used], place.reshape(-1, 3), view.shape[used], FRAMES)
+    pictures = render_mode(*_surface(view), FRAMES)
     if isinstance(pictures, LeftOut):
         return pictures
     size = np.ptp(view.nodes, axis=0)
@@ -50,6 +53,56 @@ def write_mode(view: ModeView, folder: Path) -> list[Path] | LeftOut:
     degrees = [f"{360 * n / FRAMES:.0f}\u00b0" for n in range(FRAMES)]
     write_whole(page, film_page(title, frames, "phase", degrees, _MILLISECONDS))
     return [still, film, page]
+
+
+def write_modes(views: Iterable[ModeView], count: int, folder: Path) -> list[Path] | LeftOut:
+    """casing_modes.png with a still of every mode, or casing_modes_<n>.png of `ON_A_SHEET` each; the reason without."""
+    written: list[Path] = []
+    remaining = iter(views)
+    while sheet := list(islice(remaining, ON_A_SHEET)):
+        stills = []
+        for view in sheet:
+            pictures = render_mode(*_surface(view), STILL, (560, 400))
+            if isinstance(pictures, LeftOut):
+                return pictures
+            stills.append(pictures[STILL // 4])
+        number = f"_{len(written) + 1}" if count > ON_A_SHEET else ""
+        written.append(folder / f"casing_modes{number}.png")
+        write_whole(written[-1], png(sheet_figure(sheet, stills), dpi=100))
+    return written
+
+
+def _surface(view: ModeView) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes, triangles and displacements of the surface alone."""
+    triangles = drawn_triangles(view.facets)
+    used, place = np.unique(triangles, return_inverse=True)
+    return view.nodes[used], place.reshape(-1, 3), view.shape[used]
+
+
+def sheet_figure(views: Sequence[ModeView], stills: Sequence[Picture]) -> Figure:
+    """Largest deflections side by side, each with its number and frequency, on one colour scale."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    from pipelines.figures.callouts import draw_axes, show
+    from pipelines.figures.plots import new_figure, plain
+
+    columns = min(_COLUMNS, len(views))
+    rows = -(-len(views) // columns)
+    figure = new_figure(0.7 + 2.3 * rows, 3.0 * columns + 1.0)
+    figure.suptitle(plain(f"{views[0].title}: natural modes in the ground, deflections exaggerated"), fontsize=11)
+    grid = figure.subplots(rows, columns, squeeze=False)
+    for axes in grid.ravel():
+        axes.set_axis_off()
+    for axes, view, still in zip(grid.ravel(), views, stills, strict=False):
+        _, right, _, bottom = show(axes, still, whole=True)
+        if view is views[0]:
+            draw_axes(axes, still, (0.86 * right, 0.95 * bottom))
+        axes.set_title(f"mode {view.number}: {view.frequency:.1f} Hz", fontsize=10)
+    scale = ScalarMappable(Normalize(0.0, 1.0), cmap="viridis")
+    bar = figure.colorbar(scale, ax=list(grid.ravel()), shrink=0.6, pad=0.01, aspect=30)
+    bar.set_label("amplitude of displacement over its largest")
+    return figure
 
 
 def mode_figure(view: ModeView, picture: Picture, size: np.ndarray) -> Figure:

@@ -1,7 +1,9 @@
 """The reduced casing in files that other programs read, chosen by the ending of the name.
 
-.h5    everything, as `fem.casing.reduced.body.ReducedBody` writes it (HDF5 with named dimensions)
-.mat   matrices, rows and names for MATLAB
+.h5    in its ground: everything, as `fem.casing.reduced.body.ReducedBody` writes it (HDF5 with named dimensions)
+.mat   in its ground: matrices, rows and names for MATLAB
+.npz, .mtx, .op4, .pch   as a free body with a node for the ground, see `pipelines.housings.superelement`; the model
+       `matrices` of a housing reads them again
 .uff   universal file of modal testing: key points (2411), their modes (55), accelerances bearing -> sensor (58)
 .vtu   the mesh with every natural mode as a field on its nodes (in its elements)
 """
@@ -9,7 +11,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +21,15 @@ import numpy as np
 from pipelines.border.errors import InputError
 from pipelines.border.shown import shown
 from pipelines.border.user_files import whole_file, writable_file
+from pipelines.housings.responses import accelerances
+from pipelines.housings.superelement import (
+    Superelement,
+    superelement,
+    write_matrix_market,
+    write_npz,
+    write_output4,
+    write_punch,
+)
 
 if TYPE_CHECKING:
     from fem.casing.meshing.mesh import CasingMesh
@@ -25,7 +37,6 @@ if TYPE_CHECKING:
     from fem.casing.reduced.modes import CasingModes, NaturalModes
     from pipelines.runs.single_results import Casing
 
-FORMATS = (".h5", ".mat", ".uff", ".vtu")
 _LINES = 1000  # frequencies of an accelerance
 
 
@@ -37,26 +48,37 @@ def checked_target(name: str) -> Path:
     return path
 
 
-def write_casing(casing: Casing, title: str, target: Path) -> None:
-    """Write a casing in the format that the ending of `target` names; the file is whole or not there.
+def write_casing(casing: Casing, title: str, target: Path) -> list[Path]:
+    """Write a casing in the format that the ending of `target` names; every file is whole or not there.
+
+    Returns
+    -------
+    The files: `target` first, then those with nodes, equations or further matrices next to it
 
     Raises
     ------
-    InputError : the file cannot be written
+    InputError : a file cannot be written, a package is not installed, or the casing has no elastic modes
     """
-    body = casing.body
+    form = FORMATS[target.suffix.lower()]
+    if form.elastic and casing.modes is None:
+        raise InputError(
+            f"--export {target.name}: a {casing.body.model} casing has no elastic modes. Set casing.model to "
+            "craig-bampton or static, or export .h5 or .mat."
+        )
     try:
         with whole_file(target) as path:
-            if target.suffix == ".h5":
-                body.save(path)
-            elif target.suffix == ".mat":
-                write_mat(body, path)
-            elif target.suffix == ".uff":
-                write_uff(body, path, title=title, band=casing.band)
-            elif casing.mesh is not None and casing.modes is not None and casing.natural is not None:
-                write_vtu(casing.mesh, casing.modes, casing.natural, path, band=casing.band)
+            further = form.write(casing, title, path, target)
     except OSError as error:
         raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --export.") from error
+    return [target, *further]
+
+
+def free_body(casing: Casing) -> Superelement:
+    """The casing as a free body with a node for the ground; of an elastic casing."""
+    modes, participation = casing.modes, casing.participation
+    if modes is None or participation is None:
+        raise ValueError("a casing without elastic modes is no superelement")
+    return superelement(casing.body, participation, modes.total_mass, modes.centre, modes.inertia)
 
 
 def write_mat(body: ReducedBody, path: Path) -> None:
@@ -170,10 +192,7 @@ def _accelerances(
     if not (inputs and outputs):
         return []
     loads, readings = (np.array([motions[n, a] for n, a in some]) for some in (inputs, outputs))
-    response = np.empty((len(frequencies), len(readings), len(loads)), complex)
-    for line, omega in enumerate(2.0 * math.pi * frequencies):
-        dynamic = body.stiffness - omega**2 * body.mass + 1j * omega * body.damping
-        response[line] = -(omega**2) * readings @ np.linalg.solve(dynamic, loads.T)
+    response = accelerances(body, readings, loads, frequencies)
     step = float(frequencies[0])
     return [
         pyuff.prepare_58(
@@ -232,3 +251,52 @@ def mode_shapes(modes: CasingModes, natural: NaturalModes, wanted: Sequence[int]
         shape = modes.basis @ natural.vectors[:, mode]
         shapes.append(shape / np.linalg.norm(shape, axis=1).max())
     return shapes
+
+
+@dataclass(frozen=True, kw_only=True)
+class Format:
+    """A format of an export: `write(casing, title, path, target)` returns the files next to the target."""
+
+    write: Callable[[Casing, str, Path, Path], list[Path]]
+    elastic: bool = False  # needs modes of finite elements
+
+
+def _h5(casing: Casing, title: str, path: Path, target: Path) -> list[Path]:
+    casing.body.save(path)
+    return []
+
+
+def _mat(casing: Casing, title: str, path: Path, target: Path) -> list[Path]:
+    write_mat(casing.body, path)
+    return []
+
+
+def _uff(casing: Casing, title: str, path: Path, target: Path) -> list[Path]:
+    write_uff(casing.body, path, title=title, band=casing.band)
+    return []
+
+
+def _vtu(casing: Casing, title: str, path: Path, target: Path) -> list[Path]:
+    if casing.mesh is None or casing.modes is None or casing.natural is None:
+        raise InputError(f"--export {target.name}: the casing has no mesh. Export .h5, .mat or .npz instead.")
+    write_vtu(casing.mesh, casing.modes, casing.natural, path, band=casing.band)
+    return []
+
+
+def _free(write: Callable[[Superelement, Path, Path], list[Path]]) -> Format:
+    def written(casing: Casing, title: str, path: Path, target: Path) -> list[Path]:
+        return write(free_body(casing), path, target)
+
+    return Format(write=written, elastic=True)
+
+
+FORMATS: Mapping[str, Format] = {
+    ".h5": Format(write=_h5),
+    ".mat": Format(write=_mat),
+    ".npz": _free(write_npz),
+    ".mtx": _free(write_matrix_market),
+    ".op4": _free(write_output4),
+    ".pch": _free(write_punch),
+    ".uff": Format(write=_uff),
+    ".vtu": Format(write=_vtu, elastic=True),
+}

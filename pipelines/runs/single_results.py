@@ -45,6 +45,7 @@ class Casing:
     error: ErrorStatement | None  # against the full model, if it was asked for
     records: tuple[StepRecord, ...]  # seconds and memory of its steps
     band: float  # Hz
+    participation: np.ndarray | None = None  # T^T M R (coordinate, 6) about the centre of gravity, of an elastic casing
     joint: str = ""  # what holds its halves together; the mesh is then the one cut in two
 
     @property
@@ -57,6 +58,25 @@ class Casing:
             return self.natural.frequencies
         squares = eigh(self.body.stiffness, self.body.mass, eigvals_only=True)
         return np.sqrt(np.maximum(squares, 0.0)) / (2 * math.pi)
+
+    @property
+    def bands(self) -> np.ndarray:
+        """Half widths (mode,) of the error bands of `frequencies`, Hz; nan where none is known.
+
+        The band of a mode holds its own extrapolated frequency with the band of that.
+        """
+        import numpy as np
+
+        from fem.casing.mesh_error.extrapolation import RIGID_MOTIONS
+
+        found = np.full(len(self.frequencies), np.nan)
+        if self.limits is not None and self.modes is not None:
+            corrected = self.limits.frequencies * (1.0 - self.limits.correction)
+            relative = (abs(self.limits.limits - corrected) + self.limits.bands) / corrected
+            first = RIGID_MOTIONS if self.modes.ground == "springs" else 0
+            inside = found[first:][: len(relative)]
+            inside[:] = relative[: len(inside)] * self.frequencies[first:][: len(inside)]
+        return found
 
     def _repr_html_(self) -> str:
         """The lowest natural frequencies, for a notebook."""
@@ -107,11 +127,15 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         wanted.append("casing error")
     outcome = work.build(graph, wanted)
     body, modes, checkup, natural, limits = outcome.value("casing"), None, None, None, None
+    participation = None
     if elastic:
-        from fem.casing.reduced.modes import natural_modes
+        from fem.casing.reduced.modes import kept_modes, natural_modes
 
         modes, checkup = outcome.value("casing modes")
-        mounts = graph.steps["casing"].spec.mounts
+        spec = graph.steps["casing"].spec
+        mounts = spec.mounts
+        chosen = kept_modes(modes, modes.springs(mounts), limit=limit, frequency_error=spec.frequency_error)
+        participation = chosen.basis.T @ modes.participation
         natural = natural_modes(modes, mounts, limit=limit, stiffness_factor=body.stiffness_factor)
         if coarser:
             from fem.casing.mesh_error.extrapolation import measured_limits
@@ -132,6 +156,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         body=body,
         mesh=mesh,
         joint=words,
+        participation=participation,
         modes=modes,
         natural=natural,
         checkup=checkup,

@@ -234,6 +234,23 @@ def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
     return shortened(read_tree(below, chain), tree, source.shown)
 
 
+def user_states(source: Source, key: str) -> bool:
+    """Whether a file of the user's, or one that it extends, gives a value to a key such as "casing.band_Hz"."""
+    seen = set()
+    while source.folder is not None and identity(source) not in seen:
+        seen.add(identity(source))
+        tree = parse(source)
+        node: Any = tree
+        for part in key.split("."):
+            node = node.get(part) if isinstance(node, Mapping) else None
+        if node is not None:
+            return True
+        if "extends" not in tree:
+            return False
+        source = find_source(tree["extends"], source.folder)
+    return False
+
+
 def identity(source: Source) -> str:
     """What tells two sources apart: the shipped name or the full path."""
     return source.name if source.folder is None else str(source.folder / f"{source.name}.toml")

@@ -1,8 +1,10 @@
 """Presets: what `draft`, `standard` and `reference` set in a scene. Chosen from the table of `gearcase tradeoff`.
 
-A preset changes only how finely a scene is computed, never what it contains: models that leave out physics the scene
-asks for (a torsion-only shaft, a casing without modes) are not among them. Of the mesh stiffness it takes the model,
-too.
+A preset sets how finely a scene is computed: mesh models with their refinement and slices, elements of the casing,
+time step. It keeps the physics of the scene: no preset takes a torsion-only shaft or a casing without modes. The band
+of the casing modes is a part of what a scene contains, so that a `casing.band_Hz` in a file of the user overrides the
+preset. A preset reduces only the default of that key and the value of a shipped scene, which its figures were measured
+with. `--set` overrides all of it.
 
 What decides, on the shipped rig: `plane` shifts lines of the fault by up to 9 dB, which no refinement cures, so
 all presets take `solid`. The slices of the face add tones at their own passing frequency, n f_m / eps_beta, among the
@@ -16,6 +18,7 @@ tetrahedra. Both are extrapolated by quadratic displacements on the same mesh; `
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -95,6 +98,7 @@ COARSER = {"tetrahedron-20": 1.5, "hexahedron-32": 1.27}  # than quadratic tetra
 BETWEEN_BOSSES = 1.05  # distance of two axes, seen along x or z, over the sum of the radii of their bosses
 MOST_SLICES = 101  # that a scene may ask for
 PRESETS = tuple(LEVELS)
+_BAND = "casing.band_Hz"
 
 
 def preset_settings(scene: Scene, preset: str) -> Settings:
@@ -109,7 +113,7 @@ def preset_settings(scene: Scene, preset: str) -> Settings:
     if isinstance(scene.casing, ElasticBase):
         settings |= _casing_mesh(scene, scene.casing, level)
     if isinstance(scene.casing, CraigBamptonCasingTable):
-        settings["casing.band_Hz"] = scene.casing.band_Hz * level.band
+        settings[_BAND] = scene.casing.band_Hz * level.band
     return settings
 
 
@@ -184,11 +188,26 @@ def preset_on(loaded: LoadedScene, preset: str) -> LoadedScene:
     """
     from pipelines.border.errors import InputError
     from pipelines.border.shown import shown
-    from pipelines.scene.file import changed
+    from pipelines.scene.file import changed, user_states
 
     if preset not in LEVELS:
         raise InputError(f"preset {shown(preset)}: give one of {', '.join(LEVELS)}.")
-    return changed(changed(loaded, preset_settings(loaded.scene, preset)), (), loaded.settings)
+    settings = preset_settings(loaded.scene, preset)
+    if _BAND in settings and user_states(loaded.source, _BAND):
+        del settings[_BAND]
+    return changed(changed(loaded, settings), (), loaded.settings)
+
+
+def replaced(before: LoadedScene, after: LoadedScene) -> str:
+    """The values of a scene that a preset replaced, as "simulation.step_us 20 -> 50, ..."; "" if none."""
+    from pipelines.scene.merge import leaves
+
+    old, new = leaves(before.tree), leaves(after.tree)
+    return ", ".join(
+        f"{'.'.join(map(str, path))} {old[path]} -> {new[path]}"
+        for path in old
+        if path in new and new[path] != old[path]
+    )
 
 
 def load_asked(options: argparse.Namespace) -> LoadedScene:
@@ -201,4 +220,9 @@ def load_asked(options: argparse.Namespace) -> LoadedScene:
     from pipelines.scene.file import load_scene
 
     loaded = load_scene(options.scene, options.settings)
-    return loaded if options.preset is None else preset_on(loaded, options.preset)
+    if options.preset is None:
+        return loaded
+    fine = preset_on(loaded, options.preset)
+    if (change := replaced(loaded, fine)) and not getattr(options, "quiet", False):
+        sys.stderr.write(f"preset {options.preset}: {change}; keep a value with --set\n")
+    return fine

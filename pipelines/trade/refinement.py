@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from fem.storage import shown_html
@@ -14,6 +14,8 @@ from pipelines.trade.convergence import Convergence, ConvergenceError, study
 from pipelines.trade.variants import Measured, measure
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from fem.casing.mesh_error.laws import Law
 
 
@@ -26,6 +28,7 @@ class RefinementStudy:
     levels: tuple[Measured, ...]
     quantities: dict[str, Convergence]
     units: dict[str, str]
+    unpaired: dict[str, float] = field(default_factory=dict)  # MAC of the closest mode, of modes that were left out
 
     @property
     def in_use(self) -> int:
@@ -69,9 +72,11 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     levels = list(measure(scenes, [chosen.probe, *chosen.also], work).values())
     first = levels[0].by_probe[chosen.probe]
     sizes = [1 / f for f in fineness]
+    unpaired: dict[str, float] = {}
     if chosen.probe == "modes":
         from fem.casing.mesh_error.laws import law_of
 
+        unpaired = unpaired_modes(levels)
         quantities = modes_of_common_order(sizes, levels, law_of(getattr(loaded.scene.casing, "element", "")))
     else:
         columns: dict[str, Sequence[float]] = {
@@ -85,7 +90,30 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
         levels=tuple(levels),
         quantities=quantities,
         units={value.name: value.unit for value in first},
+        unpaired=unpaired,
     )
+
+
+def _shapes(levels: Sequence[Measured]) -> list[np.ndarray]:
+    """Shapes (k, mode) of the modes of every level, the finest first."""
+    import numpy as np
+
+    return [np.array([v.shape for v in level.values]).T for level in levels]
+
+
+def unpaired_modes(levels: Sequence[Measured]) -> dict[str, float]:
+    """Modes of the finest level without a counterpart on some other, with the MAC of the closest mode there."""
+    import numpy as np
+
+    from fem.casing.mesh_error.pairing import assurance, counterparts
+
+    shapes = _shapes(levels)
+    closest = np.ones(shapes[0].shape[1])
+    for other in shapes[1:]:
+        alone = counterparts(shapes[0], other) < 0
+        closest[alone] = np.minimum(closest[alone], assurance(shapes[0], other).max(axis=1)[alone])
+        closest[alone] = np.minimum(closest[alone], np.nextafter(1.0, 0.0))
+    return {v.name: float(mac) for v, mac in zip(levels[0].values, closest, strict=True) if mac < 1.0}
 
 
 def modes_of_common_order(sizes: Sequence[float], levels: Sequence[Measured], law: Law) -> dict[str, Convergence]:
@@ -100,7 +128,7 @@ def modes_of_common_order(sizes: Sequence[float], levels: Sequence[Measured], la
 
     if len(levels) < 3:
         raise ConvergenceError(f"{len(levels)} levels; give three or more")
-    shapes = [np.array([v.shape for v in level.values]).T for level in levels]
+    shapes = _shapes(levels)
     number = np.array([counterparts(shapes[0], other) for other in shapes])
     kept = np.asarray((number >= 0).all(axis=0))
     frequencies = np.array(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pipelines.border.grid import Grid
 from pipelines.report.contents import grid
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MESH_MODELS = {  # distance from converged contact in space, docs/choosing-a-model.md
-    "iso": "about 10 % softer than plane, with a shape of its own",
+    "iso": "about 10 % softer than plane, with another shape over the mesh cycle",
     "energy": "within 10 % in single contact, up to half too stiff in double contact",
     "plane": "2 to 14 % too stiff by the pair: 2 to 3 % wide, 5 % narrow spur, 7 to 14 % narrow helical",
     "solid": "within 0.6 % of converged contact in space",
@@ -25,6 +25,7 @@ CASINGS = {
     "static": "its inertia is that of the static shapes alone",
     "craig-bampton": "0.7 % in frequency on the shipped mesh of the rig, 3 % with tetrahedra of that size",
 }
+LABELLED = 7  # quantities with the widest error bands, which get a colour
 REACH = {  # probes whose settings move what a study looks at
     "gears": ("gears",),
     "modes": ("modes",),
@@ -79,29 +80,59 @@ def not_refined(mesh_models: Sequence[str], casing: str, axis: str) -> str:
     known = [f"mesh model {model}, {MESH_MODELS[model]}" for model in models]
     if probe != "gears" and casing in CASINGS:
         known.append(f"casing model {casing}, {CASINGS[casing]}")
-    others = ", ".join(AXES[other].words for other in AXES if other != axis and AXES[other].probe in REACH[probe])
-    return f"Not refined, and in no error band: {'; '.join(known)}; the other settings ({others}), each by its --over."
+    others = [AXES[other].words for other in AXES if other != axis and AXES[other].probe in REACH[probe]]
+    if others:
+        known.append(f"the other settings ({', '.join(others)}), each by its --over")
+    return f"Not refined, and in no error band: {'; '.join(known)}." if known else ""
+
+
+def pairing_words(found: RefinementStudy) -> str:
+    """How many modes of the finest level were followed through all levels, and why not the others; "" without modes."""
+    if AXES[found.axis].probe != "modes":
+        return ""
+    from fem.casing.mesh_error.pairing import LEAST_MAC
+
+    count = len(found.quantities) + len(found.unpaired)
+    text = f"{len(found.quantities)} of {count} modes have a counterpart on every level."
+    if not found.unpaired:
+        return text
+    modes = ", ".join(f"{name.removeprefix('casing mode ')} ({mac:.2f})" for name, mac in found.unpaired.items())
+    return (
+        f"{text} Left out: modes {modes}. In brackets: MAC of the most similar mode on another level; a pair needs "
+        f"{LEAST_MAC:g} or more and no better partner. Close modes mix from mesh to mesh: refine the mesh, or judge "
+        "them together."
+    )
 
 
 def convergence_figure(name: str, found: RefinementStudy) -> Figure:
-    """Error of every quantity over the size of the levels, both logarithmic, with the bands of the setting in use."""
+    """Error of every quantity over the size of the levels, both logarithmic, with the bands of the setting in use.
+
+    The `LABELLED` quantities with the widest bands have a colour and a name, all others are grey.
+    """
     from pipelines.figures.plots import dress, new_figure, plain
 
-    figure = new_figure(5.0)
+    figure = new_figure(6.0)
     axes = figure.subplots()
     sizes = [1 / fineness for fineness in found.fineness]
     known = [error for c in found.quantities.values() for error in (*c.errors, *c.relative_bands) if error > 0.0]
     floor = max(min(known, default=1.0) / 10, 1e-10)  # where a finest value, taken as the limit itself, is drawn
+    worst = sorted(found.quantities, key=lambda name: found.quantities[name].relative_bands[found.in_use])[-LABELLED:]
     for quantity, convergence in found.quantities.items():
-        order = convergence.kind if convergence.order is None else f"order {convergence.order:.2g}"
         errors = [100 * max(error, floor) for error in convergence.errors]
-        (line,) = axes.loglog(sizes, errors, marker="o", ms=4, lw=1.2, label=f"{quantity} ({order})")
+        looks: dict[str, Any] = {"color": "0.75", "lw": 0.8, "zorder": 1.5}
+        if quantity in worst:
+            order = convergence.kind if convergence.order is None else f"order {convergence.order:.2g}"
+            looks = {"color": f"C{worst.index(quantity)}", "lw": 1.4, "label": f"{quantity} ({order})", "zorder": 2.5}
+        (line,) = axes.loglog(sizes, errors, marker="o", ms=4, **looks)
         band = 100 * max(convergence.relative_bands[found.in_use], floor)
-        axes.plot([1.0], [band], marker="_", ms=14, mew=2, color=line.get_color())
-    axes.axvline(1.0, color="black", lw=0.8, ls=":", label="setting in use; bars: its error bands")
+        axes.plot([1.0], [band], marker="_", ms=14, mew=2, color=line.get_color(), zorder=looks["zorder"])
+    rest = len(found.quantities) - len(worst)
+    if rest:
+        axes.plot([], [], color="0.75", marker="o", ms=4, lw=0.8, label=f"{rest} others, with narrower bands")
+    axes.axvline(1.0, color="black", lw=0.8, ls=":", label="setting in use; dashes: its error bands")
     title = f"{plain(name)}: convergence over the {AXES[found.axis].words}"
     dress(axes, title, "size relative to the setting in use", "distance from the limit, % (0 at the lower edge)")
     axes.set_xticks(sizes, labels=[f"{size:.3g}" for size in sizes])
     axes.set_xticks([], minor=True)
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=9)
+    figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize=9)
     return figure

@@ -197,7 +197,8 @@ def _wrong(asymmetry: list[float], mass: float, grounding: float, rigid: int, ne
 def _doubtful(body: ForeignBody, mass: float, elastic: np.ndarray) -> Iterator[str]:
     if np.isfinite(mass) and mass > 0.0:
         size = np.ptp(body.places, axis=0)
-        heavy = size.min() > 0.0 and mass / size.prod() > _USUAL_DENSITY
+        reduced = bool((body.axis < 0).any())  # its nodes do not span it
+        heavy = not reduced and size.min() > 0.0 and mass / size.prod() > _USUAL_DENSITY
         if heavy or not _USUAL_MASS[0] <= mass <= _USUAL_MASS[1]:
             words = " x ".join(f"{1000 * side:.4g}" for side in size)
             yield f"a mass of {mass:.4g} kg is unusual for a housing of {words} mm: check the units"

@@ -29,6 +29,12 @@ def sample_nodes(nodes: np.ndarray) -> np.ndarray:
     return np.asarray(cKDTree(nodes).query(low + (high - low) * grid)[1])
 
 
+def assurance(shapes: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """MAC (m, n) of all pairs of modes; parameters as those of `counterparts`."""
+    product = (shapes.T @ others) ** 2
+    return np.asarray(product / np.outer((shapes**2).sum(axis=0), (others**2).sum(axis=0)))
+
+
 def counterparts(shapes: np.ndarray, others: np.ndarray) -> np.ndarray:
     """For every mode (m,) the number of its counterpart among the others, -1 where there is none.
 
@@ -37,8 +43,7 @@ def counterparts(shapes: np.ndarray, others: np.ndarray) -> np.ndarray:
     shapes : (k, m), displacements of the modes at k unknowns
     others : (k, n), of the modes of another mesh at the same places
     """
-    product = (shapes.T @ others) ** 2
-    mac = product / np.outer((shapes**2).sum(axis=0), (others**2).sum(axis=0))
+    mac = assurance(shapes, others)
     found = np.full(shapes.shape[1], -1)
     one, other = linear_sum_assignment(mac, maximize=True)
     alike = mac[one, other] >= LEAST_MAC

@@ -1,4 +1,4 @@
-"""`gearcase converge`: does the answer still change when one thing is refined?"""
+"""`gearcase converge`: a convergence study along one axis."""
 
 from __future__ import annotations
 
@@ -14,7 +14,13 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.scene.presets import load_asked
     from pipelines.trade.known_lines import known_lines
     from pipelines.trade.refinement import refine
-    from pipelines.trade.refinement_page import convergence_figure, convergence_table, not_refined, verdict
+    from pipelines.trade.refinement_page import (
+        convergence_figure,
+        convergence_table,
+        not_refined,
+        pairing_words,
+        verdict,
+    )
     from pipelines.trade.slicing import slicing_table
 
     loaded = load_asked(options)
@@ -26,7 +32,8 @@ def main(options: argparse.Namespace) -> int:
         sys.stdout.write(slicing_table(loaded.name, found).to_text() + "\n")
     models = [stage.mesh.model for stage in loaded.scene.stages]
     left = not_refined(models, loaded.scene.casing.model, options.over)
-    sys.stdout.write(f"{verdict(found, options.error)}\n{left}\n")
+    said = (pairing_words(found), verdict(found, options.error), left)
+    sys.stdout.write("".join(f"{text}\n" for text in said if text))
     if options.over == "casing-mesh" and (known := known_lines(loaded, work)):
         sys.stdout.write(f"{known}\n")
     save_figure(convergence_figure(loaded.name, found), path, dpi=130)
