@@ -52,7 +52,7 @@ def test_the_licence_is_that_of_the_plan_and_none_is_made_up(card, tmp_path):
 def test_a_card_can_be_written_while_nothing_is_done(tmp_path):
     folder = make_dataset(tmp_path / "empty", left_out=range(8))
     write_card(folder)
-    assert "8 no row yet of 8 runs" in (folder / "README.md").read_text(encoding="utf-8")
+    assert "8 not done of 8 runs" in (folder / "README.md").read_text(encoding="utf-8")
 
 
 BLOCKS = ("xarray, by run", "xarray alone", "pandas", "scikit-learn", "PyTorch")

@@ -29,7 +29,7 @@ def judged(folder, settings, **options):
 
 def test_a_missing_tooth_is_found_blind_against_other_healthy_machines(tmp_path):
     finished, verdict = judged(tmp_path / "faulty", MISSING, baseline=6)
-    assert finished.words.startswith("Alarm: stage 1 pinion stands out")
+    assert finished.words.startswith("Alarm: stage 1 pinion exceeds")
     assert verdict["alarm"]
     first = verdict["findings"][0]
     assert first["component"] == "stage 1 pinion"

@@ -30,7 +30,7 @@ def headline(verdict: Verdict) -> str:
     """The answer in one sentence."""
     first = verdict.first
     if verdict.alarm is None:
-        return f"The largest rise is that of the {first.component}: {_standing(first)}."
+        return f"Largest rise: {first.component}, {_standing(first)}."
     if not verdict.alarm:
         return "No alarm: no feature exceeds the healthy recordings."
     if first.p is not None and first.p > ALARM:

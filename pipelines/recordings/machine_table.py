@@ -152,6 +152,6 @@ class MachineTable(Table):
         if self.units is None:
             return
         if plain_units(self.units) not in known:
-            yield f'units = "{self.units}": allowed are {", ".join(known)}'
+            yield f'units = "{self.units}": is not one of {", ".join(known)}'
         elif plain_units(self.units) in VOLTAGES and self.sensitivity_mV_g is None:
             yield "sensitivity_mV_g is missing; set that of the sensors for signals in volts, for example 100"
