@@ -207,7 +207,7 @@ def test_shaft_faults_are_gone_from_healthy_machines():
     [
         ({"faults": []}, {}, "no fault"),
         ({"deviations.enabled": False}, {}, "all healthy machines equal"),
-        ({}, {"baseline": 4}, "take 5 or more"),
+        ({}, {"baseline": 4}, "need 5 healthy machines or more"),
         ({}, {"over": (Over(key="deviations.seed", values=(1,)),)}, "differs between all machines"),
         ({}, {"over": 2 * (Over(key="load.torque_N_m", values=(1.0,)),)}, "given twice"),
     ],
@@ -244,7 +244,7 @@ def test_features_of_runs_are_made_once_per_noise(folder):
 def test_runs_without_features_say_why(folder):
     sums = read_row(folder, 2)["checksums"]
     settings = FeatureSettings(kinematics=KINEMATICS, windows={"short": (0.1, 0.12)})
-    with pytest.raises(InputError, match="no shaft turns"):
+    with pytest.raises(InputError, match="no shaft makes"):
         make_tables([TableJob(folder=folder, run=2, settings=settings, noise=0.0, checksums=sums)], InOrder())
 
 

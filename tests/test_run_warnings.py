@@ -23,10 +23,10 @@ scenes = 3
 [variables]
 speed = { from = 600.0, to = 900.0 }
 [settings]
-simulation.end_s = 0.05
-simulation.output_rate_Hz = 5000.0
-simulation.step_us = 200.0
-drive.times_s = [0.0, 0.01, 0.05]
+simulation.end_s = 0.08
+simulation.output_rate_Hz = 2500.0
+simulation.step_us = 400.0
+drive.times_s = [0.0, 0.01, 0.08]
 drive.speeds_rpm = [0.0, "$speed", "$speed"]
 """
 
@@ -68,7 +68,7 @@ def test_a_step_that_is_too_long_is_counted_everywhere_and_the_named_one_is_shor
     assert f"is {least} to {most} % of their rms, limit 5 %" in line
     (step,) = re.findall(r"Set simulation\.step_us = ([\d.]+) under \[settings\] of the plan", line)
     assert all(line.removeprefix("warning: ") in text for text in shown(done.folder, capsys))
-    better = simulated(tmp_path / "fine", COARSE.replace("step_us = 200.0", f"step_us = {step}"))
+    better = simulated(tmp_path / "fine", COARSE.replace("step_us = 400.0", f"step_us = {step}"))
     assert better.warnings == ()
     info, check, card = shown(better.folder, capsys)
     assert "\n  warnings none\n" in info
