@@ -33,7 +33,7 @@ def test_the_card_names_what_is_stored_and_how_it_was_made(card):
     assert "Runs with equal `seed` are one group" in card
     assert "mesh iso" in card
     assert "worst 1.2 %" in card
-    assert "1 runs failed" in card
+    assert "Failed runs: 1," in card
 
 
 def test_counts_of_the_card_are_those_of_the_runs(card):

@@ -41,7 +41,7 @@ def test_a_growing_data_set_passes_with_notes(tmp_path):
     found = check_dataset(folder)
     assert not found.wrong
     assert found.rows == 6
-    assert any("1 runs have signals but no row (5)" in note for note in found.notes)
+    assert any("1 run without a row, but with signals (5)" in note for note in found.notes)
     assert any(TABLE in note for note in found.notes)
 
 
@@ -119,7 +119,7 @@ def test_one_scene_in_two_parts_of_the_split_leaks_and_must_have_one_signal(fold
     found = check_dataset(folder)
     assert any("the split leaks" in text for text in found.wrong)
     assert any("has other signals" in text for text in found.wrong)
-    assert found.notes == ["1 runs repeat the scene of another run (same key), which random samples may do"]
+    assert found.notes == ["1 run with the scene of another run (same key), which random samples may give"]
 
 
 def test_a_table_that_differs_from_the_rows_is_found(folder):

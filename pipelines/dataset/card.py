@@ -165,7 +165,7 @@ def _limits(found: Summary, scene: Scene | None) -> Iterator[str]:
     yield "Every run contains its run-up: leave it out where a steady state is required."
     yield "The page docs/choosing-a-model.md of gearcase gives the limits of each model with measured errors."
     if failed := int(np.sum(found.columns["status"] == FAILED)):
-        yield f"{failed} runs failed, see the column `reason`. Failed runs may be the extremes of a range."
+        yield f"Failed runs: {failed}, see the column `reason`. They may be the extremes of a range."
 
 
 def _numbers(found: Summary, name: str) -> np.ndarray:

@@ -54,7 +54,7 @@ class Findings:
             lines.append(f"and {len(self.wrong) - _MOST_SHOWN} more errors")
         lines += [f"warning: {text}" for text in self.warnings]
         lines += [f"note: {text}" for text in self.notes]
-        counts = f"{len(self.wrong)} errors, {len(self.warnings)} warnings"
+        counts = f"{_counted(len(self.wrong), 'error')}, {_counted(len(self.warnings), 'warning')}"
         return "".join(f"{line}\n" for line in [*lines, f"{self.rows} rows of {self.runs} runs checked: {counts}"])
 
 
@@ -105,7 +105,9 @@ def check_dataset(folder: Path, told: Callable[[int, int], None] = lambda done, 
     kinds, step_errors = ([one[name] for one in qualities] for name in ("warnings", "step_error"))
     found.warnings = run_warnings(folder, facts, kinds, step_errors)
     if repeated:
-        found.notes.append(f"{repeated} runs repeat the scene of another run (same key), which random samples may do")
+        found.notes.append(
+            f"{_counted(repeated, 'run')} with the scene of another run (same key), which random samples may give"
+        )
     found.notes += _of_what_is_not_done(folder, layout)
     table_wrong, table_notes = _of_table(folder, present)
     found.wrong += table_wrong
@@ -183,8 +185,7 @@ def _of_what_is_not_done(folder: Path, layout: RunLayout) -> Iterator[str]:
                 stored.add(int(number))
     if left := tuple(sorted(stored - numbers(folder))):
         yield (
-            f"{len(left)} runs have signals but no row ({stretches(left)}): they are not done, the campaign repeats "
-            "them"
+            f"{_counted(len(left), 'run')} without a row, but with signals ({stretches(left)}): the campaign repeats them"
         )
 
 
@@ -221,6 +222,10 @@ def _of_table(folder: Path, present: set[int]) -> tuple[list[str], list[str]]:
     if absent := tuple(sorted(present - listed)):
         wrong.append(f"{TABLE}: the runs {stretches(absent)} are missing. {again}")
     return wrong, []
+
+
+def _counted(count: int, name: str) -> str:
+    return f"{count} {name}{'' if count == 1 else 's'}"
 
 
 def _short(value: Any) -> str:
