@@ -184,9 +184,8 @@ def _of_what_is_not_done(folder: Path, layout: RunLayout) -> Iterator[str]:
             if number.isdecimal():
                 stored.add(int(number))
     if left := tuple(sorted(stored - numbers(folder))):
-        yield (
-            f"{_counted(len(left), 'run')} without a row, but with signals ({stretches(left)}): the campaign repeats them"
-        )
+        runs = _counted(len(left), "run")
+        yield f"{runs} without a row, but with signals ({stretches(left)}): the campaign repeats them"
 
 
 def _of_table(folder: Path, present: set[int]) -> tuple[list[str], list[str]]:
