@@ -57,7 +57,7 @@ def test_against_the_exact_control_there_is_an_order_and_no_p_value(tmp_path):
     assert verdict["alarm"] is None
     assert verdict["findings"][0]["component"] == "stage 1 pinion"
     assert verdict["findings"][0]["p"] is None
-    assert "what the fault adds" in finished.words
+    assert "are the effect of the fault" in finished.words
 
 
 def test_healthy_machines_differ_by_their_deviations(tmp_path):
