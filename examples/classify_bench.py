@@ -4,7 +4,7 @@
 
 simulates the 240 runs of classify_bench.toml (four minutes on two idle cores; what is done is not done again), computes
 their features with a sensor noise of 0.05 m/s2, trains a random forest on the part `train` of the split, and prints
-and draws the confusion matrix of the part `test`. Then it leaks on purpose, to show what that is worth.
+and plots the confusion matrix of the part `test`. Then it repeats this with splits that leak, for comparison.
 """
 
 import subprocess
@@ -85,7 +85,7 @@ def forest() -> RandomForestClassifier:
 
 
 def chance(labels: pandas.Series) -> float:
-    """Share of right answers of who always says the most frequent label."""
+    """Share of right answers of a classifier that always gives the most frequent label."""
     return float(labels.value_counts(normalize=True).max())
 
 

@@ -55,12 +55,12 @@ def test_a_small_baseline_gives_an_order_and_no_p_value(healthy):
     assert verdict.alarm is None
     assert all(finding.p is None for finding in verdict.findings)
     assert verdict.first.component == "stage 1 wheel"
-    assert "take 5 or more" in " ".join(sentences(verdict))
+    assert "Give 5 or more for p-values and alarms" in " ".join(sentences(verdict))
 
 
 def test_recordings_of_other_channels_cannot_be_compared(healthy):
     one = recording(103).sel(axis=["x"])
-    with pytest.raises(BaselineError, match="near x, near z, the one that is judged near x"):
+    with pytest.raises(BaselineError, match="near x, near z, the recording to diagnose has near x"):
         judge(run_features(one, SETTINGS, 0), healthy, MACHINE)
 
 
@@ -80,7 +80,7 @@ def test_what_turns_too_seldom_is_named_with_the_time_it_takes(healthy):
     assert "shaft_3" not in found.component
     (words,) = found.left_out
     assert words.startswith("shaft_3 (stage 2 wheel): 2.9 turns")
-    with pytest.raises(FeatureError, match="no shaft turns 3 times"):
+    with pytest.raises(FeatureError, match="no shaft makes 3 revolutions"):
         run_features(recording(105), FeatureSettings(kinematics=MACHINE, windows={"none": (1.0, 1.1)}), 0)
 
 

@@ -130,7 +130,7 @@ mass = {{ from = 50.0, to = 114.0 }}
     for values in (one.values for one in planned(plan(tmp_path, text))):
         assert values["speed"] * values["mass"] < 6e4
         assert values["speed"] > 650 or values["mass"] < 80
-    with pytest.raises(InputError, match="Narrow the variables"):
+    with pytest.raises(InputError, match="Narrow the ranges of the variables"):
         planned(plan(tmp_path, text.replace("6e4", "1.0")))
 
 
@@ -164,24 +164,24 @@ def test_a_key_tells_scenes_apart_and_nothing_else(tmp_path):
 
 REFUSED = {
     "design = 'sobl'": "Did you mean",
-    "scenes = 4\n[variables]\nx = { from = 1.0, to = 2.0 }": "nothing hangs on 'x'",
+    "scenes = 4\n[variables]\nx = { from = 1.0, to = 2.0 }": "'x' is not used",
     "scenes = 4\n[variables]\nx = { from = 2.0, to = 1.0 }\n": "less than from",
-    "scenes = 4\n[variables]\nx = { distribution = 'poisson' }\n": "no continuous distribution",
-    "scenes = 4\n[variables]\nx = { distribution = 'norm', parameters = { wide = 1.0 } }\n": "does not take",
+    "scenes = 4\n[variables]\nx = { distribution = 'poisson' }\n": "not a continuous distribution",
+    "scenes = 4\n[variables]\nx = { distribution = 'norm', parameters = { wide = 1.0 } }\n": "does not accept",
     "scenes = 4\n[variables]\nx = [1, 'a']\n": "mixed",
     "scenes = 4\n[variables]\nlabel = [1, 2]\n": "column of every data set",
-    "scenes = 4\n[settings]\nload.container_kg = '$x'\n": "no variable 'x'",
-    "scenes = 4\n[settings]\nload.container_kg = '$open(1)'\n": "not understood",
-    "scenes = 4\n[variables]\nx = [0.1, 0.2]\n[settings]\nsimulation.end_s = '$x'\n": "same in all scenes",
+    "scenes = 4\n[settings]\nload.container_kg = '$x'\n": "'x' is not a variable",
+    "scenes = 4\n[settings]\nload.container_kg = '$open(1)'\n": "not allowed",
+    "scenes = 4\n[variables]\nx = [0.1, 0.2]\n[settings]\nsimulation.end_s = '$x'\n": "alike in all scenes",
     "scenes = 4\n[variables]\nx = [0.1, 0.2]\n[settings]\ndiagnosis.noise_m_s2 = '$x'\n": "stored signals",
-    "scenes = 4\ndesign = 'grid'\n": "leave it out",
+    "scenes = 4\ndesign = 'grid'\n": "delete the key",
     "design = 'grid'\n[variables]\nx = { from = 1.0, to = 2.0 }\n[settings]\nload.container_kg = '$x'\n": "levels",
-    "design = 'sobol'\n": "how many scenes",
+    "design = 'sobol'\n": "set the number of scenes",
     "scenes = 4\n[variables]\ns = ['a', 'b']\n[cases.s.a]\n": "b has no settings",
     "scenes = 4\n[variables]\ns = ['a']\n[cases.s.a]\n[cases.s.c]\n": "not a value of s",
-    "scenes = 4\n[split]\nby = ['x']\n": "no variable 'x'",
-    "scenes = 4\n[split]\ntest = 0.6\nvalidation = 0.5\n": "leave some",
-    "scenes = 4\nconstraints = ['1 <']\n": "no expression",
+    "scenes = 4\n[split]\nby = ['x']\n": "'x' is not a variable",
+    "scenes = 4\n[split]\ntest = 0.6\nvalidation = 0.5\n": "reduce them below 1",
+    "scenes = 4\nconstraints = ['1 <']\n": "not a valid expression",
 }
 
 

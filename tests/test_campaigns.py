@@ -275,7 +275,7 @@ def test_the_table_holds_what_the_rows_hold(whole):
 def test_a_damaged_row_is_named(whole, tmp_path):
     shutil.copytree(whole, tmp_path / "out")
     row_path(tmp_path / "out", 1).write_text("{", encoding="utf-8")
-    with pytest.raises(InputError, match=r"000001\.json.*Remove it"):
+    with pytest.raises(InputError, match=r"000001\.json.*Delete the file"):
         run(tmp_path)
 
 

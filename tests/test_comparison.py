@@ -224,12 +224,15 @@ def test_the_command_writes_table_and_figures(files, capsys):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["healthy.csv"], "1 recording: give 2 to 10"),
-        (["healthy.csv", "worn.csv@lowering"], "there is no window lowering. Give start and end in seconds"),
+        (["healthy.csv"], "1 recording given. Give 2 to 10"),
+        (["healthy.csv", "worn.csv@lowering"], "lowering is not a window. Give start and end in seconds"),
         (["healthy.csv", "worn.csv@5:6"], "the recording lasts from 0 to 1.4999 s"),
         (["healthy.csv", "worn.csv@1.0:0.5"], "its start before its end"),
-        (["healthy.csv", "worn.csv", "--sensor", "motor"], "motor: not among the channels of all recordings, drive z"),
-        (["healthy.csv", "worn.csv", "--shaft", "3"], "--shaft 3: the shafts that turn often enough"),
+        (
+            ["healthy.csv", "worn.csv", "--sensor", "motor"],
+            "motor: not a channel of all recordings. Set --sensor and --axis to one of drive z",
+        ),
+        (["healthy.csv", "worn.csv", "--shaft", "3"], "--shaft 3: no shaft with enough revolutions"),
         (["healthy.csv", "nowhere.csv"], "nowhere.csv"),
     ],
 )
@@ -270,7 +273,7 @@ def test_in_python_the_same_features_come_as_labelled_arrays(files):
         assert {evidence.feature: evidence.rise for evidence in pinion.evidence}["sideband_ratio"] == pytest.approx(
             rise
         )
-        with pytest.raises(gearcase.InputError, match="1 recording: give two or more"):
+        with pytest.raises(gearcase.InputError, match=r"1 recording given\. Give two or more"):
             gearcase.compare({"one": one}, machine)
         with pytest.raises(gearcase.InputError, match="no healthy recording"):
             gearcase.judge(other, [], machine)

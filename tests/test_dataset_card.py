@@ -33,7 +33,7 @@ def test_the_card_names_what_is_stored_and_how_it_was_made(card):
     assert "Runs with equal `seed` are one group" in card
     assert "mesh iso" in card
     assert "worst 1.2 %" in card
-    assert "1 runs failed" in card
+    assert "Failed runs: 1," in card
 
 
 def test_counts_of_the_card_are_those_of_the_runs(card):
@@ -52,7 +52,7 @@ def test_the_licence_is_that_of_the_plan_and_none_is_made_up(card, tmp_path):
 def test_a_card_can_be_written_while_nothing_is_done(tmp_path):
     folder = make_dataset(tmp_path / "empty", left_out=range(8))
     write_card(folder)
-    assert "8 no row yet of 8 runs" in (folder / "README.md").read_text(encoding="utf-8")
+    assert "8 not done of 8 runs" in (folder / "README.md").read_text(encoding="utf-8")
 
 
 BLOCKS = ("xarray, by run", "xarray alone", "pandas", "scikit-learn", "PyTorch")

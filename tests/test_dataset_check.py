@@ -32,7 +32,7 @@ def changed(folder, run, **changes):
 
 def test_a_sound_data_set_passes(sound, capsys):
     assert main(["dataset", "check", str(sound)]) == 0
-    assert capsys.readouterr().out == "8 rows of 8 runs looked at: nothing is wrong\n"
+    assert capsys.readouterr().out == "8 rows of 8 runs checked: 0 errors, 0 warnings\n"
 
 
 def test_a_growing_data_set_passes_with_notes(tmp_path):
@@ -41,7 +41,7 @@ def test_a_growing_data_set_passes_with_notes(tmp_path):
     found = check_dataset(folder)
     assert not found.wrong
     assert found.rows == 6
-    assert any("1 runs have signals and no row (5)" in note for note in found.notes)
+    assert any("1 run without a row, but with signals (5)" in note for note in found.notes)
     assert any(TABLE in note for note in found.notes)
 
 
@@ -89,28 +89,28 @@ def incomplete_row(folder):
 @pytest.mark.parametrize(
     ("damage", "said"),
     [
-        (another_signal, "acceleration is not what was written"),
+        (another_signal, "acceleration was changed after it was written"),
         (no_chunk, "shaft_angle is not stored"),
         (damaged_chunk, "acceleration of run 2 cannot be read"),
-        (not_a_number, "acceleration has 1 values that are no numbers"),
+        (not_a_number, "acceleration has 1 NaN or infinite values"),
         (another_label, "its label is"),
-        (another_value, "its values are not those that the plan draws"),
-        (another_split, "its split are not those that the plan draws"),
-        (damaged_row, "no row"),
-        (incomplete_row, "lacks what a row has"),
+        (another_value, "its values differ from those of the plan"),
+        (another_split, "its split differ from those of the plan"),
+        (damaged_row, "the row cannot be read"),
+        (incomplete_row, "its row is incomplete"),
     ],
 )
 def test_damage_is_found_with_its_run_and_remedy(folder, capsys, damage, said):
     damage(folder)
     assert main(["dataset", "check", str(folder)]) == 1
-    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("wrong: run 2:")]
-    assert any(said in line and "Remove" in line for line in lines), lines
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("error: run 2:")]
+    assert any(said in line and "Delete" in line for line in lines), lines
     assert {line.split(":")[1] for line in lines} == {" run 2"}
 
 
 def test_a_row_that_the_plan_does_not_have_is_found(folder):
     write_row(folder, 8, read_row(folder, 1) | {"run": 8})
-    assert any(text.startswith("run 8: the plan has 8 runs") for text in check_dataset(folder).wrong)
+    assert any(text.startswith("run 8: the plan has only 8 runs") for text in check_dataset(folder).wrong)
 
 
 def test_one_scene_in_two_parts_of_the_split_leaks_and_must_have_one_signal(folder):
@@ -119,7 +119,7 @@ def test_one_scene_in_two_parts_of_the_split_leaks_and_must_have_one_signal(fold
     found = check_dataset(folder)
     assert any("the split leaks" in text for text in found.wrong)
     assert any("has other signals" in text for text in found.wrong)
-    assert found.notes == ["1 runs repeat the scene of another one (same key), as draws may by chance"]
+    assert found.notes == ["1 run with the scene of another run (same key), which random samples may give"]
 
 
 def test_a_table_that_differs_from_the_rows_is_found(folder):
@@ -132,7 +132,7 @@ def test_a_table_that_differs_from_the_rows_is_found(folder):
         "rows.parquet: speed_rpm of run 3 differ from its row"
     ]
     pq.write_table(table.slice(1, 6), folder / TABLE)
-    assert [text.split(". ")[0] for text in check_dataset(folder).wrong] == ["rows.parquet: lacks the runs 0, 7"]
+    assert [text.split(". ")[0] for text in check_dataset(folder).wrong] == ["rows.parquet: the runs 0, 7 are missing"]
     (folder / TABLE).write_bytes(b"PAR1")
     assert "cannot be read" in check_dataset(folder).wrong[0]
 
@@ -141,7 +141,7 @@ def test_info_counts_what_is_there(folder, capsys):
     row_path(folder, 6).unlink()
     assert main(["dataset", "info", str(folder)]) == 0
     text = capsys.readouterr().out
-    assert "8: 6 done, 1 failed, 1 no row yet; without a row: 6" in text
+    assert "8: 6 done, 1 failed, 1 not done; without a row: 6" in text
     assert "uniform from 600 to 1500" in text
     assert "one of healthy, missing" in text
     assert "groups of equal seed" in text
@@ -153,7 +153,7 @@ def test_info_counts_what_is_there(folder, capsys):
 def test_info_of_a_folder_without_rows(tmp_path, capsys):
     folder = make_dataset(tmp_path / "empty", left_out=range(8))
     assert main(["dataset", "info", str(folder)]) == 0
-    assert "8 no row yet" in capsys.readouterr().out
+    assert "8 not done" in capsys.readouterr().out
     assert main(["dataset", "info", str(tmp_path)]) == 2
 
 

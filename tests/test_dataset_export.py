@@ -84,9 +84,9 @@ def test_a_label_chooses_and_by_default_whole_runs_lie_in_the_data_set(folder, c
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--label", "rusty"), "there are healthy, missing-tooth"),
-        (("--split", "validation"), "there are test, train"),
-        (("--seconds", "9"), "the runs have 0.8 s"),
+        (("--label", "rusty"), "Allowed: healthy, missing-tooth"),
+        (("--split", "validation"), "Allowed: test, train"),
+        (("--seconds", "9"), "the runs last 0.8 s"),
         (("--sensors", "sensor_9"), "sensor_3, sensor_4"),
     ],
 )

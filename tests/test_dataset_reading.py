@@ -96,7 +96,7 @@ def test_columns_have_the_type_of_their_values():
 
 
 def test_a_folder_that_is_no_data_set_is_refused(tmp_path, folder):
-    with pytest.raises(gearcase.InputError, match="no campaign"):
+    with pytest.raises(gearcase.InputError, match="not the folder of a data set"):
         gearcase.open_dataset(tmp_path)
     (tmp_path / "campaign.json").write_bytes((folder / "campaign.json").read_bytes())
     with pytest.raises(gearcase.InputError, match="cannot be read"):

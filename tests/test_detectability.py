@@ -150,14 +150,14 @@ def test_ranges_are_exact_and_hold_their_end():
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("faults.1.depth_mm", "names no key"),
-        ("=1,2", "names no key"),
-        ("a..b=1", "names no key"),
+        ("faults.1.depth_mm", "is not a key"),
+        ("=1,2", "is not a key"),
+        ("a..b=1", "is not a key"),
         ("a=1:2:0", "must be numbers"),
         ("a=1:2:x", "must be numbers"),
         ("a=nan:2:1", "must be numbers"),
         ("a=0:1:inf", "must be numbers"),
-        ("a=1:2:-1", "lead away"),
+        ("a=1:2:-1", "leads away"),
         ("a=0:1:0.001", "more than 100"),
         ("a=1,,2", "1 to 100 values"),
         ("a=1,1", "given twice"),
@@ -206,9 +206,9 @@ def test_shaft_faults_are_gone_from_healthy_machines():
     ("settings", "design", "why"),
     [
         ({"faults": []}, {}, "no fault"),
-        ({"deviations.enabled": False}, {}, "all healthy machines are equal"),
-        ({}, {"baseline": 4}, "take 5 or more"),
-        ({}, {"over": (Over(key="deviations.seed", values=(1,)),)}, "every machine has its own"),
+        ({"deviations.enabled": False}, {}, "all healthy machines equal"),
+        ({}, {"baseline": 4}, "need 5 healthy machines or more"),
+        ({}, {"over": (Over(key="deviations.seed", values=(1,)),)}, "differs between all machines"),
         ({}, {"over": 2 * (Over(key="load.torque_N_m", values=(1.0,)),)}, "given twice"),
     ],
 )
@@ -244,7 +244,7 @@ def test_features_of_runs_are_made_once_per_noise(folder):
 def test_runs_without_features_say_why(folder):
     sums = read_row(folder, 2)["checksums"]
     settings = FeatureSettings(kinematics=KINEMATICS, windows={"short": (0.1, 0.12)})
-    with pytest.raises(InputError, match="no shaft turns"):
+    with pytest.raises(InputError, match="no shaft makes"):
         make_tables([TableJob(folder=folder, run=2, settings=settings, noise=0.0, checksums=sums)], InOrder())
 
 

@@ -29,7 +29,7 @@ def judged(folder, settings, **options):
 
 def test_a_missing_tooth_is_found_blind_against_other_healthy_machines(tmp_path):
     finished, verdict = judged(tmp_path / "faulty", MISSING, baseline=6)
-    assert finished.words.startswith("Alarm: stage 1 pinion stands out")
+    assert finished.words.startswith("Alarm: stage 1 pinion exceeds")
     assert verdict["alarm"]
     first = verdict["findings"][0]
     assert first["component"] == "stage 1 pinion"
@@ -57,7 +57,7 @@ def test_against_the_exact_control_there_is_an_order_and_no_p_value(tmp_path):
     assert verdict["alarm"] is None
     assert verdict["findings"][0]["component"] == "stage 1 pinion"
     assert verdict["findings"][0]["p"] is None
-    assert "what the fault adds" in finished.words
+    assert "are the effect of the fault" in finished.words
 
 
 def test_healthy_machines_differ_by_their_deviations(tmp_path):

@@ -58,7 +58,7 @@ def test_an_empty_file_is_refused(name, tmp_path):
 def test_a_file_that_is_not_there_and_one_of_an_unknown_ending_are_refused(tmp_path):
     saved(tmp_path, signals())
     assert "Did you mean r.npy?" in refusal(tmp_path / "rr.npy")
-    assert 'the ending ".xls" is not known. Known are .csv, .txt' in refusal(tmp_path / "r.xls")
+    assert 'the ending ".xls" is unknown. Allowed are .csv, .txt' in refusal(tmp_path / "r.xls")
     assert "its name has no ending" in refusal(tmp_path / "record")
     assert "is a folder" in refusal(folder(tmp_path / "r.csv"))
 
@@ -73,13 +73,13 @@ def test_gaps_are_counted_and_the_first_is_named(bad, tmp_path):
     values = signals()
     values[[700, 701, 2000], 1] = bad
     said = refusal(saved(tmp_path, values), rate=RATE)
-    assert '"channel 2" has gaps: 3 of 3000 samples are no finite numbers, the first is sample 701.' in said
+    assert '"channel 2" has gaps: 3 of 3000 samples are NaN or infinite, the first is sample 701.' in said
 
 
 def test_gaps_beyond_the_first_block_are_found(tmp_path):
     values = np.random.default_rng(1).normal(size=300_000)
     values[299_999] = np.nan
-    assert "1 of 300000 samples are no finite numbers, the first is sample 300000" in refusal(
+    assert "1 of 300000 samples are NaN or infinite, the first is sample 300000" in refusal(
         saved(tmp_path, values), rate=RATE
     )
 
@@ -99,7 +99,7 @@ def test_complex_numbers_and_texts_are_refused(tmp_path):
     assert "holds complex numbers (complex128)" in refusal(saved(tmp_path, signals() * 1j), rate=RATE)
     with h5py.File(tmp_path / "r.h5", "w") as file:
         file["words"] = np.array([b"one", b"two"] * 300)
-    assert "no channel can be an acceleration, the file has words" in refusal(tmp_path / "r.h5", rate=RATE)
+    assert "no channel has the units of an acceleration, the file has words" in refusal(tmp_path / "r.h5", rate=RATE)
     words = {"bearing": {"z": "words"}}
     assert '"words" holds no numbers' in refusal(tmp_path / "r.h5", rate=RATE, sensors=words)
     np.save(tmp_path / "o.npy", np.array([{}, 1], dtype=object), allow_pickle=True)
@@ -124,13 +124,13 @@ def test_channels_of_different_lengths_are_refused_unless_sensors_of_one_length_
 
 def test_a_rate_that_contradicts_the_file_is_refused(tmp_path):
     WRITERS["r.mat"](tmp_path / "r.mat", signals())
-    assert 'rate_Hz says 25600 Hz, "drive_end" 10000 Hz' in refusal(tmp_path / "r.mat", rate=25_600.0)
+    assert 'rate_Hz gives 25600 Hz, "drive_end" 10000 Hz' in refusal(tmp_path / "r.mat", rate=25_600.0)
     with read_recording(tmp_path / "r.mat", machine(rate=RATE * (1 + 5e-5))) as found:
         assert 1.0 / found.time.values[1] == pytest.approx(RATE * (1 + 5e-5))  # within 1e-4: the machine's
 
 
 def test_a_file_without_time_or_rate_asks_for_it(tmp_path):
-    assert "says neither time nor sampling rate. Give rate_Hz" in refusal(saved(tmp_path, signals()))
+    assert "holds neither the time nor the sampling rate. Set rate_Hz" in refusal(saved(tmp_path, signals()))
 
 
 def timed(tmp_path, time):
@@ -143,7 +143,7 @@ def test_a_lost_sample_makes_the_time_uneven(tmp_path):
     lost = np.concatenate([steps[:1500], steps[1500:] + 1.0 / RATE])
     said = refusal(timed(tmp_path, lost))
     assert 'the time in "time" is uneven: sample 150' in said
-    assert "0.5 steps off even ones, 0.4 are allowed" in said
+    assert "deviates from even steps by 0.5 steps, 0.4 are allowed" in said
 
 
 def test_jitter_is_refused_and_rounded_instants_are_not(tmp_path):
@@ -153,7 +153,7 @@ def test_jitter_is_refused_and_rounded_instants_are_not(tmp_path):
     with read_recording(timed(tmp_path, np.round(steps, 5)), machine()) as found:  # a tenth of a step
         assert 1.0 / found.time.values[1] == pytest.approx(9_999.7, rel=1e-4)
     path = timed(tmp_path, np.round(steps * 1.3, 4))
-    assert "if only its digits are too few, write time = false" in refusal(path, rate=RATE / 1.3)
+    assert "if the time only has too few digits, set time = false" in refusal(path, rate=RATE / 1.3)
     with read_recording(path, machine(rate=RATE / 1.3, time=False)) as found:
         assert found.time.values[1] == pytest.approx(1.3 / RATE)
 
@@ -169,18 +169,18 @@ def test_time_that_falls_or_has_unknown_units_is_refused(tmp_path):
     write_text(tmp_path / "r.csv", signals())
     text = (tmp_path / "r.csv").read_text(encoding="utf-8").replace("time [s]", "time [fortnights]")
     (tmp_path / "r.csv").write_text(text, encoding="utf-8")
-    assert "has the units fortnights, known are s, ms, us, min" in refusal(tmp_path / "r.csv")
+    assert "has the units fortnights, allowed are s, ms, us, min" in refusal(tmp_path / "r.csv")
 
 
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("0.05,1.0,abc", 'line 502, column free end: "abc" is no number'),
+        ("0.05,1.0,abc", 'line 502, column free end: "abc" is not a number'),
         ("0.05,,2.0", "line 502, column drive end: the cell is empty"),
         ("0.05,1.0", "line 502 has 2 cells, the first line of data 3"),
         ("0.05,1.0,2.0,3.0", "line 502 has 4 cells, the first line of data 3"),
         ("0.05,1.0,2.0,", "line 502 has 4 cells, the first line of data 3"),
-        ("2024-05-01 12:00:00,1.0,2.0", 'column time: "2024-05-01 12:00:00" is no number'),
+        ("2024-05-01 12:00:00,1.0,2.0", 'column time: "2024-05-01 12:00:00" is not a number'),
     ],
 )
 def test_a_bad_line_of_text_is_named(line, said, tmp_path):
@@ -204,10 +204,10 @@ def test_units_that_are_no_acceleration_are_refused_where_a_sensor_names_them(tm
             file[name] = signals()[:, 0]
             file[name].attrs["units"] = units
     named = {"one": {"z": "speed"}}
-    assert '"speed" is in rpm, known are m/s2, mm/s2, g, mg, V, mV' in refusal(
+    assert '"speed" is in rpm, allowed are m/s2, mm/s2, g, mg, V, mV' in refusal(
         tmp_path / "r.h5", rate=RATE, sensors=named
     )
-    assert '"bearing" is in V. Give sensitivity_mV_g' in refusal(tmp_path / "r.h5", rate=RATE)
+    assert '"bearing" is in V. Set sensitivity_mV_g' in refusal(tmp_path / "r.h5", rate=RATE)
     with read_recording(tmp_path / "r.h5", machine(rate=RATE, sensitivity=0.1)) as found:
         assert list(found.sensor.values) == ["bearing"]  # the speed is no sensor
 
@@ -219,7 +219,9 @@ def test_units_that_the_machine_overrules_are_told(tmp_path):
     with read_recording(tmp_path / "r.h5", machine(rate=RATE, units="m/s2")) as found:
         np.testing.assert_array_equal(found.acceleration.values[:, 0, 0], signals()[:, 0])
         (said,) = json.loads(found.attrs["warnings"]).values()
-    assert said == "bearing z is taken as m/s2, as the machine says; the file says g."
+    assert said == (
+        "bearing z is read in m/s2 as the machine file gives it; the recording gives g. Correct units if this is wrong."
+    )
 
 
 @pytest.mark.parametrize("limit", [2.0, 3.0])
@@ -252,7 +254,7 @@ def test_a_universal_file_of_binary_or_complex_functions_is_refused(tmp_path):
     (tmp_path / "r.uff").write_text(complex_form, encoding="ascii")
     assert "are complex" in refusal(tmp_path / "r.uff")
     (tmp_path / "r.uff").write_text(text.replace(f"{1:5d}{0:10d}", f"{4:5d}{0:10d}"), encoding="ascii")
-    assert "no channel can be an acceleration" in refusal(tmp_path / "r.uff")  # a frequency response alone
+    assert "no channel has the units of an acceleration" in refusal(tmp_path / "r.uff")  # a frequency response alone
 
 
 def test_two_channels_of_one_sensor_and_axis_ask_for_names(tmp_path):
@@ -260,7 +262,7 @@ def test_two_channels_of_one_sensor_and_axis_ask_for_names(tmp_path):
     with (tmp_path / "r.uff").open("w", encoding="ascii") as file:
         write_function(file, head, [signals(300)[:, 0]])
         write_function(file, head, [signals(300)[:, 1]])
-    assert "node_1 x is there twice, as a and a (2)" in refusal(tmp_path / "r.uff")
+    assert "node_1 x exists twice, as a and a (2)" in refusal(tmp_path / "r.uff")
 
 
 def test_what_nptdms_guesses_at_is_refused_and_not_printed(tmp_path, capfd):

@@ -24,6 +24,7 @@ from pipelines.campaign.workshop import Workshop
 from pipelines.dataset.card import write_card
 from pipelines.dataset.layout import RunLayout, run_layout
 from pipelines.dataset.rows import FAILED, numbers, read_rows, row_path, sweep_rows, write_row, write_table
+from pipelines.dataset.run_warnings import stored_warnings
 from pipelines.dataset.store import sweep, write_run
 from pipelines.engine.step import Graph
 from pipelines.engine.working import Work
@@ -45,7 +46,10 @@ Told = Callable[[Done], None]
 
 @dataclass(frozen=True, kw_only=True)
 class Finished:
-    """A campaign that went to its end: how many scenes it has, how many were simulated now, and which failed."""
+    """A finished campaign: its scenes, those that were simulated now, those of them that failed.
+
+    `warnings` are those of all runs of the data set, counted by kind.
+    """
 
     folder: Path
     runs: int
@@ -54,6 +58,7 @@ class Finished:
     seconds: float
     loop_seconds: float
     workers: int
+    warnings: tuple[str, ...] = ()
 
     @property
     def per_hour(self) -> float:
@@ -66,20 +71,20 @@ class Finished:
         return self.loop_seconds / (self.seconds * self.workers) if self.simulated else 0.0
 
     def _repr_html_(self) -> str:
-        """What is said at the end, for a notebook."""
+        """The lines at the end, for a notebook."""
         return shown_html.table("Campaign", (), ((line,) for line in self.lines()))
 
     def lines(self) -> list[str]:
-        """What is said at the end."""
+        """What the command prints at the end."""
         counted = f"{self.runs} scenes, {self.simulated} simulated now"
-        failed = f", {self.failed} of them failed (column reason of rows.parquet)" if self.failed else ""
+        failed = f", {self.failed} of them failed (see the column reason of rows.parquet)" if self.failed else ""
         out = [f"{counted}{failed}"]
         if self.simulated:
             out.append(
                 f"{self.per_hour:.0f} scenes per hour with {self.workers} workers; {self.share:.3f} of their time in "
                 "the time loop"
             )
-        return [*out, f"data set: {self.folder}"]
+        return [*out, *(f"warning: {text}" for text in self.warnings), f"data set: {self.folder}"]
 
 
 def planned(plan: Plan) -> list[Draw]:
@@ -146,6 +151,7 @@ def run_campaign(
         with stored_or_said(folder):
             write_table(folder)
             write_card(folder)
+        warnings = stored_warnings(folder)
     return Finished(
         folder=folder,
         runs=len(draws),
@@ -154,6 +160,7 @@ def run_campaign(
         seconds=seconds,
         loop_seconds=loop,
         workers=max(1, count),
+        warnings=warnings,
     )
 
 
@@ -189,7 +196,7 @@ def check_memory(loaded: LoadedScene) -> None:
     if one.bytes > MOST_BYTES:
         raise InputError(
             f"one run of {loaded.name} holds {size_words(one.bytes)} in memory, limit {size_words(MOST_BYTES)} in a "
-            "campaign. Lower simulation.end_s or output_rate_Hz; a long motion can be several scenes."
+            "campaign. Reduce simulation.end_s or simulation.output_rate_Hz, or divide the motion into several scenes."
         )
 
 
@@ -234,7 +241,8 @@ def _outcomes(jobs: Iterator[Job], workers: Workers) -> Iterator[Done]:
                         yield _killed(job)
                     elif isinstance(error, OSError) and error.errno is not None:
                         raise WorkError(
-                            f"scene {job.draw.run}: {error}. What is finished is kept; mend it and repeat the command."
+                            f"scene {job.draw.run}: {error}. Finished scenes are kept. Correct the cause and repeat "
+                            "the command."
                         ) from error
                     else:
                         raise lost(error) from error
@@ -247,9 +255,7 @@ def _outcomes(jobs: Iterator[Job], workers: Workers) -> Iterator[Done]:
 
 def _killed(job: Job) -> Done:
     """The row of a scene whose process died again and again."""
-    reason = (
-        f"the process ended without an answer {MOST_DEATHS} times, perhaps for lack of memory. Take fewer --processes."
-    )
+    reason = f"the process ended without a result {MOST_DEATHS} times, perhaps for lack of memory. Reduce --processes."
     return Done(run=job.draw.run, row=row_head(job, FAILED, reason), written=False)
 
 

@@ -48,11 +48,12 @@ def draw(plan: Plan) -> list[Values]:
             return found
         if tried > _BATCH / LEAST_SHARE and len(found) < LEAST_SHARE * tried:
             raise InputError(
-                f"constraints: {len(found)} of {tried} draws fulfil them, limit {LEAST_SHARE:.1%}. Narrow the "
-                "variables instead."
+                f"constraints: {len(found)} of {tried} samples satisfy them, at least {LEAST_SHARE:.1%} must. Narrow "
+                "the "
+                "ranges of the variables instead."
             )
     if not found:
-        raise InputError("constraints: no point of the grid fulfils them. Loosen them or change the values.")
+        raise InputError("constraints: no point of the grid satisfies them. Correct the constraints or the values.")
     return found
 
 
@@ -67,7 +68,7 @@ def _grid(table: PlanTable) -> Iterator[Values]:
     axes = {name: variable.grid() for name, variable in table.variables.items()}
     count = math.prod(map(len, axes.values()))
     if count > MOST_SCENES:
-        raise InputError(f"variables: their grid has {count} points, limit {MOST_SCENES}. Take fewer levels.")
+        raise InputError(f"variables: their grid has {count} points, limit {MOST_SCENES}. Reduce levels or the lists.")
     for point in itertools.product(*axes.values()):
         yield dict(zip(axes, point, strict=True))
 

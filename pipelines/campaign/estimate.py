@@ -48,20 +48,20 @@ class Estimate:
     def to_text(self) -> str:
         """What `gearcase campaign --dry-run` prints."""
         cores = os.cpu_count() or 1
-        part = "" if self.looked_at == self.runs else f" (of the first {self.looked_at} that were looked at)"
+        part = "" if self.looked_at == self.runs else f" (of the first {self.looked_at} scenes)"
         total = (self.missing_seconds + self.motion_seconds) / cores
-        by = f"groups of equal {', '.join(self.groups_by)}" if self.groups_by else "every scene a group of its own"
+        by = f"groups of equal {', '.join(self.groups_by)}" if self.groups_by else "every scene is a separate group"
         lines = [
             f"scenes      {self.runs}{'' if self.distinct == self.runs else f', {self.distinct} of them distinct'}",
             f"labels      {_counted(self.labels)}{part}",
             f"split       {_counted(self.splits)}; {by}",
             f"distinct    {_counted(self.kinds)}{part}",
             f"time        about {duration(total)} on {cores} cores: {duration(self.motion_seconds)} of processor time "
-            f"for motions, {duration(self.missing_seconds)} for laws and casings that the cache lacks",
+            f"for motions, {duration(self.missing_seconds)} for mesh laws and casings that are not in the cache",
             f"disk        about {size_words(self.bytes)} in {self.runs} files per signal",
         ]
         if self.refused:
-            lines.append(f"refused     {self.refused}{part}; the first one: {self.first_refusal}")
+            lines.append(f"refused     {self.refused}{part}; the first: {self.first_refusal}")
         return "".join(f"{line}\n" for line in lines)
 
 

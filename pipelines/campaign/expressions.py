@@ -57,11 +57,13 @@ class Expression:
 
     def __init__(self, text: str) -> None:
         if len(text) > MOST_CHARACTERS:
-            raise ExpressionError(f"has {len(text)} characters, limit {MOST_CHARACTERS}")
+            raise ExpressionError(f"has {len(text)} characters, limit {MOST_CHARACTERS}; shorten it")
         try:
             self._tree = ast.parse(text.strip(), mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-            raise ExpressionError("is no expression of numbers, names and + - * / < > and or not") from error
+            raise ExpressionError(
+                "is not a valid expression; use numbers, names of variables and + - * / < > and or not"
+            ) from error
         self.text = text
         found: dict[str, None] = {}
         _check(self._tree, found)
@@ -79,7 +81,7 @@ def _check(node: ast.AST, names: dict[str, None]) -> None:
     """Gather the names of an expression; ExpressionError for what is not understood."""
     if isinstance(node, ast.Constant):
         if not isinstance(node.value, bool | int | float | str):
-            raise ExpressionError(f"{node.value!r} is no number and no text")
+            raise ExpressionError(f"{node.value!r} is neither a number nor a text")
         return
     if isinstance(node, ast.Name):
         names[node.id] = None
@@ -92,7 +94,7 @@ def _check(node: ast.AST, names: dict[str, None]) -> None:
         or (isinstance(node, ast.Call) and _known_function(node))
     )
     if not known:
-        raise ExpressionError(f"{ast.unparse(node)!r} is not understood; known functions: {', '.join(FUNCTIONS)}")
+        raise ExpressionError(f"{ast.unparse(node)!r} is not allowed; allowed functions: {', '.join(FUNCTIONS)}")
     for child in node.args if isinstance(node, ast.Call) else _operands(node):
         _check(child, names)
 
@@ -110,12 +112,12 @@ def _value(node: Any, values: Mapping[str, Any]) -> Any:
         return node.value
     if isinstance(node, ast.Name):
         if node.id not in values:
-            raise ExpressionError(f"{node.id!r} is not a variable; known: {', '.join(values) or 'none'}")
+            raise ExpressionError(f"{node.id!r} is not a variable; allowed: {', '.join(values) or 'none'}")
         return values[node.id]
     if isinstance(node, ast.BinOp):
         left, right = _value(node.left, values), _value(node.right, values)
         if isinstance(node.op, ast.Pow) and abs(right) > LARGEST_POWER:
-            raise ExpressionError(f"the exponent {right:g} is beyond {LARGEST_POWER:g}")
+            raise ExpressionError(f"the exponent {right:g} is above the limit {LARGEST_POWER:g}")
         if isinstance(left, str) or isinstance(right, str):
             raise TypeError("texts can only be compared")
         return _BINARY[type(node.op)](left, right)

@@ -65,14 +65,17 @@ def held(folder: str | Path) -> Iterator[Path]:
         place.mkdir(parents=True, exist_ok=True)
         lock = open(place / LOCK, "ab")  # noqa: SIM115 - held until the command ends
     except OSError as error:
-        raise InputError(f"{shown(place)}: cannot be written ({error.strerror}). Choose another --out.") from error
+        raise InputError(f"{shown(place)}: cannot be written ({error.strerror}). Set another --out.") from error
     with lock:
         try:
             mine = lock_file(lock)
         except OSError:
             mine = True  # a file system without locks
         if not mine:
-            raise InputError(f"{shown(place)}: another command works on this campaign. Wait for it, or end it.")
+            raise InputError(
+                f"{shown(place)}: another command is working on this campaign. Wait for it, end it, or set another "
+                "--out."
+            )
         yield place
 
 
@@ -87,25 +90,27 @@ def find_begun(folder: Path, facts: dict[str, Any]) -> tuple[str, RunLayout] | N
     if not path.is_file():
         others = sorted(name for name in os.listdir(folder) if name != LOCK and not name.startswith(".begun-"))
         if others and not set(others) <= {"signals.zarr", ROWS, PLAN, SCENE}:
-            raise InputError(f"{shown(folder)}: holds {shown(others[0])} and no campaign. Choose another --out.")
+            raise InputError(
+                f"{shown(folder)}: holds {shown(others[0])} and is not the folder of a campaign. Set another --out."
+            )
         return None
     try:
         told = json.loads(path.read_text(encoding="utf-8"))
         begun, layout = told["facts"], stored_layout(told["layout"])
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{shown(path)}: cannot be read ({error}). Choose another --out.") from error
+        raise InputError(f"{shown(path)}: cannot be read ({error}). Set another --out.") from error
     different = [name for name in facts if begun.get(name) != facts[name]]
     if different:
         words = {
             "plan": "another plan",
             "scene": "another scene",
-            "draws": "other draws",
+            "draws": "other samples",
             "code": "another version of gearcase",
             "versions": "other versions of its libraries",
         }
         raise InputError(
-            f"{shown(folder)}: was begun with {' and '.join(words[name] for name in different)}. Go on with what it "
-            "was begun with, or give another --out."
+            f"{shown(folder)}: was begun with {' and '.join(words[name] for name in different)}. Use what it was begun "
+            "with, or set another --out."
         )
     return told["identity"], layout
 
@@ -148,6 +153,7 @@ def stored_or_said(folder: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise WorkError(
-            f"{shown(folder)}: cannot be written ({error.strerror or error}). What is finished is kept; make room or "
-            "give the right to write, and repeat the command."
+            f"{shown(folder)}: cannot be written ({error.strerror or error}). Finished scenes are kept. Free disk "
+            "space or "
+            "set the permission to write, then repeat the command."
         ) from error

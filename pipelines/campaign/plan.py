@@ -48,7 +48,7 @@ class SplitTable(Table):
     """Which scenes train and which test: scenes with equal values of all of `by` stay together."""
 
     by: Annotated[
-        tuple[str, ...] | None, Field(description="variables; left out: those that deviations.seed hangs on")
+        tuple[str, ...] | None, Field(description="variables; if left out, those in the expression of deviations.seed")
     ] = None
     test: Annotated[Number, Field(ge=0, lt=1, description="share of the groups")] = 0.3
     validation: Annotated[Number, Field(ge=0, lt=1, description="share of the groups")] = 0.0
@@ -60,15 +60,20 @@ class PlanTable(Table):
     title: Annotated[str, Field(max_length=200, description="one line that names the campaign")] = ""
     licence: Annotated[str, Field(max_length=200, description="of the data set, for its card")] = ""
     scene: Annotated[str, Field(description="a shipped scene, or a path ending in .toml")]
-    preset: Annotated[Literal["draft", "standard", "reference"] | None, Field(description="how finely")] = None
+    preset: Annotated[
+        Literal["draft", "standard", "reference"] | None,
+        Field(description="settings of models, meshes and time step; if left out, those of the scene"),
+    ] = None
     design: Annotated[
         Literal["grid", "random", "latin-hypercube", "sobol"], Field(description="how the scenes are chosen")
     ] = "sobol"
-    scenes: Annotated[
-        Integer | None, Field(ge=1, le=MOST_SCENES, description="how many; a grid has its own number")
-    ] = None
-    seed: Annotated[Integer, Field(ge=0, lt=2**63, description="of all draws")] = 1
-    signals: Annotated[tuple[str, ...], Field(max_length=100, description="what is stored; left out: see docs")] = ()
+    scenes: Annotated[Integer | None, Field(ge=1, le=MOST_SCENES, description="number of scenes; not with a grid")] = (
+        None
+    )
+    seed: Annotated[Integer, Field(ge=0, lt=2**63, description="of the random numbers")] = 1
+    signals: Annotated[
+        tuple[str, ...], Field(max_length=100, description="stored signals; if left out, see docs/campaigns.md")
+    ] = ()
     variables: Annotated[dict[str, Variable], Field(default={}, max_length=100, description="what is varied")]
     settings: Annotated[dict[str, Any], Field(default={}, description='keys of the scene, "$..." is an expression')]
     cases: Annotated[
@@ -87,35 +92,37 @@ class PlanTable(Table):
     def _names(self) -> Iterator[str]:
         for name in self.variables:
             if not _NAME.fullmatch(name):
-                yield f"variables: {name!r} is no name; use letters, digits and _, a letter first"
+                yield f"variables: {name!r} is not a valid name; use letters, digits and _, a letter first"
             elif name in COLUMNS:
-                yield f"variables: {name!r} is a column of every data set; take another name"
+                yield f"variables: {name!r} is a column of every data set; set another name"
             elif name not in self.cases and not any(name in names for names in self._named()):
-                yield f'variables: nothing hangs on {name!r}; use it in [settings] or [cases], as in "${name}"'
+                yield f'variables: {name!r} is not used; write "${name}" in [settings] or [cases], or delete it'
         for name in self.split.by or ():
             if name not in self.variables:
-                yield f"split.by: there is no variable {name!r}; known: {', '.join(self.variables) or 'none'}"
+                yield f"split.by: {name!r} is not a variable; allowed: {', '.join(self.variables) or 'none'}"
         if self.split.test + self.split.validation >= 1.0:
-            yield f"split: test and validation are {self.split.test + self.split.validation:g} together; leave some"
+            yield (
+                f"split: test and validation add up to {self.split.test + self.split.validation:g}; reduce them below 1"
+            )
 
     def _named(self) -> Iterator[tuple[str, ...]]:
         """Names in each expression of the settings that can be read."""
         for _, text in self.references():
-            with contextlib.suppress(ExpressionError):  # said elsewhere
+            with contextlib.suppress(ExpressionError):  # reported elsewhere
                 yield Expression(text[1:]).names
 
     def _cases(self) -> Iterator[str]:
         for name, cases in self.cases.items():
             variable = self.variables.get(name)
             if not isinstance(variable, ListTable):
-                yield f"cases.{name}: there is no variable {name!r} with a list of texts"
+                yield f"cases.{name}: {name!r} is not a variable with a list of values; add it to [variables]"
                 continue
             known = {str(value) for value in variable.values}
             for case in cases:
                 if case not in known:
-                    yield f"cases.{name}.{case}: not a value of {name}; these are {', '.join(sorted(known))}"
+                    yield f"cases.{name}.{case}: not a value of {name}; allowed: {', '.join(sorted(known))}"
             for value in sorted(known - cases.keys()):
-                yield f"cases.{name}: {value} has no settings; write [cases.{name}.{value}], empty if nothing changes"
+                yield f"cases.{name}: {value} has no settings; add [cases.{name}.{value}], empty if nothing changes"
 
     def _expressions(self) -> Iterator[str]:
         texts = [("constraints", text) for text in self.constraints]
@@ -128,7 +135,7 @@ class PlanTable(Table):
                 continue
             for name in names:
                 if name not in self.variables:
-                    yield f"{where}: there is no variable {name!r}; known: {', '.join(self.variables) or 'none'}"
+                    yield f"{where}: {name!r} is not a variable; allowed: {', '.join(self.variables) or 'none'}"
 
     def _paths(self) -> Iterator[str]:
         """Settings that no campaign can have, or that may not differ from scene to scene."""
@@ -137,21 +144,24 @@ class PlanTable(Table):
         for path in sorted({*leaves(self.settings), *varied}):
             name = ".".join(path)
             if path[0] in _VIEWS:
-                yield f"{name}: no motion depends on it; noise, pieces and diagnosis are taken from the stored signals"
+                yield f"{name}: no motion depends on it; delete it (noise and pieces are made from the stored signals)"
             elif path in varied and name.startswith(_FIXED):
-                yield f"{name}: must be the same in all scenes, whose signals fill one array; set it under [settings]"
+                yield (
+                    f"{name}: must be alike in all scenes, as one array holds their signals; set a constant in "
+                    "[settings]"
+                )
 
     def _counts(self) -> Iterator[str]:
         if self.design == "grid":
             if self.scenes is not None:
-                yield "scenes: a grid has as many as its values give; leave it out"
+                yield "scenes: the values of a grid give its number of scenes; delete the key"
             for name, variable in self.variables.items():
                 try:
                     variable.grid()
                 except ValueError as error:
                     yield f"variables.{name}: {error}"
         elif self.scenes is None:
-            yield "scenes: is missing; say how many scenes are drawn"
+            yield "scenes: is missing; set the number of scenes"
 
     def references(self) -> Iterator[tuple[tuple[str, ...], str]]:
         """Texts of all settings that begin with $, by path."""
@@ -193,7 +203,7 @@ def load_plan(file: str | Path) -> Plan:
     """
     name = str(file)
     if not name.endswith(".toml"):
-        raise InputError(f"{name}: a plan is a file that ends in .toml. See docs/campaigns.md for one.")
+        raise InputError(f"{name}: a plan is a file that ends in .toml. Give such a file; docs/campaigns.md shows one.")
     source = find_source(name)
     table, _ = validate(Merged(anchored(parse(source), source.folder)), PlanTable, source.shown)
     return Plan(name=source.name, text=source.text, table=table, tree=_base_tree(source, table))

@@ -82,7 +82,7 @@ class Bar(Silent):
 
 def beginning(total: int, left: int, workers: Workers) -> str:
     """The first line of a campaign."""
-    done = f", {total - left} are done" if left < total else ""
+    done = f", {total - left} already done" if left < total else ""
     board = f"; {workers.dashboard}" if workers.dashboard else ""
     return f"{total} scenes{done}; {workers.count()} workers{board}"
 

@@ -21,12 +21,14 @@ class RangeTable(Table):
 
     from_: Annotated[Number | Whole, Field(alias="from", description="least value")]
     to: Annotated[Number | Whole, Field(description="largest value")]
-    levels: Annotated[Whole | None, Field(ge=2, le=MOST, description="of a grid: values from `from` to `to`")] = None
+    levels: Annotated[
+        Whole | None, Field(ge=2, le=MOST, description="number of values from `from` to `to` in a grid")
+    ] = None
 
     @model_validator(mode="after")
     def _rising(self) -> RangeTable:
         if self.to < self.from_:
-            raise ValueError(f"to = {self.to:g} is less than from = {self.from_:g}")
+            raise ValueError(f"to = {self.to:g} is less than from = {self.from_:g}; exchange them")
         return self
 
     @property
@@ -46,7 +48,7 @@ class RangeTable(Table):
         if self.whole and self.levels is None:
             return list(range(int(self.from_), int(self.to) + 1))
         if self.levels is None:
-            raise ValueError("a grid needs `levels`, or a list of values")
+            raise ValueError("a grid needs a number of values; set levels, or give a list of values")
         steps = [self.from_ + (self.to - self.from_) * i / (self.levels - 1) for i in range(self.levels)]
         return list(dict.fromkeys(round(value) for value in steps)) if self.whole else [float(v) for v in steps]
 
@@ -57,10 +59,10 @@ class DistributionTable(Table):
     The part that is cut off is shared out over the rest.
     """
 
-    distribution: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", description="name in scipy.stats, as norm")]
-    parameters: Annotated[
-        dict[str, Number], Field(default={}, description="as scipy calls them: loc, scale and shapes")
+    distribution: Annotated[
+        str, Field(pattern=r"^[a-z][a-z0-9_]*$", description="name in scipy.stats, for example norm")
     ]
+    parameters: Annotated[dict[str, Number], Field(default={}, description="of scipy.stats: loc, scale and shapes")]
     from_: Annotated[Number | None, Field(alias="from", description="least value")] = None
     to: Annotated[Number | None, Field(description="largest value")] = None
 
@@ -69,7 +71,7 @@ class DistributionTable(Table):
         found = self._frozen()
         low, high = self._limits(found)
         if not low < high:
-            raise ValueError(f"from {self.from_} to {self.to} leaves nothing of {self.distribution}")
+            raise ValueError(f"{self.distribution} has no values from {self.from_} to {self.to}; correct the limits")
         return self
 
     def _frozen(self) -> Any:
@@ -78,15 +80,15 @@ class DistributionTable(Table):
         found = getattr(stats, self.distribution, None)
         if not isinstance(found, stats.rv_continuous):
             raise ValueError(
-                f"{self.distribution} is no continuous distribution of scipy.stats, such as norm or uniform"
+                f"{self.distribution!r} is not a continuous distribution of scipy.stats; give one, for example norm"
             )
         try:
             frozen = found(**self.parameters)
             median = float(frozen.median())
         except TypeError as error:
-            raise ValueError(f"{self.distribution} does not take these parameters ({error})") from error
+            raise ValueError(f"{self.distribution} does not accept these parameters ({error}); correct them") from error
         if not math.isfinite(median):
-            raise ValueError(f"{self.distribution} has no values with these parameters")
+            raise ValueError(f"{self.distribution} has no values with these parameters; correct them")
         return frozen
 
     def _limits(self, frozen: Any) -> tuple[float, float]:
@@ -101,14 +103,16 @@ class DistributionTable(Table):
 
     def grid(self) -> list[Level]:
         """A distribution has no grid: ValueError."""
-        raise ValueError("a distribution cannot stand in a grid; give a list, or another design")
+        raise ValueError("a distribution cannot be part of a grid; give a list of values, or set another design")
 
 
 class ListTable(Table):
-    """One of several values, all numbers or all texts; as often as its weight says."""
+    """One of several values, all numbers or all texts, with a frequency in proportion to its weight."""
 
     values: Annotated[tuple[Level, ...], Field(min_length=1, max_length=MOST, description="numbers, or texts")]
-    weights: Annotated[tuple[Number, ...] | None, Field(description="how often each one comes; left out: alike")] = None
+    weights: Annotated[
+        tuple[Number, ...] | None, Field(description="relative frequency of each value; if left out, equal")
+    ] = None
 
     @model_validator(mode="after")
     def _alike(self) -> ListTable:
@@ -116,12 +120,14 @@ class ListTable(Table):
         if len(kinds) > 1:
             raise ValueError("numbers, texts and true/false are mixed; give values of one kind")
         if len(set(self.values)) < len(self.values):
-            raise ValueError("a value is given twice; use weights to have it more often")
+            raise ValueError("a value is given twice; set weights to make it more frequent")
         if self.weights is not None:
             if len(self.weights) != len(self.values):
-                raise ValueError(f"{len(self.weights)} weights for {len(self.values)} values")
+                raise ValueError(
+                    f"{len(self.weights)} weights for {len(self.values)} values; give one weight per value"
+                )
             if min(self.weights) < 0.0 or not sum(self.weights) > 0.0:
-                raise ValueError("weights must not be negative, and one must be positive")
+                raise ValueError("weights must be 0 or more, and one above 0; correct them")
         return self
 
     def at(self, shares: np.ndarray) -> list[Level]:

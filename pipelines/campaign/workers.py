@@ -119,7 +119,9 @@ def _own_cluster(distributed: Any, processes: int | None) -> Iterator[Any]:
     try:
         security = distributed.Security.temporary()
     except ImportError as error:
-        raise InputError(f"--cluster needs the package cryptography ({error}). Install gearcase[campaign].") from error
+        raise InputError(
+            f"--cluster needs the package cryptography ({error}). Install it with: pip install 'gearcase[campaign]'"
+        ) from error
     with (
         distributed.LocalCluster(
             n_workers=processes or os.cpu_count() or 1,
@@ -141,12 +143,14 @@ def _client(distributed: Any, scheduler: str) -> Any:
             regular_file(Path(scheduler))  # Dask would wait for it without end
         return distributed.Client(**given, timeout=_CONNECT_SECONDS)
     except (OSError, TimeoutError, ValueError) as error:
-        raise InputError(f"--scheduler {scheduler}: no scheduler answers there ({error}). Start one first.") from error
+        raise InputError(
+            f"--scheduler {scheduler}: no scheduler answers ({error}). Correct the address, or start a scheduler there."
+        ) from error
 
 
 def lost(error: BaseException) -> WorkError:
     """What is said when the workers, or their scheduler, are gone for good."""
     return WorkError(
-        f"the workers are gone ({type(error).__name__}: {error}). What is finished is kept; repeat the command to go "
-        "on."
+        f"the workers have ended ({type(error).__name__}: {error}). Finished scenes are kept. Repeat the command to "
+        "simulate the others."
     )

@@ -68,7 +68,9 @@ def curves(parts: Sequence[Part], channel: Channel, shaft: str) -> Curves:
     for part, one in zip(parts, turns, strict=True):
         if not len(one):
             name = part.kinematics.shafts[0].name
-            raise FeatureError(f"{part.name}: {name} does not turn once in the window. Choose a longer one.")
+            raise FeatureError(
+                f"{part.name}: {name} makes less than one revolution in the window. Choose a longer window."
+            )
     block = min(MOST_TURNS, *(len(one) for one in turns))
     share = (guard / places, highest / places)
     pairs = [_spectra(one, block, share) for one in turns]

@@ -62,7 +62,7 @@ def averages_figure(found: Curves, names: Sequence[str]) -> Figure:
             axes.plot(angle, found.average[0], color=BEHIND, lw=0.9)
         axes.plot(angle, average, color=SECOND if number else FIRST, lw=0.9)
         axes.set_xlim(0.0, 360.0)
-        turned = ", turned to lie over A" if found.turned[number] else ""
+        turned = ", shifted to match A" if found.turned[number] else ""
         last = number == len(names) - 1
         dress(axes, plain(name + turned), f"angle of {found.shaft}, °" if last else "", "m/s²")
     figure.suptitle(plain(f"Time-synchronous averages at {' '.join(found.channel)}, mean over the turns"))
@@ -88,7 +88,7 @@ def rms_figure(rms: np.ndarray, sensors: Sequence[str], names: Sequence[str]) ->
     for number, (name, row) in enumerate(zip(names, sums, strict=True)):
         axes.bar(np.arange(len(known)) + (number + 0.5) * width - 0.4, row, width, label=plain(name))
     axes.set_xticks(range(len(known)), [plain(one) for one in known], rotation=0 if len(known) < 10 else 90)
-    dress(axes, "Root mean square of the sensors, over the axes that all recordings have", "", "m/s²")
+    dress(axes, "Root mean square of the sensors over the axes that all recordings have", "", "m/s²")
     figure.legend(loc="outside lower left", ncols=1, frameon=False, fontsize=9)
     return figure
 

@@ -34,7 +34,7 @@ def labelled_comparison(recordings: Mapping[str, xarray.Dataset], kinematics: Ki
 
     if len(recordings) < 2:
         raise InputError(
-            f"{len(recordings)} recording{'' if len(recordings) == 1 else 's'}: give two or more to compare."
+            f"{len(recordings)} recording{'' if len(recordings) == 1 else 's'} given. Give two or more to compare."
         )
     parts = []
     for number, (name, recording) in enumerate(recordings.items(), 1):

@@ -101,7 +101,7 @@ def part_of(
     RotationError : see `pipelines.orders.rotation_of`
     """
     if "acceleration" not in recording and "journal_acceleration" not in recording:
-        raise FeatureError("no accelerations were recorded, so there is nothing to compare")
+        raise FeatureError("the recording holds no accelerations. Add sensors to the scene, or give another recording")
     rotation = rotation_of(recording, kinematics)
     sensors, axes, values = recorded_channels(with_stated_noise(recording, stream))
     time = np.asarray(recording.time.values, dtype=float)
@@ -143,7 +143,7 @@ def brought_together(parts: Sequence[Part]) -> tuple[Part, ...]:
     if not common:
         sensors = "; ".join(f"{part.name}: {', '.join(' '.join(one) for one in part.channels[:9])}" for part in parts)
         raise FeatureError(
-            f"no channel is in all recordings ({sensors}). Give the sensors the same names in the machine's file."
+            f"no channel is in all recordings ({sensors}). Set the same sensor names in the machine file."
         )
     lowest = min(part.rate for part in parts)
     return tuple(_at_rate(_with_channels(part, common), lowest) for part in parts)

@@ -84,32 +84,32 @@ def remarks(recorded: Sequence[Part], parts: Sequence[Part], found: Features) ->
     `recorded` are the parts as they were, `parts` those with the same channels and rate.
     """
     named = list(zip(LETTERS, recorded, strict=False))
-    said = [f"Warning: {letter} {warning}" for letter, part in named for warning in part.warnings]
+    lines = [f"Warning: {letter} {warning}" for letter, part in named for warning in part.warnings]
     if len(parts[0].channels) < max(len(part.channels) for part in recorded):
         alone = [
             f"{letter} {_channels([one for one in part.channels if one not in parts[0].channels])}"
             for letter, part in named
             if len(part.channels) > len(parts[0].channels)
         ]
-        said.append(f"Compared at {_channels(parts[0].channels)}. Not in all recordings: {'; '.join(alone)}.")
+        lines.append(f"Compared at {_channels(parts[0].channels)}. Not in all recordings: {'; '.join(alone)}.")
     if any(part.time is not other.time for part, other in zip(parts, recorded, strict=True)):
         orders = min(HIGHEST * part.rate / part.windows[0].frequency for part in parts)
-        said.append(
-            f"The sampling rates differ: all are compared at the lowest, {parts[0].rate:.6g} samples/s, which holds "
+        lines.append(
+            f"The sampling rates differ. All are compared at the lowest, {parts[0].rate:.6g} samples/s, which contains "
             f"orders up to {orders:.4g} of the first shaft."
         )
     if unlike := [letter for letter, part in named[1:] if _train(part) != _train(recorded[0])]:
-        said.append(f"The machine of {', '.join(unlike)} has other gears or shafts than that of A.")
+        lines.append(f"The machine of {', '.join(unlike)} has other gears or shafts than that of A.")
     for words in dict.fromkeys("; ".join(table.left_out) for table in found.tables if table.left_out):
         letters = [
             letter for letter, table in zip(LETTERS, found.tables, strict=False) if "; ".join(table.left_out) == words
         ]
-        said.append(f"Not looked at in {', '.join(letters)}, they turn too seldom: {words}.")
-    return said
+        lines.append(f"Left out in {', '.join(letters)} because of too few revolutions: {words}.")
+    return lines
 
 
 def _train(part: Part) -> tuple[object, ...]:
-    """Shafts and teeth, by which orders are told."""
+    """Shafts and teeth, which determine the orders."""
     gears = tuple((gear.name, gear.shaft, gear.teeth) for gear in part.kinematics.gears)
     return (tuple((shaft.name, round(shaft.ratio, 9)) for shaft in part.kinematics.shafts), gears)
 

@@ -1,14 +1,13 @@
-"""The card of a data set: README.md in its folder, what it holds, how it was made, how far it holds, how it is read.
+"""The card of a data set: README.md in its folder, with its content, origin, warnings, limits and ways to read it.
 
 References
 ----------
-Gebru et al. (2021), Communications of the ACM 64(12), 86-92 (what a data set has to say of itself).
+Gebru et al. (2021), Communications of the ACM 64(12), 86-92 (what the documentation of a data set has to contain).
 """
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -23,8 +22,6 @@ from pipelines.dataset.summary import Summary, plan_texts, summarised, words
 from pipelines.dataset.varied import design_words, varied_grid
 from pipelines.scene.file import load_scene
 from pipelines.scene.scene import Scene
-
-_MOST_WARNINGS = 5
 
 
 def write_card(folder: Path) -> None:
@@ -44,7 +41,7 @@ def card(folder: Path) -> str:
     plan = found.facts["facts"]["plan"]
     scene = _scene(folder)
     licence = plan_texts(folder).get("licence") or (
-        'not stated. Who publishes the data set chooses one; a line `licence = "..."` in its plan names it here.'
+        'not stated. To publish the data set, choose one and set `licence = "..."` in its plan.'
     )
     parts = [
         f"# {found.title}",
@@ -52,16 +49,19 @@ def card(folder: Path) -> str:
         f"`{plan['scene']}`: {words(found.statuses)} of {found.runs} runs. The plan is `plan.toml`, the scene with all "
         "its defaults `scene.toml`.",
         f"Licence: {licence}",
+        *(f"**Warning.** {text}" for text in found.warnings),
         f"## What is stored\n\n{_arrays(found)}",
-        "Signals are in `signals.zarr` (Zarr 3), a chunk per run and array; a run that is not done reads as NaN. A run "
-        "is done when its row says so: `rows/` has a JSON file per run, `rows.parquet` all of them as a table.",
+        "Signals are in `signals.zarr` (Zarr 3), with one chunk per run and array. A run that is not done reads as "
+        "NaN. "
+        "`rows/` has a JSON file per run, `rows.parquet` all of them as a table; the column `status` is `done` when "
+        "the signals of a run are stored.",
         _columns().to_markdown(),
         f"## What was varied\n\n{design_words(plan)[0].upper()}{design_words(plan)[1:]}.",
         varied_grid(plan, found.columns).to_markdown() if plan["variables"] else "Nothing.",
         f"## Labels and split\n\n{_counts(found).to_markdown()}",
         _split_words(found),
         f"## How it was made\n\n{_provenance(found, scene)}",
-        "## How far it holds\n\n" + "\n".join(f"- {line}" for line in _limits(found, scene)),
+        "## Limits\n\n" + "\n".join(f"- {line}" for line in _limits(found, scene)),
         f"## How to load it\n\n{loading()}",
     ]
     return "\n\n".join(parts) + "\n"
@@ -96,7 +96,7 @@ def _arrays(found: Summary) -> str:
 
 def _columns() -> Grid:
     rows = tuple((f"`{name}`", meaning) for name, meaning in COLUMNS.items())
-    return Grid(title="", headers=("column", "meaning"), rows=(*rows, ("variables", "see below, one column each")))
+    return Grid(title="", headers=("column", "meaning"), rows=(*rows, ("variables", "one column each, see below")))
 
 
 def _counts(found: Summary) -> Grid:
@@ -113,13 +113,13 @@ def _counts(found: Summary) -> Grid:
 
 def _split_words(found: Summary) -> str:
     if not found.groups_by:
-        return f"Every run is a group of its own: {found.groups} groups, drawn into the parts by the seed of the plan."
+        return f"Every run is a separate group: {found.groups} groups, assigned to the parts by the seed of the plan."
     by = ", ".join(f"`{name}`" for name in found.groups_by)
     return (
         f"Runs with equal {by} are one group ({found.groups} groups), and a group is in one part only. Train on "
-        "one part, test on another, and cut pieces after that, never before: two pieces of one run, or two runs of one "
-        "pair of gears, have more in common than their label, and who has seen the one recognises the other. Cross "
-        "validation goes by the column `group`, too."
+        "one part and test on another. Cut signals into pieces after the split, never before: two pieces of one run, "
+        "or two runs of one pair of gears, have more in common than their label, so a classifier trained on one "
+        "recognises the other. Use the column `group` for cross-validation, too."
     )
 
 
@@ -129,7 +129,7 @@ def _provenance(found: Summary, scene: Scene | None) -> str:
     lines = [f"Versions: {', '.join(f'{name} {version}' for name, version in versions.items())}."]
     if scene is not None:
         models = ", ".join(f"{name} {_joined(model)}" for name, model in scene.models().items())
-        lines.append(f"Models, where no variable says otherwise: {models}.")
+        lines.append(f"Models, unless a variable changes them: {models}.")
     errors = _numbers(found, "step_error")
     if errors.size:
         lines.append(
@@ -141,13 +141,13 @@ def _provenance(found: Summary, scene: Scene | None) -> str:
     parted = int(np.sum(until < (layout["samples"] - 1.5) / layout["rate"]))
     if parted:
         lines.append(
-            f"{parted} of {until.size} motions cannot be repeated to their end: from `repeatable_until_s` on, rounding "
-            "decides (rattling gears). Their levels hold, their samples do not."
+            f"{parted} of {until.size} motions cannot be repeated to their end: after `repeatable_until_s` they depend "
+            "on rounding (rattling gears). Their levels are valid, their single samples are not."
         )
     else:
         lines.append("All motions can be repeated sample by sample.")
     lines.append(
-        "The same plan gives the same draws and the same bits with these versions. Identity: "
+        "The same plan gives the same samples and the same bits with these versions. Identity: "
         f"{facts['identity']}, code {facts['facts']['code']}."
     )
     return "\n".join(f"- {line}" for line in lines)
@@ -155,24 +155,17 @@ def _provenance(found: Summary, scene: Scene | None) -> str:
 
 def _limits(found: Summary, scene: Scene | None) -> Iterator[str]:
     rate = found.facts["layout"]["rate"]
-    yield "Simulated, not measured. What a classifier learns here has to be shown on a real machine before it is used."
-    yield "Nothing is known beyond the ranges above, nor of faults, places and machines that are not among them."
+    yield "The data are simulated, not measured. Validate a classifier on a real machine before you use it."
+    yield "The data do not cover values outside the ranges above, nor other faults, places and machines."
     yield f"Signals are low-pass filtered before they are sampled at {rate:g} Hz."
     band = getattr(scene.casing, "band_Hz", None) if scene is not None else None
     if band:
-        yield f"The casing has its modes up to {band:g} Hz; above that its response is that of a stiffer one."
-    yield "There is no sensor noise in the signals: `gearcase.pieces` and `gearcase dataset export` add it."
-    yield "Every run begins at its start: leave out a run-up where a steady state is meant."
-    yield "Each model has its own limits, which docs/choosing-a-model.md of gearcase states with their measured errors."
+        yield f"The casing model has its modes up to {band:g} Hz. Above that, the casing responds too stiffly."
+    yield "The signals hold no sensor noise: `gearcase.pieces` and `gearcase dataset export` add it."
+    yield "Every run contains its run-up: leave it out where a steady state is required."
+    yield "The page docs/choosing-a-model.md of gearcase gives the limits of each model with measured errors."
     if failed := int(np.sum(found.columns["status"] == FAILED)):
-        yield f"{failed} runs failed; the column `reason` says why. What fails may be the extreme of a range."
-    for text, count in _warnings(found.columns):
-        yield f"{count} runs have the warning {text}."
-
-
-def _warnings(columns: Mapping[str, np.ndarray]) -> Sequence[tuple[str, int]]:
-    given = (text for cell in columns.get("warnings", ()) for text in set(str(cell).split("; ")) if text)
-    return Counter(given).most_common(_MOST_WARNINGS)
+        yield f"Failed runs: {failed}, see the column `reason`. They may be the extremes of a range."
 
 
 def _numbers(found: Summary, name: str) -> np.ndarray:

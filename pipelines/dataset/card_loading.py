@@ -1,9 +1,9 @@
-"""How a data set is loaded, as it stands in its card; the paths are those in its folder."""
+"""How a data set is loaded, as its card shows it; the paths are those in its folder."""
 
 XARRAY = """\
 import gearcase
 
-data = gearcase.open_dataset(".")                      # reads a run when it is asked for
+data = gearcase.open_dataset(".")                      # reads a run when it is used
 train = data.isel(run=(data.split == "train") & (data.status == "done"))
 first = train.acceleration[0]                          # (sensor, axis, time), m/s2
 print(first.std("time"))

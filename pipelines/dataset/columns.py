@@ -71,7 +71,7 @@ def as_array(values: Sequence[Any]) -> np.ndarray:
     return np.array([np.nan if value is None else value for value in values], dtype=float)
 
 
-def counted(columns: Mapping[str, np.ndarray], name: str, none: str = "no row yet") -> dict[str, int]:
+def counted(columns: Mapping[str, np.ndarray], name: str, none: str = "not done") -> dict[str, int]:
     """How many runs have each value of a text column, the most frequent first."""
     if name not in columns:
         return {}

@@ -89,13 +89,15 @@ def _cut(folder: Path, wanted: Wanted) -> Cut:
         known = sorted(set(map(str, dataset[name].values[dataset.status.values == DONE]))) if name in dataset else []
         if missing := [value for value in values if value not in known]:
             raise InputError(
-                f"--{name} {missing[0]}: no run that is done has it; there are {', '.join(known) or 'none'}"
+                f"--{name} {missing[0]}: no finished run has this value. Allowed: {', '.join(known) or 'none yet'}."
             )
         if values:
             chosen &= np.isin(dataset[name].values, values)
     part = dataset.isel(run=np.flatnonzero(chosen))
     if not part.sizes["run"]:
-        raise InputError(f"{folder}: no run is done that has all of this. Ask for others.")
+        raise InputError(
+            f"{folder}: no finished run matches --split, --label and --sensors together. Leave one of them out."
+        )
     options: dict[str, Any] = {"seconds": wanted.seconds, "overlap": wanted.overlap, "noise_m_s2": wanted.noise_m_s2}
     runs = pieces(part, **options, seed=wanted.seed, sensors=wanted.sensors or None)
     first = next(pieces(part.isel(run=[0]), **options, sensors=wanted.sensors or None))

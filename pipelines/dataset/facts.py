@@ -25,7 +25,10 @@ def read_facts(folder: str | Path) -> dict[str, Any]:
         told = json.loads(path.read_text(encoding="utf-8"))
         told["identity"], told["runs"], told["facts"]["plan"], stored_layout(told["layout"])
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{shown(folder)}: no campaign ({shown(str(error))}). Give its folder.") from error
+        raise InputError(
+            f"{shown(folder)}: not the folder of a data set ({shown(str(error))}). Give the folder that `gearcase "
+            "campaign` wrote."
+        ) from error
     return told
 
 

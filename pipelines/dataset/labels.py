@@ -11,20 +11,21 @@ HEALTHY = "healthy"
 COLUMNS = {  # all columns of a data set that are no variables of its plan, and what they mean
     "run": "number of the scene in the plan, and along the first dimension of every array",
     "key": "SHA-256 of the scene with all its defaults; equal for equal scenes",
-    "status": "done, failed, or nothing while the campaign runs",
+    "status": "done, failed, or empty while the campaign runs",
     "reason": "why it failed",
     "group": "runs of one group are in one part of the split",
     "split": "train, test or validation",
     "label": "kinds of all faults, or healthy",
     "places": "where they are, in words",
-    "severity": "size of the first fault, the number under severity_key in its table",
-    "severity_key": "key of that size with its unit, as depth_mm",
+    "severity": "size of the first fault: the value of the key severity_key in its table",
+    "severity_key": "key of that size with its unit, for example depth_mm",
     "faults": "all faults with all their values, JSON",
-    "step_error": "estimated share of the accelerations' rms that the time step is wrong by",
-    "repeatable_until_s": "from when on the motion depends on rounding, as rattling gears do; else the last sample",
-    "warnings": "kinds of warning: step (error of the step), repeat (see above), energy (forces against motion)",
-    "seconds": "time that the run took, s",
-    "loop_seconds": "part of it that is the time loop, s",
+    "step_error": "estimated error of the accelerations by the time step, share of their rms",
+    "repeatable_until_s": "time after which the motion depends on rounding (rattling gears); else that of the last "
+    "sample",
+    "warnings": "kinds of warning: step (step_error above 5 %), repeat (see above), energy (balance does not close)",
+    "seconds": "computing time of the run, s",
+    "loop_seconds": "part of it in the time loop, s",
 }
 _SIZES = ("depth_mm", "depth_um", "unbalance_g_mm", "eccentricity_um", "bow_um")  # each grows as its fault does
 

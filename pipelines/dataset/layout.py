@@ -60,7 +60,7 @@ def run_layout(motion: Trajectory, samples: int, wanted: Sequence[str] = ()) -> 
         wanted = CASING_SIGNALS if motion.sensors else GROUND_SIGNALS
     for name in wanted:
         if name not in found:
-            raise InputError(f"signals: there is no {name!r} in this scene. Choose of {', '.join(found)}.")
+            raise InputError(f"signals: {name!r} is not a signal of this scene. Allowed: {', '.join(found)}.")
     chosen = [found[name] for name in dict.fromkeys(wanted)]
     used = {dim for signal in chosen for dim in signal.dims}
     return RunLayout(
@@ -92,16 +92,19 @@ def run_arrays(motion: Trajectory, layout: RunLayout) -> dict[str, np.ndarray]:
     if (len(motion.time), motion.output_rate) != (layout.samples, layout.rate):
         raise WorkError(
             f"this scene has {len(motion.time)} samples at {motion.output_rate:g} Hz, the campaign {layout.samples} at "
-            f"{layout.rate:g} Hz. Keep simulation.end_s and output_rate_Hz the same in all scenes."
+            f"{layout.rate:g} Hz. Set simulation.end_s and simulation.output_rate_Hz alike in all scenes."
         )
     for one in layout.signals:
         if one.name not in found:
-            raise WorkError(f"this scene has no signal {one.name}, which the campaign records. Vary something else.")
+            raise WorkError(
+                f"this scene has no signal {one.name}, which the campaign records. Set `signals` of the plan to those "
+                "of all scenes."
+            )
     for name, values in layout.names.items():
         if names.get(name) != values:
             raise WorkError(
                 f"{name}: this scene has {', '.join(map(str, names.get(name, ('none',))))}, the campaign "
-                f"{', '.join(map(str, values))}. Keep what is recorded the same in all scenes."
+                f"{', '.join(map(str, values))}. Set sensors, probes and shafts alike in all scenes."
             )
     return {one.name: _time_last(motion, found[one.name]) for one in layout.signals}
 

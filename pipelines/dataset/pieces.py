@@ -56,17 +56,19 @@ def pieces(
         known = [str(name) for name in signal.sensor.values]
         for name in sensors:
             if name not in known:
-                raise InputError(f"sensor {name!r}: not in this data set, which has {', '.join(known)}.")
+                raise InputError(f"sensors: {name!r} is not in this data set. Allowed: {', '.join(known)}.")
         signal = signal.sel(sensor=list(sensors))
     rate, begin = sampling(dataset)
     length = dataset.sizes["time"]
     size = length if seconds is None else round(seconds * rate)
     if not 1 <= size <= length:
-        raise InputError(f"pieces of {seconds:g} s: the runs have {length / rate:g} s. Take shorter ones, above 0.")
+        raise InputError(
+            f"seconds = {seconds:g}: the runs last {length / rate:g} s. Set a value above 0 and up to that."
+        )
     if not 0.0 <= overlap < 1.0:
-        raise InputError(f"overlap {overlap:g}: must be a share from 0 to below 1.")
+        raise InputError(f"overlap = {overlap:g}: set a share from 0 to below 1.")
     if noise_m_s2 < 0.0 or seed < 0:
-        raise InputError(f"noise {noise_m_s2:g} m/s2 with seed {seed}: neither can be negative.")
+        raise InputError(f"noise of {noise_m_s2:g} m/s2 with seed {seed}: set both to 0 or more.")
     step = max(1, round(size * (1.0 - overlap)))
     return _pieces(dataset, signal, rate, round(begin * rate), size, step, noise_m_s2, seed)
 

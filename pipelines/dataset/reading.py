@@ -51,7 +51,7 @@ def open_dataset(folder: str | Path) -> xarray.Dataset:
         )
     except (OSError, ValueError, KeyError, BaseZarrError) as error:
         path = shown(folder / SIGNALS)
-        raise InputError(f"{path}: cannot be read ({shown(str(error))}). Give a data set.") from error
+        raise InputError(f"{path}: cannot be read ({shown(str(error))}). Give the folder of a data set.") from error
     names = {name: values for name, values in facts["layout"]["names"].items() if isinstance(values[0], str)}
     texts = {name: (name, np.array(values, dtype=np.str_)) for name, values in names.items()}
     columns = read_columns(folder, opened.sizes["run"])
@@ -72,4 +72,7 @@ def vibration(dataset: xarray.Dataset) -> xarray.DataArray:
         if name in dataset:
             found = dataset[name]
             return found.rename(bearing="sensor") if "bearing" in found.dims else found
-    raise InputError(f"no accelerations in this data set, which has {', '.join(map(str, dataset.data_vars))}.")
+    raise InputError(
+        f"the data set holds no accelerations, only {', '.join(map(str, dataset.data_vars))}. Add them to `signals` "
+        "of the plan."
+    )

@@ -74,9 +74,11 @@ def read_row(folder: Path, run: int, rows: str = ROWS) -> dict[str, Any]:
     try:
         row = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise InputError(f"{path}: no row ({error}). Remove it; the campaign makes it again.") from error
+        raise InputError(
+            f"{path}: the row cannot be read ({error}). Delete the file and repeat the campaign."
+        ) from error
     if not isinstance(row, dict) or row.get("run") != run:
-        raise InputError(f"{path}: not the row of run {run}. Remove it; the campaign makes it again.")
+        raise InputError(f"{path}: not the row of run {run}. Delete the file and repeat the campaign.")
     return row
 
 

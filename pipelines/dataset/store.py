@@ -120,7 +120,10 @@ def read_run(folder: Path, run: int, name: str) -> np.ndarray:
     try:
         return np.asarray(zarr.open_array(folder / SIGNALS / name, mode="r")[run])
     except (OSError, ValueError, RuntimeError, KeyError) as error:
-        raise InputError(f"{folder / SIGNALS}: {name} of run {run} cannot be read ({error}).") from error
+        raise InputError(
+            f"{folder / SIGNALS}: {name} of run {run} cannot be read ({error}). Delete the row of the run and repeat "
+            "the campaign."
+        ) from error
 
 
 def checksum(values: np.ndarray) -> str:

@@ -15,6 +15,7 @@ from pipelines.border.toml_text import read_toml
 from pipelines.dataset.columns import counted, read_columns
 from pipelines.dataset.facts import read_facts
 from pipelines.dataset.rows import DONE
+from pipelines.dataset.run_warnings import column_warnings
 from pipelines.dataset.store import SIGNALS
 from pipelines.dataset.varied import design_words, varied_grid
 
@@ -24,7 +25,8 @@ _MOST_RUNS = 10  # stretches of missing runs that are named
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Summary:
-    """Counts by value, runs without a row, bytes on the disk, and the columns that were counted."""
+    """Counts by value, runs without a row, warnings of the runs, bytes on the disk, and the columns that were "
+    "counted."""
 
     title: str
     runs: int
@@ -34,6 +36,7 @@ class Summary:
     groups: int
     groups_by: tuple[str, ...]
     missing: tuple[int, ...]
+    warnings: tuple[str, ...]
     bytes: int
     facts: Mapping[str, Any]
     columns: Mapping[str, np.ndarray]
@@ -51,6 +54,7 @@ class Summary:
             f"  labels   {words(self.labels)}",
             f"  split    {words(self.splits)}; {self.groups} groups{self.kept_together()}",
             f"  design   {design_words(plan)}",
+            *(f"  warnings {text}" for text in self.warnings or ("none",)),
         ]
         table = varied_grid(plan, self.columns)
         if table.rows:
@@ -76,6 +80,7 @@ def summarised(folder: Path) -> Summary:
         splits=counted(of_done, "split"),
         groups=len({str(group) for group in columns.get("group", ()) if group}),
         groups_by=tuple(facts["groups by"]),
+        warnings=column_warnings(folder, facts, columns),
         missing=tuple(int(run) for run in np.flatnonzero(columns["status"] == "")),
         bytes=sum(_sizes(folder / SIGNALS)),
         facts=facts,

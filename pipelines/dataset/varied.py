@@ -12,7 +12,7 @@ from pipelines.border.grid import Grid
 
 _DESIGNS = {
     "grid": "every point of a grid",
-    "random": "independent draws",
+    "random": "independent random samples",
     "latin-hypercube": "Latin hypercube",
     "sobol": "Sobol points, scrambled after Owen",
 }

@@ -92,21 +92,25 @@ def healthy_case(loaded: LoadedScene) -> dict[str, Any]:
 
 def _check(loaded: LoadedScene, plant: Plant, design: Design) -> None:
     if not known_faults(plant):
-        raise InputError(f"{shown(loaded.name)}: has no fault that could be detected. Give it one in [[faults]].")
+        raise InputError(f"{shown(loaded.name)}: the scene has no fault to detect. Add one in [[faults]].")
     if not loaded.scene.deviations.enabled:
         raise InputError(
-            f"{shown(loaded.name)}: deviations.enabled is false, so that all healthy machines are equal and any change "
-            "is an alarm. Set it to true."
+            f"{shown(loaded.name)}: deviations.enabled = false makes all healthy machines equal, so that any change is "
+            "an alarm. Set it to true."
         )
     if design.baseline < FEWEST_FOR_P:
-        raise InputError(f"--baseline {design.baseline}: p-values take {FEWEST_FOR_P} or more. Give at least that.")
+        raise InputError(
+            f"--baseline {design.baseline}: p-values need {FEWEST_FOR_P} healthy machines or more. Set at least that "
+            "number."
+        )
     keys = [over.variable for over in design.over]
     if len(set(keys)) < len(keys):
-        raise InputError("--over: a key is given twice. Give all its values at once.")
+        raise InputError("--over: a key is given twice. Give all its values in one --over.")
     for over in design.over:
         if over.first_key in _DROPPED or over.key == "deviations.seed":
             raise InputError(
-                f"--over {shown(over.key)}: no motion depends on it, or every machine has its own. Noise is --noise."
+                f"--over {shown(over.key)}: no motion depends on this key, or it already differs between all machines. "
+                "Give another key; for noise, set --noise."
             )
 
 

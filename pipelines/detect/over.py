@@ -46,17 +46,17 @@ def parse_over(text: str) -> Over:
     """
     key, equals, given = text.partition("=")
     if not equals or not all(part.strip() for part in key.split(".")):
-        raise InputError(f"--over {shown(text)}: names no key with values. {_EXAMPLE}")
+        raise InputError(f"--over {shown(text)}: is not a key with values. {_EXAMPLE}")
     parts = given.split(":")
     values = _range(text, parts) if len(parts) == 3 else _listed(text, given)
     if len(set(values)) < len(values):
-        raise InputError(f"--over {shown(text)}: a value is given twice. Give each once.")
+        raise InputError(f"--over {shown(text)}: a value is given twice. Give each value once.")
     return Over(key=key.strip(), values=tuple(values))
 
 
 def _range(text: str, parts: list[str]) -> list[float | int]:
     """Decimal arithmetic, so that 0.2:2:0.2 has 0.6 in it and not 0.6000000000000001."""
-    refusal = f"--over {shown(text)}: from, to and step must be numbers, the step not 0. {_EXAMPLE}"
+    refusal = f"--over {shown(text)}: from, to and step must be numbers, and the step not 0. {_EXAMPLE}"
     try:
         start, end, step = (Decimal(part.strip()) for part in parts)
     except InvalidOperation:
@@ -65,9 +65,9 @@ def _range(text: str, parts: list[str]) -> list[float | int]:
         raise InputError(refusal)
     steps = (end - start) / step
     if steps < 0:
-        raise InputError(f"--over {shown(text)}: its steps lead away from its end. {_EXAMPLE}")
+        raise InputError(f"--over {shown(text)}: the step leads away from the end. Change its sign. {_EXAMPLE}")
     if not steps < MOST_VALUES:
-        raise InputError(f"--over {shown(text)}: has more than {MOST_VALUES} values. Take larger steps.")
+        raise InputError(f"--over {shown(text)}: has more than {MOST_VALUES} values. Increase the step.")
     values = [start + number * step for number in range(int(steps) + 1)]
     whole = all(
         one == one.to_integral_value() and "." not in part for one, part in zip((start, end, step), parts, strict=True)
@@ -78,11 +78,11 @@ def _range(text: str, parts: list[str]) -> list[float | int]:
 def _listed(text: str, given: str) -> list[Any]:
     parts = [part.strip() for part in given.split(",")]
     if not all(parts) or len(parts) > MOST_VALUES:
-        raise InputError(f"--over {shown(text)}: give 1 to {MOST_VALUES} values with commas between. {_EXAMPLE}")
+        raise InputError(f"--over {shown(text)}: give 1 to {MOST_VALUES} values, separated by commas. {_EXAMPLE}")
     try:
         values = [setting_value(part) for part in parts]
     except ValueError as error:
         raise InputError(f"--over {shown(text)}: {error}. {_EXAMPLE}") from error
     if not all(isinstance(value, bool | int | float | str) for value in values):
-        raise InputError(f"--over {shown(text)}: values are numbers, texts or true and false. {_EXAMPLE}")
+        raise InputError(f"--over {shown(text)}: values must be numbers, texts, true or false. {_EXAMPLE}")
     return values

@@ -35,26 +35,29 @@ def headline(found: Detectability) -> str:
     return " ".join(_answer(found, noise) for noise in found.noises)
 
 
-def _answer(found: Detectability, noise: float) -> str:
-    own = [point for point in found.points if point.noise == noise]
+def _answer(study: Detectability, noise: float) -> str:
+    own = [point for point in study.points if point.noise == noise]
     seen = [point for point in own if point.detection.detected.value >= MOSTLY]
     where = f"With {noise:g} m/s2 of noise"
     if len(own) == 1:
-        return f"{where} {words(own[0].detection.detected)} are detected."
+        return f"{where}, {words(own[0].detection.detected)} are detected."
     if not seen:
         most = max(own, key=lambda point: point.detection.detected.value)
-        return f"{where} no value is detected in {100 * MOSTLY:g} %, at most {words(most.detection.detected)}."
-    return f"{where} detected in {100 * MOSTLY:g} % or more: {', '.join(_values(point.values) for point in seen)}."
+        share = words(most.detection.detected)
+        return f"{where}, no value is detected in {100 * MOSTLY:g} % of the machines; the most is {share}."
+    found = ", ".join(_values(point.values) for point in seen)
+    return f"{where}, these values are detected in {100 * MOSTLY:g} % of the machines or more: {found}."
 
 
 def conditions(found: Detectability) -> str:
     """What was damaged, what it was compared with, and what an alarm is."""
     design = found.design
     return (
-        f"Damage: {found.damage}, on by one tooth from machine to machine. {design.damaged} damaged machines per value "
-        f"against a baseline of {design.baseline} healthy ones; {design.healthy} other healthy ones test for false "
-        f"alarms. No two machines have the same deviations. An alarm is a corrected p-value of at most {ALARM:g}; "
-        "intervals are those of 95 %."
+        f"Damage: {found.damage}, at the next tooth in each further machine. {design.damaged} damaged machines per "
+        "value "
+        f"are compared with a baseline of {design.baseline} healthy ones; {design.healthy} other healthy ones test "
+        f"for false alarms. No two machines have the same deviations. An alarm is a corrected p-value of at most "
+        f"{ALARM:g}. Intervals are 95 % confidence intervals."
     )
 
 
@@ -99,7 +102,7 @@ def channel_grid(found: Detectability) -> Grid:
         for rank, one in enumerate(found.channels, 1)
     )
     return Grid(
-        title=f"Every channel alone, all values together, {found.noises[0]:g} m/s2 of noise",
+        title=f"Each channel alone, over all values, with {found.noises[0]:g} m/s2 of noise",
         headers=("rank", "sensor", "axis", "d'", "by", "detected"),
         rows=rows,
     )
@@ -168,7 +171,7 @@ def figure(found: Detectability) -> Figure:
         axes.set_xticks(range(len(steps)), labels=[plain_words(step) for step in steps])
     axes.set_ylim(-3, 103)
     key = found.design.over[0].key if found.design.over else ""
-    dress(axes, plain_words(f"{found.damage}: alarms, with 95 % intervals"), plain_words(key), "detected, %")
+    dress(axes, plain_words(f"{found.damage}: alarms with 95 % confidence intervals"), plain_words(key), "detected, %")
     axes.legend(frameon=False, fontsize=9)
     return made
 

@@ -93,7 +93,9 @@ def study(
     runs = _runs(plan, folder, design)
     points = dict.fromkeys(run.values for run in runs if not run.healthy)
     if not points:
-        raise InputError("no damaged machine was simulated; rows.parquet says why.")
+        raise InputError(
+            "all damaged machines failed, see the column reason of rows.parquet. Correct the scene or --over."
+        )
     known: dict[Values, Kinematics] = {}
     damages: dict[int, list[Damage]] = {}
     for run in runs:
@@ -176,8 +178,9 @@ def _machines(
     baseline = [tables[run.run] for run in others if run.specimen <= design.baseline]
     if len(baseline) < FEWEST_FOR_P:
         raise InputError(
-            f"{len(baseline)} healthy machines of the baseline have features, p-values take {FEWEST_FOR_P}; "
-            "rows.parquet says why others failed. Take a larger --baseline, or change the scene."
+            f"{len(baseline)} healthy machines of the baseline have features, p-values need {FEWEST_FOR_P} or more. "
+            "The "
+            "column reason of rows.parquet gives the cause. Increase --baseline, or correct the scene."
         )
     return Machines(
         kinematics=known[shared],
@@ -188,9 +191,9 @@ def _machines(
 
 
 def _check_seen(machines: Machines) -> None:
-    """InputError if what is damaged turns too seldom to be looked at."""
+    """InputError if the damaged component makes too few revolutions for features."""
     table = machines.baseline[0]
     damaged = list(dict.fromkeys(component for _, damage in machines.damaged for component, _ in damage))
     if not set(damaged) & set(table.component):
-        reasons = "; ".join(table.left_out) or "its lines lie above the sampling rate"
-        raise InputError(f"{', '.join(damaged)}: has no features in these runs. {reasons}. Simulate longer ones.")
+        reasons = "; ".join(table.left_out) or "their orders are above half of the sampling rate"
+        raise InputError(f"{', '.join(damaged)}: no features in these runs ({reasons}). Increase simulation.end_s.")

@@ -80,7 +80,7 @@ def make_tables(
     rows = [read_row(job.folder, job.run, job.rows) for job in jobs]
     found = [_table(row["table"]) for row in rows]
     if rows and all(table is None for table in found):
-        raise InputError(f"no run has features: {rows[0]['failure']}")
+        raise InputError(f"no run has features. The first: {rows[0]['failure']}")
     return found
 
 

@@ -40,7 +40,7 @@ def p_values(levels: np.ndarray, healthy: np.ndarray) -> np.ndarray:
 
     count = len(healthy)
     if count < FEWEST_FOR_P:
-        raise ValueError(f"{count} healthy recordings: p-values take {FEWEST_FOR_P} or more")
+        raise ValueError(f"{count} healthy recordings: p-values need {FEWEST_FOR_P} or more")
     spread = np.maximum(healthy.std(axis=0, ddof=1), LEAST_SPREAD)
     standing = (levels - healthy.mean(axis=0)) / (spread * math.sqrt(1.0 + 1.0 / count))
     return np.asarray(t.sf(standing, count - 1))

@@ -78,7 +78,7 @@ class Verdict:
             (found.component, found.rise, found.p, found.tooth, ", ".join(found.alike))
             for found in (*self.findings, self.whole)
         ]
-        head = ("component", "rise, dB", "p", "tooth", "not told from")
+        head = ("component", "rise, dB", "p", "tooth", "same orders as")
         return shown_html.table(f"{alarm}, against {self.healthy} healthy recordings", head, rows)
 
     @property
@@ -150,7 +150,7 @@ def _levels(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> np.nda
     for number, other in enumerate(baseline, 1):
         if (other.sensor, other.axis) != (recording.sensor, recording.axis):
             raise BaselineError(
-                f"healthy recording {number} has the channels {_channels(other)}, the one that is judged "
+                f"healthy recording {number} has the channels {_channels(other)}, the recording to diagnose has "
                 f"{_channels(recording)}. Give recordings of the same channels."
             )
         if other.lines != recording.lines:

@@ -30,22 +30,22 @@ def headline(verdict: Verdict) -> str:
     """The answer in one sentence."""
     first = verdict.first
     if verdict.alarm is None:
-        return f"{_capital(first.component)} rises most: {_standing(first)}."
+        return f"Largest rise: {first.component}, {_standing(first)}."
     if not verdict.alarm:
-        return "No alarm: no feature stands out of the healthy recordings."
+        return "No alarm: no feature exceeds the healthy recordings."
     if first.p is not None and first.p > ALARM:
-        return f"Alarm, but no component stands out: the signal as a whole is changed ({_strongest(verdict.whole)})."
-    return f"Alarm: {first.component} stands out of the healthy recordings, {_standing(first)}."
+        return f"Alarm, but of no single component: the signal as a whole has changed ({_strongest(verdict.whole)})."
+    return f"Alarm: {first.component} exceeds the healthy recordings, {_standing(first)}."
 
 
 def sentences(verdict: Verdict) -> tuple[str, ...]:
     """The answer, what it was compared with, how often it would be wrong, and what could not be looked at."""
     found = [headline(verdict)]
     if verdict.first.alike and verdict.alarm is not False:
-        found.append(f"By its orders it cannot be told from {', '.join(verdict.first.alike)}.")
+        found.append(f"Its orders cannot be distinguished from those of {', '.join(verdict.first.alike)}.")
     found.append(compared(verdict))
     if verdict.left_out:
-        found.append(f"Not looked at, they turn too seldom: {'; '.join(verdict.left_out)}.")
+        found.append(f"Left out because of too few revolutions: {'; '.join(verdict.left_out)}.")
     return tuple(found)
 
 
@@ -53,13 +53,13 @@ def compared(verdict: Verdict) -> str:
     """What the recording was compared with, and the rate of false alarms."""
     many = f"{verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}"
     if verdict.alarm is None:
-        return f"Compared with {many}: p-values and alarms take {FEWEST_FOR_P} or more."
-    text = f"Compared with {many}; by the model of normal levels {100 * ALARM:g} % of healthy ones are alarms"
+        return f"Compared with {many}. Give {FEWEST_FOR_P} or more for p-values and alarms."
+    text = f"Compared with {many}. The model of normal levels gives an alarm for {100 * ALARM:g} % of healthy ones"
     if not verdict.tested:
         return f"{text}."
     low, high = verdict.false_alarm_interval
     return (
-        f"{text}, of these themselves {verdict.false_alarms} of {verdict.tested} against the others "
+        f"{text}; tested against one another, {verdict.false_alarms} of these {verdict.tested} give one "
         f"({100 * low:.2g} to {100 * high:.2g} % with 95 % confidence)."
     )
 
@@ -77,7 +77,7 @@ def ranking_grid(verdict: Verdict) -> Grid:
         )
         for finding in (*verdict.findings, verdict.whole)
     )
-    headers = ("component", "rise dB", "p", "strongest", "tooth", "cannot be told from")
+    headers = ("component", "rise dB", "p", "strongest", "tooth", "same orders as")
     return Grid(title="Components by their rise over the healthy recordings", headers=headers, rows=rows)
 
 
@@ -97,17 +97,17 @@ def confirmed(verdict: Verdict, faulty: Sequence[tuple[str, int | None]]) -> str
     order = [finding.component for finding in verdict.findings]
     for component, tooth in faulty:
         if component not in order:
-            parts.append(f"{component} is damaged and could not be looked at")
+            parts.append(f"{component} is damaged and has no features")
             continue
         place = order.index(component)
         finding = verdict.findings[place]
         words = f"{component} is damaged and ranks {_ordinal(place + 1)} of {len(order)}"
         if place and order[0] in finding.alike:
-            words += f", behind {order[0]}, from which orders cannot tell it"
+            words += f", behind {order[0]}, which has the same orders"
         if tooth is not None and finding.tooth is not None:
-            words += f"; tooth {tooth} is damaged, tooth {finding.tooth} stands out"
+            words += f"; tooth {tooth} is damaged, tooth {finding.tooth} is found"
         parts.append(words)
-    return f"Known beforehand, and not used: {'. '.join(parts)}." if parts else ""
+    return f"True damage, not used for the ranking: {'. '.join(parts)}." if parts else ""
 
 
 def text(verdict: Verdict) -> str:

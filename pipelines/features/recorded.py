@@ -78,7 +78,7 @@ def feature_table(
         cuts = {shaft: cut_turns(signal, time, rotation, shaft.ratio, window) for shaft in kinematics.shafts}
         turning = [(shaft, cut) for shaft, cut in cuts.items() if cut is not None and cut.count >= FEWEST_TURNS]
         if not turning:
-            raise FeatureError(f"{name}: no shaft turns {FEWEST_TURNS} times. Choose a longer window.")
+            raise FeatureError(f"{name}: no shaft makes {FEWEST_TURNS} revolutions. Choose a longer window.")
         bands[name] = envelope_band(kinematics, time, turning[0][1].frequency / turning[0][0].ratio)
         found: Lines = {(WHOLE, feature): values for feature, values in _of_signal(signal[:, inside]).items()}
         for shaft, cut in turning:
@@ -111,14 +111,14 @@ def recorded_channels(recording: xarray.Dataset) -> tuple[tuple[str, ...], tuple
     """
     name = "acceleration" if "acceleration" in recording else "journal_acceleration"
     if name not in recording:
-        raise FeatureError("the recording has no acceleration channel; give at least one")
+        raise FeatureError("the recording holds no accelerations. Add sensors to the scene, or give another recording")
     signal = recording[name].rename(bearing="sensor") if "bearing" in recording[name].dims else recording[name]
     laid = signal.transpose("sensor", "axis", "time")
     pairs = [(str(sensor), str(axis)) for sensor in laid.sensor.values for axis in laid.axis.values]
     values = laid.values.reshape(len(pairs), -1).astype(float)
     there = [i for i, one in enumerate(values) if np.isfinite(one).all() and one.any()]
     if not there:
-        raise FeatureError("no channel contains a signal: all values are zero or not numbers")
+        raise FeatureError("no channel holds a signal: all are zero or not numbers. Check the sensors")
     values = values[there] - values[there].mean(axis=-1, keepdims=True)
     return tuple(pairs[i][0] for i in there), tuple(pairs[i][1] for i in there), values
 
@@ -141,7 +141,9 @@ def envelope_band(kinematics: Kinematics, time: np.ndarray, frequency: float) ->
     high = HIGHEST * (len(time) - 1) / float(time[-1] - time[0])
     if not guard * frequency < high:
         raise FeatureError(
-            f"the envelope begins at {guard * frequency:.4g} Hz, the sampling rate holds {high:.4g} Hz. Record faster."
+            f"the envelope band begins at {guard * frequency:.4g} Hz, the recording holds up to {high:.4g} Hz. "
+            "Increase the "
+            "sampling rate."
         )
     return guard * frequency, high
 

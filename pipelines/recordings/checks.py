@@ -28,7 +28,9 @@ def checked_extremes(channel: Channel, source: str) -> tuple[float, float]:
         what = "complex numbers" if complex_ else "no numbers"
         raise InputError(f"{where} holds {what} ({shown(str(channel.dtype), 40)}). Give a signal over time.")
     if channel.size < LEAST_SAMPLES:
-        raise InputError(f"{where} has {channel.size} samples, at least {LEAST_SAMPLES} are needed. Record longer.")
+        raise InputError(
+            f"{where} has {channel.size} samples, at least {LEAST_SAMPLES} are needed. Give a longer recording."
+        )
     if channel.problem:
         raise InputError(f"{where} {channel.problem}. The file is damaged or cut off; save or copy it again.")
     gaps, first, low, high = 0, 0, np.inf, -np.inf
@@ -40,11 +42,13 @@ def checked_extremes(channel: Channel, source: str) -> tuple[float, float]:
         low, high = min(low, float(np.min(values))), max(high, float(np.max(values)))
     if gaps:
         raise InputError(
-            f"{where} has gaps: {gaps} of {channel.size} samples are no finite numbers, the first is sample {first}. "
+            f"{where} has gaps: {gaps} of {channel.size} samples are NaN or infinite, the first is sample {first}. "
             "Fill the gaps, or cut the recording before them."
         )
     if low == high:
-        raise InputError(f"{where} is {low:g} throughout. Check the sensor, or leave it out of sensors.")
+        raise InputError(
+            f"{where} is {low:g} throughout. Check the sensor, or delete it from sensors of the machine file."
+        )
     return low, high
 
 

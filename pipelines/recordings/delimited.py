@@ -99,7 +99,9 @@ def _blocks(path: Path, encoding: str, layout: Layout) -> Iterator[np.ndarray]:
             except ValueError as error:
                 raise _damaged(path, block, layout) or InputError(f"{shown(path)}: {error}.") from error
             if values.shape[1] != len(layout.names):
-                raise _damaged(path, block, layout) or InputError(f"{shown(path)}: the number of columns changes.")
+                raise _damaged(path, block, layout) or InputError(
+                    f"{shown(path)}: the number of columns changes. Give each line the same number."
+                )
             yield values
 
 
@@ -119,13 +121,13 @@ def _damaged(path: Path, block: list[tuple[int, str]], layout: Layout) -> InputE
             ends = " The file may be cut off." if place == len(block) - 1 else ""
             return InputError(
                 f"{shown(path)}: line {number} has {len(cells)} cells, the first line of data {len(layout.names)}."
-                f"{ends} Mend or drop that line."
+                f"{ends} Correct or delete that line."
             )
         for cell, name in zip(cells, layout.names, strict=True):
             if not _is_number(cell, "."):
-                what = f'"{shown(cell.strip(), 40)}" is no number' if cell.strip() else "the cell is empty"
+                what = f'"{shown(cell.strip(), 40)}" is not a number' if cell.strip() else "the cell is empty"
                 column = f", column {shown(name, 40)}" if name else ""
-                return InputError(f"{shown(path)}: line {number}{column}: {what}. Mend or drop that line.")
+                return InputError(f"{shown(path)}: line {number}{column}: {what}. Correct or delete that line.")
     return None
 
 

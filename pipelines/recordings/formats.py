@@ -48,8 +48,8 @@ def format_of(path: Path) -> Format:
     """
     found = BY_ENDING.get(path.suffix.lower())
     if found is None:
-        ending = f'the ending "{shown(path.suffix)}" is not known' if path.suffix else "its name has no ending"
-        raise InputError(f"{shown(path)}: {ending}. Known are {', '.join(BY_ENDING)}.")
+        ending = f'the ending "{shown(path.suffix)}" is unknown' if path.suffix else "its name has no ending"
+        raise InputError(f"{shown(path)}: {ending}. Allowed are {', '.join(BY_ENDING)}.")
     try:
         if not regular_file(path).stat().st_size:
             raise InputError(f"{shown(path)}: is empty (0 bytes). Give a recording.")
@@ -88,7 +88,7 @@ def open_channels(path: Path) -> Contents:
     if needed > SHARE * free:
         raise InputError(
             f"{shown(path)}: takes {needed / 1e6:.0f} MB of memory, {SHARE * free / 1e6:.0f} MB may be used (half of "
-            "what is free). Cut it, or save it as HDF5, NPY or CSV, which are read part by part."
+            "what is free). Shorten it, or save it as HDF5, NPY or CSV, which are read in parts."
         )
     with damage_refused(path, form):
         return form.open(path)
@@ -105,5 +105,5 @@ def damage_refused(path: Path, form: Format) -> Iterator[None]:
         reason = " ".join(str(error).split()).rstrip(".") or type(error).__name__
         raise InputError(
             f"{shown(path)}: cannot be read as {form.name} ({shown(reason)}). It is damaged, cut off or of another "
-            "format; save or copy it again."
+            "format. Save or copy it again."
         ) from error

@@ -31,7 +31,9 @@ def open_hdf5(path: Path) -> Contents:
 
     with path.open("rb") as start:
         if start.read(3) == b"CDF":
-            raise InputError(f"{shown(path)}: is a classic netCDF file, netCDF-4 is read. Convert it: nccopy -k nc4.")
+            raise InputError(
+                f"{shown(path)}: is a classic netCDF file, only netCDF-4 is read. Convert it with: nccopy -k nc4."
+            )
     file = h5py.File(path, "r")
     try:
         return Contents(channels=tuple(_channels(file)), close=file.close)

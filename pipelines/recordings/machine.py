@@ -141,15 +141,14 @@ def _shafts(table: MachineTable) -> tuple[list[Shaft], list[Problem]]:
             problems.append(
                 Problem(
                     f"teeth.{ready}",
-                    f"turns shaft {other} at {speed:.6g} times the first shaft's speed, the other pairs at "
-                    f"{speeds[other]:.6g}",
+                    f"gives shaft {other} a speed of {speed:.6g} over shaft 1, other pairs give {speeds[other]:.6g}",
                     "Correct teeth or shafts",
                 )
             )
     for stage, ((one, other), *_) in waiting.items():
         problems.append(
             Problem(
-                f"shafts.{stage}", f"no pair connects shafts {one} and {other} to shaft 1", "Connect or remove them"
+                f"shafts.{stage}", f"no pair connects shafts {one} and {other} to shaft 1", "Connect or delete them"
             )
         )
     missing = sorted(set(range(1, max(speeds) + 1)) - speeds.keys()) if not waiting else []
@@ -160,7 +159,7 @@ def _shafts(table: MachineTable) -> tuple[list[Shaft], list[Problem]]:
     for path, shaft in named:
         if shaft not in speeds:
             problems.append(
-                Problem(path, f"there is no shaft {shaft}, the machine has {len(speeds)}", "Give one of them")
+                Problem(path, f"there is no shaft {shaft}, allowed are 1 to {len(speeds)}", "Correct the number")
             )
     return [Shaft(name=_name(number), ratio=speeds[number]) for number in sorted(speeds)], problems
 

@@ -28,7 +28,7 @@ ChannelName = str | int  # name of a channel, or its number in the file, from 1
 def _channel(value: Any) -> ChannelName:
     named, numbered = isinstance(value, str) and value, type(value) is int and value >= 1  # true is no number
     if not (named or numbered):
-        raise ValueError("must be the name of a channel in quotes, or its number in the file, from 1")
+        raise ValueError("must be the name of a channel in quotes, or its number in the file, from 1 up")
     return value
 
 
@@ -39,14 +39,14 @@ def _time(value: Any) -> ChannelName | Literal[False]:
 def _sensors(value: Any) -> dict[str, dict[str, ChannelName]]:
     """Sensors as names with a channel by axis; a single channel is that of the default axis."""
     if not isinstance(value, dict) or not value:
-        raise ValueError('must be a table of names and channels, as in { gearbox = "channel 1" }')
+        raise ValueError('must be a table of names and channels, for example { gearbox = "channel 1" }')
     found = {}
     for name, given in value.items():
         channels = given if isinstance(given, dict) else {DEFAULT_AXIS: given}
         if unknown := [axis for axis in channels if axis not in AXES]:
-            raise ValueError(f"{name} has the axis {unknown[0]}; known are {', '.join(AXES)}")
+            raise ValueError(f"{name} has the axis {unknown[0]}; allowed are {', '.join(AXES)}")
         if not channels:
-            raise ValueError(f'{name} has no channel; write {name} = {{ x = "channel 1" }}')
+            raise ValueError(f'{name} has no channel; set one, for example {name} = {{ x = "channel 1" }}')
         try:
             found[name] = {axis: _channel(channel) for axis, channel in channels.items()}
         except ValueError as error:
@@ -65,7 +65,9 @@ class TachometerTable(Table):
     channel: Annotated[Channel, Field(description="name, or number in the file")]
     pulses_per_turn: Annotated[Positive, Field(description="of its shaft")] = 1.0
     shaft: Annotated[ShaftNumber, Field(description="number of the shaft that carries the mark")] = 1
-    level: Annotated[Number | None, Field(description="of a pulse, in the units of the channel; else half way")] = None
+    level: Annotated[
+        Number | None, Field(description="of a pulse, in the units of the channel; if left out, half its range")
+    ] = None
 
 
 class BearingTable(Table):
@@ -88,7 +90,9 @@ class BearingTable(Table):
         if bool(geometry) == bool(self.orders()):
             raise ValueError(f"give either {', '.join(_GEOMETRY)}, or pass orders ({', '.join(PASS_ORDERS)})")
         if geometry and len(geometry) < len(_GEOMETRY):
-            raise ValueError(f"{', '.join(key for key in _GEOMETRY if key not in geometry)} is missing beside the rest")
+            raise ValueError(
+                f"{', '.join(key for key in _GEOMETRY if key not in geometry)} is missing; give all of the geometry"
+            )
         return self
 
     def orders(self) -> dict[str, float]:
@@ -104,28 +108,26 @@ class MachineTable(Table):
     ] = ()
     shafts: Annotated[
         tuple[tuple[ShaftNumber, ShaftNumber], ...] | None,
-        Field(description="numbers of the shafts of each pair; left out: pairs in series"),
+        Field(description="numbers of the shafts of each pair; if left out, pairs in series"),
     ] = None
     ratios: Annotated[
-        tuple[Positive, ...], Field(max_length=100, description="speeds of the shafts over the first, without teeth")
+        tuple[Positive, ...], Field(max_length=100, description="speeds of the shafts over the first, instead of teeth")
     ] = ()
     bearings: Annotated[tuple[BearingTable, ...], Field(max_length=200, description="rolling bearings")] = ()
     speed_rpm: Annotated[Positive | None, Field(description="of the first shaft; not needed with a tachometer")] = None
-    rate_Hz: Annotated[Positive | None, Field(description="samples per second, if the file does not say it")] = None
+    rate_Hz: Annotated[Positive | None, Field(description="samples per second, if the file does not hold it")] = None
     time: Annotated[
         ChannelName | Literal[False] | None,
         PlainValidator(_time),
-        Field(description="channel that holds the time, if its name does not say it; false: the time is not used"),
+        Field(description="channel of the time, if it is not called time or t; false: the time is not used"),
     ] = None
-    units: Annotated[str | None, Field(description="of the signals; left out: those of the file, else m/s2")] = None
+    units: Annotated[str | None, Field(description="of the signals; if left out, those of the file, else m/s2")] = None
     sensitivity_mV_g: Annotated[Positive | None, Field(description="of the sensors, where a file is in volts")] = None
     full_scale: Annotated[Positive, Field(description="value of a WAV file's full scale, in the units")] = 1.0
     sensors: Annotated[
         dict[str, dict[str, ChannelName]],
         PlainValidator(_sensors),
-        Field(
-            default={}, description="channels by sensor, or by sensor and axis; left out: every channel is one, axis z"
-        ),
+        Field(default={}, description="channels by sensor, or by sensor and axis; if left out, all channels, axis z"),
     ]
     tachometer: Annotated[TachometerTable | None, Field(description="pulses of a shaft")] = None
 
@@ -137,13 +139,13 @@ class MachineTable(Table):
 
     def _train(self) -> Iterator[str]:
         if self.teeth and self.ratios:
-            yield "teeth and ratios say the same; give one of them"
+            yield "teeth and ratios are both given; delete one of them"
         if self.ratios and self.ratios[0] != 1.0:
-            yield f"ratios: the first is {self.ratios[0]:g}, must be 1; give all speeds over that of the first shaft"
+            yield f"ratios: the first is {self.ratios[0]:g} and must be 1; give the speeds over that of the first shaft"
         if self.shafts is not None and len(self.shafts) != len(self.teeth):
-            yield f"shafts has {len(self.shafts)} pairs of numbers, teeth has {len(self.teeth)} pairs; give as many"
+            yield f"shafts has {len(self.shafts)} pairs of numbers, teeth has {len(self.teeth)}; give as many"
         if self.speed_rpm is None and self.tachometer is None:
-            yield "speed_rpm is missing; give the speed of the first shaft, or a tachometer"
+            yield "speed_rpm is missing; set the speed of the first shaft, or a tachometer"
 
     def _signals(self) -> Iterator[str]:
         known = (*ACCELERATIONS, *VOLTAGES)
@@ -152,4 +154,4 @@ class MachineTable(Table):
         if plain_units(self.units) not in known:
             yield f'units = "{self.units}": is not one of {", ".join(known)}'
         elif plain_units(self.units) in VOLTAGES and self.sensitivity_mV_g is None:
-            yield "sensitivity_mV_g is missing; signals in volts need that of the sensors, as in 100"
+            yield "sensitivity_mV_g is missing; set that of the sensors for signals in volts, for example 100"

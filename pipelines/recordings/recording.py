@@ -64,7 +64,7 @@ def _response(path: Path) -> xarray.Dataset:
     found = open_response(path)
     if "acceleration" not in found:
         found.close()
-        raise InputError(f"{shown(path)}: holds no acceleration. Give the machine sensors and run its scene again.")
+        raise InputError(f"{shown(path)}: holds no acceleration. Add sensors to the scene and run it again.")
     found.attrs["source"] = path.name
     return found
 
@@ -151,13 +151,13 @@ def channel_of(contents: Contents, wanted: ChannelName, source: str) -> Channel:
             return contents.channels[wanted - 1]
         raise InputError(
             f"{source}: there is no channel {wanted}, the file has {len(contents.channels)}: {contents.names()}. "
-            "Correct the machine's file."
+            "Correct the number in the machine file."
         )
     named = {channel.name: channel for channel in contents.channels}
     if wanted in named:
         return named[wanted]
     near = nearest_name(wanted, named)
-    hint = f'Did you mean "{shown(near)}"?' if near else "Correct the machine's file."
+    hint = f'Did you mean "{shown(near)}"?' if near else "Correct the name in the machine file."
     raise InputError(f'{source}: there is no channel "{shown(wanted)}", the file has {contents.names()}. {hint}')
 
 
@@ -190,16 +190,16 @@ def _places(
     ]
     if not found:
         raise InputError(
-            f"{source}: no channel can be an acceleration, the file has {contents.names()}. Name the sensors and their "
-            "units in the machine's file."
+            f"{source}: no channel has the units of an acceleration, the file has {contents.names()}. Set sensors and "
+            "units in the machine file."
         )
     places: dict[str, dict[str, Channel]] = {}
     for channel in [channel for channel in found if channel.place] or found:
         sensor, axis = channel.place or (channel.name, DEFAULT_AXIS)
         if axis in places.setdefault(sensor, {}):
             raise InputError(
-                f"{source}: {shown(sensor)} {axis} is there twice, as {shown(places[sensor][axis].name)} and "
-                f"{shown(channel.name)}. Name the sensors in the machine's file."
+                f"{source}: {shown(sensor)} {axis} exists twice, as {shown(places[sensor][axis].name)} and "
+                f"{shown(channel.name)}. Set sensors in the machine file."
             )
         places[sensor][axis] = channel
     return places
@@ -209,8 +209,8 @@ def _check_lengths(channels: Sequence[Channel], source: str) -> None:
     if len({channel.size for channel in channels}) > 1:
         lengths = ", ".join(f"{shown(channel.name, 60)} {channel.size}" for channel in channels[:10])
         raise InputError(
-            f"{source}: the channels have different numbers of samples ({lengths}). Name channels of one length in "
-            "sensors."
+            f"{source}: the channels have different numbers of samples ({lengths}). Set sensors in the machine file "
+            "to channels of one length."
         )
 
 
@@ -221,10 +221,11 @@ def _to_si(channel: Channel, units: str, machine: Machine, source: str) -> float
     where = f'{source}: "{shown(channel.name, 60)}" is in {shown(units, 40)}'
     if units not in VOLTAGES:
         raise InputError(
-            f"{where}, known are {', '.join((*ACCELERATIONS, *VOLTAGES))}. Give units, or another channel."
+            f"{where}, allowed are {', '.join((*ACCELERATIONS, *VOLTAGES))}. Set units in the machine file, or another "
+            "channel in sensors."
         )
     if machine.sensitivity is None:
-        raise InputError(f"{where}. Give sensitivity_mV_g of the sensors in the machine's file.")
+        raise InputError(f"{where}. Set sensitivity_mV_g of the sensors in the machine file.")
     return VOLTAGES[units] / machine.sensitivity * GRAVITY
 
 
@@ -242,13 +243,14 @@ def _warnings(
                 yield (
                     f"clipped {sensor} {axis}",
                     f"{shown(sensor)} {axis} is clipped: {share:.2%} of its samples lie at its extreme values, "
-                    f"{low * scales[channel.name]:.4g} and {high * scales[channel.name]:.4g} m/s2. Record it with less "
-                    "gain.",
+                    f"{low * scales[channel.name]:.4g} and {high * scales[channel.name]:.4g} m/s2. Reduce the gain and "
+                    "record it again.",
                 )
-            said = plain_units(channel.units)
-            if said and said != units[channel.name]:
+            in_file = plain_units(channel.units)
+            if in_file and in_file != units[channel.name]:
                 yield (
                     f"units {sensor} {axis}",
-                    f"{shown(sensor)} {axis} is taken as {units[channel.name]}, as the machine says; the file says "
-                    f"{shown(said, 40)}.",
+                    f"{shown(sensor)} {axis} is read in {units[channel.name]} as the machine file gives it; the "
+                    "recording "
+                    f"gives {shown(in_file, 40)}. Correct units if this is wrong.",
                 )

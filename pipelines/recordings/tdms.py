@@ -87,5 +87,7 @@ def _library() -> Any:
     try:
         from nptdms import TdmsFile
     except ImportError as error:
-        raise InputError("a TDMS file needs the package nptdms: pip install 'gearcase[tdms]'") from error
+        raise InputError(
+            "a TDMS file needs the package nptdms. Install it with: pip install 'gearcase[tdms]'"
+        ) from error
     return TdmsFile

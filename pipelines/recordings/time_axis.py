@@ -37,21 +37,21 @@ def sampling(signals: Sequence[Channel], clock: Channel | None, rate: float | No
     ------
     InputError : uneven time, rates that contradict each other, or no rate at all
     """
-    said = {f'"{shown(one.name, 60)}"': one.rate for one in signals if one.rate is not None}
+    given = {f'"{shown(one.name, 60)}"': one.rate for one in signals if one.rate is not None}
     start = 0.0
     if clock is not None:
         measured, start = _even_steps(clock, source)
-        said = {f'the time in "{shown(clock.name, 60)}"': measured, **said}
+        given = {f'the time in "{shown(clock.name, 60)}"': measured, **given}
     if rate is not None:
-        said = {"rate_Hz": rate, **said}
-    if not said:
-        raise InputError(f"{source}: says neither time nor sampling rate. Give rate_Hz in the machine's file.")
-    (first, found), *others = said.items()
+        given = {"rate_Hz": rate, **given}
+    if not given:
+        raise InputError(f"{source}: holds neither the time nor the sampling rate. Set rate_Hz in the machine file.")
+    (first, found), *others = given.items()
     for other, value in others:
         if abs(value / found - 1.0) > AGREEMENT:
             raise InputError(
-                f"{source}: {first} says {found:.8g} Hz, {other} {value:.8g} Hz; they may differ by "
-                f"{AGREEMENT:.2%}. Correct rate_Hz, or name the channels of one rate in sensors."
+                f"{source}: {first} gives {found:.8g} Hz, {other} {value:.8g} Hz; they may differ by "
+                f"{AGREEMENT:.2%}. Correct rate_Hz, or set sensors to channels of one rate."
             )
     return found, start
 
@@ -61,11 +61,13 @@ def _even_steps(clock: Channel, source: str) -> tuple[float, float]:
     seconds = TIMES.get(plain_units(clock.units) or "s")
     where = f'{source}: the time in "{shown(clock.name, 60)}"'
     if seconds is None:
-        raise InputError(f"{where} has the units {shown(clock.units)}, known are {', '.join(TIMES)}. Correct them.")
+        raise InputError(f"{where} has the units {shown(clock.units)}, allowed are {', '.join(TIMES)}. Correct them.")
     start, end = (float(clock.read(slice(at, at + 1))[0]) for at in (0, clock.size - 1))
     step = (end - start) / (clock.size - 1)
     if not step > 0.0:
-        raise InputError(f"{where} goes from {start:g} to {end:g}; it must rise. Write time = false and give rate_Hz.")
+        raise InputError(
+            f"{where} goes from {start:g} to {end:g}; it must rise. Set time = false and rate_Hz in the machine file."
+        )
     grain = max(_last_digit(clock.read(slice(0, 1000)).astype(float)), _spacing(clock.dtype, end))
     allowed = min(JITTER * step + grain, LOST * step)
     for first, times in clock.blocks():
@@ -74,9 +76,10 @@ def _even_steps(clock: Channel, source: str) -> tuple[float, float]:
         worst = int(np.argmax(off))
         if not off[worst] <= allowed:
             raise InputError(
-                f"{where} is uneven: sample {first + worst + 1} lies {off[worst] / step:.2g} steps off even ones, "
-                f"{allowed / step:.2g} are allowed. Resample it; if only its digits are too few, write time = false "
-                "and give rate_Hz."
+                f"{where} is uneven: sample {first + worst + 1} deviates from even steps by {off[worst] / step:.2g} "
+                "steps, "
+                f"{allowed / step:.2g} are allowed. Resample it; if the time only has too few digits, set time = false "
+                "and rate_Hz in the machine file."
             )
     return 1.0 / (step * seconds), start * seconds
 

@@ -52,7 +52,7 @@ def compare_files(sources: Sequence[str], wanted: CompareOptions) -> tuple[str, 
     from pipelines.features.recorded import FeatureError
 
     if not 2 <= len(sources) <= len(LETTERS):
-        raise InputError(f"{len(sources)} recording{'' if len(sources) == 1 else 's'}: give 2 to {len(LETTERS)}.")
+        raise InputError(f"{len(sources)} recording{'' if len(sources) == 1 else 's'} given. Give 2 to {len(LETTERS)}.")
     target = writable_folder(wanted.out or FOLDER)
     recorded = _read(sources, wanted.machine)
     try:
@@ -65,7 +65,7 @@ def compare_files(sources: Sequence[str], wanted: CompareOptions) -> tuple[str, 
     write_whole(target / "features.csv", features_csv(found))
     words = [recordings_grid(recorded).to_text(), *remarks(recorded, parts, found), features_grid(found).to_text()]
     if any(len(part.windows) > 1 for part in parts):
-        words.append("Features are means over the windows; figures show the first. Name one: RECORD@WINDOW.")
+        words.append("Features are means over the windows, figures show the first. Select a window with RECORD@WINDOW.")
     return "\n\n".join(words) + "\n", [*files, target / "features.csv"]
 
 
@@ -113,7 +113,7 @@ def _windows(source: str, asked: str, windows: Windows | None) -> Windows | None
         pass
     names = f", or {', '.join(shown(name) for name in windows)}" if windows else ""
     raise InputError(
-        f"{shown(source)}: there is no window {shown(asked)}. Give start and end in seconds, as in @0.5:2.5{names}."
+        f"{shown(source)}: {shown(asked)} is not a window. Give start and end in seconds, for example @0.5:2.5{names}."
     )
 
 
@@ -129,9 +129,7 @@ def _channel(parts: Sequence[Part], wanted: CompareOptions) -> Channel:
     if not fitting:
         there = ", ".join(" ".join(map(shown, channel)) for channel in first.channels)
         asked = " ".join(shown(one) for one in (wanted.sensor, wanted.axis) if one is not None)
-        raise InputError(
-            f"{asked}: not among the channels of all recordings, {there}. Choose --sensor and --axis there."
-        )
+        raise InputError(f"{asked}: not a channel of all recordings. Set --sensor and --axis to one of {there}.")
     return max(fitting, key=lambda channel: float(levels[channel]))
 
 
@@ -149,8 +147,8 @@ def _shaft(parts: Sequence[Part], found: Features, number: int | None) -> str:
     shafts = parts[0].kinematics.shafts
     if number > len(shafts) or shafts[number - 1].name not in there:
         raise InputError(
-            f"--shaft {number}: the shafts that turn often enough in all recordings are {', '.join(there)}. Give one "
-            "of them, or longer windows."
+            f"--shaft {number}: no shaft with enough revolutions in all recordings. Give one of {', '.join(there)}, or "
+            "longer windows."
         )
     return shafts[number - 1].name
 

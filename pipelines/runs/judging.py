@@ -86,8 +86,8 @@ def verdict_words(verdict: Verdict, plant: Drivetrain, exact: bool) -> str:
     parts = [text(verdict).rstrip()]
     if exact:
         parts.append(
-            "The healthy recording is the same machine without the fault, which no real machine has: these rises are "
-            "what the fault adds. With --baseline 8 healthy machines with other deviations take its place."
+            "The healthy recording is the same machine without the fault, which exists in simulation only: these rises "
+            "are the effect of the fault. Set --baseline 8 to compare with healthy machines of other deviations."
         )
     parts.append(confirmed(verdict, known_faults(plant)))
     return "\n\n".join(filter(None, parts)) + "\n"

@@ -40,20 +40,29 @@ def motion_warnings(trajectory: Trajectory) -> dict[str, str]:
 
 
 def _step_sentence(trajectory: Trajectory) -> str:
-    from mbd.accuracy.step_check import ORDER
-
-    factor = (trajectory.step_error / LARGEST_STEP_ERROR) ** (1.0 / ORDER)
-    every = math.ceil(factor / (trajectory.output_rate * trajectory.step))
+    needed = needed_step_us(trajectory.step_error, trajectory.step, trajectory.output_rate)
     other = "" if trajectory.integrator == "exponential" else ', or simulation.integrator = "exponential"'
     return (
         f"The time step of {trajectory.step * 1e6:.4g} us is too long: the accelerations are off by about "
         f"{100 * trajectory.step_error:.2g} % (RMS of the difference, sample by sample; limit "
-        f"{100 * LARGEST_STEP_ERROR:g} %). Set simulation.step_us = {_step_us(trajectory.output_rate, every)}{other}."
+        f"{100 * LARGEST_STEP_ERROR:g} %). Set simulation.step_us = {needed}{other}."
     )
 
 
-def _step_us(rate: float, every: int) -> str:
-    """The step (us) that goes ``every`` times into an output interval, rounded up so that it does not go once more."""
+def needed_step_us(error: float, step: float, rate: float) -> str:
+    """The longest step (us) with which the error keeps the limit, a whole part of the output interval as text.
+
+    It is rounded up, so that it does not go into the interval once more.
+
+    Parameters
+    ----------
+    error : of the accelerations with `step`, share of their rms
+    step : s
+    rate : output samples per second, Hz
+    """
+    from mbd.accuracy.step_check import ORDER
+
+    every = math.ceil((error / LARGEST_STEP_ERROR) ** (1.0 / ORDER) / (rate * step))
     exact = 1e6 / (rate * every)
     digits = max(0, 2 - math.floor(math.log10(exact)))
     return f"{math.ceil(exact * 10**digits - 1e-9) / 10**digits:.{digits}f}"

@@ -17,7 +17,7 @@ def main(options: argparse.Namespace) -> int:
     measured = path.name != RESPONSE or options.baseline or options.machine or options.window
     if measured:
         if options.settings:
-            raise InputError("--set changes the scene of a run; a recording is looked at as it is. Leave it out.")
+            raise InputError("--set changes the scene of a run and does not apply to a recording. Leave it out.")
         window = tuple(options.window) if options.window else None
         judged = judge_file(path, options.baseline, options.machine, window)
         sys.stdout.write(json_text(file_facts(judged)) if options.json else file_words(judged))

@@ -104,10 +104,13 @@ def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) ->
     stored = [one["name"] for one in layout["signals"]]
     signal = next((name for name in VIBRATION if name in stored), None)
     if signal is None:
-        raise InputError(f"{shown(folder)}: no accelerations in this data set, which has {', '.join(stored)}.")
+        raise InputError(
+            f"{shown(folder)}: the data set holds no accelerations, only {', '.join(stored)}. Add them to `signals` "
+            "of the plan."
+        )
     length = layout["samples"] / layout["rate"]
     if not 0.0 <= start < length:
-        raise InputError(f"--start {start:g}: the runs last {length:g} s. Give a time from 0 to below that.")
+        raise InputError(f"--start {start:g}: the runs last {length:g} s. Set a time from 0 to below that.")
     plan = stored_plan(facts)
     angle = ANGLE in stored
     code = code_version("pipelines.features.statistics", "pipelines.features.synchronous", "pipelines.features.turns")

@@ -23,7 +23,9 @@ def stored_plan(facts: Mapping[str, Any]) -> Plan:
     try:
         table, _ = validate(Merged(dict(facts["facts"]["plan"])), PlanTable, "the stored plan")
     except SceneError as error:
-        raise InputError(f"{error}\nAnother version of gearcase made this data set; read it with that one.") from error
+        raise InputError(
+            f"{error}\nAnother version of gearcase made this data set. Install that version to read it."
+        ) from error
     return Plan(name=facts["name"], text="", table=table, tree=facts["facts"]["scene"])
 
 
