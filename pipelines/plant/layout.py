@@ -103,8 +103,8 @@ def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
         return replace(solid, bore_radius=solid.root_radius * USUAL_BORE)
     if bore / 2000 >= solid.root_radius:
         raise GeometryError(
-            f"{name}_bore_mm = {bore:g} reaches the root circle, diameter {2000 * solid.root_radius:.6g} mm. Reduce it, "
-            "or delete it: the bore is then half the root circle"
+            f"{name}_bore_mm = {bore:g} reaches the root circle, diameter {2000 * solid.root_radius:.6g} mm. Reduce "
+            "it, or delete it: the bore is then half the root circle"
         )
     return replace(solid, bore_radius=bore / 2000)
 

@@ -1,4 +1,4 @@
-"""From the units of a scene to SI, by the ends of the keys ("depth_mm" = 2 is depth = 0.002 m), and back in messages."""
+"""From the units of a scene to SI, by the ends of the keys ("depth_mm" = 2 is depth = 0.002 m), and back."""
 
 from __future__ import annotations
 

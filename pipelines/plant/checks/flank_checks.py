@@ -43,7 +43,8 @@ def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
                 if set(scene.deviations.include) & {"profile", "helix"}:
                     flank_tolerance(getattr(pair, name), scene.deviations.iso_grade)
             except GeometryError as error:
-                yield Problem(f"stages.{number}", in_millimetres(f"{name}: {error}"), "Set deviations.enabled = false or include less.")
+                reason = in_millimetres(f"{name}: {error}")
+                yield Problem(f"stages.{number}", reason, "Set deviations.enabled = false or include less.")
 
 
 def _bad_prescribed(scene: Scene, layout: Layout) -> Iterator[Problem]:
