@@ -7,9 +7,9 @@ import pytest
 
 import gearcase
 from fem.gears.modifications import relief_lengths
-from pipelines.figures.transmission_error import orders, transmission_errors
+from pipelines.figures.plots import orders
 from pipelines.plant.layout import lay_out
-from pipelines.runs.gear_numbers import MeshState, gear_curves, gear_rows, relief_amounts
+from pipelines.runs.gear_numbers import MeshState, gear_curves, gear_rows, relief_amounts, transmission_errors
 from pipelines.scene.file import load_scene
 
 SPUR = {"stages.1.pinion_teeth": 23, "stages.1.wheel_teeth": 57, "stages.1.module_mm": 3.0,

@@ -20,13 +20,14 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.border.user_files import writable_file
     from pipelines.engine.working import Work
     from pipelines.figures.film import save_figure
-    from pipelines.figures.transmission_error import transmission_error_figure, transmission_errors
+    from pipelines.figures.plots import transmission_error_figure
     from pipelines.report.contents import grid
     from pipelines.runs.gear_numbers import (
         checked_curve_file,
         gear_curves,
         gear_rows,
         machine_states,
+        transmission_errors,
         write_curves,
     )
     from pipelines.runs.single_results import build_pairs

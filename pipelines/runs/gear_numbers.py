@@ -19,6 +19,7 @@ from fem.contact.evaluation.evaluator import LawEvaluator
 from pipelines.border.errors import InputError
 from pipelines.border.shown import shown
 from pipelines.border.user_files import whole_file, writable_file
+from pipelines.figures.plots import TransmissionErrors
 from pipelines.figures.teeth.pattern import contact_pattern
 from pipelines.steps.pair_curves import PITCHES_SHOWN, PairLaws, Passage, engagement
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from pipelines.scene.file import LoadedScene
 
 PER_CYCLE = 40  # positions
+ERROR_POSITIONS = 256  # over the one mesh cycle whose orders are taken
 FORMATS = (".csv", ".nc")
 UNMODIFIED = "healthy, unmodified"
 _CURVES = {
@@ -239,6 +241,22 @@ def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[st
             }
         )
     return rows
+
+
+def transmission_errors(found: PairLaws, state: MeshState) -> TransmissionErrors:
+    """The transmission error of a pair over one mesh cycle."""
+    cycle = np.arange(ERROR_POSITIONS) / ERROR_POSITIONS
+    pair = found.pair
+    return TransmissionErrors(
+        stage=found.stage,
+        title=f"stage {found.stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth, model {found.drive.model}",
+        torque=state.force * pair.pinion.base_radius,
+        cycle=cycle,
+        unmodified=found.stiffness(cycle, modified=False, force=state.force, tilt=state.tilt).transmission_error
+        if found.modified
+        else None,
+        actual=found.stiffness(cycle, force=state.force, tilt=state.tilt).transmission_error,
+    )
 
 
 def relief_amounts(found: PairLaws, state: MeshState) -> tuple[float, float]:
