@@ -65,7 +65,7 @@ class GearPair:
         )
         require(
             p.helix_angle == 0.0 or p.hand != w.hand,
-            f"{label}: both gears are {p.hand} hand; meshing external helical gears need opposite hands",
+            f"{label}: both gears are {p.hand} hand; meshing external helical gears need helices of opposite hand",
         )
         require(
             math.isfinite(self.backlash_allowance),
