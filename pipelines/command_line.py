@@ -15,6 +15,7 @@ from pipelines.border.argument_types import (
     mode_number,
     number,
     path,
+    picture,
     positive,
     tilt,
 )
@@ -108,7 +109,13 @@ def _check(sub: argparse.ArgumentParser) -> None:
 
 def _gears(sub: argparse.ArgumentParser) -> None:
     work_arguments(sub)
-    sub.add_argument("--load", metavar="N", type=positive, help="force on the line of action (default: of the scene)")
+    sub.add_argument(
+        "--torque",
+        metavar="N_M",
+        type=positive,
+        nargs="+",
+        help="torques on the pinion of each pair, N m, as in --torque 50 100 200 (default: of the scene)",
+    )
     sub.add_argument(
         "--tilt",
         metavar="UM",
@@ -117,6 +124,13 @@ def _gears(sub: argparse.ArgumentParser) -> None:
         help="approach at the +y end less that at -y; balanced: force at mid face; machine: of the loaded machine (0)",
     )
     sub.add_argument("--out", metavar="FILE", type=path, help="write the curves over the position: .csv or .nc")
+    sub.add_argument(
+        "--plot",
+        metavar="FILE",
+        type=picture,
+        help="write transmission error (um) over the mesh cycle and its orders, before and after modifications: .png, "
+        ".svg or .pdf (default: none)",
+    )
     json_argument(sub)
 
 
@@ -275,7 +289,12 @@ COMMANDS = (  # name, of the module too; one line; example; arguments
         "gearcase explain bench --set load.torque_N_m=80",
         scene_arguments,
     ),
-    ("gears", "stiffness and load share of each pair, healthy and faulty", "gearcase gears bench", _gears),
+    (
+        "gears",
+        "stiffness and load share of each pair, healthy and faulty",
+        "gearcase gears pair --torque 50 100 --plot te.png",
+        _gears,
+    ),
     ("housing", "bores and seats in a housing's file", "gearcase housing box.step --scene bench", housing_arguments),
     (
         "casing",

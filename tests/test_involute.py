@@ -171,7 +171,7 @@ def test_impossible_pairs_are_refused(arguments, message):
 
 
 def test_equal_hands_are_refused():
-    with pytest.raises(GeometryError, match="opposite hands"):
+    with pytest.raises(GeometryError, match="helices of opposite hand"):
         GearPair(pinion=one_gear(20, helix_deg=12), wheel=one_gear(55, helix_deg=12))
 
 

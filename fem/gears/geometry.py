@@ -65,7 +65,7 @@ class GearPair:
         )
         require(
             p.helix_angle == 0.0 or p.hand != w.hand,
-            f"{label}: both gears are {p.hand} hand; meshing external helical gears need opposite hands",
+            f"{label}: both gears are {p.hand} hand; meshing external helical gears need helices of opposite hand",
         )
         require(
             math.isfinite(self.backlash_allowance),
@@ -146,7 +146,8 @@ class GearPair:
             self.transverse_contact_ratio > 0.0 and self.total_contact_ratio >= 1.0,
             f"{self.label}: total contact ratio {self.total_contact_ratio:.4f} (eps_alpha "
             f"{self.transverse_contact_ratio:.4f}, eps_beta {self.overlap_ratio:.4f}) is below 1; the motion would be "
-            "interrupted: reduce centre_distance, lengthen the tips, or raise helix angle or face width",
+            "interrupted: raise the profile shift of a gear with few teeth, lengthen the tips, reduce centre_distance, "
+            "or raise helix angle or face width",
         )
 
     @property

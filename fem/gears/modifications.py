@@ -120,6 +120,21 @@ def active_roll(pair: GearPair, gear: str) -> tuple[float, float]:
     return min(ends), max(ends)
 
 
+def relief_lengths(pair: GearPair) -> tuple[float, float] | None:
+    """Roll lengths (m) of a short and a long tip relief; None unless one or two tooth pairs are in contact in turn.
+
+    The long relief starts where the contact of two pairs becomes that of one, (eps_alpha - 1) p_bt from the tip. The
+    short one takes the outer half of this.
+
+    References
+    ----------
+    Lin, Oswald, Townsend 1994, Mech. Mach. Theory 29(8), 1115-1129; Smith 2003, Gear Noise and Vibration, chapter 3;
+    Niemann, Winter 2003, Maschinenelemente 2
+    """
+    long = (pair.transverse_contact_ratio - 1.0) * pair.base_pitch
+    return (long / 2, long) if 0.0 < long < pair.base_pitch else None
+
+
 def check_modifications(pair: GearPair, modifications: PairModifications) -> None:
     """Refuse modifications that do not fit on the flanks of the pair.
 

@@ -50,6 +50,13 @@ def designations() -> tuple[str, ...]:
     return (*_BALLS, *_ROLLERS)
 
 
+def bore_of(name: str) -> float:
+    """Bore (m) of a bearing of the catalogue by the bore number of ISO 15, the last two digits: 03 is 17 mm, else five
+    times the number."""
+    number = int(name[-2:])
+    return (17 if number == 3 else 5 * number) / 1000
+
+
 def by_designation(name: str) -> RollingElements:
     """The elements of the bearing called ``name``.
 

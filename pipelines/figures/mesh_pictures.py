@@ -152,7 +152,7 @@ def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrame
     show(axes, picture, whole=True)
     corner_axes(axes, picture)
     most = np.nanmax(state.pressure[frame]) / 1e6 if np.isfinite(state.pressure[frame]).any() else 0.0
-    axes.set_title(f"{state.name}: greatest Hertz pressure {most:.0f} MPa\nface width "
+    axes.set_title(f"{state.name}: Hertz pressure up to {most:.0f} MPa at this position\nface width "
                    f"{1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1", fontsize=9, loc="left")  # fmt: skip
     handles: list[Patch | Line2D] = [
         Patch(color=PINION, alpha=0.6, label="pinion"),

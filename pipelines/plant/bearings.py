@@ -77,7 +77,7 @@ def rolling_bearings(shafts: Sequence[ShaftTable], usual: BearingModel) -> tuple
     MachineError if its elements do not fit."""
     found = []
     for name, number, place in bearing_names(shafts):
-        table = _table(shafts[number], usual, place)
+        table = bearing_table(shafts[number], usual, place)
         if isinstance(table, HertzBearings):
             found.append(RollingBearing(name=name, shaft=number, elements=rolling_elements(table)))
     return tuple(found)
@@ -89,7 +89,7 @@ def bearing_specs(shafts: Sequence[ShaftTable], usual: BearingModel) -> tuple[Be
     for name, number, place in bearing_names(shafts):
         at = f"shaft_{number + 1}", shafts[number].bearing_positions_mm[place] / 1000
         support: Literal["casing", "ground"] = "ground" if name.startswith("ground") else "casing"
-        specs.append(_bearing(_table(shafts[number], usual, place), name, *at, support))
+        specs.append(_bearing(bearing_table(shafts[number], usual, place), name, *at, support))
     return tuple(specs)
 
 
@@ -103,7 +103,7 @@ def numbered_bearing_faults(scene: Scene) -> Iterator[tuple[int, BearingFault]]:
     names = {(shaft, place): name for name, shaft, place in bearing_names(scene.shafts)}
     for number, fault in scene.spalls.items():
         shaft, place = fault.shaft - 1, fault.bearing - 1
-        table = _table(scene.shafts[shaft], scene.bearings, place)
+        table = bearing_table(scene.shafts[shaft], scene.bearings, place)
         slip = table.cage_slip if isinstance(table, HertzBearings) else 0.0
         yield number, BearingFault(bearing=names[shaft, place], shaft=shaft, spall=_spall(fault), slip=slip)
 
@@ -127,7 +127,7 @@ def with_bearing_faults(scene: Scene, specs: Sequence[BearingSpec]) -> tuple[Bea
     spalls = bearing_faults(scene)
     found = []
     for spec, (name, shaft, place) in zip(specs, bearing_names(scene.shafts), strict=True):
-        table = _table(scene.shafts[shaft], scene.bearings, place)
+        table = bearing_table(scene.shafts[shaft], scene.bearings, place)
         slip = None
         if isinstance(table, HertzBearings) and table.cage_slip:
             slip = CageSlip(share=table.cage_slip, seed=(scene.deviations.seed, zlib.crc32(name.encode())))
@@ -135,7 +135,8 @@ def with_bearing_faults(scene: Scene, specs: Sequence[BearingSpec]) -> tuple[Bea
     return tuple(found)
 
 
-def _table(shaft: ShaftTable, usual: BearingModel, place: int) -> BearingModel:
+def bearing_table(shaft: ShaftTable, usual: BearingModel, place: int) -> BearingModel:
+    """The table of the bearing at a place on a shaft (from 0); `usual` where the shaft names none."""
     return shaft.bearings[place] if shaft.bearings else usual
 
 

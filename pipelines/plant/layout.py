@@ -12,6 +12,7 @@ from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.flanks import modifications
 from pipelines.plant.torques.drives import highest_rpm
 from pipelines.plant.torques.loads import load_torque, loaded_shaft
+from pipelines.plant.units import in_millimetres
 from pipelines.scene.phases import mesh_cycles
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.base import MaterialTable
@@ -20,6 +21,7 @@ from pipelines.scene.tables.gear_details import GearTable
 from pipelines.scene.tables.gears import StageTable
 from pipelines.scene.train import place_shafts, shaft_senses, stage_shafts
 
+USUAL_BORE = 0.5  # of the root circle, where a scene gives no bore
 USUAL_BACKLASH_UM = 80.0  # where a scene says nothing of centre distance, allowances or backlash
 
 
@@ -79,14 +81,14 @@ def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
         tip_radius=rack_value("rack_tip_radius"),
         pressure_angle=math.radians(stage.pressure_angle_deg),
     )
-    return Gear(
+    solid = Gear(
         teeth=getattr(stage, f"{name}_teeth"),
         normal_module=stage.module_mm / 1000,
         helix_angle=math.radians(stage.helix_angle_deg),
         face_width=stage.face_width_mm / 1000,
         profile_shift=getattr(stage, f"{name}_profile_shift"),
         rack=rack,
-        bore_radius=getattr(stage, f"{name}_bore_mm") / 2000,
+        bore_radius=1e-6 * stage.module_mm / 1000,
         tip_alteration=table.tip_alteration_mm / 1000,
         hand=hand,
         thickness_allowance=table.thickness_allowance_um / 1_000_000,
@@ -96,6 +98,15 @@ def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
         web_thickness=None if table.web_thickness_mm is None else table.web_thickness_mm / 1000,
         web_offset=sense * table.web_offset_mm / 1000 + 0.0,  # no -0: equal pairs share a law
     )
+    bore: float | None = getattr(stage, f"{name}_bore_mm")
+    if bore is None:
+        return replace(solid, bore_radius=solid.root_radius * USUAL_BORE)
+    if bore / 2000 >= solid.root_radius:
+        raise GeometryError(
+            f"{name}_bore_mm = {bore:g} reaches the root circle, diameter {2000 * solid.root_radius:.6g} mm. Reduce "
+            "it, or delete it: the bore is then half the root circle"
+        )
+    return replace(solid, bore_radius=bore / 2000)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,7 +165,7 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
             flanks.append(modifications(stage, sense))
             check_modifications(pairs[-1], flanks[-1])
         except GeometryError as error:
-            problems.append(Problem(f"stages.{number}", str(error)))
+            problems.append(Problem(f"stages.{number}", in_millimetres(str(error))))
     if problems:
         raise SceneError(source, problems)
     places, problems = place_shafts(len(scene.shafts), scene.stages, pairs, scene.couplings)

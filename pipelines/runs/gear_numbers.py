@@ -19,16 +19,21 @@ from fem.contact.evaluation.evaluator import LawEvaluator
 from pipelines.border.errors import InputError
 from pipelines.border.shown import shown
 from pipelines.border.user_files import whole_file, writable_file
+from pipelines.figures.plots import TransmissionErrors
+from pipelines.figures.teeth.pattern import contact_pattern
 from pipelines.steps.pair_curves import PITCHES_SHOWN, PairLaws, Passage, engagement
 
 if TYPE_CHECKING:
     import xarray
 
+    from fem.contact.law import MeshLaw
     from pipelines.engine.working import Work
     from pipelines.scene.file import LoadedScene
 
 PER_CYCLE = 40  # positions
+ERROR_POSITIONS = 256  # over the one mesh cycle whose orders are taken
 FORMATS = (".csv", ".nc")
+UNMODIFIED = "healthy, unmodified"
 _CURVES = {
     "secant": ("N/m", "secant stiffness: force over the approach since first touch"),
     "tangent": ("N/m", "tangent stiffness: slope of the force over the approach"),
@@ -55,7 +60,21 @@ class _Case:
     laws: PairLaws
     state: str
     faulty: bool
+    modified: bool
     passage: Passage
+
+    @property
+    def law(self) -> MeshLaw:
+        found = self.laws
+        return found.drive if self.faulty else found.healthy if self.modified else found.unmodified
+
+    @property
+    def teeth(self) -> tuple[np.ndarray, np.ndarray]:
+        """Terms of the teeth of pinion and wheel, see `fem.contact.teeth`."""
+        found = self.laws
+        if self.faulty:
+            return found.pinion_faults, found.wheel_faults
+        return np.zeros(found.pair.pinion.teeth), np.zeros(found.pair.wheel.teeth)
 
 
 def machine_states(loaded: LoadedScene, work: Work) -> list[MeshState]:
@@ -82,7 +101,7 @@ def machine_states(loaded: LoadedScene, work: Work) -> list[MeshState]:
         if force <= 0.0:
             raise InputError(
                 f"--tilt machine: the drive flank of stage {number} carries {force:.4g} N at the start of the motion. "
-                "Give --load and --tilt as numbers."
+                "Set --torque and --tilt to numbers."
             )
         found.append(MeshState(force=float(force), tilt=float(rows[system.at(flank_name(mesh.name, 0)).start + 1])))
     return found
@@ -93,12 +112,13 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
 
     Parameters
     ----------
-    pairs, states : by stage
+    pairs, states : one of each for every pair at every load
 
     Returns
     -------
     secant, tangent (N/m), transmission_error, no_load_error (m), tilt (rad): (case, position); share (1), pressure
-    (Pa): (case, position, pair). Coordinates of a case: stage, state, cycle (mesh cycle at position 0), force (N).
+    (Pa, on the active flanks): (case, position, pair); greatest_pressure (Pa, of the contact pattern): (case,).
+    Coordinates of a case: stage, state, cycle (mesh cycle at position 0), force (N), torque (N m, on the pinion).
 
     Raises
     ------
@@ -108,14 +128,17 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
 
     reach = round(max(PITCHES_SHOWN, *(np.ceil(max(np.abs(engagement(p.pair)))) + 1 for p in pairs)) * PER_CYCLE)
     position = np.arange(-reach, reach + 1) / PER_CYCLE
-    cases, curves, by_pair = [], [], []
+    cases, curves, by_pair, greatest = [], [], [], []
     for found, state in zip(pairs, states, strict=True):
         for case in _cases(found):
             cycle = case.passage.cycle + position
-            curve = found.stiffness(cycle, faulty=case.faulty, force=state.force, tilt=state.tilt)
+            curve = found.stiffness(
+                cycle, faulty=case.faulty, modified=case.modified, force=state.force, tilt=state.tilt
+            )
             cases.append(case)
             curves.append(curve)
             by_pair.append(_pressures(case, curve))
+            greatest.append(_greatest_pressure(case, state))
     numbers = np.unique(np.concatenate([pair for pair, _, _ in by_pair]))
     spread = np.zeros((2, len(cases), position.size, numbers.size))
     for i, (pair, share, pressure) in enumerate(by_pair):
@@ -132,47 +155,69 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
         "state": ("case", [case.state for case in cases]),
         "cycle": ("case", [case.passage.cycle for case in cases]),
         "force": ("case", [curve.force for curve in curves]),
+        "torque": (
+            "case",
+            [curve.force * c.laws.pair.pinion.base_radius for c, curve in zip(cases, curves, strict=True)],
+        ),
     }
+    data["greatest_pressure"] = ("case", greatest)
     found_set = xarray.Dataset(data, coords=coords)
     for name, (units, words) in (_CURVES | _BY_PAIR).items():
         found_set[name].attrs.update(units=units, long_name=words)
     found_set["position"].attrs.update(units="1", long_name="mesh cycles from contact of the tooth at the pitch point")
     found_set["cycle"].attrs.update(units="1", long_name="mesh cycle at position 0")
     found_set["force"].attrs.update(units="N", long_name="on the transverse line of action")
+    found_set["torque"].attrs.update(units="N m", long_name="on the pinion")
+    found_set["greatest_pressure"].attrs.update(units="Pa", long_name="greatest Hertz pressure of the contact pattern")
     return found_set
 
 
 def _cases(found: PairLaws) -> list[_Case]:
     first = Passage(name="healthy", cycle=found.cycle)
-    return [
-        _Case(laws=found, state=passage.name, faulty=passage is not first, passage=passage)
+    cases = [_Case(laws=found, state=UNMODIFIED, faulty=False, modified=False, passage=first)] if found.modified else []
+    return cases + [
+        _Case(laws=found, state=passage.name, faulty=passage is not first, modified=True, passage=passage)
         for passage in (first, *found.passages)
     ]
 
 
 def _pressures(case: _Case, curve: StiffnessCurve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Numbers (pair,) of the loaded pairs from that of the tooth, their shares and pressures (position, pair)."""
-    found = case.laws
-    law = found.drive if case.faulty else found.healthy
-    teeth = (found.pinion_faults, found.wheel_faults) if case.faulty else (None, None)
+    """Numbers (pair,) of the loaded pairs from that of the tooth, their shares and pressures (position, pair).
+
+    Contact of a tip edge beyond the active flank has no Hertz pressure: the curvature of the flank ends there.
+    """
+    law, pair = case.law, case.laws.pair
     evaluator = LawEvaluator(law)
     pressure = np.zeros(curve.share.shape)
     for row, c, delta, psi in zip(pressure, curve.cycle, curve.transmission_error, curve.tilt, strict=True):
-        pairs, loads = evaluator.line_loads(float(c), float(delta), float(psi), *teeth)
-        row[np.searchsorted(curve.pair, pairs)] = contact_pressure(found.pair, law, float(c), pairs, loads).max(axis=1)
+        pairs, loads = evaluator.line_loads(float(c), float(delta), float(psi), *case.teeth)
+        xi = c - pairs[:, None] + law.cycle_shift
+        on_flank = (xi >= pair.xi_start) & (xi <= pair.xi_end)
+        found = contact_pressure(pair, law, float(c), pairs, loads)
+        row[np.searchsorted(curve.pair, pairs)] = np.where(on_flank, found, 0.0).max(axis=1)
     return curve.pair - round(case.passage.cycle), curve.share, pressure
+
+
+def _greatest_pressure(case: _Case, state: MeshState) -> float:
+    """The greatest value (Pa) of the contact pattern of the tooth that passes: `gearcase inspect` shows the same."""
+    found = contact_pattern(
+        case.state, case.laws.pair, case.law, "pinion", round(case.passage.cycle), state.force, case.teeth,
+        tilt=state.tilt,
+    )  # fmt: skip
+    return float(np.nanmax(found.pressure, initial=0.0))
 
 
 def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[str, Any]]:
     """The summary: one row per case; means over the whole pitches in which the tooth is in mesh.
 
-    A sound pair has the same mean over any whole pitches. Least stiffness and `TE p-p` are those of the same stretch,
+    A healthy pair has the same mean over any whole pitches. Least stiffness and `TE p-p` are those of the same stretch,
     `share` and `pressure` the greatest of the pair of the tooth.
     """
+    by_stage = {pair.stage: pair for pair in pairs}
     rows = []
     for case in range(curves.sizes["case"]):
         one = curves.isel(case=case)
-        found = pairs[int(one.stage) - 1]
+        found = by_stage[int(one.stage)]
         own = one.sel(pair=0)
         first, last = engagement(found.pair)
         at = np.searchsorted(one.position.values, first - 1e-9)
@@ -183,6 +228,7 @@ def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[st
                 "stage": found.stage,
                 "pair": f"{found.pair.pinion.teeth}/{found.pair.wheel.teeth}",
                 "state": str(one.state.values),
+                "torque N m": float(one.torque),
                 "load N": float(one.force),
                 "secant N/um": float(one.secant.mean()) / 1e6,
                 "tangent N/um": float(one.tangent.mean()) / 1e6,
@@ -191,10 +237,42 @@ def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[st
                 "TE um": float(one.transmission_error.mean()) * 1e6,
                 "TE p-p um": float(np.ptp(one.transmission_error.values)) * 1e6,
                 "share %": 100 * float(own.share.max()),
-                "pressure MPa": float(own.pressure.max()) / 1e6,
+                "pressure MPa": float(one.greatest_pressure) / 1e6,
             }
         )
     return rows
+
+
+def transmission_errors(found: PairLaws, state: MeshState) -> TransmissionErrors:
+    """The transmission error of a pair over one mesh cycle."""
+    cycle = np.arange(ERROR_POSITIONS) / ERROR_POSITIONS
+    pair = found.pair
+    return TransmissionErrors(
+        stage=found.stage,
+        title=f"stage {found.stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth, model {found.drive.model}",
+        torque=state.force * pair.pinion.base_radius,
+        cycle=cycle,
+        unmodified=found.stiffness(cycle, modified=False, force=state.force, tilt=state.tilt).transmission_error
+        if found.modified
+        else None,
+        actual=found.stiffness(cycle, force=state.force, tilt=state.tilt).transmission_error,
+    )
+
+
+def relief_amounts(found: PairLaws, state: MeshState) -> tuple[float, float]:
+    """Usual amounts of tip relief (m) at a load, from the teeth without modifications: for the least change, and all.
+
+    The second is the deflection, of a spur pair in single contact, of a helical one in the mean, as the effective tip
+    relief C_eff = F / (b c') and F / (b c_gamma_alpha) of ISO/TS 6336-22, with the computed stiffness. Of a spur pair
+    the first is twice the step between single and double contact: where a long relief takes R / 2 from each of two
+    tooth pairs, the double contact gives way by R / 2 more and the step vanishes. Bodies and shafts, which both
+    contacts share, drop out of it. The first of a helical pair is the second.
+    """
+    curve = found.stiffness(modified=False, force=state.force, tilt=state.tilt)
+    deflection = curve.transmission_error - curve.no_load_error
+    if found.pair.pinion.helix_angle:
+        return float(deflection.mean()), float(deflection.mean())
+    return 2 * float(np.ptp(deflection)), float(deflection.max())
 
 
 def checked_curve_file(name: str) -> Path:
@@ -222,6 +300,7 @@ def _table(curves: xarray.Dataset) -> Any:
     columns: dict[str, Any] = {
         "stage": np.repeat(curves.stage.values, count),
         "state": np.repeat(curves.state.values, count),
+        "torque [N m]": np.repeat(curves.torque.values, count),
         "force [N]": np.repeat(curves.force.values, count),
         "position [mesh cycles]": np.tile(curves.position.values, curves.sizes["case"]),
         "mesh cycle": (curves.cycle + curves.position).transpose("case", "position").values.ravel(),

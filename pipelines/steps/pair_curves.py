@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.gears.geometry import GearPair
+from fem.gears.modifications import PairModifications
 from pipelines.plant.assembly import Laws, mesh_faults
 from pipelines.plant.flanks import Fault, first_tooth_fault
 from pipelines.plant.flanks_spec import FlanksSpec
@@ -63,7 +64,9 @@ class PairState:
     def with_laws(self, laws: Laws, sound: Laws) -> PairLaws:
         """The same with its mesh laws; `sound` are those of the pair without modifications and faults."""
         healthy, _ = build_modified(self.flanks, sound)
-        return PairLaws(**vars(self), drive=laws[0], coast=laws[1], healthy=healthy)
+        involute = PairModifications(misalignment=self.flanks.modifications.misalignment)
+        unmodified, _ = build_modified(replace(self.flanks, modifications=involute), sound)
+        return PairLaws(**vars(self), drive=laws[0], coast=laws[1], healthy=healthy, unmodified=unmodified)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,12 +76,20 @@ class PairLaws(PairState):
     drive: MeshLaw
     coast: MeshLaw
     healthy: MeshLaw  # drive flank without any fault
+    unmodified: MeshLaw  # the same on involute flanks; a misalignment stays
+
+    @property
+    def modified(self) -> bool:
+        """Whether the flanks depart from the involute."""
+        given = self.flanks.modifications
+        return given != PairModifications(misalignment=given.misalignment)
 
     def stiffness(
         self,
         cycle: np.ndarray | None = None,
         *,
         faulty: bool = False,
+        modified: bool = True,
         force: float | None = None,
         tilt: float | None = 0.0,
     ) -> StiffnessCurve:
@@ -88,13 +99,14 @@ class PairLaws(PairState):
         ----------
         cycle : float (n,), mesh cycles; 200 of one mesh cycle by default
         faulty : with the faults
+        modified : with the modifications of the flanks; without them there are no faults either
         force : N, on the line of action; that of the scene by default
         tilt : of the gears in the plane of action along the face coordinate of the law, rad; None: force at mid face
         """
         from fem.contact.evaluation.curves import stiffness_curve
 
         return stiffness_curve(
-            self.drive if faulty else self.healthy,
+            self.drive if faulty else self.healthy if modified else self.unmodified,
             self.force if force is None else force,
             cycle,
             psi=tilt,

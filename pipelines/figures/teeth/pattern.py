@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.contact.contact_pressure import contact_pressure
+from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.faults.tooth_fault import ToothFault
 from fem.contact.law import MeshLaw
@@ -36,7 +37,7 @@ def contact_pattern(
     force: float,
     teeth: tuple[np.ndarray, np.ndarray],
     *,
-    tilt: float = 0.0,
+    tilt: float | None = 0.0,
 ) -> ContactPattern:
     """The pattern of one tooth at one force.
 
@@ -47,7 +48,7 @@ def contact_pattern(
     gear, tooth : "pinion" or "wheel", and the number of the tooth
     force : N, along the transverse line of action
     teeth : terms of the teeth of pinion and wheel, see `fem.contact.teeth`
-    tilt : of the gears in the plane of action along the face coordinate of the law, rad
+    tilt : of the gears in the plane of action along the face coordinate of the law, rad; None: force at mid face
 
     Raises
     ------
@@ -57,10 +58,10 @@ def contact_pattern(
     last = law.position_start + law.position_step * (law.compliance.size - 1)
     local = np.linspace(law.position_start - overlap, last + overlap, POSITIONS)
     cycles = tooth + local
-    approach = evaluator.approach_at(force, cycles, tilt, *teeth)
+    curve = stiffness_curve(law, force, cycles, psi=tilt, clearance_pinion=teeth[0], clearance_wheel=teeth[1])
     found = np.zeros((POSITIONS, law.face_coordinate.size))
-    for row, c, delta in zip(found, cycles, approach, strict=True):
-        pairs, loads = evaluator.line_loads(float(c), float(delta), tilt, *teeth)
+    for row, c, delta, psi in zip(found, cycles, curve.transmission_error, curve.tilt, strict=True):
+        pairs, loads = evaluator.line_loads(float(c), float(delta), float(psi), *teeth)
         own = pairs == tooth
         if own.any():
             row[:] = contact_pressure(pair, law, float(c), pairs[own], loads[own])[0]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from mbd.parts.rolling_catalogue import bore_of
+from pipelines.plant.bearings import bearing_names, bearing_table
 from pipelines.plant.checks.flank_checks import flank_warnings
 from pipelines.plant.checks.strength import strength_warnings
 from pipelines.plant.checks.window_checks import bad_windows
@@ -13,6 +15,7 @@ from pipelines.plant.layout import Layout
 from pipelines.plant.torques.drives import motor_places, motor_torques
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
+from pipelines.scene.tables.bearings import HertzBearings
 from pipelines.scene.tables.motion import LoadBase
 
 HARMONICS = 5  # of the fastest mesh that a good record holds
@@ -25,6 +28,7 @@ def design_warnings(scene: Scene, layout: Layout) -> tuple[str, ...]:
         *_gears(scene, layout, stages),
         *flank_warnings(scene, layout, stages),
         *strength_warnings(scene, layout, stages),
+        *_fits(scene, layout),
         *_drive(scene, layout),
         *_record(scene, layout, stages),
         *_diagnosis(scene, layout),
@@ -55,6 +59,36 @@ def _gears(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[s
             )
         if facts.backlash < 0.02e-3 and layout.load_torque != 0.0:
             yield f"{place}: backlash {facts.backlash * 1e6:.1f} um is small; both flanks may touch under deviations"
+
+
+def _fits(scene: Scene, layout: Layout) -> Iterator[str]:
+    """Shafts that are thicker than the bore of a bearing or gear on them."""
+    for _, shaft, place in bearing_names(scene.shafts):
+        table = bearing_table(scene.shafts[shaft], scene.bearings, place)
+        if isinstance(table, HertzBearings) and table.designation is not None:
+            y, bore = scene.shafts[shaft].bearing_positions_mm[place], 1000 * bore_of(table.designation)
+            # at a shoulder the bearing is on the thinner side
+            sections = [(n, s) for n, s in enumerate(scene.shafts[shaft].sections, 1) if s.start_mm <= y <= s.end_mm]
+            number, section = min(sections, key=lambda found: found[1].diameter_mm)
+            if section.diameter_mm > bore:
+                yield (
+                    f"shafts.{shaft + 1}.sections.{number}.diameter_mm = {section.diameter_mm:g}: the bore of bearing "
+                    f"{place + 1} on it, {table.designation}, is {bore:g} mm (ISO 15); reduce the diameter, or take a "
+                    "larger bearing"
+                )
+    for stage_number, (stage, pair, places) in enumerate(
+        zip(scene.stages, layout.pairs, layout.pair_shafts, strict=True), 1
+    ):
+        low, high = stage.position_mm - stage.face_width_mm / 2, stage.position_mm + stage.face_width_mm / 2
+        for name, shaft in zip(("pinion", "wheel"), places, strict=True):
+            bore = 2000 * getattr(pair, name).bore_radius
+            for number, section in enumerate(scene.shafts[shaft].sections, 1):
+                if section.start_mm < high and section.end_mm > low and section.diameter_mm > bore * (1 + 1e-9):
+                    yield (
+                        f"shafts.{shaft + 1}.sections.{number}.diameter_mm = {section.diameter_mm:g}: the bore of the "
+                        f"gear on it is {bore:g} mm; reduce the diameter, or set stages.{stage_number}.{name}_bore_mm "
+                        f"= {section.diameter_mm:g}"
+                    )
 
 
 def _drive(scene: Scene, layout: Layout) -> Iterator[str]:

@@ -13,6 +13,7 @@ from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.flanks import GEARS, damage, prescribed_deviations
 from pipelines.plant.layout import Layout
 from pipelines.plant.plant import law_specs
+from pipelines.plant.units import in_millimetres
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.faults import FaultTable, SpalledToothTable
 
@@ -31,7 +32,7 @@ def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
         try:
             one.check(getattr(layout.pairs[fault.stage - 1], fault.gear))
         except GeometryError as error:
-            yield Problem(f"faults.{number}", str(error))
+            yield Problem(f"faults.{number}", in_millimetres(str(error)))
     if not scene.deviations.enabled:
         return
     yield from _bad_prescribed(scene, layout)
@@ -42,7 +43,8 @@ def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
                 if set(scene.deviations.include) & {"profile", "helix"}:
                     flank_tolerance(getattr(pair, name), scene.deviations.iso_grade)
             except GeometryError as error:
-                yield Problem(f"stages.{number}", f"{name}: {error}", "Set deviations.enabled = false or include less.")
+                reason = in_millimetres(f"{name}: {error}")
+                yield Problem(f"stages.{number}", reason, "Set deviations.enabled = false or include less.")
 
 
 def _bad_prescribed(scene: Scene, layout: Layout) -> Iterator[Problem]:

@@ -27,6 +27,7 @@ from pipelines.plant.machine import losses_spec, shaft_specs
 from pipelines.plant.plant import law_specs
 from pipelines.plant.torques.drives import motor_places, motor_torques, speed_profile
 from pipelines.plant.torques.loads import hanging_load, load_places, torque_load
+from pipelines.plant.units import in_millimetres
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.bearings import HertzBearings, LinearBearings, RigidBearings
 from pipelines.scene.tables.motion import LoadBase, SpeedDrive
@@ -164,7 +165,7 @@ def bad_laws(scene: Scene, layout: Layout) -> Iterator[Problem]:
     """Mesh models that refuse their pair; those of finite elements are asked for their settings and path of contact."""
     for number, spec in enumerate(law_specs(scene, layout), 1):
         if reason := _law_refusal(spec):
-            yield Problem(f"stages.{number}.mesh", reason)
+            yield Problem(f"stages.{number}.mesh", in_millimetres(reason))
 
 
 @functools.lru_cache(maxsize=64)

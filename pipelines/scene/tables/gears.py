@@ -64,8 +64,14 @@ class StageTable(Table):
     face_width_mm: Annotated[Number, Field(gt=0, le=2000, description="common face width b")]
     pinion_profile_shift: Annotated[Number, Field(ge=-1, le=1.5, description="x1")] = 0.0
     wheel_profile_shift: Annotated[Number, Field(ge=-1, le=1.5, description="x2")] = 0.0
-    pinion_bore_mm: Annotated[Number, Field(gt=0, description="diameter where the gear body is bonded to the shaft")]
-    wheel_bore_mm: Annotated[Number, Field(gt=0, description="diameter where the gear body is bonded to the shaft")]
+    pinion_bore_mm: Annotated[
+        Positive | None,
+        Field(description="diameter where the gear body is bonded to the shaft; left out: half the root circle"),
+    ] = None
+    wheel_bore_mm: Annotated[
+        Positive | None,
+        Field(description="diameter where the gear body is bonded to the shaft; left out: half the root circle"),
+    ] = None
     rack_addendum: Annotated[Number, Field(gt=0.5, le=1.6, description="in modules")] = 1.0
     rack_dedendum: Annotated[Number, Field(gt=0.8, le=2.0, description="in modules")] = 1.25
     rack_tip_radius: Annotated[Number, Field(gt=0, le=0.5, description="in modules")] = 0.38

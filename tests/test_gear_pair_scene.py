@@ -1,0 +1,116 @@
+"""The shipped scene `pair`: the data of two gears are enough for stiffness, modifications and faults."""
+
+import json
+
+import pytest
+
+from pipelines.border.errors import SceneError
+from pipelines.cli import main
+from pipelines.plant.checks.design_warnings import design_warnings
+from pipelines.plant.layout import lay_out
+from pipelines.plant.units import in_millimetres
+from pipelines.runs.checked import check_scene
+from pipelines.scene.file import load_scene
+
+OWN = """extends = "pair"
+faults = [{ kind = "cracked-tooth", stage = 1, gear = "wheel", tooth = 10, depth_mm = 2.0 }]
+[stages.1]
+pinion_teeth = 23
+wheel_teeth = 57
+module_mm = 3.0
+face_width_mm = 25.0
+mesh = { model = "plane", slices = 1 }
+"""
+
+
+def stage(**values):
+    return load_scene("pair", {f"stages.1.{key}": value for key, value in values.items()})
+
+
+@pytest.mark.parametrize("module", [0.5, 3.0, 30.0])
+@pytest.mark.parametrize("beta", [0.0, 20.0])
+@pytest.mark.parametrize("teeth", [(17, 300), (300, 17), (40, 41), (300, 300)])
+def test_gears_of_any_size_need_nothing_else(module, beta, teeth):
+    pinion, wheel = teeth
+    found = check_scene(
+        stage(module_mm=module, helix_angle_deg=beta, pinion_teeth=pinion, wheel_teeth=wheel, face_width_mm=8 * module)
+    )
+    gears = found.plant.layout.pairs[0]
+    assert gears.wheel.bore_radius == pytest.approx(gears.wheel.root_radius / 2)
+    assert found.facts.stages[0].shown_force == pytest.approx(100e3 * 0.008 * module)
+
+
+@pytest.mark.parametrize("wheel", [25, 300])
+def test_eight_teeth_mesh_with_a_profile_shift(wheel):
+    check_scene(stage(pinion_teeth=8, pinion_profile_shift=0.5, wheel_teeth=wheel))
+
+
+def test_a_bore_that_is_given_stays():
+    gears = lay_out(stage(pinion_bore_mm=31.0).scene).pairs[0]
+    assert gears.pinion.bore_radius == 0.0155
+
+
+def test_a_bore_in_the_root_is_refused_by_its_key_in_millimetres():
+    with pytest.raises(SceneError) as refused:
+        lay_out(stage(pinion_teeth=20, pinion_bore_mm=60.0).scene)
+    said = str(refused.value)
+    assert "pinion_bore_mm = 60 reaches the root circle, diameter 35 mm" in said
+    assert " m " not in said
+
+
+def test_a_crack_that_is_too_deep_is_refused_in_millimetres():
+    loaded = load_scene("pair", {"faults": [{"kind": "chipped-tooth", "stage": 1, "gear": "wheel", "tooth": 1,
+                                             "depth_mm": 9.0, "extent_mm": 5.0}]})  # fmt: skip
+    with pytest.raises(SceneError, match=r"depth is 9 mm; give a value in \(0, 4\.5\] mm"):
+        check_scene(loaded)
+
+
+@pytest.mark.parametrize(
+    ("si", "shown"),
+    [
+        ("depth is 0.003 m; give a value in (0, 0.00225] m", "depth is 3 mm; give a value in (0, 2.25] mm"),
+        ("the limit is 0.1 m_n = 0.0003 m: reduce", "the limit is 0.1 m_n = 0.3 mm: reduce"),
+        ("from 0.01 to 0.02 m (diameters 0.1 to 0.2 m)", "from 10 to 20 mm (diameters 100 to 200 mm)"),
+        ("2.5e-05 m, 3 N m and 0.2 modules", "0.025 mm, 3 N m and 0.2 modules"),
+    ],
+)
+def test_lengths_of_messages_are_in_millimetres(si, shown):
+    assert in_millimetres(si) == shown
+
+
+def test_gears_takes_torques_and_writes_its_plot(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own.toml").write_text(OWN, encoding="utf-8")
+    relief = "stages.1.pinion.tip_relief={amount_um=10.0,length_mm=3.0}"
+    command = ["gears", "own.toml", "--torque", "50", "100", "--set", relief, "--plot", "te.svg", "--quiet", "--json"]
+    assert main(command) == 0
+    found = json.loads(capsys.readouterr().out)
+    radius = 3.0e-3 * 23 / 2 * 0.9396926207859084  # r_b = m z cos(20 deg) / 2
+    assert [(row["state"], row["torque N m"]) for row in found["pairs"]] == [
+        (state, torque)
+        for torque in (50.0, 100.0)
+        for state in ("healthy, unmodified", "healthy", "cracked tooth 10 of the wheel")
+    ]
+    assert all(row["load N"] == pytest.approx(row["torque N m"] / radius) for row in found["pairs"])
+    assert [(row["torque N m"], row["flanks"]) for row in found["orders"]] == [
+        (50.0, "unmodified"), (50.0, "modified"), (100.0, "unmodified"), (100.0, "modified"),
+    ]  # fmt: skip
+    assert found["plot"].endswith("te.svg")
+    assert (tmp_path / "te.svg").read_text(encoding="utf-8").startswith("<?xml")
+    assert main([*command[:5], "--tilt", "machine"]) == 2
+    assert "Delete --torque" in capsys.readouterr().err
+
+
+def test_a_shaft_thicker_than_the_bores_on_it_is_warned_of():
+    def warned(**settings):
+        scene = load_scene("bench", settings).scene
+        return [text for text in design_warnings(scene, lay_out(scene)) if "the bore of" in text]
+
+    balls = {"model": "hertz", "designation": "6208"}
+    assert warned(bearings=balls) == []
+    found = warned(bearings=balls | {"designation": "6206"})
+    assert len(found) == 2
+    assert found[0].startswith("shafts.2.sections.1.diameter_mm = 40: the bore of bearing 1 on it, 6206, is 30 mm")
+    (found,) = warned(**{"stages.1.pinion_bore_mm": 25.0})
+    assert found.startswith("shafts.1.sections.1.diameter_mm = 30: the bore of the gear on it is 25 mm")
+    assert found.endswith("set stages.1.pinion_bore_mm = 30")
