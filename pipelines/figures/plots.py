@@ -259,13 +259,12 @@ class TransmissionErrors:
         return {"unmodified": self.unmodified, "modified": self.actual}
 
     def rows(self) -> list[dict[str, Any]]:
-        """Peak-to-peak and the first orders of every state, um."""
+        """The first orders of every state, um."""
         return [
             {
                 "stage": self.stage,
                 "torque N m": self.torque,
                 "flanks": state,
-                "p-p um": 1e6 * float(np.ptp(error)),
                 **{f"order {k} um": 1e6 * float(size) for k, size in enumerate(orders(error)[:_LISTED], 1)},
             }
             for state, error in self.states.items()
