@@ -108,6 +108,20 @@ def test_effective_masses_stay_below_the_mass_and_are_printed(elastic):
     assert len(text.splitlines()) == 3 + 3 + 1
 
 
+def test_a_mode_shape_of_a_casing_stands_still_at_clamped_feet(elastic):
+    mesh, modes, body = elastic
+    fields = {"mesh": mesh, "modes": modes, "checkup": None, "limits": None, "error": None, "records": (), "band": 1e3}
+    casing = Casing(body=body, natural=natural_modes(modes), **fields)
+    for mode in range(3):
+        length = np.linalg.norm(casing.shape(mode), axis=1)
+        assert length.max() == pytest.approx(1.0)
+        assert length[modes.nodes[:, 2].argmin()] < 1e-9
+    with pytest.raises(InputError, match="mode 999"):
+        casing.shape(999)
+    with pytest.raises(InputError, match="craig-bampton"):
+        replace(casing, modes=None).shape(0)
+
+
 def test_a_mode_has_one_frequency_and_its_error_band(elastic):
     natural = natural_modes(elastic[1])
     bands = np.full(len(natural.frequencies), np.nan)

@@ -11,6 +11,7 @@ import gearcase
 from fem.storage import shown_html
 from fem.storage.records import Record, array, integer, names, scalar, text
 from fem.storage.stored_array import StoredArray
+from pipelines.bars.line_bars import Band, LineBar, LineBars
 from pipelines.diagnosis.verdict import Finding, Verdict
 
 
@@ -107,6 +108,7 @@ def test_a_reduced_body_and_a_study_show_themselves():
 
 def test_results_of_a_scene_show_themselves():
     scene = gearcase.Scene.from_file("minimal")
+    assert ["load.container_kg", "114.0"] in cells(scene._repr_html_())
     pair = gearcase.laws(scene)[0]
     row = cells(pair._repr_html_())[1]
     assert row[:3] == ["secant", "healthy", "N/m"]
@@ -115,8 +117,28 @@ def test_results_of_a_scene_show_themselves():
     stage = cells(gearcase.check(scene)._repr_html_())[1]
     assert stage[:4] == ["1", "20/55", "2.75", "300"]
     casing = cells(gearcase.casing(scene)._repr_html_())
-    assert casing[0] == ["mode", "Hz"]
+    assert casing[0] == ["mode", "Hz", "+- Hz"]
     assert len(casing) == 7
     modes = cells(gearcase.modes(scene, up_to=300)._repr_html_())
     assert modes[1][0] == "frequencies"
     assert modes[1][3] == "Hz"
+
+
+def test_error_bars_show_themselves():
+    known, unknown = Band(low=-0.1, high=0.25, source="time step", share=1.0), None
+    lines = [
+        LineBar(
+            window="steady",
+            kind="mesh",
+            label="f_m",
+            frequency=300.0,
+            level=0.5,
+            detected=True,
+            numerical=one,
+            inputs=known,
+        )
+        for one in (known, unknown)
+    ]
+    page = LineBars(bars=tuple(lines), notes=("Inputs: the damping.",))._repr_html_()
+    assert [row[4:] for row in cells(page)[1:3]] == [["-0.10 to +0.25"] * 2, ["-", "-0.10 to +0.25"]]
+    assert "Inputs: the damping." in page

@@ -78,11 +78,28 @@ class Casing:
             inside[:] = relative[: len(inside)] * self.frequencies[first:][: len(inside)]
         return found
 
+    def shape(self, mode: int) -> np.ndarray:
+        """Displacement (node, axis) of natural mode 0, 1, ... at the nodes `modes.nodes`, the largest length 1.
+
+        Raises
+        ------
+        InputError : the casing has no finite elements of its own, or not as many modes
+        """
+        if self.modes is None or self.natural is None or not len(self.modes.nodes):
+            raise InputError('casing: no mode shapes without finite elements. Set casing.model = "craig-bampton".')
+        if not 0 <= mode < len(self.natural.frequencies):
+            raise InputError(f"mode {mode}: the casing has the modes 0 to {len(self.natural.frequencies) - 1}.")
+        from pipelines.runs.casing_export import mode_shapes
+
+        return mode_shapes(self.modes, self.natural, [mode])[0]
+
     def _repr_html_(self) -> str:
-        """The lowest natural frequencies, for a notebook."""
+        """The lowest natural frequencies with their error bands, for a notebook."""
         found = self.frequencies
         title = f"Casing: {len(self.body.mass)} coordinates, {len(found)} natural modes in the ground"
-        return shown_html.table(title, ("mode", "Hz"), enumerate(map(float, found[:_MODES_SHOWN]), 1))
+        bands = (float(one) if one == one else None for one in self.bands)
+        rows = zip(range(1, _MODES_SHOWN + 1), map(float, found), bands, strict=False)
+        return shown_html.table(title, ("mode", "Hz", "+- Hz"), rows)
 
 
 def scene_graph(loaded: LoadedScene) -> tuple[Graph, Plant]:
