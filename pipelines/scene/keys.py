@@ -9,9 +9,10 @@ from __future__ import annotations
 import re
 import types
 import typing
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from annotated_types import Ge, Gt, Le, Lt
@@ -112,13 +113,21 @@ def _section(members: Tables, sections: _Sections) -> Iterator[str]:
     tag = _tag(members[0])
     links = ", ".join(f"[{_value(one)}](#{slug(f'{heading}: {_value(one)}')})" for one in members)
     yield f"\n{places}: one of the tables {links}, chosen by `{tag}`."
-    for one in members:
+    for number, one in enumerate(members):
         yield f"\n### {heading}: {_value(one)}\n\n`{tag} = {format_value(_value(one))}`: {_text(one)}"
-        yield from _rows(one, sections)
+        other = max((m for m in members[:number] if _keys(m).items() <= _keys(one).items()), key=_count, default=None)
+        if other is not None and _keys(other):
+            yield f"\nAll keys of [{_value(other)}](#{slug(f'{heading}: {_value(other)}')}), and:"
+        yield from _rows(one, sections, _keys(other) if other is not None else {})
 
 
-def _rows(table: type[BaseModel], sections: _Sections) -> Iterator[str]:
-    members = {name: member for name, member in table.model_fields.items() if not _chooses(member)}
+def _rows(
+    table: type[BaseModel], sections: _Sections, known: Mapping[str, str] = MappingProxyType({})
+) -> Iterator[str]:
+    """Rows of the keys of a table, without those that are known from another one."""
+    members = {
+        name: member for name, member in table.model_fields.items() if name in _keys(table).keys() - known.keys()
+    }
     yield "\n| key | meaning | values | default |\n|---|---|---|---|" if members else "\nNo other keys."
     for name, member in members.items():
         inner = tables(member.annotation)
@@ -204,6 +213,15 @@ def default(member: FieldInfo) -> str:
 
 def _text(table: type[BaseModel]) -> str:
     return " ".join((table.__doc__ or "").split())
+
+
+def _keys(table: type[BaseModel]) -> dict[str, str]:
+    """Keys of a table with all that is written of them, without the key by which it is chosen."""
+    return {name: repr(member) for name, member in table.model_fields.items() if not _chooses(member)}
+
+
+def _count(table: type[BaseModel]) -> int:
+    return len(_keys(table))
 
 
 def _chooses(member: FieldInfo) -> bool:

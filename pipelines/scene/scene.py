@@ -35,27 +35,39 @@ class Scene(Table):
 
     title: Annotated[str, Field(max_length=200, description="one line that names the scene in every result")]
     control: Annotated[
-        str | None, Field(description='healthy control: a shipped scene, a path ending in .toml, or "without-faults"')
+        str | None,
+        Field(
+            description="healthy control, which a faulty run is compared with: a shipped scene, a path that ends "
+            'in .toml, or "without-faults": this scene without its faults'
+        ),
     ] = None
-    gear_material: MaterialTable
-    stages: Annotated[tuple[StageTable, ...], Field(min_length=1, max_length=20)]
-    shafts: Annotated[tuple[ShaftTable, ...], Field(min_length=2, max_length=21)]
-    shaft_model: ShaftModel = ShaftModel()
-    bearings: BearingModel = LinearBearings()
-    couplings: Annotated[tuple[CouplingTable, ...], Field(max_length=100)] = ()
-    disks: Annotated[tuple[DiskTable, ...], Field(max_length=100)] = ()
-    probes: Annotated[tuple[ProbeTable, ...], Field(max_length=100)] = ()
-    forces: Annotated[tuple[ForceModel, ...], Field(max_length=100)] = ()
-    deviations: DeviationTable = DeviationTable()
-    faults: Annotated[tuple[AnyFaultTable, ...], Field(max_length=1000)] = ()
-    casing: CasingModel
-    sensors: Annotated[tuple[SensorTable, ...], Field(max_length=1000)] = ()
-    drive: DriveModel
-    load: LoadModel
-    losses: LossModel = NoLosses()
-    film: FilmModel = NoFilm()
-    simulation: SimulationTable
-    diagnosis: DiagnosisTable = DiagnosisTable()
+    gear_material: Annotated[MaterialTable, Field(description="material of all gears and shafts")]
+    stages: Annotated[tuple[StageTable, ...], Field(min_length=1, max_length=20, description="gear pairs")]
+    shafts: Annotated[
+        tuple[ShaftTable, ...], Field(min_length=2, max_length=21, description="shafts; shaft 1 is the input")
+    ]
+    shaft_model: Annotated[ShaftModel, Field(description="how shafts are modelled")] = ShaftModel()
+    bearings: Annotated[BearingModel, Field(description="model of every bearing for which its shaft gives none")] = (
+        LinearBearings()
+    )
+    couplings: Annotated[
+        tuple[CouplingTable, ...], Field(max_length=100, description="couplings and bearings between two shafts")
+    ] = ()
+    disks: Annotated[tuple[DiskTable, ...], Field(max_length=100, description="disks on shafts")] = ()
+    probes: Annotated[tuple[ProbeTable, ...], Field(max_length=100, description="proximity probes")] = ()
+    forces: Annotated[
+        tuple[ForceModel, ...], Field(max_length=100, description="further forces and torques, besides drive and load")
+    ] = ()
+    deviations: Annotated[DeviationTable, Field(description="manufacturing deviations of all gears")] = DeviationTable()
+    faults: Annotated[tuple[AnyFaultTable, ...], Field(max_length=1000, description="damaged teeth and bearings")] = ()
+    casing: Annotated[CasingModel, Field(description="model of the casing")]
+    sensors: Annotated[tuple[SensorTable, ...], Field(max_length=1000, description="accelerometers on the casing")] = ()
+    drive: Annotated[DriveModel, Field(description="what turns the machine; without the key model: speed")]
+    load: Annotated[LoadModel, Field(description="what the machine drives")]
+    losses: Annotated[LossModel, Field(description="friction")] = NoLosses()
+    film: Annotated[FilmModel, Field(description="oil film between the flanks")] = NoFilm()
+    simulation: Annotated[SimulationTable, Field(description="time integration and output")]
+    diagnosis: Annotated[DiagnosisTable, Field(description="what is diagnosed in the signals")] = DiagnosisTable()
 
     def models(self) -> dict[str, str | list[str]]:
         """The model that is chosen for every effect."""

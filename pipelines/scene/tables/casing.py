@@ -34,14 +34,16 @@ class DampedPartTable(Table):
         str,
         Field(
             pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,39}$",
-            description="cover or feet of a parametric housing, mounts, joints (bolts), or any other with box_mm",
+            description="cover or feet of a parametric housing, mounts, joints (bolts), or any other name "
+            "together with box_mm",
         ),
     ]
     loss_factor: Annotated[
-        Number, Field(ge=0, lt=LARGEST_LOSS_FACTOR, description="twice the damping ratio of a body of this part alone")
+        Number, Field(ge=0, lt=LARGEST_LOSS_FACTOR, description="twice the damping ratio of a body of this part only")
     ]
     box_mm: Annotated[
-        tuple[Vector, Vector] | None, Field(description="lower and upper corner: the elements whose middle is inside")
+        tuple[Vector, Vector] | None,
+        Field(description="lower and upper corner of a box; the part is all elements whose centre is inside"),
     ] = None
 
     @model_validator(mode="after")
@@ -68,7 +70,7 @@ def percent(text: str) -> float:
 
 
 class NoCasingTable(Table):
-    """Bearings to ground. Casing sensors are refused; channels are bearing forces and shaft motion."""
+    """Bearings are held by the ground. The channels are bearing forces and shaft motion, without sensors."""
 
     modes: ClassVar[int] = 0  # that it adds to the machine, about
     model: Literal["none"] = "none"
@@ -77,24 +79,35 @@ class NoCasingTable(Table):
 class FlexibleBase(Table):
     """What every casing with a housing has."""
 
-    housing: HousingModel
-    material: MaterialTable
+    housing: Annotated[HousingModel, Field(description="shape and supports of the housing")]
+    material: Annotated[MaterialTable, Field(description="material of the housing")]
     element_size_mm: Annotated[
-        Number, Field(gt=0, description="of the elements; the model rigid meshes only a housing that is no plain box")
+        Number,
+        Field(
+            gt=0, description="edge length of the elements; the model rigid meshes a housing only if it is no plain box"
+        ),
     ] = 22.0
     element: Annotated[
         Literal["tetrahedron-4", "tetrahedron-10", "tetrahedron-20", "hexahedron-20", "hexahedron-27", "hexahedron-32"],
         Field(
-            description="tetrahedron-4 is too stiff in thin walls: to compare with; tetrahedron-20 and hexahedron-32 "
-            "have cubic displacements: for walls one element thick; hexahedra: of a parametric housing without flange, "
-            "ribs, fillets and pads, or from a mesh file"
+            description="element type. tetrahedron-4 is too stiff in thin walls: for comparison only. "
+            "tetrahedron-20 and hexahedron-32 have cubic displacements: for walls one element thick. "
+            "Hexahedra need a parametric housing without flange, ribs, fillets and pads, or a mesh "
+            "file"
         ),
     ] = "tetrahedron-10"
-    bore_element_size_mm: Annotated[Positive | None, Field(description="at the bearing seats, where smaller")] = None
-    foot_element_size_mm: Annotated[Positive | None, Field(description="at the ground faces, where smaller")] = None
+    bore_element_size_mm: Annotated[
+        Positive | None, Field(description="edge length at the bearing seats, where smaller")
+    ] = None
+    foot_element_size_mm: Annotated[
+        Positive | None, Field(description="edge length at the ground faces, where smaller")
+    ] = None
     damping_ratio: Annotated[
         Damping | tuple[tuple[NotNegative, Damping], ...],
-        Field(description="modal damping: one number, or rows [Hz, ratio] with rising frequencies, linear in between"),
+        Field(
+            description="modal damping ratio: one number, or rows [frequency in Hz, ratio] with rising "
+            "frequencies, linear in between"
+        ),
     ] = 0.01
 
     @model_validator(mode="after")
@@ -122,7 +135,7 @@ class FlexibleBase(Table):
 
 
 class RigidCasingTable(FlexibleBase):
-    """A rigid body on six mount springs, one per foot: 6 coordinates, no finite elements."""
+    """A rigid body on mounts, one per foot: 6 coordinates and no finite elements."""
 
     @model_validator(mode="after")
     def _with_shape(self) -> RigidCasingTable:
@@ -132,7 +145,9 @@ class RigidCasingTable(FlexibleBase):
 
     modes: ClassVar[int] = 6
     model: Literal["rigid"] = "rigid"
-    mount_stiffness_N_per_um: Annotated[Number, Field(gt=0, le=1e7, description="of each foot, in x, y and z")] = 200.0
+    mount_stiffness_N_per_um: Annotated[
+        Number, Field(gt=0, le=1e7, description="stiffness of each mount along x, y and z")
+    ] = 200.0
 
 
 class ElasticBase(FlexibleBase):
@@ -144,21 +159,28 @@ class ElasticBase(FlexibleBase):
     ] = "fixed"
     mounts_N_per_um: Annotated[
         tuple[tuple[Spring, Spring, Spring], ...],
-        Field(min_length=1, description="ground = springs: rows [x, y, z], one for all mounts or one per foot"),
+        Field(
+            min_length=1,
+            description='stiffnesses along x, y and z with ground = "springs": one row for all mounts, or one per foot',
+        ),
     ] = ((200.0, 200.0, 200.0),)
     attachment: Annotated[
         Literal["mean", "rigid"],
-        Field(description="of bearing and mount points to their faces: mean motion (RBE3) or rigid (RBE2)"),
+        Field(description="how bearing and mount points follow their faces: mean motion (RBE3) or rigid (RBE2)"),
     ] = "mean"
     damped_parts: Annotated[
         tuple[DampedPartTable, ...],
-        Field(description="parts with loss factors of their own, by strain energy; damping_ratio is that of the rest"),
+        Field(
+            description="parts with a separate loss factor, weighted by strain energy; damping_ratio is that of "
+            "the rest"
+        ),
     ] = ()
     extrapolated: Annotated[
         bool,
         Field(
-            description="stiffness extrapolated to elements of size zero: with tetrahedron-20 and hexahedron-32 by "
-            "quadratic displacements on the same mesh, with tetrahedron-10 by two coarser meshes"
+            description="true: stiffness extrapolated to zero element size. With tetrahedron-20 and hexahedron-32 "
+            "from quadratic displacements on the same mesh, with tetrahedron-10 from two coarser "
+            "meshes"
         ),
     ] = False
 
@@ -166,8 +188,8 @@ class ElasticBase(FlexibleBase):
         str | None,
         Field(
             pattern=r"^[0-9]+(\.[0-9]+)? ?%$",
-            description='band of the frequencies asked for, as "0.2%": element_size_mm and the other sizes get as much '
-            "smaller as half of the modes need, and the stiffness is extrapolated; left out: sizes as given",
+            description='target error of the frequencies, e.g. "0.2%": all element sizes are reduced until half '
+            "of the modes meet it, and the stiffness is extrapolated; without it: sizes as given",
         ),
     ] = None
 
@@ -218,20 +240,31 @@ class StaticCasingTable(ElasticBase):
 
 
 class CraigBamptonCasingTable(ElasticBase):
-    """Finite elements reduced to the bearing points and the fixed-interface modes."""
+    """Finite elements reduced to the bearing points and the fixed-interface modes (Craig-Bampton)."""
 
     modes: ClassVar[int] = 280
     model: Literal["craig-bampton"] = "craig-bampton"
-    band_Hz: Annotated[Number, Field(gt=0, le=20000, description="wanted band; modes are kept to 1.5 times it")] = (
-        5000.0
-    )
+    band_Hz: Annotated[
+        Number,
+        Field(
+            gt=0, le=20000, description="highest frequency of interest; modes up to 1.5 times this frequency are kept"
+        ),
+    ] = 5000.0
     frequency_error: Annotated[
         Number | None,
-        Field(gt=0, lt=0.1, description="as few modes as change no frequency of the band by more; left out: all"),
+        Field(
+            gt=0,
+            lt=0.1,
+            description="largest relative change of a frequency of the band by leaving out modes; without it: no "
+            "mode is left out",
+        ),
     ] = None
     elements_per_wavelength: Annotated[
         Positive | None,
-        Field(description="per bending wavelength of the thinnest wall at band_Hz; elements get no larger than that"),
+        Field(
+            description="least elements per bending wavelength of the thinnest wall at band_Hz; reduces the "
+            "element size where needed"
+        ),
     ] = None
 
 
@@ -241,16 +274,19 @@ CasingModel = Annotated[
 
 
 class SensorTable(Table):
-    """A tri-axial accelerometer on the casing."""
+    """A triaxial accelerometer on the casing."""
 
     name: Annotated[
         str,
-        Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="letters, digits, _ and -; 40 at most"),
+        Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="letters, digits, _ and -, at most 40"),
     ]
     position_mm: Annotated[
-        tuple[Number, Number, Number], Field(description="x, y, z; moved to the nearest surface point")
+        tuple[Number, Number, Number],
+        Field(description="x, y, z of the sensor, which is moved to the nearest point of the surface"),
     ]
-    axes: Annotated[Axes, Field(description="directions of its channels x, y, z in the frame of the scene")] = (
+    axes: Annotated[
+        Axes, Field(description="directions of its channels x, y, z in the coordinate system of the scene")
+    ] = (
         (1.0, 0.0, 0.0),
         (0.0, 1.0, 0.0),
         (0.0, 0.0, 1.0),

@@ -24,10 +24,12 @@ HDF5 = (".h5", ".hdf5")
 
 
 class ColumnTable(Table):
-    """One column of a CSV file with a line of names, or one dataset of an HDF5 file (.h5, .hdf5)."""
+    """A column of a CSV file with a header line, or a dataset of an HDF5 file (.h5, .hdf5)."""
 
-    file: Annotated[str, Field(min_length=1, description="beside the scene, or a path")]
-    column: Annotated[str, Field(min_length=1, description="name of the column or dataset; the key says its unit")]
+    file: Annotated[str, Field(min_length=1, description="name in the folder of the scene, or a path")]
+    column: Annotated[
+        str, Field(min_length=1, description="name of the column or dataset; its values have the unit of the key")
+    ]
 
 
 def _kind(value: object) -> str:

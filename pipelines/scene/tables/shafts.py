@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 class SectionTable(Table):
     """A stretch of a shaft with constant diameters."""
 
-    start_mm: Annotated[Number, Field(ge=-1e5, le=1e5, description="y of its -y end")]
-    end_mm: Annotated[Number, Field(ge=-1e5, le=1e5, description="y of its +y end")]
+    start_mm: Annotated[Number, Field(ge=-1e5, le=1e5, description="y of the -y end")]
+    end_mm: Annotated[Number, Field(ge=-1e5, le=1e5, description="y of the +y end")]
     diameter_mm: Annotated[Number, Field(ge=0.1, le=1e5, description="outer diameter")]
     bore_mm: Annotated[Number, Field(ge=0, description="inner diameter")] = 0.0
 
@@ -33,16 +33,21 @@ class SectionTable(Table):
 
 
 class ShaftTable(Table):
-    """One shaft; shaft 1 is the input."""
+    """One shaft with its bearings; shaft 1 is the input."""
 
-    sections: Annotated[tuple[SectionTable, ...], Field(min_length=1, description="from -y to +y, without gaps")]
-    bearing_positions_mm: Annotated[tuple[Number, ...], Field(min_length=1, description="y of its bearings, -y first")]
+    sections: Annotated[
+        tuple[SectionTable, ...], Field(min_length=1, description="sections from -y to +y, without gaps")
+    ]
+    bearing_positions_mm: Annotated[tuple[Number, ...], Field(min_length=1, description="y of its bearings, rising")]
     bearing_supports: Annotated[
         tuple[Literal["casing", "ground"], ...],
-        Field(description="what carries each bearing; left out: the casing. A housing carries two per shaft"),
+        Field(
+            description="support of each bearing; empty: the casing for all. A housing supports exactly two "
+            "bearings per shaft"
+        ),
     ] = ()
     bearings: Annotated[
-        tuple[BearingModel, ...], Field(description="one table per bearing instead of the common one, [bearings]")
+        tuple[BearingModel, ...], Field(description="one model per bearing; empty: [bearings] for all")
     ] = ()
 
     @model_validator(mode="after")
@@ -65,38 +70,39 @@ class ShaftModel(Table):
     """How shafts are modelled."""
 
     model: Annotated[
-        Literal["torsion", "timoshenko"], Field(description="torsion: rigid but in twist; timoshenko: beam elements")
+        Literal["torsion", "timoshenko"],
+        Field(description="torsion: only torsion is elastic; timoshenko: Timoshenko beam elements"),
     ] = "timoshenko"
     element_length_mm: Annotated[Number, Field(gt=0, description="longest beam element")] = 40.0
-    damping_time_us: Annotated[Number, Field(ge=0, le=1000, description="material damping = this time * stiffness")] = (
-        0.5
-    )
+    damping_time_us: Annotated[Number, Field(ge=0, le=1000, description="material damping over stiffness")] = 0.5
     gyroscopic: Annotated[
-        Flag, Field(description="true: gyroscopic moments of shafts and disks at the current speed")
+        Flag, Field(description="true: with gyroscopic moments of shafts and disks at the current speed")
     ] = False
 
 
 class ProbeTable(Table):
-    """A proximity probe on the ground: displacement of a shaft's axis along x, y and z."""
+    """A proximity probe on the ground: displacement of the axis of a shaft along x, y and z."""
 
     name: Annotated[
-        str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="letters, digits, _ and -; 40 at most")
+        str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="letters, digits, _ and -, at most 40")
     ]
     shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
-    position_mm: Annotated[Number, Field(description="y")]
+    position_mm: Annotated[Number, Field(description="y of the probe")]
 
 
 class DiskTable(Table):
-    """A rigid disk on a shaft besides gears and drums: coupling half, brake disk, flywheel."""
+    """A rigid disk on a shaft, besides gears and drums: half of a coupling, brake disk, flywheel."""
 
     shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
-    position_mm: Annotated[Number, Field(description="y")]
-    mass_kg: Annotated[Number, Field(ge=0, description="mass")]
-    polar_inertia_kg_m2: Annotated[Number, Field(ge=0, description="about the shaft")]
-    diametral_inertia_kg_m2: Annotated[Number, Field(ge=0, description="about a diameter")]
-    eccentricity_um: Annotated[Number, Field(ge=0, le=1e5, description="of its centre of mass: an unbalance")] = 0.0
+    position_mm: Annotated[Number, Field(description="y of the disk")]
+    mass_kg: Annotated[Number, Field(ge=0, description="mass of the disk")]
+    polar_inertia_kg_m2: Annotated[Number, Field(ge=0, description="moment of inertia about the shaft")]
+    diametral_inertia_kg_m2: Annotated[Number, Field(ge=0, description="moment of inertia about a diameter")]
+    eccentricity_um: Annotated[
+        Number, Field(ge=0, le=1e5, description="distance of its centre of mass from the axis, an unbalance")
+    ] = 0.0
     eccentricity_angle_deg: Annotated[
-        Number, Field(description="of its centre of mass at t = 0, from +x towards +z")
+        Number, Field(description="angle of its centre of mass at t = 0, from +x towards +z")
     ] = 0.0
 
     @model_validator(mode="after")
@@ -123,33 +129,46 @@ Small = Annotated[Number, Field(ge=-70, le=70)]
 
 
 class CouplingTable(Table):
-    """A coupling between two shafts on one axis; 0 leaves a direction free."""
+    """A coupling or bearing between two shafts on one axis. Directions of stiffness 0 are free."""
 
     shafts: Annotated[tuple[Whole, Whole], Field(description="numbers of the two shafts")]
-    positions_mm: Annotated[tuple[Number, Number], Field(description="y on each of them")]
+    positions_mm: Annotated[tuple[Number, Number], Field(description="y of the coupling on each of them")]
     torsional_stiffness_N_m_per_rad: Annotated[
-        Number, Field(ge=0, description="about the axis; 0: a bearing between two shafts that turn by themselves")
+        Number,
+        Field(ge=0, description="torsional stiffness; 0: a bearing between two shafts that rotate independently"),
     ]
-    radial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="in x and z")] = 0.0
-    axial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="along the axis")] = 0.0
-    tilt_stiffness_N_m_per_rad: Annotated[Number, Field(ge=0, description="about x and z")] = 0.0
-    damping_time_us: Annotated[Number, Field(ge=0, le=1e5, description="damping = this time * stiffness")] = 0.0
+    radial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="stiffness along x and z")] = 0.0
+    axial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="stiffness along the axis")] = 0.0
+    tilt_stiffness_N_m_per_rad: Annotated[Number, Field(ge=0, description="tilting stiffness about x and z")] = 0.0
+    damping_time_us: Annotated[Number, Field(ge=0, le=1e5, description="damping over stiffness")] = 0.0
     radial_stiffness_across_N_per_um: Annotated[
-        NotNegative | None, Field(description="along the second stiffness axis, both turn; left out: as the first")
+        NotNegative | None,
+        Field(
+            description="radial stiffness along the second of two rotating stiffness axes; without it: as along "
+            "the first"
+        ),
     ] = None
     tilt_stiffness_across_N_m_per_rad: Annotated[
-        NotNegative | None, Field(description="about the second stiffness axis, both turn; left out: as the first")
+        NotNegative | None,
+        Field(
+            description="tilting stiffness about the second of two rotating stiffness axes; without it: as about "
+            "the first"
+        ),
     ] = None
-    stiff_axis_deg: Annotated[Number, Field(description="first stiffness axis at t = 0, from +x towards +z")] = 0.0
+    stiff_axis_deg: Annotated[
+        Number, Field(description="angle of the first stiffness axis at t = 0, from +x towards +z")
+    ] = 0.0
     offset_um: Annotated[
-        tuple[Number, Number], Field(description="axis of the second shaft off that of the first in x and z")
+        tuple[Number, Number],
+        Field(description="parallel misalignment: x and z of the axis of the second shaft relative to the first"),
     ] = (0.0, 0.0)
     tilt_mrad: Annotated[
-        tuple[Small, Small], Field(description="axis of the second shaft against that of the first, about x and z")
+        tuple[Small, Small],
+        Field(description="angular misalignment of the second shaft relative to the first, about x and z"),
     ] = (0.0, 0.0)
-    universal_joint: Annotated[Flag, Field(description="true: turns with Cardan's error, the axes are its pins")] = (
-        False
-    )
+    universal_joint: Annotated[
+        Flag, Field(description="true: a universal joint with its speed error; its pins are the stiffness axes")
+    ] = False
 
     @model_validator(mode="after")
     def _holds(self) -> CouplingTable:
