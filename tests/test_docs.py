@@ -14,7 +14,8 @@ def test_the_reference_of_scene_keys_is_current():
 
 
 def test_every_link_of_the_scene_keys_leads_to_one_heading():
-    """On hosts of Markdown and in the site: both make the anchor of a heading from its text, twice the same if equal."""
+    """On hosts of Markdown and in the site: both make the anchor of a heading from its text, twice the same if "
+    "equal."""
     page = scene_keys()
     anchors = [slug(heading) for heading in re.findall(r"^#+ (.+)$", page, re.MULTILINE)]
     links = re.findall(r"\]\(#([^)]+)\)", page)

@@ -187,7 +187,7 @@ def preset_on(loaded: LoadedScene, preset: str) -> LoadedScene:
     from pipelines.scene.file import changed
 
     if preset not in LEVELS:
-        raise InputError(f"preset {shown(preset)}: give one of {', '.join(LEVELS)}.")
+        raise InputError(f"preset {shown(preset)}: there is no such preset. Set one of {', '.join(LEVELS)}.")
     return changed(changed(loaded, preset_settings(loaded.scene, preset)), (), loaded.settings)
 
 

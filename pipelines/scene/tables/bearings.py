@@ -96,10 +96,11 @@ class HertzBearings(Table):
         given = [key for key in needed if getattr(self, key) is not None]
         if self.designation is None and len(given) < len(needed):
             missing = ", ".join(key for key in needed if key not in given)
-            raise ValueError(f"give a designation of the catalogue, or all of the geometry (missing: {missing})")
+            raise ValueError(f"{missing}: missing. Set them, or designation for a bearing of the catalogue")
         if self.designation is not None and given:
             raise ValueError(
-                f"designation = {shown_value(self.designation)} and {', '.join(given)}: give one or the other"
+                f"designation = {shown_value(self.designation)} already determines {', '.join(given)}. Delete one or "
+                "the other"
             )
         return self
 

@@ -49,10 +49,13 @@ class DampedPartTable(Table):
     @model_validator(mode="after")
     def _placed(self) -> DampedPartTable:
         if (self.box_mm is None) != (self.name in KNOWN_PARTS):
-            what = "is known without box_mm; leave it out" if self.name in KNOWN_PARTS else "needs box_mm"
-            raise ValueError(f"name: {self.name!r} {what} (known: {', '.join(KNOWN_PARTS)})")
+            if self.name in KNOWN_PARTS:
+                raise ValueError(f'name = "{self.name}" is found without box_mm. Delete box_mm, or set another name')
+            raise ValueError(f'name = "{self.name}" needs box_mm. Set it, or a name of {", ".join(KNOWN_PARTS)}')
         if self.box_mm is not None and not all(a < b for a, b in zip(*self.box_mm, strict=True)):
-            raise ValueError(f"box_mm: the corners {self.box_mm} must rise in x, y and z")
+            raise ValueError(
+                f"box_mm: the second of the corners {self.box_mm} must be above the first in x, y and z. Correct them"
+            )
         return self
 
 
@@ -115,13 +118,14 @@ class FlexibleBase(Table):
         of_hexahedra, parametric = self.element.startswith("hexahedron"), isinstance(self.housing, HousingTable)
         if of_hexahedra and not parametric and not isinstance(self.housing, MeshHousingTable):
             raise ValueError(
-                f"element: a STEP file is meshed with tetrahedra, {self.element} elements are made of a parametric "
-                'housing or come from a mesh file; set element to "tetrahedron-10"'
+                f'element = "{self.element}": a STEP file is meshed with tetrahedra only; hexahedra need a parametric '
+                'housing or a mesh file. Set element = "tetrahedron-10" or "tetrahedron-20"'
             )
         if of_hexahedra and parametric and (self.bore_element_size_mm or self.foot_element_size_mm):
             raise ValueError(
-                f"bore_element_size_mm, foot_element_size_mm: {self.element} elements of a parametric housing are no "
-                "smaller at seats and feet; give element_size_mm alone"
+                f"bore_element_size_mm and foot_element_size_mm do not apply to {self.element} of a parametric "
+                "housing, "
+                "whose elements have one size. Delete them, or set a tetrahedron"
             )
         return self
 
@@ -130,7 +134,7 @@ class FlexibleBase(Table):
         if isinstance(self.damping_ratio, tuple):
             places = [row[0] for row in self.damping_ratio]
             if not places or any(a >= b for a, b in zip(places, places[1:], strict=False)):
-                raise ValueError(f"damping_ratio: the frequencies {places} Hz of its rows must rise")
+                raise ValueError(f"damping_ratio: the frequencies {places} Hz must rise from row to row. Correct them")
         return self
 
 
@@ -140,7 +144,9 @@ class RigidCasingTable(FlexibleBase):
     @model_validator(mode="after")
     def _with_shape(self) -> RigidCasingTable:
         if isinstance(self.housing, MatricesHousingTable):
-            raise ValueError("housing: matrices have no shape to be rigid; set casing.model to craig-bampton or static")
+            raise ValueError(
+                'housing.model = "matrices" has no shape for a rigid casing. Set model = "craig-bampton" or "static"'
+            )
         return self
 
     modes: ClassVar[int] = 6
@@ -196,21 +202,21 @@ class ElasticBase(FlexibleBase):
     @model_validator(mode="after")
     def _meshed_again(self) -> ElasticBase:
         if self.error is not None and not 0.0 < percent(self.error) <= MOST_ERROR:
-            raise ValueError(f"error: {self.error} is not above 0 and at most {100 * MOST_ERROR:g} %; give one between")
+            raise ValueError(f'error = "{self.error}" must be above 0 and at most {100 * MOST_ERROR:g} %. Correct it')
         if self.error is not None and isinstance(self.housing, MeshHousingTable | MatricesHousingTable):
-            raise ValueError("error: the file has one element size only; give a STEP file, or leave this out")
+            raise ValueError("error: the file has one element size only. Delete error, or set a STEP file")
         for key, asked in (("error", self.error is not None), ("extrapolated", self.extrapolated)):
             if asked and self.element in NOT_EXTRAPOLATED:
                 raise ValueError(
-                    f"{key}: it is told by elements of higher degree, not by {self.element}; set element to "
-                    f"{NOT_EXTRAPOLATED[self.element]}, or leave this out"
+                    f"{key}: the discretisation error of {self.element} is not estimated. Set element = "
+                    f'"{NOT_EXTRAPOLATED[self.element]}", or delete {key}'
                 )
         if self.extrapolated and isinstance(self.housing, MatricesHousingTable):
-            raise ValueError("extrapolated: matrices have no elements; leave this out")
+            raise ValueError("extrapolated: matrices have no elements. Delete it")
         if self.extrapolated and isinstance(self.housing, MeshHousingTable) and self.element == "tetrahedron-10":
             raise ValueError(
-                "extrapolated: the file has one element size only; set element to tetrahedron-20, whose error is told "
-                "on one mesh, give a STEP file, or leave this out"
+                "extrapolated: the file has one element size only, and tetrahedron-10 needs several. Set element = "
+                '"tetrahedron-20", whose error is estimated on one mesh, set a STEP file, or delete extrapolated'
             )
         return self
 
@@ -218,16 +224,23 @@ class ElasticBase(FlexibleBase):
     def _parts(self) -> ElasticBase:
         names = [part.name for part in self.damped_parts]
         if repeated := sorted({name for name in names if names.count(name) > 1}):
-            raise ValueError(f"damped_parts: {repeated[0]} is given {names.count(repeated[0])} times")
+            raise ValueError(
+                f"damped_parts: {repeated[0]} is there {names.count(repeated[0])} times. Delete all but one"
+            )
         if JOINTS in names and getattr(self.housing, "joint", None) is None:
-            raise ValueError("damped_parts: the housing has no joint; give casing.housing.joint, or leave joints out")
+            raise ValueError(
+                "damped_parts: the housing has no joint. Set casing.housing.joint, or delete the part joints"
+            )
         if MOUNTS in names and self.ground != "springs":
-            raise ValueError('damped_parts: a casing with ground "fixed" has no mounts; leave them out')
+            raise ValueError(
+                'damped_parts: a casing with ground = "fixed" has no mounts. Set ground = "springs", or delete the '
+                "part mounts"
+            )
         if isinstance(self.housing, MatricesHousingTable) and set(names) - {MOUNTS}:
-            raise ValueError("damped_parts: of matrices only the mounts are known; leave the other parts out")
+            raise ValueError("damped_parts: of matrices only the part mounts is known. Delete the other parts")
         if not isinstance(self.housing, HousingTable) and (unknown := {COVER, FEET} & set(names)):
             raise ValueError(
-                f"damped_parts: {sorted(unknown)[0]} of a housing from a file is not known; take box_mm, another name"
+                f"damped_parts: {sorted(unknown)[0]} is known of a parametric housing only. Set box_mm and another name"
             )
         return self
 
@@ -296,5 +309,5 @@ class SensorTable(Table):
     @classmethod
     def _not_another_point(cls, name: str) -> str:
         if POINTS.match(name):
-            raise ValueError(f"{name} is the name of a point that is no sensor; choose another")
+            raise ValueError(f"{name} is already the name of another point of the machine. Set another name")
         return name

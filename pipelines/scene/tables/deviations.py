@@ -73,7 +73,7 @@ class GearDeviationsTable(Table):
         named = [(error.tooth, error.flank) for error in self.teeth]
         for tooth, flank in named:
             if named.count((tooth, flank)) > 1:
-                raise ValueError(f"teeth: tooth {tooth} has two entries for its {flank} flank; give one")
+                raise ValueError(f"teeth: tooth {tooth} has two entries for its {flank} flank. Delete one")
         return self
 
     @property

@@ -137,8 +137,8 @@ class WornToothTable(FaultBase):
     def _part_of_one_tooth(self) -> WornToothTable:
         if self.tooth is None and self.extent_mm is not None:
             raise ValueError(
-                "extent_mm: wear on a part of the face is that of one tooth; give tooth, or give the flanks of all "
-                "teeth by stages.N.pinion.deviations.flanks.file"
+                "extent_mm: only a single tooth can be worn on a part of the face. Set tooth, or delete extent_mm and "
+                "set the worn flanks of all teeth by stages.N.pinion.deviations.flanks.file"
             )
         return self
 

@@ -53,7 +53,10 @@ class SweepTable(Table):
     @model_validator(mode="after")
     def _ramps_fit(self) -> SweepTable:
         if 2 * self.ramp_s > self.end_s - self.start_s:
-            raise ValueError(f"ramp_s = {self.ramp_s:g} s fits not twice between {self.start_s:g} and {self.end_s:g} s")
+            raise ValueError(
+                f"ramp_s = {self.ramp_s:g} is more than half of start_s = {self.start_s:g} to end_s = {self.end_s:g}. "
+                "Reduce it"
+            )
         return self
 
     def wave(self, name: str, amplitude: float) -> Waveform:
@@ -206,8 +209,8 @@ class BentShaftTable(PlacedTable):
     def _apart(self) -> BentShaftTable:
         if len({self.position_mm, *self.straight_at_mm}) < 3:
             raise ValueError(
-                f"straight_at_mm = {list(self.straight_at_mm)}: give two places beside position_mm = "
-                f"{self.position_mm:g}, e.g. the bearings"
+                f"straight_at_mm = {list(self.straight_at_mm)} must be two places other than position_mm = "
+                f"{self.position_mm:g}. Set them, usually to the bearings"
             )
         return self
 

@@ -26,7 +26,10 @@ class ReliefTable(Table):
     @model_validator(mode="after")
     def _one_start(self) -> ReliefTable:
         if (self.length_mm is None) == (self.diameter_mm is None):
-            raise ValueError("give the start either as length_mm or as diameter_mm")
+            raise ValueError(
+                "needs one start, either length_mm or diameter_mm. "
+                + ("Set one" if self.length_mm is None else "Delete one")
+            )
         return self
 
 

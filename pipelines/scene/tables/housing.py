@@ -73,7 +73,7 @@ class CoverJointTable(JointTable):
     @model_validator(mode="after")
     def _some(self) -> CoverJointTable:
         if self.pitch_mm is None and not self.positions_mm:
-            raise ValueError("has no bolts; give pitch_mm, positions_mm or both")
+            raise ValueError("has no bolts. Set pitch_mm, positions_mm or both")
         return self
 
 
@@ -97,7 +97,7 @@ class PlaneJointTable(JointTable):
     @model_validator(mode="after")
     def _direction(self) -> PlaneJointTable:
         if not any(self.normal):
-            raise ValueError("normal: has no length; give a direction")
+            raise ValueError("normal = [0, 0, 0] is no direction. Correct it")
         return self
 
 
@@ -160,7 +160,7 @@ class _PlaceTable(Table, ABC):
         given = {key for keys in ways for key in keys if getattr(self, key) is not None}
         if not any(given == set(keys) for keys in ways):
             choices = ", or ".join(" with ".join(keys) for keys in ways)
-            raise ValueError(f"is located by {', '.join(sorted(given)) or 'nothing'}; give {choices}")
+            raise ValueError(f"is located by {', '.join(sorted(given)) or 'nothing'}. Set {choices}")
         return self
 
     @abstractmethod
@@ -233,7 +233,7 @@ class ImportedTable(Table):
     def _repeated(self) -> Iterator[str]:
         names = [seat.name for seat in self.bearings]
         for name in sorted({n for n in names if names.count(n) > 1}):
-            yield f"bearings: {name} is given {names.count(name)} times"
+            yield f"bearings: {name} is there {names.count(name)} times. Delete all but one"
 
 
 class StepHousingTable(ImportedTable):

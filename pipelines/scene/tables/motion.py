@@ -47,9 +47,9 @@ class SpeedDrive(Table):
         check_pairs(self, "times_s", "speeds_rpm")
         for key in ("times_s", "speeds_rpm"):
             if not isinstance(getattr(self, key), ColumnTable) and len(getattr(self, key)) < 2:
-                raise ValueError(f"{key} has {len(getattr(self, key))} values; give two or more")
+                raise ValueError(f"{key} has {len(getattr(self, key))} values. Set two or more")
         if not isinstance(self.times_s, ColumnTable) and self.times_s[0] != 0:
-            raise ValueError(f"times_s must start at 0, it starts at {self.times_s[0]}")
+            raise ValueError(f"times_s starts at {self.times_s[0]:g} and must start at 0. Correct it")
         return self
 
 
@@ -61,7 +61,7 @@ class MotorsTable(SomewhereTable):
     @model_validator(mode="after")
     def _both_ends(self) -> MotorsTable:
         if self.motors == 2 and self.position_mm is not None:
-            raise ValueError("motors = 2 stand at both ends of the shaft: leave position_mm out")
+            raise ValueError("motors = 2 are at both ends of the shaft. Delete position_mm, or set motors = 1")
         return self
 
 
@@ -226,7 +226,8 @@ class SimulationTable(Table):
     def _one_sample(self) -> SimulationTable:
         if self.end_s * self.output_rate_Hz < 1.0:
             raise ValueError(
-                f"end_s: {self.end_s:g} s is shorter than one sample at output_rate_Hz = {self.output_rate_Hz:g}; "
-                f"simulate at least {1.0 / self.output_rate_Hz:g} s, or raise the rate"
+                f"end_s = {self.end_s:g} is shorter than one sample at output_rate_Hz = {self.output_rate_Hz:g}. Set "
+                "at "
+                f"least {1.0 / self.output_rate_Hz:g}, or raise output_rate_Hz"
             )
         return self

@@ -26,9 +26,13 @@ class SectionTable(Table):
     @model_validator(mode="after")
     def _ordered(self) -> SectionTable:
         if self.end_mm <= self.start_mm:
-            raise ValueError(f"end_mm = {self.end_mm} must be greater than start_mm = {self.start_mm}")
+            raise ValueError(
+                f"end_mm = {self.end_mm:g} must be greater than start_mm = {self.start_mm:g}. Correct them"
+            )
         if self.bore_mm >= self.diameter_mm:
-            raise ValueError(f"bore_mm = {self.bore_mm} must be smaller than diameter_mm = {self.diameter_mm}")
+            raise ValueError(
+                f"bore_mm = {self.bore_mm:g} must be smaller than diameter_mm = {self.diameter_mm:g}. Correct them"
+            )
         return self
 
 
@@ -54,15 +58,23 @@ class ShaftTable(Table):
     def _joined(self) -> ShaftTable:
         for left, right in zip(self.sections, self.sections[1:], strict=False):
             if left.end_mm != right.start_mm:
-                raise ValueError(f"sections: one ends at {left.end_mm} mm, the next starts at {right.start_mm} mm")
+                raise ValueError(
+                    f"sections must be without gaps, but one ends at {left.end_mm:g} mm and the next starts at "
+                    f"{right.start_mm:g} mm. Correct them"
+                )
         places, (start, end) = self.bearing_positions_mm, (self.sections[0].start_mm, self.sections[-1].end_mm)
         rising = all(a < b for a, b in zip(places, places[1:], strict=False))
         if not (rising and start <= places[0] and places[-1] <= end):
-            raise ValueError(f"bearing_positions_mm = {list(places)} must rise and lie between {start} and {end} mm")
+            raise ValueError(
+                f"bearing_positions_mm = {list(places)} must rise, and be on the shaft, {start:g} to {end:g} mm. "
+                "Correct them"
+            )
         for key in ("bearing_supports", "bearings"):
             given = getattr(self, key)
             if given and len(given) != len(places):
-                raise ValueError(f"{key}: {len(given)} given for {len(places)} bearings")
+                raise ValueError(
+                    f"{key} has {len(given)} items for {len(places)} bearings. Set one for each, or delete {key}"
+                )
         return self
 
 
@@ -108,7 +120,9 @@ class DiskTable(Table):
     @model_validator(mode="after")
     def _heavy(self) -> DiskTable:
         if self.eccentricity_um and not self.mass_kg:
-            raise ValueError("eccentricity_um: a disk of mass_kg = 0 has no centre of mass; give its mass")
+            raise ValueError(
+                "eccentricity_um has no effect on a disk with mass_kg = 0. Set mass_kg, or delete eccentricity_um"
+            )
         return self
 
     def unbalances(self, number: int) -> Iterator[OutsideForce]:
@@ -174,7 +188,7 @@ class CouplingTable(Table):
     def _holds(self) -> CouplingTable:
         radial, axial = self.radial_stiffness_N_per_um, self.axial_stiffness_N_per_um
         if not (self.torsional_stiffness_N_m_per_rad or radial or axial or self.tilt_stiffness_N_m_per_rad):
-            raise ValueError("all of its stiffnesses are 0: give one, or leave the coupling out")
+            raise ValueError("all stiffnesses of the coupling are 0. Set one, or delete the coupling")
         return self
 
     @property

@@ -77,9 +77,11 @@ class TorqueCurve(SourceTable):
     def _one_curve(self) -> TorqueCurve:
         places = [name for name in ("times_s", "speeds_rpm") if getattr(self, name) is not None]
         if self.torque_N_m is not None and (places or self.torques_N_m is not None):
-            raise ValueError("give torque_N_m alone, or torques_N_m with times_s or speeds_rpm")
+            raise ValueError(
+                "torque_N_m is a constant torque, torques_N_m one over times_s or speeds_rpm. Delete one of the two"
+            )
         if self.torque_N_m is None and (len(places) != 1 or self.torques_N_m is None):
-            raise ValueError("give torque_N_m, or torques_N_m with either times_s or speeds_rpm")
+            raise ValueError("has no torque. Set torque_N_m, or torques_N_m with either times_s or speeds_rpm")
         if places:
             check_pairs(self, places[0], "torques_N_m")
         return self
@@ -123,8 +125,8 @@ class InductionTable(SourceTable):
     def _slips(self) -> InductionTable:
         if self.rated_rpm >= self.synchronous_rpm:
             raise ValueError(
-                f"rated_rpm = {self.rated_rpm:g} must be below synchronous_rpm = {self.synchronous_rpm:g}: the slip "
-                "makes the torque"
+                f"rated_rpm = {self.rated_rpm:g} must be below synchronous_rpm = {self.synchronous_rpm:g}, because the "
+                "torque grows with the slip. Correct them"
             )
         return self
 
