@@ -65,7 +65,9 @@ def _merged(base: Any, change: Any, path: Path, offers: set[Path], problems: lis
             number = int(key)
             if not 1 <= number <= len(items):
                 where = ".".join((*path, str(key)))
-                problems.append(Problem(where, f"there is no item {key}", f"Set a number from 1 to {len(items)}."))
+                problems.append(
+                    Problem(where, f"there is no item {key}", f"The list has {len(items)}, counted from 1.")
+                )
                 continue
             items[number - 1] = _merged(items[number - 1], value, (*path, str(key)), offers, problems)
         return items
@@ -176,7 +178,7 @@ def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str
     old, new = leaves(before), leaves(after)
     lines = []
     for path in sorted(old.keys() | new.keys(), key=lambda p: [(not k.isdecimal(), k.zfill(6)) for k in p]):
-        if old.get(path) != new.get(path) or (path in old) != (path in new):
-            shown = [format_value(side[path]) if path in side else "(none)" for side in (old, new)]
+        if old.get(path) != new.get(path):
+            shown = [format_value(side[path]) if side.get(path) is not None else "(none)" for side in (old, new)]
             lines.append(f"{'.'.join(path)}: {shown[0]} -> {shown[1]}")
     return lines

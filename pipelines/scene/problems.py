@@ -103,7 +103,7 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
     if kind in _LIMITS:
         words, name = _LIMITS[kind]
         limit = _number(context[name])
-        return Problem(where, f"must be {words} {limit}{unit}", "Correct the value.", written)
+        return Problem(where, f"must be {words} {limit}{unit.removeprefix(' in')}", "Correct the value.", written)
     if kind in ("literal_error", "union_tag_invalid", "enum"):
         if kind == "union_tag_invalid":
             where, value, written = f"{where}.{_tag_key(context)}", context["tag"], _shown(context["tag"])

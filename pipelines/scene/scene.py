@@ -133,7 +133,7 @@ class Scene(Table):
         for path, shafts in named:
             for place in shafts:
                 if not 0 <= place < len(self.shafts):
-                    yield f"{path}: there is no shaft {place + 1}. Set a number from 1 to {len(self.shafts)}"
+                    yield f"{path}: there is no shaft {place + 1}. {_up_to(len(self.shafts))}"
             if len(shafts) == 2 and shafts[0] == shafts[1]:
                 yield f"{path}: both ends are on shaft {shafts[0] + 1}. Set two different shafts"
         for order, force in self._forces_on_shafts():
@@ -155,12 +155,12 @@ class Scene(Table):
     def _spalled_bearings(self):
         for number, fault in self.spalls.items():
             if fault.shaft > len(self.shafts):
-                yield f"faults.{number}.shaft = {fault.shaft}: there is no such shaft. Set 1 to {len(self.shafts)}"
+                yield f"faults.{number}.shaft = {fault.shaft}: there is no such shaft. {_up_to(len(self.shafts))}"
                 continue
             shaft = self.shafts[fault.shaft - 1]
             count = len(shaft.bearing_positions_mm)
             if fault.bearing > count:
-                yield f"faults.{number}.bearing = {fault.bearing}: there is no such bearing. Set 1 to {count}"
+                yield f"faults.{number}.bearing = {fault.bearing}: there is no such bearing. {_up_to(count)}"
                 continue
             table = shaft.bearings[fault.bearing - 1] if shaft.bearings else self.bearings
             if not isinstance(table, HertzBearings):
@@ -185,14 +185,14 @@ class Scene(Table):
                 )
         for number, fault in self.tooth_faults.items():
             if fault.stage > len(self.stages):
-                yield f"faults.{number}.stage = {fault.stage}: there is no such stage. Set 1 to {len(self.stages)}"
+                yield f"faults.{number}.stage = {fault.stage}: there is no such stage. {_up_to(len(self.stages))}"
                 continue
             stage = self.stages[fault.stage - 1]
             teeth = stage.pinion_teeth if fault.gear == "pinion" else stage.wheel_teeth
             if fault.tooth is not None and fault.tooth >= teeth:
                 yield f"faults.{number}.tooth = {fault.tooth}: the {fault.gear} has {teeth} teeth. Set 0 to {teeth - 1}"
         if self.diagnosis.stage > len(self.stages):
-            yield f"diagnosis.stage = {self.diagnosis.stage}: there is no such stage. Set 1 to {len(self.stages)}"
+            yield f"diagnosis.stage = {self.diagnosis.stage}: there is no such stage. {_up_to(len(self.stages))}"
         if self.sensors and self.diagnosis.sensor is not None and self.diagnosis.sensor not in known:
             yield (
                 f"diagnosis.sensor = {shown_value(self.diagnosis.sensor)}: there is no such sensor. Set one of "
@@ -226,3 +226,7 @@ class Scene(Table):
                     f"diagnosis.windows_s.{name} = [{start:g}, {end:g}]: the window ends after simulation.end_s = "
                     f"{self.simulation.end_s:g}. Reduce its end, or raise simulation.end_s"
                 )
+
+
+def _up_to(count: int) -> str:
+    return f"Set 1 to {count}" if count > 1 else "Set 1"

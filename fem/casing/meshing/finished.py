@@ -74,7 +74,9 @@ def finished_mesh(
         members = np.unique(chosen // each)
         if (taken := owner[members] >= 0).any():
             other = list(patches)[int(owner[members][taken][0])]
-            raise MeshError(f"{name}: {patch} and {other} share {int(taken.sum())} facets; locate them apart")
+            raise MeshError(
+                f"{name}: {patch} and {other} share {int(taken.sum())} facets. Correct the place of one of them"
+            )
         owner[members] = index
     count("casing_meshes")
     _log.info("casing mesh: %d nodes, %d elements (%s)", len(nodes), len(elements), element)
@@ -112,8 +114,8 @@ def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None
         shared = np.intersect1d(corners[loose], corners[~loose])
         x, y, z = 1000 * nodes[shared].mean(axis=0)
         raise MeshError(
-            f"{name}: {int(loose.sum())} of {len(elements)} elements hang on the others by an edge or a corner alone, "
-            f"around ({x:.5g}, {y:.5g}, {z:.5g}) mm, as on a hinge. Let the parts touch with a face, or leave one out"
+            f"{name}: {int(loose.sum())} of {len(elements)} elements share only an edge or vertex with the others, "
+            f"around ({x:.5g}, {y:.5g}, {z:.5g}) mm (non-manifold). Connect the parts by a face, or delete one"
         )
 
 

@@ -49,7 +49,7 @@ def session() -> Iterator[Any]:
             if isinstance(error, MeshError | AttributeError | TypeError):  # the last two are faults of ours
                 raise
             raise MeshError(
-                f"gmsh could not mesh the housing: {error}. Try another element size; `gearcase housing FILE` tells "
+                f"gmsh could not mesh the housing: {error}. Set another element_size_mm; `gearcase housing FILE` shows "
                 "whether the solids of a file close"
             ) from error
         finally:

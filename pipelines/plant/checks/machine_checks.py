@@ -67,8 +67,8 @@ def _bad_bearing(path: str, table: RigidBearings | LinearBearings | HertzBearing
         hint = f"Near: {', '.join(near)}. " if near else ""
         yield Problem(
             f"{path}.designation",
-            f"is not in the catalogue, which has {', '.join(known)}",
-            f"{hint}Give one of these, or the geometry instead (kind, elements, element_diameter_mm, "
+            f"is not in the catalogue ({', '.join(known)})",
+            f"{hint}Set one of these, or instead of designation the geometry (kind, elements, element_diameter_mm, "
             "pitch_diameter_mm)",
             f'"{table.designation}"',
         )
@@ -76,11 +76,11 @@ def _bad_bearing(path: str, table: RigidBearings | LinearBearings | HertzBearing
     try:
         if isinstance(table, HertzBearings):
             if not rolling_elements(table).stiffness > 0.0:
-                yield Problem(path, "its rolling elements have no stiffness", "Give larger ones")
+                yield Problem(path, "the rolling elements have no stiffness", "Raise element_diameter_mm")
         elif isinstance(table, LinearBearings):
             _ = linear_bearing(table, "bearing", "shaft", 0.0, "casing")
     except MachineError as error:
-        yield Problem(path, str(error))
+        yield Problem(path, str(error).removeprefix("bearing bearing "))
 
 
 def _bad_spalls(scene: Scene) -> Iterator[Problem]:
@@ -117,8 +117,8 @@ def _off_shaft(scene: Scene, layout: Layout) -> Iterator[Problem]:
         if not start - 1e-6 <= y <= end + 1e-6:
             yield Problem(
                 path,
-                f"y = {y:g} mm is off shaft {number + 1}, which reaches from {start:g} to {end:g} mm",
-                "Move it onto the shaft, or make the shaft longer",
+                f"y = {y:g} mm is not on shaft {number + 1}, which extends from {start:g} to {end:g} mm",
+                "Correct it, or make the shaft longer (sections)",
             )
 
 
