@@ -35,7 +35,7 @@ def scene(*faults, **changes):
     ("change", "message"),
     [
         ({"shaft": 3}, "faults.1.shaft = 3: there are 2 shafts"),
-        ({"bearing": 3}, "faults.1.bearing = 3: shaft 1 has bearings 1 to 2"),
+        ({"bearing": 3}, "faults.1.bearing = 3: there is no such bearing. Set 1 to 2"),
         ({"on": "cage"}, "not one of outer-ring, inner-ring, element"),
         ({"width_mm": 0.0}, "greater than 0"),
         ({"stage": 1}, "is not a key of"),

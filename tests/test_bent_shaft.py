@@ -113,7 +113,7 @@ def test_a_bent_shaft_of_a_scene_in_si():
     ("changes", "message"),
     [
         ({"straight_at_mm": [-20.0, 2500.0]}, "forces.1.straight_at_mm.2 = 2500: shaft 2 reaches"),
-        ({"straight_at_mm": [10.0, 25.0]}, "two places beside position_mm"),
+        ({"straight_at_mm": [10.0, 25.0]}, "two places other than position_mm"),
     ],
 )
 def test_bows_that_cannot_be_are_refused(changes, message):

@@ -80,7 +80,10 @@ def test_every_command_explains_itself_with_an_example(capsys, command):
         (["check", "minimal", "--set", "stages.1.mesh.model=solid-ish"], "stages.1.mesh.model"),
         (["check", "minimal", "--set", "casing.housing.boss_diameters_mm=[90, 90]"], "overlap"),
         (["check", "minimal", "--set", "drive.times_s=[0.0, 0.5, 0.2]"], "must rise strictly: 0.2 s follows 0.5 s"),
-        (["check", "minimal", "--set", "casing.housing.height_mm=100"], "hits the"),
+        (
+            ["check", "minimal", "--set", "casing.housing.height_mm=100"],
+            "reaches 37.56 mm into the cover of the housing",
+        ),
         (["run", "minimal", "--set", "stages.1.module_mm=0"], "stages.1.module_mm = 0"),
         (["simulate", "minmal"], "Did you mean minimal?"),
         (["explain", "minimal", "--set", "x"], "has no value"),

@@ -230,7 +230,7 @@ def test_where_lines_overlap_a_missing_tooth_opens_no_gap():
         (ChippedTooth(extent=3e-3, depth=5e-3), "the tooth height"),
         (ChippedTooth(extent=3e-3, depth=1e-3, end="left"), "choose one of -y"),
         (WornTooth(depth=1e-3), "0.2 modules"),
-        (WornTooth(depth=1e-5, place="root"), "needs a width"),
+        (WornTooth(depth=1e-5, place="root"), "width_mm is the width of local wear. Set it"),
     ],
 )
 def test_impossible_damage_is_refused(fault, message):

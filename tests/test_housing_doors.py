@@ -189,7 +189,7 @@ def test_solids_are_chosen_and_bonded_and_loose_ones_are_found_before_meshing(tm
     with pytest.raises(MeshError, match=r"has 2 solids .* set glue = true .*solids = \[1\]"):
         volume(solids=(1, 2))
     with pytest.raises(
-        MeshError, match=r"2 parts that do not touch: solids 1 and 2; 3; solids 1 and 3 are 2 mm apart at \(61, "
+        MeshError, match=r"2 parts that do not touch: solids 1 and 2; 3; solids 1 and 3 are separated by 2 mm at \(61, "
     ):
         volume(glue=True)
     with pytest.raises(MeshError, match="has 3 solids, there is no solid 4"):

@@ -160,7 +160,7 @@ def test_a_rack_tip_too_round_is_refused():
     [
         ({"centre_mm": 74.0}, "jam"),
         ({"centre_mm": 78.0}, "contact ratio"),
-        ({"centre_mm": 70.0}, "base circles"),
+        ({"centre_mm": 70.0}, "sum of the base radii"),
         ({"tip_mm": 0.4}, "interference"),
         ({"tip_mm": 0.6, "shifts": (0.2, 0.2)}, "root circle"),
     ],

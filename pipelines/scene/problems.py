@@ -111,7 +111,7 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         else:
             known = [w.strip(" '\"") for w in str(context["expected"]).replace(" or ", ", ").split(",")]
         near = nearest_name(value, known) if isinstance(value, str) else ""
-        remedy = f'Did you mean "{near}"?' if near else "Choose one of them."
+        remedy = f'Did you mean "{near}"?' if near else "Correct the value."
         return Problem(where, f"must be one of {', '.join(known)}", remedy, written)
     if kind == "union_tag_not_found":
         key = _tag_key(context)

@@ -212,7 +212,8 @@ def _rib_problems(housing: Dimensions) -> Iterator[str]:
         if (gap := _gap(one, two)) < ligament:
             what = f"overlap by {_mm(-gap)}" if gap < 0.0 else f"have a distance of only {_mm(gap)}"
             yield (
-                f"{name} and {other} {what}; it must be at least {_mm(ligament)}. Reduce the number of ribs or "
+                f"{name} and {other} {what}; their distance must be at least {_mm(ligament)}. Reduce the number of "
+                "ribs or "
                 "ribs.thickness_mm"
             )
 

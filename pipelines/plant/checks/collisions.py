@@ -64,7 +64,7 @@ def shafts(scene: Scene) -> list[Cylinder]:
     """All shaft sections."""
     return [
         Cylinder(
-            f"shaft {number}",
+            f"section of shaft {number}",
             f"shafts.{number}",
             number - 1,
             section.diameter_mm / 2000,

@@ -78,7 +78,7 @@ class TorqueCurve(SourceTable):
         places = [name for name in ("times_s", "speeds_rpm") if getattr(self, name) is not None]
         if self.torque_N_m is not None and (places or self.torques_N_m is not None):
             raise ValueError(
-                "torque_N_m is a constant torque, torques_N_m one over times_s or speeds_rpm. Delete one of the two"
+                "torque_N_m is constant, and torques_N_m varies over times_s or speeds_rpm. Delete one or the other"
             )
         if self.torque_N_m is None and (len(places) != 1 or self.torques_N_m is None):
             raise ValueError("has no torque. Set torque_N_m, or torques_N_m with either times_s or speeds_rpm")
