@@ -172,7 +172,7 @@ def test_a_probe_reads_where_the_bearing_forces_push_the_shaft():
 
 def test_a_probe_beside_its_shaft_or_given_twice_is_refused():
     one = {"name": "a", "shaft": 2, "position_mm": 0.0}
-    with pytest.raises(SceneError, match="given 2 times"):
+    with pytest.raises(SceneError, match="occurs 2 times"):
         load_scene("bench", {"probes": [one, one]})
     with pytest.raises(SceneError, match="not on shaft 2"):
         gearcase.check(gearcase.Scene.from_file("bench").changed({"probes": [one | {"position_mm": 900.0}]}))

@@ -97,7 +97,7 @@ def test_unsound_housings_are_refused_with_numbers(change, message):
 def test_unknown_and_double_names_are_refused(rig):
     with pytest.raises(HousingError, match="no sensor sensor_77; known: sensor_1"):
         rig.with_sensors("sensor_77")
-    with pytest.raises(HousingError, match="'sensor_1' is given 2 times"):
+    with pytest.raises(HousingError, match="'sensor_1' occurs 2 times"):
         replace(rig, sensors=(rig.sensors[0], rig.sensors[0]))
 
 

@@ -86,7 +86,7 @@ REFUSED = [
             "stages.1.wheel": {"rim_thickness_mm": 8.0, "web_thickness_mm": 5.0},
         },
         "stages.1.mesh",
-        "solid disc",
+        "solid gear bodies only",
     ),
     # parts on their shafts
     (
@@ -117,7 +117,7 @@ REFUSED = [
         "minimal",
         {"shafts.1.bearing_positions_mm": [-60.0, 65.0]},
         "shafts.1.bearing_positions_mm",
-        "bearing_1 at y = -60 mm is 5 mm off the middle of its boss at -65 mm",
+        "bearing_1 at y = -60 mm is 5 mm away from the middle of its boss at -65 mm",
     ),
     ("rig-healthy", {"casing.element_size_mm": 1000.0}, "casing.element_size_mm", "is out of range"),
     ("rig-healthy", {"casing.element_size_mm": 1.5}, "casing.element_size_mm", "million nodes or more"),
@@ -134,7 +134,7 @@ REFUSED = [
         "rig-step",
         {"shafts.2.bearing_positions_mm": [-130.0, 135.0]},
         "shafts.2.bearing_positions_mm",
-        "bearing_3 at y = -130 mm is 5 mm off the middle of its seat at -135 mm",
+        "bearing_3 at y = -130 mm is 5 mm away from the middle of its seat at -135 mm",
     ),
     ("rig-step", {"casing.housing.unit": "inch"}, "casing.housing.file", "declares its unit of length as mm"),
     # diagnosis
@@ -148,9 +148,9 @@ REFUSED = [
         "minimal",
         {**FAULT, **LONG, "diagnosis.windows_s": {"short": [1.0, 2.0]}},
         "diagnosis.windows_s.short",
-        "holds 5.5 revolutions of the stage 1 wheel",
+        "has 5.5 revolutions of the stage 1 wheel",
     ),
-    ("minimal", {**FAULT, **LONG, "drive.speeds_rpm": [0.0, 0.0, 0.0]}, "drive.speeds_rpm", "the motors stand"),
+    ("minimal", {**FAULT, **LONG, "drive.speeds_rpm": [0.0, 0.0, 0.0]}, "drive.speeds_rpm", "all speeds are 0"),
     (
         "minimal",
         {**FAULT, **LONG, "simulation.output_rate_Hz": 1000.0, "diagnosis.windows_s": {"w": [0.2, 3.0]}},
@@ -167,13 +167,13 @@ REFUSED = [
         "no strip of 300 Hz",
     ),
     # size
-    ("minimal", {"simulation.step_us": 1e-9}, "simulation.step_us", "1e+15 time steps in 1 s, limit 1e+09"),
-    ("minimal", {"simulation.step_us": 1e-300}, "simulation.step_us", "limit 1e+09"),
+    ("minimal", {"simulation.step_us": 1e-9}, "simulation.step_us", "1e+15 time steps in 1 s, more than 1e+09"),
+    ("minimal", {"simulation.step_us": 1e-300}, "simulation.step_us", "more than 1e+09"),
     (
         "minimal",
         {"simulation.end_s": 3600.0, "simulation.output_rate_Hz": 200000.0, "drive.times_s": [0.0, 1.0, 3600.0]},
         "simulation.output_rate_Hz",
-        "limit 8 GB",
+        "more than 8 GB",
     ),
 ]  # fmt: skip
 

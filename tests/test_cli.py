@@ -76,7 +76,7 @@ def test_every_command_explains_itself_with_an_example(capsys, command):
         (["check", "minimal", "--set", "stages.1.module_mm=-2"], "stages.1.module_mm = -2: must be greater than 0"),
         (["check", "minimal", "--set", "stages.1.face_width_mm=0"], "stages.1.face_width_mm = 0: must be greater"),
         (["check", "nowhere.toml"], "nowhere.toml: no such file"),
-        (["check", "minimal", "--set", "casing.model=rubber"], "is not one of none, rigid"),
+        (["check", "minimal", "--set", "casing.model=rubber"], "must be one of none, rigid"),
         (["check", "minimal", "--set", "stages.1.mesh.model=solid-ish"], "stages.1.mesh.model"),
         (["check", "minimal", "--set", "casing.housing.boss_diameters_mm=[90, 90]"], "overlap"),
         (["check", "minimal", "--set", "drive.times_s=[0.0, 0.5, 0.2]"], "must rise strictly: 0.2 s follows 0.5 s"),

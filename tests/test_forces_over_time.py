@@ -129,7 +129,7 @@ def test_forces_of_a_scene_in_si_and_the_casing_that_bears_them():
 @pytest.mark.parametrize(
     ("force", "message"),
     [
-        (PUSHED | {"point": "sensor_99"}, 'forces.1.point = "sensor_99".*known: sensor_3'),
+        (PUSHED | {"point": "sensor_99"}, 'forces.1.point = "sensor_99".*Set one of sensor_3'),
         (PUSHED | {"force": SCENE_SWEEP | {"ramp_s": 0.3}}, "ramp_s = 0.3 is more than half of"),
         (PUSHED | {"axis": "w"}, "axis"),
         (

@@ -98,13 +98,13 @@ def test_iso_takes_the_blank_factor_of_both_gears():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"bore_radius": 51.5e-3}, r"1\.2 m_n"),
+        ({"bore_radius": 51.5e-3}, r"1\.2 modules"),
         ({"rim_thickness": 2e-3}, "Raise rim_thickness_mm"),
         ({"rim_thickness": 40e-3}, "there is no web"),
         ({"web_thickness": 4e-3}, "without rim_thickness"),
         ({"rim_thickness": 5e-3, "web_thickness": 4e-3, "web_offset": 5e-3}, "out of the face"),
         ({"rim_thickness": 5e-3, "web_thickness": 0.5e-3}, "face widths"),
-        ({"tip_chamfer": 0.1e-3, "tip_rounding": 0.1e-3}, "leave one out"),
+        ({"tip_chamfer": 0.1e-3, "tip_rounding": 0.1e-3}, "Delete one"),
         ({"tip_rounding": 1e-3}, "tip land"),
         ({"tip_chamfer": 4e-3}, "leaves the involute up to a diameter of only"),
         ({"thickness_allowance": 2e-3}, "half a module"),

@@ -228,7 +228,10 @@ def test_netcdf_and_csv_say_the_same_and_turn_with_the_shaft(tmp_path):
         ("tooth,flank,diameter_mm,position_mm,deviation_um\n1,drive,x,0,1\n", "line 2: diameter_mm is x"),
         ("tooth,flank,diameter_mm,position_mm,deviation_um\n1,drive,40,0,1\n1,drive,40,0,2\n", "is there twice"),
         ("tooth,flank,diameter_mm,position_mm,deviation_um\n1,drive,40,0,1\n1,drive,41,2,2\n", "2 of 4 points"),
-        ("tooth,flank,diameter_mm,position_mm,deviation_um\n1.5,drive,40,0,1\n", "tooth does not fit"),
+        (
+            "tooth,flank,diameter_mm,position_mm,deviation_um\n1.5,drive,40,0,1\n",
+            "tooth must rise; teeth must be whole numbers",
+        ),
     ],
 )
 def test_files_that_do_not_fit_are_refused_by_line(tmp_path, text, message):
@@ -244,7 +247,7 @@ def test_files_that_do_not_fit_are_refused_by_line(tmp_path, text, message):
     ("given", "message"),
     [
         (PrescribedDeviations(eccentricity=Eccentricity(amount=1e-3)), "eccentricity is 1000 um"),
-        (PrescribedDeviations(waves=(Wave(order=161, amplitude=1e-6),)), "from 1 to 160"),
+        (PrescribedDeviations(waves=(Wave(order=161, amplitude=1e-6),)), "Set 1 to 160"),
         (PrescribedDeviations(teeth=(ToothError(tooth=20, pitch=1e-6),)), "there is no tooth 20"),
         (PrescribedDeviations(teeth=(ToothError(tooth=2, pitch=-3e-4),)), "pitch of tooth 2"),
         (

@@ -85,7 +85,7 @@ def test_a_table_as_a_value_replaces_the_whole_table():
     assert changed.diagnosis.windows_s == {"up": (1, 2)}
 
 
-POSITIVE = "must be greater than 0. Give a number greater than 0 in mm."
+POSITIVE = "must be greater than 0 mm. Correct the value."
 BAD = """\
 extends = "rig-healthy"
 title = 3
@@ -122,12 +122,11 @@ def test_every_problem_is_listed_at_once_with_value_limit_and_remedy(tmp_path):
         "stages.7": "stages.7: there is no item 7. The list has 3, counted from 1.",
         "cotrol": 'cotrol = "x": is not a key of the scene. Did you mean control?',
         "title": 'title = 3: must be text. Put it in quotes, as in "rigid".',
-        "casing.band_Hz": 'casing.band_Hz = "high": must be a number. Give a number in Hz, without quotes.',
+        "casing.band_Hz": 'casing.band_Hz = "high": must be a number in Hz. Write it without quotes.',
         "simulation.container_kg": "simulation.container_kg = 3: is not a key of [simulation]. "
         "Did you mean load.container_kg?",
-        "drive": "drive: times_s must rise strictly: 1.0 s follows 2.0 s",
-        "load.container_kg": "load.container_kg = nan: must be a finite number. "
-        "Give a finite number in kg, without quotes.",
+        "drive": "drive: times_s must rise strictly, but 1 s follows 2 s. Correct them",
+        "load.container_kg": "load.container_kg = nan: must be a finite number in kg. Correct the value.",
         "a..b": "a..b: is not the path of a key. Join keys by single dots, as in stages.1.face_width_mm.",
         "--set x": "--set x: has no value. Write KEY=VALUE, as in --set stages.1.face_width_mm=32.",
         "load.q": "load.q = [1: is not a TOML value. Write text in quotes, and lists as [1, 2].",
@@ -139,7 +138,7 @@ def test_every_problem_is_listed_at_once_with_value_limit_and_remedy(tmp_path):
 def test_a_missing_key_is_explained(tmp_path):
     text = load_scene("minimal").source.text.replace("face_width_mm = 12.0\n", "")
     assert problems(write(tmp_path, text)) == {
-        "stages.1.face_width_mm": "stages.1.face_width_mm: is missing. Give face_width_mm = ...: common face width b."
+        "stages.1.face_width_mm": "stages.1.face_width_mm: is missing. Set face_width_mm = ...: common face width b."
     }
 
 
@@ -159,7 +158,7 @@ def test_what_contradicts_is_listed_line_by_line():
         ("mi.toml", "Did you mean my.toml"),
         ("broken.toml", "not valid TOML: .*line 2"),
         ("latin.toml", r"not UTF-8 text \(line 2\)"),
-        ("circle.toml", "in a circle"),
+        ("circle.toml", "extends forms a circle"),
         ("lost.toml", "there is no shipped scene of this name"),
     ],
 )
@@ -196,7 +195,7 @@ def test_new_writes_a_commented_copy_that_stands_alone(name, tmp_path):
 
 
 def test_new_wants_a_toml_name_in_a_folder_that_exists(tmp_path):
-    with pytest.raises(InputError, match=r"ends in \.toml"):
+    with pytest.raises(InputError, match=r"must end in \.toml"):
         new_scene(tmp_path / "my.txt")
     with pytest.raises(InputError, match="cannot be written"):
         new_scene(tmp_path / "nowhere" / "my.toml")

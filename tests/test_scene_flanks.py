@@ -167,7 +167,7 @@ def test_only_what_is_there_adds_a_stage(detailed, tmp_path):
     [
         (("stages.1.pinion.tip_relief.amount_um=5",), "either length_mm or diameter_mm. Set one"),
         (("stages.1.pinion.tip_relief.amount_um=5", "stages.1.pinion.tip_relief.length_mm=30"), "active profile"),
-        (("stages.1.pinion.rim_thickness_mm=2",), r"1\.2 m_n"),
+        (("stages.1.pinion.rim_thickness_mm=2",), r"1\.2 modules"),
         (("deviations.include=[\"profile\"]", "stages.1.face_width_mm=3"), "4 to 1200 mm"),
     ],
 )  # fmt: skip

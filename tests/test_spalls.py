@@ -159,7 +159,7 @@ def test_worn_profiles_are_what_the_table_says(laws):
         (SpalledTooth(height=1e-3, length=3e-3, depth=2e-3), "0.5 modules"),
         (SpalledTooth(height=9e-3, length=3e-3, depth=1e-4), "the height of the flank"),
         (SpalledTooth(height=1e-3, length=13e-3, depth=1e-4), "the face width"),
-        (SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, position=7e-3), "the ends of the face"),
+        (SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, position=7e-3), "Set position_mm between"),
         (SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, diameter=60e-3), "is not on the flank"),
         (SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, flank="left"), "choose 'drive' or 'coast'"),
         (PittedTooth(height=1e-3, density=0.6, pit=1e-4), "density"),

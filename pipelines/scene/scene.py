@@ -115,10 +115,10 @@ class Scene(Table):
             )
         names = [sensor.name for sensor in self.sensors]
         for name in sorted({n for n in names if names.count(n) > 1}):
-            yield f"sensors: the name {name} is there {names.count(name)} times. Set another name"
+            yield f"sensors: the name {name} occurs {names.count(name)} times. Set another name"
         probes = [probe.name for probe in self.probes]
         for name in sorted({n for n in probes if probes.count(n) > 1}):
-            yield f"probes: the name {name} is there {probes.count(name)} times. Set another name"
+            yield f"probes: the name {name} occurs {probes.count(name)} times. Set another name"
 
     def _shaft_numbers(self):
         named: list[tuple[str, tuple[int, ...]]] = [

@@ -237,7 +237,7 @@ def _name_problems(housing: Dimensions) -> Iterator[str]:
     names = [b.name for b in housing.bores] + [s.name for s in housing.sensors]
     for name in dict.fromkeys(names):
         if names.count(name) > 1:
-            yield f"the name {name!r} is there {names.count(name)} times. Set another name"
+            yield f"the name {name!r} occurs {names.count(name)} times. Set another name"
 
 
 def _distance(low: np.ndarray, high: np.ndarray, x: float, z: float) -> float:

@@ -233,7 +233,7 @@ class ImportedTable(Table):
     def _repeated(self) -> Iterator[str]:
         names = [seat.name for seat in self.bearings]
         for name in sorted({n for n in names if names.count(n) > 1}):
-            yield f"bearings: {name} is there {names.count(name)} times. Delete all but one"
+            yield f"bearings: {name} occurs {names.count(name)} times. Delete all but one"
 
 
 class StepHousingTable(ImportedTable):
