@@ -118,7 +118,7 @@ def test_a_tachometer_takes_the_place_of_the_speed(tmp_path):
         (
             'speed_rpm = 9\nbearings = [{ name = "b", elements = 9, pitch_diameter_mm = 10, '
             "element_diameter_mm = 9 }]\n",
-            "at most 3.420 mm fit",
+            "at most 3.420",
         ),
     ],
 )
