@@ -102,7 +102,7 @@ def test_a_point_in_a_bore_is_outside_and_one_in_its_boss_inside():
     ],
 )
 def test_other_housings_are_refused_with_the_way_out(housing, message):
-    with pytest.raises(MeshError, match=f"{message}.*take element tetrahedron-10"):
+    with pytest.raises(MeshError, match=f"{message}.*set element = 'tetrahedron-10'"):
         hexahedra(housing)
 
 

@@ -132,9 +132,15 @@ def test_foot_fillets_add_a_little(small, plain_volume):
     [
         ({"walls": Walls(side=-0.01)}, "thickness of the side is -10 mm; it must be positive"),
         ({"walls": Walls(floor=0.1, cover=0.07)}, "floor and cover are 170 mm thick together"),
-        ({"flange": Flange(split=0.078, width=0.01, height=0.02)}, "flange from z = 68 mm to 88 mm is not on the walls"),
+        (
+            {"flange": Flange(split=0.078, width=0.01, height=0.02)},
+            "flange from z = 68 mm to 88 mm is not on the walls",
+        ),
         ({"flange": Flange(split=0.052, width=0.01, height=0.02)}, "the flange passes the boss of bearing_3"),
-        ({"ribs": replace(RIBS, end_wall=14)}, "rib 1 of the -x wall and rib 2 of the -x wall have a distance of only 2.66"),
+        (
+            {"ribs": replace(RIBS, end_wall=14)},
+            "rib 1 of the -x wall and rib 2 of the -x wall have a distance of only 2.66",
+        ),
         ({"ribs": replace(RIBS, per_boss=3, thickness=0.02)}, "3 ribs of 20 mm under bearing_1 reach 31.6"),
         ({"ribs": Ribs(thickness=0.01, height=0.01)}, "there are no ribs"),
         ({"fillets": Fillets(foot=0.02)}, r"foot fillet radius is 20 mm \(limit: 0 to below 15 mm"),

@@ -62,7 +62,10 @@ UNFIT = {  # a document, and the words that refuse it
     ),
     "skew frame": (unit().changed("shaft", {"w_axis_vector": ([1.0, 0.0, 1.0], "mm")}), "no right angle"),
     "no place": (unit().changed("shaft", {"support_vector": None}, 2), "shaft 3 .*has no place"),
-    "short vector": (unit().changed("shaft", {"support_vector": ([0.0, 1.0], "mm")}), "has 2 numbers, and must"),
+    "short vector": (
+        unit().changed("shaft", {"support_vector": ([0.0, 1.0], "mm")}),
+        "has 2 numbers, and must have 3 finite ones",
+    ),
     "circle of places": (
         unit()
         .changed("shaft", {"reference_component_for_position": SHAFTS[1]})

@@ -224,9 +224,7 @@ class ElasticBase(FlexibleBase):
     def _parts(self) -> ElasticBase:
         names = [part.name for part in self.damped_parts]
         if repeated := sorted({name for name in names if names.count(name) > 1}):
-            raise ValueError(
-                f"damped_parts: {repeated[0]} occurs {names.count(repeated[0])} times. Delete all but one"
-            )
+            raise ValueError(f"damped_parts: {repeated[0]} occurs {names.count(repeated[0])} times. Delete all but one")
         if JOINTS in names and getattr(self.housing, "joint", None) is None:
             raise ValueError(
                 "damped_parts: the housing has no joint. Set casing.housing.joint, or delete the part joints"
