@@ -329,4 +329,4 @@ def test_a_shaft_inside_the_bore_of_a_gear_on_its_axis_is_no_collision(scene_of,
     _, tree = scene_of(unit(**UNITS["FVA"]).changed("shaft_section", size))
     scene = scene_of_tree(tree).scene
     found = [problem for problem in find_collisions(scene, lay_out(scene)) if "stage 2 wheel" in problem.message]
-    assert any("hits shaft 1 " in problem.message for problem in found) is clash
+    assert any("intersects the section of shaft 1 " in problem.message for problem in found) is clash
