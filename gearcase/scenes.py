@@ -81,7 +81,7 @@ class Scene:
         Traceback (most recent call last):
         ...
         pipelines.border.errors.SceneError: scene minimal: 1 problem
-          stages.1.face_width_mm = -1: must be greater than 0. Give a number greater than 0 in mm.
+          stages.1.face_width_mm = -1: must be greater than 0 mm. Correct the value.
         """
         base = self.loaded if preset is None else preset_on(self.loaded, preset)
         return Scene(changed(base, settings, tables))

@@ -34,9 +34,9 @@ def scene(*faults, **changes):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"shaft": 3}, "faults.1.shaft = 3: there are 2 shafts"),
-        ({"bearing": 3}, "faults.1.bearing = 3: shaft 1 has bearings 1 to 2"),
-        ({"on": "cage"}, "not one of outer-ring, inner-ring, element"),
+        ({"shaft": 3}, "faults.1.shaft = 3: there is no such shaft. Set 1 to 2"),
+        ({"bearing": 3}, "faults.1.bearing = 3: there is no such bearing. Set 1 to 2"),
+        ({"on": "cage"}, "must be one of outer-ring, inner-ring, element"),
         ({"width_mm": 0.0}, "greater than 0"),
         ({"stage": 1}, "is not a key of"),
     ],
@@ -58,9 +58,12 @@ def test_a_spall_needs_rolling_elements():
 @pytest.mark.parametrize(
     ("faults", "message"),
     [
-        ([OUTER | {"width_mm": 50.0}], "faults.1: spall on the outer ring: width 50 mm"),
-        ([TOOTH, OUTER, INNER | {"depth_um": 2000.0}], "faults.3: spall on the inner ring: depth 2000 um"),
-        ([OUTER, OUTER | {"angle_deg": 111.0}], "faults.2: two spalls on the outer ring overlap: 1 deg"),
+        ([OUTER | {"width_mm": 50.0}], "faults.1: spall on the outer ring: width_mm = 50"),
+        ([TOOTH, OUTER, INNER | {"depth_um": 2000.0}], "faults.3: spall on the inner ring: depth_um = 2000"),
+        (
+            [OUTER, OUTER | {"angle_deg": 111.0}],
+            "faults.2: two spalls on the outer ring overlap: the angle between their centres is 1 deg",
+        ),
     ],
 )
 def test_a_spall_that_does_not_fit_is_named_by_its_number(faults, message):

@@ -110,10 +110,10 @@ def test_a_dataset_of_an_hdf5_file_is_read_as_well(tmp_path):
     [
         ("t,rpm\n0,0\n0.2,600\n0.1,900\n", "0.1 follows 0.2 .*line 4"),
         ("t,rpm\n0,0\n0.1,\n0.2,900\n", "line 3: the cell is empty"),
-        ("t,rpm\n0,0\n0.1,fast\n", "line 3: fast is no number"),
+        ("t,rpm\n0,0\n0.1,fast\n", "line 3: fast is not a number"),
         ("t,rpm\n0,0\n0.1,nan\n", "line 3"),
         ("t,speed\n0,0\n0.1,3\n", "columns t, speed"),
-        ("t,rpm\n", "holds no values"),
+        ("t,rpm\n", "has no values"),
         ("t,rpm\n0.5,0\n0.6,3\n", "starts at 0.5 s"),
     ],
 )
@@ -138,11 +138,11 @@ INDUCTION = {"model": "induction-motor", "synchronous_rpm": 1500.0, "rated_rpm":
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"load.torques_N_m": [1.0]}, "give torque_N_m alone"),
-        ({"load": {"model": "torque"}}, "give torque_N_m"),
-        ({"drive": TORQUE_DRIVE | {"motors": 2, "position_mm": 0.0}}, "leave position_mm out"),
+        ({"load.torques_N_m": [1.0]}, "torque_N_m is constant, and torques_N_m varies"),
+        ({"load": {"model": "torque"}}, "Set torque_N_m"),
+        ({"drive": TORQUE_DRIVE | {"motors": 2, "position_mm": 0.0}}, "Delete position_mm"),
         ({"drive": INDUCTION}, "below synchronous"),
-        ({"sensors.1.name": "bearing_7"}, "no sensor"),
+        ({"sensors.1.name": "bearing_7"}, "name of another point"),
         ({"sensors.1.name": "motor side"}, "motor side"),
     ],
 )
@@ -154,7 +154,7 @@ def test_contradictions_are_refused(settings, message):
 def test_a_motor_that_the_load_overcomes_is_said():
     weak = {"drive": TORQUE_DRIVE | {"torque_N_m": 30.0}, "diagnosis.windows_s": {}, "control": None, "faults": []}
     said = " ".join(gearcase.check(gearcase.Scene.from_file("bench").changed(weak)).warnings)
-    assert "the motors give 30 N m at most, the load asks for 40.32 N m" in said
+    assert "the motors give at most 30 N m, and the load takes 40.32 N m" in said
 
 
 def test_a_probe_reads_where_the_bearing_forces_push_the_shaft():
@@ -172,9 +172,9 @@ def test_a_probe_reads_where_the_bearing_forces_push_the_shaft():
 
 def test_a_probe_beside_its_shaft_or_given_twice_is_refused():
     one = {"name": "a", "shaft": 2, "position_mm": 0.0}
-    with pytest.raises(SceneError, match="given 2 times"):
+    with pytest.raises(SceneError, match="occurs 2 times"):
         load_scene("bench", {"probes": [one, one]})
-    with pytest.raises(SceneError, match="off shaft 2"):
+    with pytest.raises(SceneError, match="not on shaft 2"):
         gearcase.check(gearcase.Scene.from_file("bench").changed({"probes": [one | {"position_mm": 900.0}]}))
 
 

@@ -89,7 +89,7 @@ def test_an_overhung_end_is_bent_without_load_on_the_bearings():
 
 def test_what_is_no_bow_is_refused():
     for straight in ((0.0, 0.0), (0.25, 0.5)):
-        with pytest.raises(MachineError, match="beside it"):
+        with pytest.raises(MachineError, match="at a place that stays straight"):
             bent(straight=straight)
     with pytest.raises(MachineError, match="does not bend"):
         assemble(
@@ -112,8 +112,8 @@ def test_a_bent_shaft_of_a_scene_in_si():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"straight_at_mm": [-20.0, 2500.0]}, "forces.1.straight_at_mm.2 = 2500: shaft 2 reaches"),
-        ({"straight_at_mm": [10.0, 25.0]}, "two places beside position_mm"),
+        ({"straight_at_mm": [-20.0, 2500.0]}, "forces.1.straight_at_mm.2 = 2500: is not on shaft 2. Set"),
+        ({"straight_at_mm": [10.0, 25.0]}, "two places other than position_mm"),
     ],
 )
 def test_bows_that_cannot_be_are_refused(changes, message):

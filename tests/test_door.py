@@ -110,7 +110,7 @@ def test_a_preset_leaves_what_was_set(scene):
     asked = scene.changed({"simulation.step_us": 7.0}).changed(preset="draft").to_dict()
     assert asked["simulation"]["step_us"] == 7.0
     assert asked["stages"][0]["mesh"]["model"] == "solid"
-    with pytest.raises(gearcase.InputError, match="give one of draft, standard, reference"):
+    with pytest.raises(gearcase.InputError, match="Set one of draft, standard, reference"):
         scene.changed(preset="finest")
 
 

@@ -224,13 +224,13 @@ def test_where_lines_overlap_a_missing_tooth_opens_no_gap():
     ("fault", "message"),
     [
         (CrackedTooth(depth=4e-3), "of the tooth root thickness"),
-        (CrackedTooth(depth=1e-3, angle=math.radians(20)), r"\[40, 90\] deg"),
+        (CrackedTooth(depth=1e-3, angle=math.radians(20)), r"angle_deg = .* Set 40 to 90"),
         (CrackedTooth(depth=1e-3, extent=13e-3), "extent"),
         (ChippedTooth(extent=13e-3, depth=1e-3), "the face width"),
         (ChippedTooth(extent=3e-3, depth=5e-3), "the tooth height"),
         (ChippedTooth(extent=3e-3, depth=1e-3, end="left"), "choose one of -y"),
         (WornTooth(depth=1e-3), "0.2 modules"),
-        (WornTooth(depth=1e-5, place="root"), "needs a width"),
+        (WornTooth(depth=1e-5, place="root"), "width_mm is the width of local wear. Set it"),
     ],
 )
 def test_impossible_damage_is_refused(fault, message):

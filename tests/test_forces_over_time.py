@@ -129,8 +129,8 @@ def test_forces_of_a_scene_in_si_and_the_casing_that_bears_them():
 @pytest.mark.parametrize(
     ("force", "message"),
     [
-        (PUSHED | {"point": "sensor_99"}, 'forces.1.point = "sensor_99".*known: sensor_3'),
-        (PUSHED | {"force": SCENE_SWEEP | {"ramp_s": 0.3}}, "ramp_s = 0.3 s fits not twice"),
+        (PUSHED | {"point": "sensor_99"}, 'forces.1.point = "sensor_99".*Set one of sensor_3'),
+        (PUSHED | {"force": SCENE_SWEEP | {"ramp_s": 0.3}}, "ramp_s = 0.3 is more than half of"),
         (PUSHED | {"axis": "w"}, "axis"),
         (
             {"model": "shaft-force", "shaft": 1, "position_mm": 5000.0, "axis": "x", "force": SCENE_SWEEP},

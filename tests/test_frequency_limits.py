@@ -105,7 +105,7 @@ def test_meshes_that_tell_nothing_are_refused():
     for sizes, frequencies, message in (
         (SIZES[::-1], f, "give rising sizes"),
         (SIZES, f[:2], "give rising sizes"),
-        (SIZES[:2], f[:2], "give three"),
+        (SIZES[:2], f[:2], "Set three"),
         (SIZES, np.where(np.arange(60) < 58, np.nan, f), "2 modes of the finest mesh"),
         (SIZES, np.stack([f[0]] * 3), "60 modes of the finest mesh"),
     ):

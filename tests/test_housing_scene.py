@@ -125,12 +125,12 @@ def test_a_file_lies_beside_its_scene(tmp_path):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        (["casing.housing.unit=ft"], "unit.*is not one of"),
-        (["casing.housing.bearings=[{name='bearing_1', group='B1'}]"], "bearing_2, bearing_3, .* not located"),
-        (["casing.housing.bearings.1.name=bearing_9"], "bearing_9 belong to no shaft"),
-        (["casing.housing.bearings.1.name=bearing_2"], "bearing_2 is given 2 times"),
-        (["casing.housing.bearings.1={name='bearing_1', through_mm=[0.0, -135.0, 0.0]}"], "by through_mm; give"),
-        (["casing.housing.grounds=[{normal=[0, 0, 1]}]"], "is located by normal; give point_mm, or box_mm"),
+        (["casing.housing.unit=ft"], "unit.*must be one of"),
+        (["casing.housing.bearings=[{name='bearing_1', group='B1'}]"], "no seat for bearing_2, bearing_3, "),
+        (["casing.housing.bearings.1.name=bearing_9"], "there is no bearing bearing_9"),
+        (["casing.housing.bearings.1.name=bearing_2"], "bearing_2 occurs 2 times"),
+        (["casing.housing.bearings.1={name='bearing_1', through_mm=[0.0, -135.0, 0.0]}"], "by through_mm. Set"),
+        (["casing.housing.grounds=[{normal=[0, 0, 1]}]"], "is located by normal. Set point_mm, or box_mm"),
         (["casing.housing.axes=[[1, 0, 0], [0.5, 1, 0], [0, 0, 1]]"], "not orthogonal"),
         (["casing.housing.length_mm=600"], "length_mm"),
         (["sensors.1.axes=[[1, 0, 0], [1, 1, 0], [0, 0, 1]]"], "sensor_1: the axes .* are not orthogonal"),

@@ -67,9 +67,9 @@ def test_stiffness_and_rings_of_a_scene_in_si():
 @pytest.mark.parametrize(
     ("joint", "message"),
     [
-        ({"bolt": "M10"}, "has no bolts; give pitch_mm, positions_mm or both"),
-        ({"bolt": "M9", "pitch_mm": 70.0}, "is not one of M5"),
-        ({"bolt": "M16", "pitch_mm": 70.0}, "a head of 22.49 mm finds no room on a flange 20 mm wide"),
+        ({"bolt": "M10"}, "has no bolts. Set pitch_mm, positions_mm or both"),
+        ({"bolt": "M9", "pitch_mm": 70.0}, "must be one of M5"),
+        ({"bolt": "M16", "pitch_mm": 70.0}, "bolt heads of 22.49 mm do not fit on the flange of 20 mm"),
         ({"bolt": "M10", "pitch_mm": 70.0, "outer_diameter_mm": 10.0}, "leave nothing around a hole of 11 mm"),
     ],
 )

@@ -92,7 +92,7 @@ def test_a_tachometer_takes_the_place_of_the_speed(tmp_path):
         ("speed_rmp = 1480\n", "Did you mean speed_rpm?"),
         ("speed_rpm = 0\n", "speed_rpm = 0: must be greater than 0"),
         ('speed_rpm = "fast"\n', "must be a number"),
-        ("speed_rpm = 9\nteeth = [[21]]\n", "teeth.1 = [21]: has too few items"),
+        ("speed_rpm = 9\nteeth = [[21]]\n", "teeth.1 = [21]: has too few values"),
         ("speed_rpm = 9\nteeth = [[21, 2]]\n", "teeth.1.2 = 2: must be at least 3"),
         ("speed_rpm = 9\nteeth = [[21, 62]]\nratios = [1.0, 0.5]\n", "teeth and ratios are both given"),
         ("speed_rpm = 9\nratios = [0.5, 1.0]\n", "ratios: the first is 0.5 and must be 1"),
@@ -121,7 +121,7 @@ def test_a_tachometer_takes_the_place_of_the_speed(tmp_path):
         (
             'speed_rpm = 9\nbearings = [{ name = "b", elements = 9, pitch_diameter_mm = 10, '
             "element_diameter_mm = 9 }]\n",
-            "at most 3.420 mm fit",
+            "at most 3.420",
         ),
     ],
 )

@@ -162,14 +162,17 @@ def test_damped_parts_of_a_scene_in_si():
     ("parts", "message"),
     [
         ([{"name": "mounts", "loss_factor": 0.1}], "has no mounts"),
-        ([{"name": "lid", "loss_factor": 0.1}], "'lid' needs box_mm"),
+        ([{"name": "lid", "loss_factor": 0.1}], '"lid" needs box_mm'),
         ([{"name": "cover", "loss_factor": 2.0}], "less than 2"),
         (
             [{"name": "feet", "loss_factor": 0.1, "box_mm": [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]]}],
-            "is known without box_mm",
+            "is found without box_mm",
         ),
-        ([{"name": "lid", "loss_factor": 0.1, "box_mm": [[0.0, 0.0, 0.0], [1.0, -1.0, 1.0]]}], "must rise"),
-        ([{"name": "feet", "loss_factor": 0.1}] * 2, "feet is given 2 times"),
+        (
+            [{"name": "lid", "loss_factor": 0.1, "box_mm": [[0.0, 0.0, 0.0], [1.0, -1.0, 1.0]]}],
+            "must be above the first in x, y and z",
+        ),
+        ([{"name": "feet", "loss_factor": 0.1}] * 2, "feet occurs 2 times"),
     ],
 )
 def test_damped_parts_that_do_not_fit_a_scene_are_refused(parts, message):

@@ -226,9 +226,12 @@ def test_netcdf_and_csv_say_the_same_and_turn_with_the_shaft(tmp_path):
         ("tooth,flank,diameter_mm,position_mm,deviation_um\n", "no points"),
         ("tooth,flank,diameter_mm,position_mm,deviation_um\n1,left,40,0,1\n", "line 2: flank is left"),
         ("tooth,flank,diameter_mm,position_mm,deviation_um\n1,drive,x,0,1\n", "line 2: diameter_mm is x"),
-        ("tooth,flank,diameter_mm,position_mm,deviation_um\n1,drive,40,0,1\n1,drive,40,0,2\n", "given before"),
+        ("tooth,flank,diameter_mm,position_mm,deviation_um\n1,drive,40,0,1\n1,drive,40,0,2\n", "is there twice"),
         ("tooth,flank,diameter_mm,position_mm,deviation_um\n1,drive,40,0,1\n1,drive,41,2,2\n", "2 of 4 points"),
-        ("tooth,flank,diameter_mm,position_mm,deviation_um\n1.5,drive,40,0,1\n", "tooth does not fit"),
+        (
+            "tooth,flank,diameter_mm,position_mm,deviation_um\n1.5,drive,40,0,1\n",
+            "tooth must rise; teeth must be whole numbers",
+        ),
     ],
 )
 def test_files_that_do_not_fit_are_refused_by_line(tmp_path, text, message):
@@ -244,8 +247,8 @@ def test_files_that_do_not_fit_are_refused_by_line(tmp_path, text, message):
     ("given", "message"),
     [
         (PrescribedDeviations(eccentricity=Eccentricity(amount=1e-3)), "eccentricity is 1000 um"),
-        (PrescribedDeviations(waves=(Wave(order=161, amplitude=1e-6),)), "from 1 to 160"),
-        (PrescribedDeviations(teeth=(ToothError(tooth=20, pitch=1e-6),)), "no tooth has the number 20"),
+        (PrescribedDeviations(waves=(Wave(order=161, amplitude=1e-6),)), "Set 1 to 160"),
+        (PrescribedDeviations(teeth=(ToothError(tooth=20, pitch=1e-6),)), "there is no tooth 20"),
         (PrescribedDeviations(teeth=(ToothError(tooth=2, pitch=-3e-4),)), "pitch of tooth 2"),
         (
             PrescribedDeviations(
@@ -298,7 +301,7 @@ def test_stated_deviations_stay_in_the_healthy_control_and_leave_with_all_others
     assert control.scene.stages[0].wheel.deviations.eccentricity_um == 20
     off = load_scene("bench", (*STATED[:1], "deviations.enabled=false")).scene
     assert make_plant(off).machine.meshes[0].wheel.prescribed is None
-    assert any("leaves them out" in text for text in design_warnings(off, lay_out(off)))
+    assert any("have no effect" in text for text in design_warnings(off, lay_out(off)))
 
 
 def test_what_no_gear_has_is_refused_or_questioned_with_its_place():
@@ -307,7 +310,7 @@ def test_what_no_gear_has_is_refused_or_questioned_with_its_place():
     with pytest.raises(SceneError, match=r"stages\.1\.pinion\.deviations\.flanks\.file.*no such file"):
         checked_plant(load_scene("minimal", ('stages.1.pinion.deviations.flanks.file="none.csv"',)).scene, "minimal")
     rough = load_scene("minimal", ("stages.1.wheel.deviations.eccentricity_um=190",)).scene
-    assert any("is the unit right" in text for text in design_warnings(rough, lay_out(rough)))
+    assert any("if the unit is wrong" in text for text in design_warnings(rough, lay_out(rough)))
 
 
 def test_a_cracked_tooth_of_an_eccentric_gear_keeps_the_modes_of_its_crack(laws):

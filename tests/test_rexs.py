@@ -280,7 +280,7 @@ def test_the_most_frequent_load_case_is_taken_and_the_others_are_listed(scene_of
 def test_speed_and_torque_that_the_file_lacks_are_left_to_the_user(written, tmp_path):
     made = new_scene_from_rexs(tmp_path / "my.toml", written(unit(speed=None, torque=None)))
     assert set(made.missing) == {"drive.speeds_rpm", "load.torque_N_m"}
-    with pytest.raises(SceneError, match=r"(?s)drive\.speeds_rpm.*load: give torque_N_m"):
+    with pytest.raises(SceneError, match=r"(?s)drive\.speeds_rpm.*load: has no torque. Set torque_N_m"):
         load_scene(made.path)
 
 
@@ -329,4 +329,4 @@ def test_a_shaft_inside_the_bore_of_a_gear_on_its_axis_is_no_collision(scene_of,
     _, tree = scene_of(unit(**UNITS["FVA"]).changed("shaft_section", size))
     scene = scene_of_tree(tree).scene
     found = [problem for problem in find_collisions(scene, lay_out(scene)) if "stage 2 wheel" in problem.message]
-    assert any("hits shaft 1 " in problem.message for problem in found) is clash
+    assert any("intersects the section of shaft 1 " in problem.message for problem in found) is clash

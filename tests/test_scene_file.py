@@ -85,7 +85,7 @@ def test_a_table_as_a_value_replaces_the_whole_table():
     assert changed.diagnosis.windows_s == {"up": (1, 2)}
 
 
-POSITIVE = "must be greater than 0. Give a number greater than 0 in mm."
+POSITIVE = "must be greater than 0 mm. Correct the value."
 BAD = """\
 extends = "rig-healthy"
 title = 3
@@ -117,20 +117,19 @@ def test_every_problem_is_listed_at_once_with_value_limit_and_remedy(tmp_path):
         "stages.2.face_width_mm": f"stages.2.face_width_mm = 0: {POSITIVE}",
         "stages.1.face_widht_mm": "stages.1.face_widht_mm = 12: is not a key of [stages.1]. "
         "Did you mean face_width_mm?",
-        "stages.1.mesh.model": 'stages.1.mesh.model = "plaen": is not one of iso, energy, plane, solid. '
+        "stages.1.mesh.model": 'stages.1.mesh.model = "plaen": must be one of iso, energy, plane, solid. '
         'Did you mean "plane"?',
-        "stages.7": "stages.7: there are 3 items. Count from 1 to 3.",
+        "stages.7": "stages.7: there is no item 7. The list has 3, counted from 1.",
         "cotrol": 'cotrol = "x": is not a key of the scene. Did you mean control?',
         "title": 'title = 3: must be text. Put it in quotes, as in "rigid".',
-        "casing.band_Hz": 'casing.band_Hz = "high": must be a number. Give a number in Hz, without quotes.',
+        "casing.band_Hz": 'casing.band_Hz = "high": must be a number in Hz. Write it without quotes.',
         "simulation.container_kg": "simulation.container_kg = 3: is not a key of [simulation]. "
         "Did you mean load.container_kg?",
-        "drive": "drive: times_s must rise strictly: 1.0 s follows 2.0 s",
-        "load.container_kg": "load.container_kg = nan: must be a finite number. "
-        "Give a finite number in kg, without quotes.",
-        "a..b": "a..b: is not a path. Join keys by single dots, as in stages.1.x.",
-        "--set x": "--set x: has no value. Write --set stages.1.face_width_mm=32.",
-        "load.q": "load.q = [1: is not a TOML value. Quote text, or write lists as [1, 2].",
+        "drive": "drive: times_s must rise strictly, but 1 s follows 2 s. Correct them",
+        "load.container_kg": "load.container_kg = nan: must be a finite number in kg. Correct the value.",
+        "a..b": "a..b: is not the path of a key. Join keys by single dots, as in stages.1.face_width_mm.",
+        "--set x": "--set x: has no value. Write KEY=VALUE, as in --set stages.1.face_width_mm=32.",
+        "load.q": "load.q = [1: is not a TOML value. Write text in quotes, and lists as [1, 2].",
     }
     assert expected.items() <= found.items()
     assert set(found) - set(expected) == {"casing.housing.wall_thickness_mm"}
@@ -139,7 +138,7 @@ def test_every_problem_is_listed_at_once_with_value_limit_and_remedy(tmp_path):
 def test_a_missing_key_is_explained(tmp_path):
     text = load_scene("minimal").source.text.replace("face_width_mm = 12.0\n", "")
     assert problems(write(tmp_path, text)) == {
-        "stages.1.face_width_mm": "stages.1.face_width_mm: is missing. Give face_width_mm = ...: common face width b."
+        "stages.1.face_width_mm": "stages.1.face_width_mm: is missing. Set face_width_mm = ...: common face width b."
     }
 
 
@@ -159,8 +158,8 @@ def test_what_contradicts_is_listed_line_by_line():
         ("mi.toml", "Did you mean my.toml"),
         ("broken.toml", "not valid TOML: .*line 2"),
         ("latin.toml", r"not UTF-8 text \(line 2\)"),
-        ("circle.toml", "in a circle"),
-        ("lost.toml", "not the name of a shipped scene"),
+        ("circle.toml", "extends forms a circle"),
+        ("lost.toml", "there is no shipped scene of this name"),
     ],
 )
 def test_a_file_that_cannot_be_used_is_named_with_the_remedy(tmp_path, monkeypatch, source, words):
@@ -196,7 +195,7 @@ def test_new_writes_a_commented_copy_that_stands_alone(name, tmp_path):
 
 
 def test_new_wants_a_toml_name_in_a_folder_that_exists(tmp_path):
-    with pytest.raises(InputError, match=r"ends in \.toml"):
+    with pytest.raises(InputError, match=r"must end in \.toml"):
         new_scene(tmp_path / "my.txt")
     with pytest.raises(InputError, match="cannot be written"):
         new_scene(tmp_path / "nowhere" / "my.toml")
@@ -252,7 +251,7 @@ def test_what_is_written_as_toml_reads_back_equal():
     ("setting", "path", "words"),
     [
         ("shafts.1.bearing_positions_mm=[]", "shafts.1.bearing_positions_mm", "has 0 items"),
-        ("diagnosis.windows_s={ x = [0.5] }", "diagnosis.windows_s.x", "too few items"),
+        ("diagnosis.windows_s={ x = [0.5] }", "diagnosis.windows_s.x", "too few values"),
         ('stages.1.pinion_teeth="20"', "stages.1.pinion_teeth", "whole number"),
         ("stages.1.module_mm=true", "stages.1.module_mm", "must be a number"),
         ('drive.speeds_rpm=[0, "900", 900]', "drive.speeds_rpm.2", "must be a number"),
@@ -266,12 +265,14 @@ def test_nothing_is_guessed_from_a_value_of_another_kind(setting, path, words):
 @pytest.mark.parametrize("band", ["[400, 100]", "[100, 9000]"])
 def test_an_envelope_band_rises_and_fits_the_output_rate(band):
     found = "".join(problems("minimal", f"diagnosis.envelope_band_Hz={band}").values())
-    assert "must rise and end below half" in found
+    assert "the second frequency must be above the first, and below half" in found
 
 
 def test_a_tooth_is_missing_once():
     fault = '{ kind = "missing-tooth", stage = 1, gear = "wheel", tooth = 2 }'
-    assert "given more than once" in "".join(problems("minimal", f"faults=[{fault}, {fault}]").values())
+    assert "several faults that exclude one another" in "".join(
+        problems("minimal", f"faults=[{fault}, {fault}]").values()
+    )
 
 
 def test_a_sensor_far_from_the_housing_is_refused():
@@ -282,7 +283,7 @@ def test_a_sensor_far_from_the_housing_is_refused():
 
 def test_a_motion_shorter_than_one_sample_is_refused():
     settings = {"simulation.end_s": 0.004, "simulation.output_rate_Hz": 100.0, "diagnosis.windows_s": {}}
-    with pytest.raises(SceneError, match=r"0\.004 s is shorter than one sample.*at least 0\.01 s"):
+    with pytest.raises(SceneError, match=r"0\.004 is shorter than one sample.*at least 0\.01"):
         load_scene("minimal", settings)
 
 
@@ -295,10 +296,10 @@ def test_a_motion_shorter_than_one_sample_is_refused():
         ),
         (
             {"faults": [{"kind": "bent-tooth", "stage": 1, "gear": "wheel"}]},
-            r"faults\.1\.kind = \"bent-tooth\": is not one of",
+            r"faults\.1\.kind = \"bent-tooth\": must be one of",
         ),
         ({"faults": [{"stage": 1, "gear": "wheel", "tooth": 1}]}, r"faults\.1\.kind: is missing"),
-        ({"casing": {"model": "foam"}}, r"casing\.model = \"foam\": is not one of"),
+        ({"casing": {"model": "foam"}}, r"casing\.model = \"foam\": must be one of"),
     ],
 )
 def test_a_key_of_an_earlier_version_and_an_unknown_kind_are_named(settings, message):

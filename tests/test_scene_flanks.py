@@ -165,9 +165,9 @@ def test_only_what_is_there_adds_a_stage(detailed, tmp_path):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        (("stages.1.pinion.tip_relief.amount_um=5",), "either as length_mm or as diameter_mm"),
+        (("stages.1.pinion.tip_relief.amount_um=5",), "either length_mm or diameter_mm. Set one"),
         (("stages.1.pinion.tip_relief.amount_um=5", "stages.1.pinion.tip_relief.length_mm=30"), "active profile"),
-        (("stages.1.pinion.rim_thickness_mm=2",), r"1\.2 m_n"),
+        (("stages.1.pinion.rim_thickness_mm=2",), r"1\.2 modules"),
         (("deviations.include=[\"profile\"]", "stages.1.face_width_mm=3"), "4 to 1200 mm"),
     ],
 )  # fmt: skip
@@ -188,6 +188,6 @@ def test_warnings_of_a_designer():
     undercut = design_warnings(scene, lay_out(scene))
     assert any("undercut" in text and "eps_alpha" in text for text in undercut)
     faulty = load_scene("rig-missing-tooth", ("deviations.iso_grade=9", "faults.1.kind=missing-tooth")).scene
-    assert any("may hide it" in text for text in design_warnings(faulty, lay_out(faulty)))
+    assert any("may hide the fault" in text for text in design_warnings(faulty, lay_out(faulty)))
     shipped = load_scene("rig-missing-tooth").scene
-    assert not any("may hide it" in text for text in design_warnings(shipped, lay_out(shipped)))
+    assert not any("may hide the fault" in text for text in design_warnings(shipped, lay_out(shipped)))

@@ -90,6 +90,6 @@ def test_the_lines_are_found_again_from_the_folder(whole_run, capsys):
 
 def test_a_window_without_a_revolution_is_refused_before_the_signals_are_made(tmp_path):
     settings = diagnosable("rig-missing-tooth") | {"diagnosis.windows_s": {"lifting": [0.58, 0.6]}}
-    with pytest.raises(SceneError, match=r"diagnosis\.windows_s\.lifting = \[0\.58, 0\.6\]: holds 0\.4 revolutions"):
+    with pytest.raises(SceneError, match=r"diagnosis\.windows_s\.lifting = \[0\.58, 0\.6\]: has 0\.4 revolutions"):
         run_scene(load_scene("rig-missing-tooth", settings), Options(out=tmp_path / "out", both_loads=False))
     assert not (tmp_path / "out").exists()

@@ -159,16 +159,16 @@ def test_worn_profiles_are_what_the_table_says(laws):
         (SpalledTooth(height=1e-3, length=3e-3, depth=2e-3), "0.5 modules"),
         (SpalledTooth(height=9e-3, length=3e-3, depth=1e-4), "the height of the flank"),
         (SpalledTooth(height=1e-3, length=13e-3, depth=1e-4), "the face width"),
-        (SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, position=7e-3), "the ends of the face"),
-        (SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, diameter=60e-3), "the flank reaches"),
+        (SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, position=7e-3), "Set position_mm between"),
+        (SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, diameter=60e-3), "is not on the flank"),
         (SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, flank="left"), "choose 'drive' or 'coast'"),
         (PittedTooth(height=1e-3, density=0.6, pit=1e-4), "density"),
         (PittedTooth(height=1e-3, density=0.2, pit=0.8e-3), "half the pitted area"),
-        (PittedTooth(height=1e-3, density=0.3, pit=5e-6), "pits, at most"),
+        (PittedTooth(height=1e-3, density=0.3, pit=5e-6), "pits, more than"),
         (WornTooth(depth=1e-5, place="profile", diameters=(0.04, 0.039), parts=(0.0, 1.0)), "must rise"),
         (WornTooth(depth=1e-5, place="profile", diameters=(0.04,), parts=(0.0,)), "two or more"),
         (WornTooth(depth=1e-5, extent=13e-3), "extent"),
-        (WornTooth(depth=1e-5, fading=True), "needs an extent"),
+        (WornTooth(depth=1e-5, fading=True), "needs extent_mm"),
     ],
 )
 def test_impossible_flank_damage_is_refused(fault, message):
@@ -203,12 +203,14 @@ def test_a_spall_of_a_scene_lies_at_its_place_in_both_senses_and_leaves_the_cont
 
 def test_a_spall_narrower_than_two_slices_is_questioned():
     scene = load_scene("minimal", {"faults": [SCENE_SPALL | {"stage": 1, "length_mm": 1.0}]}).scene
-    assert any("length_mm = 1 is resolved by slices" in text for text in design_warnings(scene, lay_out(scene)))
+    assert any(
+        "length_mm = 1 is resolved coarsely by slices" in text for text in design_warnings(scene, lay_out(scene))
+    )
 
 
 def test_wear_on_a_part_of_the_face_is_that_of_one_tooth():
     wear = {"kind": "worn-tooth", "stage": 1, "gear": "wheel", "depth_um": 5, "extent_mm": 3}
-    with pytest.raises(SceneError, match="wear on a part of the face is that of one tooth"):
+    with pytest.raises(SceneError, match="only a single tooth can be worn on a part of the face"):
         load_scene("minimal", {"faults": [wear]})
 
 

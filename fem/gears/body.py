@@ -35,39 +35,38 @@ def check_body(
     rim_inner_radius = bore_radius if rim_thickness is None else root_radius - rim_thickness
     require(
         bore_radius < root_radius,
-        f"{label}: bore_radius {bore_radius:.6g} m reaches the root circle; the limit is r_f = "
-        f"{root_radius:.6g} m: reduce the bore or raise teeth or module",
+        f"{label}: the bore of {2000 * bore_radius:.6g} mm reaches the root circle of {2000 * root_radius:.6g} mm. "
+        "Reduce the bore, or raise the number of teeth or the module",
     )
     rim = root_radius - max(rim_inner_radius, bore_radius)
     least = THINNEST_RIM * normal_module
-    source = "bore_radius" if rim_thickness is None else "rim_thickness"
     require(
         rim >= least * (1.0 - 1e-9),
-        f"{label}: {source} leaves a rim of {rim:.6g} m below the root circle r_f = {root_radius:.6g} m, "
-        f"{rim / normal_module:.3g} m_n; the limit is {THINNEST_RIM} m_n = {least:.6g} m: "
-        + ("reduce the bore" if rim_thickness is None else "thicken the rim"),
+        f"{label}: the rim below the root circle of {2000 * root_radius:.6g} mm is {1000 * rim:.6g} mm thick, at least "
+        f"{THINNEST_RIM} modules = {1000 * least:.6g} mm are needed. "
+        + ("Reduce the bore" if rim_thickness is None else "Raise rim_thickness_mm"),
     )
     if rim_thickness is None:
         require(
             web_thickness is None and web_offset == 0.0,
-            f"{label}: web_thickness or web_offset is given without rim_thickness; a solid body has no web: give the "
-            "rim_thickness too",
+            f"{label}: web_thickness_mm or web_offset_mm is set without rim_thickness_mm, and a solid body has no web. "
+            "Set rim_thickness_mm too, or delete them",
         )
         return
     require(
         rim_inner_radius > bore_radius,
-        f"{label}: rim_thickness {rim_thickness:.6g} m reaches down to radius {rim_inner_radius:.6g} m, "
-        f"inside the bore {bore_radius:.6g} m: there is no web; leave rim_thickness out or reduce it",
+        f"{label}: rim_thickness_mm = {1000 * rim_thickness:.6g} reaches the bore of {2000 * bore_radius:.6g} mm, so "
+        f"that there is no web. Set less than {1000 * (root_radius - bore_radius):.6g}, or delete it for a solid body",
     )
     web = face_width if web_thickness is None else web_thickness
     require(
         0.1 * face_width <= web <= 1.2 * face_width,
-        f"{label}: web_thickness {web:.6g} m; give a value in [0.1, 1.2] face widths, [{0.1 * face_width:.6g}, "
-        f"{1.2 * face_width:.6g}] m",
+        f"{label}: web_thickness_mm = {1000 * web:.6g} is not between 0.1 and 1.2 face widths. Set "
+        f"{100 * face_width:.6g} to {1200 * face_width:.6g}",
     )
     reach = max(0.0, (face_width - web) / 2.0)
     require(
         abs(web_offset) <= reach * (1.0 + 1e-9),
-        f"{label}: web_offset {web_offset:.6g} m carries the web out of the face; the limit is {reach:.6g} m with "
-        f"a web of {web:.6g} m on a face of {face_width:.6g} m",
+        f"{label}: web_offset_mm = {1000 * web_offset:.6g} moves the web of {1000 * web:.6g} mm out of the face of "
+        f"{1000 * face_width:.6g} mm. Set {-1000 * reach:.6g} to {1000 * reach:.6g}",
     )

@@ -75,13 +75,13 @@ def class_factors(gear: Gear, grade: int) -> tuple[float, float, float, float]:
     """
     d, m_n, b = 2000.0 * gear.reference_radius, 1000.0 * gear.normal_module, 1000.0 * gear.face_width
     for bad, what in (
-        (grade not in GRADES, f"grade is {grade!r}; give a whole number from {GRADES[0]} to {GRADES[-1]}"),
-        (not 5 <= gear.teeth <= 1000, f"z is {gear.teeth}; ISO 1328-1 covers 5 to 1000 teeth"),
-        (not 5.0 <= d <= 15000.0, f"reference diameter is {d:.4g} mm; ISO 1328-1 covers 5 to 15000 mm"),
-        (not 0.5 <= m_n <= 70.0, f"normal module is {m_n:.4g} mm; ISO 1328-1 covers 0.5 to 70 mm"),
+        (grade not in GRADES, f"iso_grade = {grade!r} is not a whole number from {GRADES[0]} to {GRADES[-1]}"),
+        (not 5 <= gear.teeth <= 1000, f"ISO 1328-1 covers 5 to 1000 teeth, not {gear.teeth}"),
+        (not 5.0 <= d <= 15000.0, f"ISO 1328-1 covers reference diameters of 5 to 15000 mm, not {d:.4g} mm"),
+        (not 0.5 <= m_n <= 70.0, f"ISO 1328-1 covers normal modules of 0.5 to 70 mm, not {m_n:.4g} mm"),
     ):
         if bad:
-            raise GeometryError(f"tolerances of gear z={gear.teeth}: {what}; or switch deviations off")
+            raise GeometryError(f"tolerances of gear z={gear.teeth}: {what}")
     return d, m_n, b, math.sqrt(2.0) ** (grade - 5)
 
 

@@ -71,8 +71,8 @@ def flank_tolerance(gear: Gear, grade: int) -> FlankTolerance:
     d, m_n, b, factor = class_factors(gear, grade)
     if not 4.0 <= b <= 1200.0:
         raise GeometryError(
-            f"tolerances of gear z={gear.teeth}: face width is {b:.4g} mm; ISO 1328-1 covers 4 to 1200 mm; or leave "
-            "profile and helix deviations out"
+            f"tolerances of gear z={gear.teeth}: ISO 1328-1 covers face widths of 4 to 1200 mm for profile and helix "
+            f"deviations, not {b:.4g} mm"
         )
     profile = (0.4 * m_n + 0.001 * d + 4.0) * factor, (0.55 * m_n + 5.0) * factor
     helix = (

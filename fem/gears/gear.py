@@ -78,7 +78,7 @@ class Gear:
         require(self.hand in HANDS, f"{label}: hand is {self.hand!r}; choose one of {', '.join(HANDS)}")
         require(
             abs(self.profile_shift) <= 2.0,
-            f"{label}: profile_shift is {self.profile_shift!r} modules; give a value in [-2, 2]",
+            f"{label}: the profile shift coefficient {self.profile_shift:g} is not between -2 and 2. Correct it",
         )
         self._check_thickness(label)
         check_body(
@@ -97,39 +97,41 @@ class Gear:
         limit = 0.5 * self.normal_module
         require(
             abs(self.thickness_allowance) <= limit,
-            f"{label}: thickness_allowance is {self.thickness_allowance!r} m; give a value in "
-            f"[-{limit:.4g}, {limit:.4g}] m (half a module; negative thins the tooth)",
+            f"{label}: thickness_allowance_um = {1e6 * self.thickness_allowance:g} is more than half a module. Set "
+            f"{-1e6 * limit:.4g} to {1e6 * limit:.4g}; negative values make the tooth thinner",
         )
 
     def _check_tip(self, label: str) -> None:
         require(
             self.tip_radius > max(self.base_radius, self.root_radius),
-            f"{label}: tip radius {self.tip_radius:.6g} m is not above the base circle {self.base_radius:.6g} m and "
-            f"the root circle {self.root_radius:.6g} m: raise profile_shift or tip_alteration",
+            f"{label}: the tip circle of {2000 * self.tip_radius:.6g} mm is not outside the base circle of "
+            f"{2000 * self.base_radius:.6g} mm and the root circle of {2000 * self.root_radius:.6g} mm. Raise the "
+            "profile shift or tip_alteration_mm",
         )
         require(
             self.tip_thickness > 0.0,
-            f"{label}: the tooth is pointed, its transverse thickness at the tip circle is {self.tip_thickness:.3g} m "
-            "(limit > 0): reduce profile_shift or give a negative tip_alteration",
+            f"{label}: the tooth is pointed below its tip circle (tip thickness {1000 * self.tip_thickness:.3g} mm, it "
+            "must be above 0). Reduce the profile shift, or set a negative tip_alteration_mm",
         )
         for name in ("tip_chamfer", "tip_rounding"):
             value = getattr(self, name)
             require(value >= 0.0, f"{label}: {name} is {value!r} m; give a value >= 0")
         require(
             self.tip_chamfer == 0.0 or self.tip_rounding == 0.0,
-            f"{label}: tip_chamfer {self.tip_chamfer:.4g} m and tip_rounding {self.tip_rounding:.4g} m are both given; "
-            "a tip edge is either chamfered or rounded: leave one out",
+            f"{label}: tip_chamfer_mm = {1000 * self.tip_chamfer:.4g} and tip_rounding_mm = "
+            f"{1000 * self.tip_rounding:.4g} are both set; a tip edge is either chamfered or rounded. Delete one",
         )
         require(
             self.tip_rounding <= 0.5 * self.tip_thickness * math.cos(self.base_helix_angle) or self.tip_rounding == 0.0,
-            f"{label}: tip_rounding {self.tip_rounding:.4g} m does not fit on the tip land; the limit is half of its "
-            f"width, {0.5 * self.tip_thickness * math.cos(self.base_helix_angle):.4g} m",
+            f"{label}: tip_rounding_mm = {1000 * self.tip_rounding:.4g} does not fit on the tip land. Set at most half "
+            f"of its width, {500 * self.tip_thickness * math.cos(self.base_helix_angle):.4g}",
         )
         floor = max(self.base_radius, self.reference_radius - 0.5 * self.normal_module)
         require(
             self.tip_form_radius > floor,
-            f"{label}: the tip chamfer or rounding takes the involute down to radius {self.tip_form_radius:.6g} m; the "
-            f"limit is {floor:.6g} m: reduce it",
+            f"{label}: the tip chamfer or rounding leaves the involute up to a diameter of only "
+            f"{2000 * self.tip_form_radius:.6g} mm; it must reach {2000 * floor:.6g} mm. Reduce tip_chamfer_mm or "
+            "tip_rounding_mm",
         )
 
     @cached_property
@@ -225,8 +227,8 @@ class Gear:
         ratio = self.base_radius / radius
         require(
             ratio <= 1.0 + 1e-12,
-            f"gear z={self.teeth}: radius {radius:.6g} m is inside the base circle {self.base_radius:.6g} m; "
-            "the involute starts there",
+            f"gear z={self.teeth}: the diameter {2000 * radius:.6g} mm is inside the base circle of "
+            f"{2000 * self.base_radius:.6g} mm, where the involute starts",
         )
         return math.acos(min(1.0, ratio))
 

@@ -65,7 +65,7 @@ class GearPair:
         )
         require(
             p.helix_angle == 0.0 or p.hand != w.hand,
-            f"{label}: both gears are {p.hand} hand; meshing external helical gears need helices of opposite hand",
+            f"{label}: both gears are {p.hand} hand; one must be right-handed and the other left-handed",
         )
         require(
             math.isfinite(self.backlash_allowance),
@@ -76,8 +76,9 @@ class GearPair:
         base_sum = p.base_radius + w.base_radius
         require(
             math.isfinite(self.axis_distance) and self.axis_distance > base_sum,
-            f"{label}: centre_distance {self.axis_distance!r} m is not above the sum of the base radii "
-            f"{base_sum:.6g} m; the base circles would overlap: raise it",
+            f"{label}: the centre distance of {1000 * self.axis_distance:.6g} mm is not above the sum of the base "
+            "radii, "
+            f"{1000 * base_sum:.6g} mm. Raise centre_distance_mm",
         )
         self._check_backlash()
         self._check_clearance()
@@ -103,8 +104,9 @@ class GearPair:
         )
         require(
             target > 0.0,
-            f"{self.label}: the sum of profile shifts {shift:.4g} leaves no working pressure angle (inv alpha_wt = "
-            f"{target:.3g}, limit > 0): raise a profile shift",
+            f"{self.label}: with the sum of profile shifts {shift:.4g} there is no working pressure angle (inv "
+            "alpha_wt "
+            f"= {target:.3g}, it must be above 0). Raise pinion_profile_shift or wheel_profile_shift",
         )
         angle = brentq(lambda alpha: involute(alpha) - target, 1e-9, math.radians(60.0), xtol=1e-15)
         return (p.base_radius + w.base_radius) / math.cos(angle)
@@ -114,9 +116,11 @@ class GearPair:
         limit = -1e-4 * self.pinion.normal_module
         require(
             self._raw_backlash >= limit,
-            f"{self.label}: the teeth jam, backlash along the line of action is {self._raw_backlash:.4g} m at the "
-            f"centre distance {self.axis_distance:.6g} m (limit {limit:.2g} m, free of backlash at "
-            f"{self._tight_centre_distance():.6g} m): raise centre_distance or reduce a profile shift",
+            f"{self.label}: the teeth jam: at the centre distance of {1000 * self.axis_distance:.6g} mm the backlash "
+            "along "
+            f"the line of action is {1e6 * self._raw_backlash:.4g} um. Without thickness allowances it is 0 at "
+            f"{1000 * self._tight_centre_distance():.6g} mm. Raise centre_distance_mm, or reduce a profile shift or "
+            "thickness_allowance_um",
         )
 
     def _check_clearance(self) -> None:
@@ -124,30 +128,32 @@ class GearPair:
             clearance = self.axis_distance - tip.tip_radius - root.root_radius
             require(
                 clearance > 0.0,
-                f"{self.label}: the {name} tips touch the root circle of the other gear, tip clearance "
-                f"{clearance:.4g} m (limit > 0; usual 0.1 to 0.4 modules): give the {name} a negative tip_alteration",
+                f"{self.label}: the tips of the {name} touch the root circle of the mating gear: the tip clearance is "
+                f"{1000 * clearance:.4g} mm, usual are 0.1 to 0.4 modules. Set a negative {name}.tip_alteration_mm",
             )
 
     def _check_contact(self) -> None:
         for name, lowest, form in zip(("pinion", "wheel"), self._lowest_rolls(), self.form_rolls, strict=True):
             if lowest >= form - 1e-9 * self.pinion.base_radius:
                 continue
-            own, tip = (self.pinion, self.wheel) if name == "pinion" else (self.wheel, self.pinion)
+            other = "wheel" if name == "pinion" else "pinion"
+            own, tip = getattr(self, name), getattr(self, other)
             depth = root_penetration(own, tip, self.axis_distance, self.working_pressure_angle)
             limit = 1e-5 * self.pinion.normal_module
             require(
                 depth <= limit,
-                f"{self.label}: interference at the {name} root, the other gear's tip would touch at roll length "
-                f"{lowest:.6g} m but the involute starts at {form:.6g} m, and it cuts {depth:.4g} m into the fillet "
-                f"(limit {limit:.2g} m): raise the {name}'s profile shift or give the other gear a negative "
-                "tip_alteration",
+                f"{self.label}: interference at the root of the {name}: the tip of the {other} would touch it at roll "
+                f"length {1000 * lowest:.6g} mm, but the involute starts at {1000 * form:.6g} mm, and the tip cuts "
+                f"{1e6 * depth:.4g} um into the fillet (limit {1e6 * limit:.2g} um). Raise {name}_profile_shift, or "
+                "set "
+                f"a negative {other}.tip_alteration_mm",
             )
         require(
             self.transverse_contact_ratio > 0.0 and self.total_contact_ratio >= 1.0,
-            f"{self.label}: total contact ratio {self.total_contact_ratio:.4f} (eps_alpha "
-            f"{self.transverse_contact_ratio:.4f}, eps_beta {self.overlap_ratio:.4f}) is below 1; the motion would be "
-            "interrupted: raise the profile shift of a gear with few teeth, lengthen the tips, reduce centre_distance, "
-            "or raise helix angle or face width",
+            f"{self.label}: the total contact ratio {self.total_contact_ratio:.4f} (eps_alpha "
+            f"{self.transverse_contact_ratio:.4f}, eps_beta {self.overlap_ratio:.4f}) is below 1, the least for "
+            "continuous motion. Reduce the centre distance, or raise rack_addendum, tip_alteration_mm, "
+            "helix_angle_deg, face_width_mm or the profile shift of a gear with few teeth",
         )
 
     @property

@@ -28,6 +28,15 @@ from fem.gears.path import PathPoints
 from fem.gears.rack import require
 
 SHAPES = {"linear": 1, "parabolic": 2}
+_WORDS = {  # of a user, by name
+    "tip_relief": "the tip relief",
+    "root_relief": "the root relief",
+    "profile_crowning": "the profile crowning",
+    "lead_crowning": "the lead crowning",
+    "end_relief_low": "an end relief",
+    "end_relief_high": "an end relief",
+    "helix_slope": "the helix slope modification",
+}
 LARGEST_PART = 0.1  # modules; a larger amount is a mistake of units
 
 
@@ -150,17 +159,22 @@ def check_modifications(pair: GearPair, modifications: PairModifications) -> Non
         amounts = {item.name: getattr(own, item.name) for item in fields(own)}
         for key, value in amounts.items():
             amount = abs(getattr(value, "amount", value) or 0.0)
-            require(amount <= limit, f"{label}: {key} is {amount:.4g} m; the limit is 0.1 m_n = {limit:.4g} m")
+            require(
+                amount <= limit,
+                f"{label}: the amount of {_WORDS[key]} is {1e6 * amount:.4g} um, more than 0.1 modules. Set at most "
+                f"{1e6 * limit:.4g} um",
+            )
         low, high = active_roll(pair, name)
         starts = [
-            _relief_start(gear, relief, end, low, high, f"{label}: {key}")
+            _relief_start(gear, relief, end, low, high, f"{label}: {_WORDS[key]}")
             for key, relief, end in (("root_relief", own.root_relief, low), ("tip_relief", own.tip_relief, high))
             if relief is not None
         ]
         require(
             len(starts) < 2 or starts[0] <= starts[1],
-            f"{label}: root relief ends at roll length {starts[0]:.5g} m, above the start of the tip relief at "
-            f"{starts[-1]:.5g} m: shorten them"
+            f"{label}: the root relief ends at roll length {1000 * starts[0]:.5g} mm, above the start of the tip "
+            "relief "
+            f"at {1000 * starts[-1]:.5g} mm. Reduce length_mm of one of them"
             if starts
             else "",
         )
@@ -168,8 +182,9 @@ def check_modifications(pair: GearPair, modifications: PairModifications) -> Non
             relief = amounts[key]
             require(
                 relief is None or relief.length <= pair.face_width / 2,
-                f"{label}: {key} is {getattr(relief, 'length', 0.0):.5g} m long; the limit is half the face width, "
-                f"{pair.face_width / 2:.5g} m",
+                f"{label}: length_mm = {1000 * getattr(relief, 'length', 0.0):.5g} of an end relief is more than half "
+                "the "
+                f"face width. Set at most {500 * pair.face_width:.5g}",
             )
 
 
@@ -184,8 +199,9 @@ def _relief_start(gear: Gear, relief: Relief, end: float, low: float, high: floa
     bounds = [2 * math.hypot(gear.base_radius, value) for value in (low, high)]
     require(
         low - 1e-12 <= start <= high + 1e-12 and start != end,
-        f"{label}: starts at roll length {start:.5g} m (diameter {2 * math.hypot(gear.base_radius, start):.6g} m), the "
-        f"active profile reaches from {low:.5g} to {high:.5g} m (diameters {bounds[0]:.6g} to {bounds[1]:.6g} m)",
+        f"{label} starts at roll length {1000 * start:.5g} mm (diameter "
+        f"{2000 * math.hypot(gear.base_radius, start):.6g} mm), outside the active profile. Set diameter_mm between "
+        f"{1000 * bounds[0]:.6g} and {1000 * bounds[1]:.6g}, or length_mm up to {1000 * (high - low):.5g}",
     )
     return start
 

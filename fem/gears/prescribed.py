@@ -112,21 +112,24 @@ def check_prescribed(gear: Gear, given: PrescribedDeviations, positions: float) 
     for name, value in amounts.items():
         require(
             abs(value) <= limit,
-            f"gear z={gear.teeth}: {name} is {value * 1e6:.4g} um; the limit is 0.1 m_n = {limit * 1e6:.4g} um",
+            f"gear z={gear.teeth}: the {name} is {value * 1e6:.4g} um, more than 0.1 modules. Set at most "
+            f"{limit * 1e6:.4g} um",
         )
     most = math.floor(gear.teeth * positions / 8)
     for wave in given.waves:
         require(
             1 <= wave.order <= most,
-            f"gear z={gear.teeth}: the order of a wave is {wave.order}; give one from 1 to {most}, 8 of the "
-            f"{positions:g} grid points per pitch of the mesh law for each wave, or more positions",
+            f"gear z={gear.teeth}: order = {wave.order} of a wave is too high for {positions:g} mesh positions per "
+            "base "
+            f"pitch, 8 for each wave. Set 1 to {most}, or raise mesh.positions",
         )
     teeth = [error.tooth for error in given.teeth]
     if given.measured is not None:
         teeth += given.measured.tooth.tolist()
     for tooth in teeth:
         require(
-            0 <= tooth < gear.teeth, f"gear z={gear.teeth}: no tooth has the number {tooth}; give 0 to {gear.teeth - 1}"
+            0 <= tooth < gear.teeth,
+            f"gear z={gear.teeth}: there is no tooth {tooth}. Set 0 to {gear.teeth - 1}",
         )
 
 

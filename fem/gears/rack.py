@@ -37,20 +37,20 @@ class Rack:
     def __post_init__(self) -> None:
         for name in ("addendum", "dedendum"):
             value = getattr(self, name)
-            require(0.3 <= value <= 2.5, f"rack: {name} is {value!r} modules; give a value in [0.3, 2.5]")
+            require(0.3 <= value <= 2.5, f"rack_{name} = {value:g} modules is not between 0.3 and 2.5. Correct it")
         low, high = math.radians(10.0), math.radians(35.0)
         require(
             low <= self.pressure_angle <= high,
-            f"rack: pressure_angle is {self.pressure_angle!r} rad; give a value in "
-            f"[{low:.4f}, {high:.4f}] rad (10 to 35 deg)",
+            f"the pressure angle of {math.degrees(self.pressure_angle):g} deg is not between 10 and 35 deg. Correct "
+            "pressure_angle_deg",
         )
-        require(self.tip_radius >= 0.0, f"rack: tip_radius is {self.tip_radius!r} modules; give a value >= 0")
+        require(self.tip_radius >= 0.0, f"rack_tip_radius = {self.tip_radius:g} modules is below 0. Correct it")
         half_land = self.tip_land
         largest = self.tip_radius + half_land * math.cos(self.pressure_angle) / (1.0 - math.sin(self.pressure_angle))
         require(
             half_land >= -1e-12,
-            f"rack: tip_radius {self.tip_radius!r} modules does not fit between the flanks of the tool at dedendum "
-            f"{self.dedendum!r}; the limit is {largest:.4f} modules: reduce tip_radius or dedendum",
+            f"rack_tip_radius = {self.tip_radius:g} does not fit between the flanks of the basic rack with "
+            f"rack_dedendum = {self.dedendum:g}; at most {largest:.4f} fits. Reduce rack_tip_radius or rack_dedendum",
         )
 
     @property

@@ -100,7 +100,7 @@ def check_private(folder: Path) -> None:
         raise UnusableFolder(
             f"{folder} is shared by a group (mode {stat.S_IMODE(status.st_mode):o}), whose members could place code in "
             f"it that you would run. To share its disk: chmod +t {folder}, and every user sets GEARCASE_CACHE to a "
-            f"folder of their own in it, as {folder}/NAME. To share results: root fills a cache that others only read, "
+            f"separate folder in it, as {folder}/NAME. To share results: root fills a cache that others only read, "
             "see Sharing in docs/cache.md"
         )
     if reason:

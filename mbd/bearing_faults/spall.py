@@ -60,14 +60,14 @@ class Spall:
         widest = WIDEST * 2 * math.pi * self.surface(elements)
         if self.width > widest:
             raise MachineError(
-                f"spall on the {self.place}: width {self.width * 1e3:.4g} mm is more than a quarter of the "
-                f"circumference; give at most {widest * 1e3:.4g} mm."
+                f"spall on the {self.place}: width_mm = {self.width * 1e3:.4g} is more than a quarter of the "
+                f"circumference. Set at most {widest * 1e3:.4g}."
             )
         deepest = DEEPEST * elements.diameter
         if self.depth > deepest:
             raise MachineError(
-                f"spall on the {self.place}: depth {self.depth * 1e6:.4g} um is more than a tenth of the element's "
-                f"diameter; give at most {deepest * 1e6:.4g} um."
+                f"spall on the {self.place}: depth_um = {self.depth * 1e6:.4g} is more than a tenth of the element "
+                f"diameter. Set at most {deepest * 1e6:.4g}."
             )
 
     @property
@@ -108,8 +108,8 @@ def check_apart(spalls: Iterable[Spall], elements: RollingElements) -> None:
             turn = math.remainder(one.angle - other.angle, 2 * math.pi)
             if one.on == other.on and abs(turn) * one.surface(elements) < (one.width + other.width) / 2:
                 raise MachineError(
-                    f"two spalls on the {one.place} overlap: {math.degrees(abs(turn)):.4g} deg lie between their "
-                    "middles. Give one wider spall, or move them apart."
+                    f"two spalls on the {one.place} overlap: the angle between their centres is "
+                    f"{math.degrees(abs(turn)):.4g} deg. Set one wider spall, or correct angle_deg."
                 )
 
 

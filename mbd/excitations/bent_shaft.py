@@ -61,8 +61,8 @@ class BentShaft(TurningForce):
         finite(f"{self.name} angle", self.angle)
         if abs(self.straight[1] - self.straight[0]) < APART or min(abs(y - self.y) for y in self.straight) < APART:
             raise MachineError(
-                f"{self.name}: bent by {self.bow} m at y = {self.y} m and straight at {self.straight} m; give two "
-                "places beside it, e.g. its bearings."
+                f"{self.name}: the bow at y = {1000 * self.y:g} mm is at a place that stays straight. Set two other "
+                "places, usually the bearings."
             )
 
     @property

@@ -77,7 +77,7 @@ class RopePendulum(Rope):
             if not abs(angle) < math.radians(75):
                 raise MachineError(f"rope sway {angle!r} rad must be below 75 deg.")
         if self.ground is not None:
-            raise MachineError("rope: a swinging container has no ground under it; use the load model 'rope'.")
+            raise MachineError("a swinging mass has no ground below it. Delete ground_level_m, or set model = 'rope'.")
 
     @property
     def coordinates(self) -> tuple[str, ...]:

@@ -242,6 +242,7 @@ def semidefinite(where: str, matrix: np.ndarray) -> None:
     lowest = float(np.linalg.eigvalsh(matrix / np.outer(scale, scale)).min()) if size else 0.0
     if lowest < -1e-9:
         raise MachineError(
-            f"{where}: is indefinite (lowest eigenvalue {lowest:.3g} of the matrix scaled to unit diagonal). Lower the "
-            "cross terms below the root of the product of their diagonal terms."
+            f"{where}: is not positive definite (lowest eigenvalue {lowest:.3g} of the matrix scaled to unit "
+            "diagonal). "
+            "Reduce the cross stiffness below the geometric mean of the stiffnesses along x and z."
         )

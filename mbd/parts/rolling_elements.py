@@ -51,8 +51,9 @@ class RollingElements:
         room = self.pitch_diameter * math.sin(math.pi / self.count)
         if self.diameter > room:
             raise MachineError(
-                f"rolling elements: {self.count} of diameter {self.diameter * 1e3:.3f} mm overlap on pitch diameter "
-                f"{self.pitch_diameter * 1e3:.3f} mm; at most {room * 1e3:.3f} mm fit."
+                f"{self.count} rolling elements of element_diameter_mm = {self.diameter * 1e3:g} overlap on "
+                f"pitch_diameter_mm = {self.pitch_diameter * 1e3:g}. Set an element diameter of at most "
+                f"{room * 1e3:.3f}."
             )
         if abs(self.contact_angle) >= math.radians(75):
             raise MachineError(
@@ -60,7 +61,7 @@ class RollingElements:
                 "bearings are not modelled."
             )
         if self.kind == "roller":
-            positive("rolling elements length", self.length, "A roller needs its effective contact length.")
+            positive("rolling elements length", self.length, "Set the effective contact length, roller_length_mm.")
         else:
             not_negative("rolling elements inner_conformity above 0.5", self.inner_conformity - 0.5 - 1e-6)
             not_negative("rolling elements outer_conformity above 0.5", self.outer_conformity - 0.5 - 1e-6)

@@ -134,7 +134,8 @@ class ShaftSpec(Component):
         """Raise MachineError if ``y`` is off the shaft."""
         if not self.y_start - 1e-9 <= y <= self.y_end + 1e-9:
             raise MachineError(
-                f"{what}: y = {y} m is off {self.name}, which reaches from {self.y_start} to {self.y_end} m."
+                f"{what}: y = {1000 * y:g} mm is not on {self.name}, which extends from {1000 * self.y_start:g} to "
+                f"{1000 * self.y_end:g} mm."
             )
 
     def section_at(self, y: float) -> Section:
@@ -220,8 +221,9 @@ def shaft_nodes(spec: ShaftSpec, stations: tuple[float, ...] = ()) -> np.ndarray
     if pieces.sum() >= MOST_NODES:
         raise MachineError(
             f"shaft {spec.name}: {6 * (pieces.sum() + 1):.6g} coordinates, more than {6 * MOST_NODES}: it is "
-            f"{spec.y_end - spec.y_start:.6g} m long in elements of at most {spec.element_length:.4g} m. Raise "
-            "element_length (element_length_mm of the scene's shaft_model), or shorten the shaft."
+            f"{1000 * (spec.y_end - spec.y_start):.6g} mm long in elements of at most "
+            f"{1000 * spec.element_length:.4g} mm. "
+            "Raise shaft_model.element_length_mm."
         )
     nodes = [points[:1]]
     for a, b, n in zip(points[:-1], points[1:], pieces.astype(int), strict=True):

@@ -199,7 +199,7 @@ def rolling_elements(table: HertzBearings) -> RollingElements:
     if table.designation is not None:
         return replace(by_designation(table.designation), **changes)
     if table.kind is None or table.elements is None or table.element_diameter_mm is None:
-        raise MachineError("bearings: give a designation, or kind, elements and diameters.")
+        raise MachineError("bearings: set designation, or kind, elements, element_diameter_mm and pitch_diameter_mm.")
     return RollingElements(
         kind=table.kind,
         count=table.elements,

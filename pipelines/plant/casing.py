@@ -193,7 +193,10 @@ def element_sizes(table: FlexibleBase, box: Geometry, iron: Material, source: st
             wall = table.housing.wall_thickness_mm / 1000
         else:
             problem = "is needed for casing.elements_per_wavelength of a housing from a file"
-            raise SceneError(source, [Problem("casing.housing.wall_thickness_mm", problem, "Give its thinnest wall.")])
+            raise SceneError(
+                source,
+                [Problem("casing.housing.wall_thickness_mm", problem, "Set the thickness of its thinnest wall.")],
+            )
         size = min(size, bending_wavelength(iron, wall, table.band_Hz) / table.elements_per_wavelength)
     local = (table.bore_element_size_mm, table.foot_element_size_mm)
     bore, foot = (None if one is None else one / 1000 for one in local)

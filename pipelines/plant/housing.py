@@ -93,7 +93,7 @@ def housing(
     except (HousingError, InputError) as error:
         if isinstance(error, SceneError):
             raise
-        raise SceneError(source, [Problem("casing.housing", str(error))]) from error
+        raise SceneError(source, [Problem("casing.housing", line) for line in str(error).splitlines()]) from error
 
 
 def sensors(tables: Sequence[SensorTable]) -> tuple[Sensor, ...]:
@@ -168,12 +168,14 @@ def seat_problems(given: Sequence[str], bearings: int) -> Iterator[Problem]:
     """What is wrong with the names of the seats given for so many bearings."""
     wanted = [f"bearing_{number}" for number in range(1, bearings + 1)]
     if missing := [name for name in wanted if name not in given]:
-        yield Problem("casing.housing.bearings", f"{', '.join(missing)} not located", "Give the seat of every bearing")
+        yield Problem(
+            "casing.housing.bearings", f"there is no seat for {', '.join(missing)}", "Add a table for every bearing"
+        )
     if unknown := [name for name in given if name not in wanted]:
         yield Problem(
             "casing.housing.bearings",
-            f"{', '.join(unknown)} belong to no shaft (the shafts have {wanted[0]} to {wanted[-1]})",
-            "Leave them out",
+            f"there is no bearing {', '.join(unknown)}; the shafts have {wanted[0]} to {wanted[-1]}",
+            "Correct the name, or delete the table",
         )
 
 
@@ -198,12 +200,12 @@ def _frame(name: str, axes: tuple[Point, Point, Point]) -> tuple[Point, Point, P
     rows = np.array(axes, float)
     sizes = np.linalg.norm(rows, axis=1)
     if not sizes.all():
-        raise HousingError(f"{name}: an axis of {axes} has no length; give three orthogonal directions")
+        raise HousingError(f"{name}: one of {axes} is no direction. Set three orthogonal directions")
     rows = rows / sizes[:, None]
     skew = np.abs(rows @ rows.T - np.eye(3)).max()
     if skew > _SKEW:
         raise HousingError(
-            f"{name}: the axes {axes} are not orthogonal (cosine {skew:.3g}, limit {_SKEW:g}); correct one of them"
+            f"{name}: the axes {axes} are not orthogonal (cosine {skew:.3g}, limit {_SKEW:g}). Correct one of them"
         )
     u, _, v = np.linalg.svd(rows)
     first, second, third = np.where(np.abs(rows - u @ v) < 1e-12, rows, u @ v).tolist()

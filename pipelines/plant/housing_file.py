@@ -25,7 +25,7 @@ def main(arguments: list[str]) -> int:
     casing = make_plant(scene).casing
     made = None if casing is None else casing.geometry
     if not isinstance(made, Housing):
-        raise InputError(f"{name}: has no parametric housing. Give a scene whose casing.housing.model is parametric.")
+        raise InputError(f"{name}: has no parametric housing. Set a scene whose casing.housing.model is parametric.")
     write_step(made, Path(target))
     sys.stdout.write(f"{target} {content_hash(Path(target))}\n")
     return 0

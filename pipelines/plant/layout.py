@@ -12,7 +12,6 @@ from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.flanks import modifications
 from pipelines.plant.torques.drives import highest_rpm
 from pipelines.plant.torques.loads import load_torque, loaded_shaft
-from pipelines.plant.units import in_millimetres
 from pipelines.scene.phases import mesh_cycles
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.base import MaterialTable
@@ -47,8 +46,8 @@ def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
     """
     pinion_hand = stage.pinion_hand
     pair = GearPair(
-        pinion=_gear(stage, "pinion", pinion_hand, sense),
-        wheel=_gear(stage, "wheel", "left" if pinion_hand == "right" else "right", sense),
+        pinion=_named_gear(stage, "pinion", pinion_hand, sense),
+        wheel=_named_gear(stage, "wheel", "left" if pinion_hand == "right" else "right", sense),
         centre_distance=None if stage.centre_distance_mm is None else stage.centre_distance_mm / 1000,
         pinion_material=steel,
         wheel_material=steel,
@@ -62,10 +61,18 @@ def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
         return replace(pair, centre_distance=None, backlash_allowance=wanted / 1_000_000)
     if wanted / 1_000_000 < pair.backlash - 1e-9:
         raise GeometryError(
-            f"{pair.label}: backlash_um = {wanted:g} is less than the {pair.backlash * 1e6:.1f} um that centre "
-            "distance and thickness allowances leave: raise it, leave it out, or reduce the centre distance"
+            f"{pair.label}: backlash_um = {wanted:g} is less than the {pair.backlash * 1e6:.1f} um of centre distance "
+            "and "
+            "thickness allowances. Raise it, delete it, or reduce centre_distance_mm"
         )
     return replace(pair, backlash_allowance=wanted / 1_000_000 - pair.backlash)
+
+
+def _named_gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
+    try:
+        return _gear(stage, name, hand, sense)
+    except GeometryError as error:
+        raise GeometryError(f"{name}: {error}") from error
 
 
 def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
@@ -165,7 +172,7 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
             flanks.append(modifications(stage, sense))
             check_modifications(pairs[-1], flanks[-1])
         except GeometryError as error:
-            problems.append(Problem(f"stages.{number}", in_millimetres(str(error))))
+            problems.append(Problem(f"stages.{number}", str(error)))
     if problems:
         raise SceneError(source, problems)
     places, problems = place_shafts(len(scene.shafts), scene.stages, pairs, scene.couplings)

@@ -1,9 +1,8 @@
-"""From the units of a scene to SI, by the ends of the keys ("depth_mm" = 2 is depth = 0.002 m), and back."""
+"""From the units of a scene to SI, by the ends of the keys ("depth_mm" = 2 is depth = 0.002 m)."""
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -16,18 +15,6 @@ UNITS: dict[str, Callable[[float], float]] = {  # divisions by exact integers: 4
     "deg": math.radians,
     "Hz": lambda value: value,
 }
-
-_NUMBER = r"-?\d[\d.]*(?:e[+-]?\d+)?"
-_LENGTHS = re.compile(rf"(?<![\w.])((?:{_NUMBER}(?:, | to )[\[(]?)?{_NUMBER}[\])]?) m\b(?! ?_)")
-
-
-def in_millimetres(message: str) -> str:
-    """A message of the geometry, which is in SI, with its lengths in mm: "in (0, 0.00225] m" is "in (0, 2.25] mm"."""
-
-    def scaled(lengths: re.Match[str]) -> str:
-        return re.sub(_NUMBER, lambda number: f"{1000 * float(number[0]):.6g}", lengths[1]) + " mm"
-
-    return _LENGTHS.sub(scaled, message)
 
 
 def si_options(table: Table, *, without: type[Table]) -> dict[str, Any]:

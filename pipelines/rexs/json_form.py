@@ -76,18 +76,18 @@ def _relation(table: Mapping[str, Any], source: str) -> Relation:
 def _list(table: Mapping[str, Any], key: str, source: str) -> Sequence[Any]:
     value = table.get(key, [])
     if not isinstance(value, list):
-        raise RexsError(f"{source}: {key} is {shown_value(value)}, a list is wanted. Give a REXS file.")
+        raise RexsError(f"{source}: {key} is {shown_value(value)}, and must be a list. Set a REXS file.")
     return value
 
 
 def _table(value: Any, source: str) -> Mapping[str, Any]:
     if not isinstance(value, Mapping):
-        raise RexsError(f"{source}: {shown_value(value)} stands where REXS has an object. Give a REXS file.")
+        raise RexsError(f"{source}: {shown_value(value)} is in a place of an object of REXS. Set a REXS file.")
     return value
 
 
 def _whole(table: Any, source: str) -> int:
     value = _table(table, source).get("id")
     if not isinstance(value, int) or isinstance(value, bool):
-        raise RexsError(f"{source}: id = {shown_value(value)}: a whole number is wanted. Correct it.")
+        raise RexsError(f"{source}: id = {shown_value(value)} must be a whole number. Correct it.")
     return value

@@ -58,7 +58,7 @@ def read_operation(document: Document, carried: Mapping[int, int], senses: Mappi
     shafts, stages = train.order(source)
     notes = [*guessed]
     if len(cases) > 1:
-        reason = f"the most frequent of {len(cases)} load cases; the others stand as comments at [drive]"
+        reason = f"the most frequent of {len(cases)} load cases; the others are comments at [drive]"
         notes.append(Note(kind="assumed", where="load case", value=described[chosen].name, reason=reason))
     loads = [load for load in document.parts(sink, "external_load") if _transmits(load)]
     return Operation(
@@ -142,7 +142,7 @@ class _Train:
         named = [end for end in ends if document.components[end.number_in_file].text("defines_speed") == "true"]
         source = named[0] if named else ends[0]
         sink = ends[1] if source is ends[0] else ends[0]
-        reason = "no torque says where power enters" + (
+        reason = "no torque determines where power enters" + (
             "; it defines the speed" if named else "; the first in the file"
         )
         return source, sink, [Note(kind="assumed", where="input", value=source.label, reason=reason)]

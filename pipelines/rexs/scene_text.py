@@ -23,7 +23,7 @@ STEEL = Material(elastic_modulus=206_000.0, poisson_ratio=0.3, density=7.85)
 GRADE = 5
 HARMONICS = 20  # of the fastest mesh, times two, that the record holds
 HEADINGS = {
-    "assumed": "Assumed: the file does not say.",
+    "assumed": "Assumed: not given in the file.",
     "changed": "Changed: a scene cannot express it as the file has it.",
     "left out": "Left out: in the file, not in this scene.",
 }
@@ -137,7 +137,10 @@ def _grade(unit: GearUnit) -> tuple[int, list[Note]]:
 
 def _simplest() -> Iterator[Note]:
     yield Note(
-        kind="assumed", where="casing.model", value="none", reason="bearings stand on the ground: REXS has no housing"
+        kind="assumed",
+        where="casing.model",
+        value="none",
+        reason="bearings are held by the ground: REXS has no housing",
     )
     yield Note(kind="assumed", where="stages.mesh.model", value="iso", reason="a first look within seconds")
 
@@ -234,7 +237,7 @@ def _plain_lines(grade: int) -> list[str]:
         "seed = 1",
         "",
         "[casing]",
-        'model = "none"  # signals are bearing forces; for sensors on a housing give one, docs/scene-keys.md:',
+        'model = "none"  # signals are bearing forces; for sensors set a housing, see docs/scene-keys.md:',
         '# model = "rigid", with [casing.housing] (box, or model = "step" with a file), [casing.material], [[sensors]]',
     ]
 

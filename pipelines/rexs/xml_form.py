@@ -27,7 +27,7 @@ def document_of_xml(content: bytes, source: str) -> Document:
     except (ET.ParseError, LookupError, ValueError) as error:  # the last two: encodings that are not known
         raise RexsError(f"{source}: not valid XML: {shown(str(error))}. Correct that line.") from error
     if root.tag != "model":
-        raise RexsError(f"{source}: its root is <{shown(root.tag)}>, that of REXS is <model>. Give a REXS file.")
+        raise RexsError(f"{source}: its root is <{shown(root.tag)}>, that of REXS is <model>. Set a REXS file.")
     cases = {
         _whole(case, "id", source): {_whole(one, "id", source): _attributes(one) for one in case.iterfind("component")}
         for case in root.iterfind("load_spectrum/load_case")
@@ -76,7 +76,5 @@ def _relation(element: ET.Element, source: str) -> Relation:
 def _whole(element: ET.Element, key: str, source: str) -> int:
     text = element.get(key, "")
     if not (text.isascii() and text.isdigit() and len(text) < 10):
-        raise RexsError(
-            f'{source}: <{shown(element.tag)} {key}="{shown(text)}">: a whole number is wanted. Correct it.'
-        )
+        raise RexsError(f'{source}: <{shown(element.tag)} {key}="{shown(text)}">: must be a whole number. Correct it.')
     return int(text)

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from pipelines.scene.file import LoadedScene
 
 
+MOST_DIFFERENCES = 10  # of scene and control that are listed; more belong to another machine
+
+
 @dataclass(frozen=True, kw_only=True)
 class Checked:
     """A scene that can be run."""
@@ -56,9 +59,11 @@ def check_scene(loaded: LoadedScene) -> Checked:
     study = plan_study(loaded)
     warnings = list(design_warnings(loaded.scene, study.plant.layout))
     if study.control is not None:
-        control = study.control.name
         lines = control_differences(loaded, study.control)
-        warnings += [f"the control {control} differs in more than the fault: {line}" for line in lines]
+        head = f"the control {study.control.name} differs in more than the fault"
+        warnings += [f"{head}: {line}" for line in lines[:MOST_DIFFERENCES]]
+        if more := len(lines) - MOST_DIFFERENCES:
+            warnings += [f'{head}: {more} further values. Set control = "without-faults"'] if more > 0 else []
     return Checked(
         plant=study.plant,
         facts=study.plant.facts,

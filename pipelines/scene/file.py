@@ -223,14 +223,17 @@ def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
     if base is None:
         return Merged(tree)
     if not isinstance(base, str):
-        raise SceneError(source.shown, [Problem("extends", "must be the name of one scene", 'Write extends = "..."')])
+        raise SceneError(
+            source.shown,
+            [Problem("extends", "must be the name of one scene", 'Write it in quotes, as in extends = "bench"')],
+        )
     chain = (*seen, identity(source))
     below = find_source(base, source.folder)
     if identity(below) in chain:
         circle = " -> ".join(Path(one).name for one in (*chain, identity(below)))
-        raise InputError(f"{source.shown}: extends goes in a circle ({shown(circle)}). Remove one of these extends.")
+        raise InputError(f"{source.shown}: extends forms a circle ({shown(circle)}). Delete one of these extends.")
     if len(chain) > LONGEST_CHAIN:
-        raise InputError(f"{source.shown}: extends goes on beyond {LONGEST_CHAIN} scenes. Join some of them.")
+        raise InputError(f"{source.shown}: more than {LONGEST_CHAIN} scenes extend one another. Join some of them.")
     return shortened(read_tree(below, chain), tree, source.shown)
 
 
@@ -277,7 +280,11 @@ def find_source(name: str | Path, folder: Path | None = None) -> Source:
         content = read_text(path, MOST_BYTES)
     except FileNotFoundError:
         near = nearest_name(path.name, names_beside(path, ".toml"))
-        hint = f"Did you mean {shown(near)}?" if near else "Check the path, or start one with: gearcase new FILE.toml"
+        hint = (
+            f"Did you mean {shown(near)}?"
+            if near
+            else "Correct the path, or write a new scene with: gearcase new FILE.toml"
+        )
         raise InputError(f"{shown(text)}: no such file. {hint}") from None
     path = Path(os.path.realpath(path))
     return Source(path.stem, content, path.parent, shown(text))
@@ -297,8 +304,8 @@ def _shipped_source(name: str) -> Source:
     near = nearest_name(name, names)
     hint = f"Did you mean {near}? " if near else ""
     raise InputError(
-        f"{shown(name)}: not the name of a shipped scene. {hint}Shipped: {', '.join(names)}; "
-        "a scene of your own is a path that ends in .toml."
+        f"{shown(name)}: there is no shipped scene of this name. {hint}Set one of {', '.join(names)}, "
+        "or a path that ends in .toml."
     )
 
 

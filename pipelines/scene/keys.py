@@ -1,90 +1,274 @@
-"""The reference of all scene keys as Markdown, made from the validators: `python -m pipelines.scene.keys`."""
+"""The reference of all scene keys as Markdown, made from the validators: `python -m pipelines.scene.keys`.
+
+A table has one section, however many places of a scene may hold it. Its heading is the shortest of these places, with
+the model where a place offers several. Headings differ from one another, so that every link finds its section.
+"""
 
 from __future__ import annotations
 
+import re
+import types
 import typing
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from pipelines.border.toml_text import format_value
 from pipelines.scene.scene import Scene
+from pipelines.scene.tables.samples import ColumnTable
 
 HEAD = """# Scene keys
 
-Made from the validators by `python -m pipelines.scene.keys docs/scene-keys.md`; a test keeps it current. Numbers are
-in the unit of the key's suffix. Arrays of tables are numbered from 1 in messages and in
-`--set stages.1.face_width_mm=14`. `extends = "rig-healthy"` at the top of a file takes over everything of another scene
-that the file does not give itself.
+Every key of a scene file, made from the validators by `python -m pipelines.scene.keys docs/scene-keys.md`.
+
+- The suffix of a key is its unit: `face_width_mm`, `speeds_rpm`, `torque_N_m`. Without a suffix a number has no unit.
+- x points across the shafts, y along them and z up. Shaft 1 is at x = z = 0, and y = 0 is the middle of the housing.
+- `[name]` is a table, `[[name]]` an item of a list of tables. Messages and `--set stages.1.face_width_mm=14` count
+  items from 1.
+- Most tables of models are chosen by their key `model`, and faults by `kind`.
+- `extends = "rig-healthy"` at the top of a file takes over every value of another scene that the file does not give.
 """
+TOP = "Top level"
+FROM_FILE = "values from a file"
+Tables = tuple[type[BaseModel], ...]
 
 
-def tables(annotation: object) -> list[type[BaseModel]]:
+@dataclass
+class _Sections:
+    """Where the tables of a scene may be: places by tables, in the order in which a scene offers them."""
+
+    places: dict[Tables, list[str]] = field(default_factory=dict)
+    parents: dict[Tables, list[type[BaseModel]]] = field(default_factory=dict)
+
+    def collect(self, table: type[BaseModel], path: str) -> None:
+        """Note the tables below one that is at the path, e.g. "stages[].mesh" for the key `mesh` of a stage."""
+        for name, member in table.model_fields.items():
+            inner = tables(member.annotation)
+            if not inner:
+                continue
+            place = ".".join(part for part in (path, f"{name}[]" if _is_list(member.annotation) else name) if part)
+            if table not in (above := self.parents.setdefault(inner, [])):
+                above.append(table)
+            if place not in (known := self.places.setdefault(inner, [])):
+                known.append(place)
+                for one in inner:
+                    self.collect(one, place)
+
+    def heading(self, members: Tables) -> str:
+        """Heading of the section of one table, or of a choice of tables."""
+        if members == (ColumnTable,):
+            return FROM_FILE
+        found = _shortest(self.places[members])
+        same = [other for other, places in self.places.items() if _shortest(places) == found]
+        return f"{found}: {', '.join(map(_value, self.parents[members]))}" if len(same) > 1 else found
+
+    def link(self, members: Tables) -> str:
+        """Link to that section."""
+        return f"[{self.heading(members)}](#{slug(self.heading(members))})"
+
+    def ordered(self) -> list[Tables]:
+        """All sections: those below a key of the scene together, in the order of these keys."""
+        top = [*Scene.model_fields, FROM_FILE]
+        return sorted(self.places, key=lambda members: top.index(re.split("[.:]", self.heading(members))[0]))
+
+
+def tables(annotation: object) -> Tables:
     """The table classes inside a type: itself, the members of a union, the items of a tuple."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    found: list[type[BaseModel]] = []
-    for argument in typing.get_args(annotation):
-        found += tables(argument)
-    return found
+        return (annotation,)
+    return tuple(one for argument in typing.get_args(annotation) for one in tables(argument))
 
 
-def limits(field: FieldInfo) -> str:
-    """Bounds and choices of a field as text."""
-    parts = []
-    for item in field.metadata:
-        for kind, sign in ((Gt, ">"), (Ge, ">="), (Lt, "<"), (Le, "<=")):
-            if isinstance(item, kind):
-                parts.append(f"{sign} {getattr(item, kind.__name__.lower()):g}")
-    if typing.get_origin(field.annotation) is typing.Literal:
-        parts.append(" \\| ".join(f"`{choice}`" for choice in typing.get_args(field.annotation)))
-    return ", ".join(parts)
-
-
-def meaning(field: FieldInfo) -> str:
-    """What the key is: its description, else that of the table behind it."""
-    if field.description:
-        return field.description
-    inner = tables(field.annotation)
-    return (
-        (inner[0].__doc__ or "").split("\n")[0].strip() if len(inner) == 1 else "one of the models below" * bool(inner)
-    )
-
-
-def default(field: FieldInfo) -> str:
-    """The default as text; empty for a required key."""
-    if field.is_required():
-        return "required"
-    value = field.default if field.default_factory is None else field.default_factory()  # type: ignore[call-arg]
-    if isinstance(value, BaseModel):
-        return "see below"
-    return "none" if value is None else f"`{list(value) if isinstance(value, tuple) else value}`"
-
-
-def section(path: str, table: type[BaseModel], seen: list[str]) -> list[str]:
-    """The lines of one table and of the tables in it."""
-    lines = [f"\n## {path or 'top level'}" + (f" ({table.model_fields['model'].default})" if _is_model(table) else "")]
-    lines += ["", " ".join((table.__doc__ or "").split()), ""]
-    lines += ["| key | meaning | limits | default |", "|---|---|---|---|"]
-    inner: list[tuple[str, type[BaseModel]]] = []
-    for name, field in table.model_fields.items():
-        lines.append(f"| `{name}` | {meaning(field)} | {limits(field)} | {default(field)} |")
-        inner += [(f"{path}.{name}".strip("."), member) for member in tables(field.annotation)]
-    for where, member in inner:
-        if f"{where}:{member.__name__}" not in seen:
-            seen.append(f"{where}:{member.__name__}")
-            lines += section(where, member, seen)
-    return lines
-
-
-def _is_model(table: type[BaseModel]) -> bool:
-    return "model" in table.model_fields and isinstance(table.model_fields["model"].default, str)
+def slug(heading: str) -> str:
+    """Anchor of a heading, as MyST and hosts of Markdown make it."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
 
 
 def scene_keys() -> str:
     """The whole page."""
-    return HEAD + "\n".join(section("", Scene, [])) + "\n"
+    sections = _Sections()
+    sections.collect(Scene, "")
+    lines = [f"\n## {TOP}", *_rows(Scene, sections)]
+    for members in sections.ordered():
+        lines += _section(members, sections)
+    return HEAD + "\n".join(lines) + "\n"
+
+
+def _section(members: Tables, sections: _Sections) -> Iterator[str]:
+    """The lines of a table, or of a choice of tables with the sections of each."""
+    heading = sections.heading(members)
+    level = "###" if "." in heading else "##"
+    yield f"\n{level} {heading}"
+    places = ", ".join(f"`{_header(place)}`" for place in sections.places[members])
+    if len(members) == 1:
+        yield f"\n{_text(members[0])}\n\n{places}"
+        yield from _rows(members[0], sections)
+        return
+    tag = _tag(members[0])
+    links = ", ".join(f"[{_value(one)}](#{slug(f'{heading}: {_value(one)}')})" for one in members)
+    yield f"\n{places}: one of the tables {links}, chosen by `{tag}`."
+    for number, one in enumerate(members):
+        yield f"\n### {heading}: {_value(one)}\n\n`{tag} = {format_value(_value(one))}`: {_text(one)}"
+        other = max((m for m in members[:number] if _keys(m).items() <= _keys(one).items()), key=_count, default=None)
+        if other is not None and _keys(other):
+            yield f"\nAll keys of [{_value(other)}](#{slug(f'{heading}: {_value(other)}')}), and:"
+        yield from _rows(one, sections, _keys(other) if other is not None else {})
+
+
+def _rows(
+    table: type[BaseModel], sections: _Sections, known: Mapping[str, str] = MappingProxyType({})
+) -> Iterator[str]:
+    """Rows of the keys of a table, without those that are known from another one."""
+    members = {
+        name: member for name, member in table.model_fields.items() if name in _keys(table).keys() - known.keys()
+    }
+    yield "\n| key | meaning | values | default |\n|---|---|---|---|" if members else "\nNo other keys."
+    for name, member in members.items():
+        inner = tables(member.annotation)
+        meaning = (member.description or "").replace("|", "\\|")
+        if inner:
+            meaning += (", or " if _is_list_of_numbers(member) else ": " if meaning else "") + sections.link(inner)
+        yield f"| `{name}` | {meaning} | {values(member, name)} | {default(member)} |"
+
+
+def values(member: FieldInfo, name: str) -> str:
+    """What a key may hold: kind of value, limits and unit."""
+    unit = next((text for suffix, text in _UNITS.items() if name.endswith(f"_{suffix}")), "")
+    return _kind(member.annotation, member.metadata, unit)
+
+
+def _kind(annotation: Any, limits: list[Any], unit: str) -> str:
+    origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
+    if origin is typing.Annotated:
+        inner = [one for item in arguments[1:] for one in (item.metadata if isinstance(item, FieldInfo) else [item])]
+        return _kind(arguments[0], [*inner, *limits], unit)
+    if origin is typing.Literal:
+        *first, last = (f"`{format_value(choice)}`" for choice in arguments)
+        return f"{', '.join(first)} or {last}" if first else last
+    if origin in (typing.Union, types.UnionType):
+        kinds = [_kind(one, limits, unit) for one in arguments if one is not type(None)]
+        return ", or ".join(dict.fromkeys(kinds))
+    if origin is tuple and arguments[-1] is ...:
+        item = _several(_kind(arguments[0], [], unit))
+        return item if item.startswith("rows") else f"list of {item}"
+    if origin is tuple:
+        kinds = [_kind(one, [], unit) for one in arguments]
+        if len(set(kinds)) == 1:
+            return f"{len(kinds)} {_several(kinds[0])}"
+        return f"{len(kinds)} numbers ({'; '.join(kinds)})"
+    if origin is dict:
+        return f"table of names, each {_kind(arguments[1], [], unit)}"
+    if annotation is bool:
+        return "`true` or `false`"
+    if annotation is str:
+        return "text"
+    if annotation is int:
+        return ", ".join(["whole number", *_range(limits)])
+    if annotation is float:
+        limit = " and ".join(_range(limits))
+        return f"{limit} {unit}".rstrip() if limit else f"number in {unit}" if unit else "number"
+    return "table"
+
+
+def _several(kind: str) -> str:
+    """Many of a kind of value: numbers, rows of numbers, tables."""
+    if kind[0].isdigit() and " numbers" in kind:
+        return f"rows of {kind}"
+    plural = re.sub(r"^(whole number|number|table|text)", r"\1s", kind)
+    return kind if kind.startswith("`") else plural if plural != kind else f"numbers, {kind}"
+
+
+def _range(limits: list[Any]) -> list[str]:
+    """The narrowest bounds of a number as text; nothing where it has none."""
+    low = [(float(typing.cast(Any, one.ge)), "at least") for one in limits if isinstance(one, Ge)]
+    low += [(float(typing.cast(Any, one.gt)), "above") for one in limits if isinstance(one, Gt)]
+    high = [(float(typing.cast(Any, one.le)), "at most") for one in limits if isinstance(one, Le)]
+    high += [(float(typing.cast(Any, one.lt)), "below") for one in limits if isinstance(one, Lt)]
+    least, most = max(low, default=None), min(high, default=None)
+    if least and most and (least[1], most[1]) == ("at least", "at most"):
+        return [f"{_number(least[0])} to {_number(most[0])}"]
+    return [f"{words} {_number(bound)}" for bound, words in filter(None, (least, most))]
+
+
+def _number(value: float) -> str:
+    short = f"{value:g}".replace("e+0", "e")
+    return short if float(short) == value and abs(value) >= 1e6 else f"{value:.0f}" if value.is_integer() else short
+
+
+def default(member: FieldInfo) -> str:
+    """The default as it is written in a scene."""
+    if member.is_required():
+        return "required"
+    value: Any = member.default if member.default_factory is None else member.default_factory()  # type: ignore[call-arg]
+    if isinstance(value, BaseModel):
+        return f"{_tag(type(value))} `{_value(type(value))}`" if len(tables(member.annotation)) > 1 else "its defaults"
+    return "none" if value is None else f"`{format_value(value)}`"
+
+
+def _text(table: type[BaseModel]) -> str:
+    return " ".join((table.__doc__ or "").split())
+
+
+def _keys(table: type[BaseModel]) -> dict[str, str]:
+    """Keys of a table with all that is written of them, without the key by which it is chosen."""
+    return {name: repr(member) for name, member in table.model_fields.items() if not _chooses(member)}
+
+
+def _count(table: type[BaseModel]) -> int:
+    return len(_keys(table))
+
+
+def _chooses(member: FieldInfo) -> bool:
+    """Whether a key has one value only: the one by which its table is chosen, which the heading gives."""
+    return typing.get_origin(member.annotation) is typing.Literal and len(typing.get_args(member.annotation)) == 1
+
+
+def _tag(table: type[BaseModel]) -> str:
+    """The key by which a table is chosen among others."""
+    return "model" if "model" in table.model_fields else "kind"
+
+
+def _value(table: type[BaseModel]) -> str:
+    """The value of that key."""
+    return str(typing.get_args(table.model_fields[_tag(table)].annotation)[0])
+
+
+def _is_list(annotation: Any) -> bool:
+    origin = typing.get_origin(annotation)
+    if origin in (typing.Union, types.UnionType, typing.Annotated):
+        return any(_is_list(one) for one in typing.get_args(annotation))
+    return origin is tuple and bool(tables(annotation))
+
+
+def _is_list_of_numbers(member: FieldInfo) -> bool:
+    """Whether a key holds numbers or a table that names a file."""
+    return tables(member.annotation) == (ColumnTable,)
+
+
+def _shortest(places: list[str]) -> str:
+    return _plain(min(places, key=lambda place: place.count(".")))
+
+
+def _plain(place: str) -> str:
+    return place.replace("[]", "")
+
+
+def _header(place: str) -> str:
+    """A place as the header of its table in TOML."""
+    return f"[[{_plain(place)}]]" if place.endswith("[]") else f"[{_plain(place)}]"
+
+
+_UNITS = {
+    "N_m_s_per_rad": "N m s/rad", "N_m_per_rad": "N m/rad", "N_per_um": "N/um", "kg_m2": "kg m2", "kg_m3": "kg/m3",
+    "m_s2": "m/s2", "N_m": "N m", "g_mm": "g mm", "mPa_s": "mPa s", "mm": "mm", "um": "um", "us": "us", "deg": "deg",
+    "mrad": "mrad", "rpm": "rpm", "GPa": "GPa", "kg": "kg", "Hz": "Hz", "m": "m", "s": "s", "N": "N",
+}  # fmt: skip
 
 
 if __name__ == "__main__":

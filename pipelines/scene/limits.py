@@ -31,19 +31,17 @@ def over_limits(tree: Any, path: Path = ()) -> list[Problem]:
     while waiting:
         place, value = waiting.popleft()
         if len(place) > DEEPEST:
-            found.append(
-                Problem(".".join(place), f"is nested deeper than {DEEPEST} keys", "Leave out what encloses it.")
-            )
+            found.append(Problem(".".join(place), f"is nested deeper than {DEEPEST} keys", "Delete the outer tables."))
         elif isinstance(value, Mapping):
             for key, below in value.items():
                 wrong = _wrong_key(str(key))
                 if wrong:
-                    found.append(Problem(".".join((*place, str(key))), wrong, "Give another key."))
+                    found.append(Problem(".".join((*place, str(key))), wrong, "Rename the key."))
                 else:
                     waiting.append(((*place, str(key)), below))
         elif isinstance(value, list | tuple) and len(value) > _MOST_TABLES and isinstance(value[0], Mapping):
-            message = f"has {len(value)} tables, at most {_MOST_TABLES} are read"
-            found.append(Problem(".".join(place), message, "Leave some out."))
+            message = f"has {len(value)} tables, more than {_MOST_TABLES}"
+            found.append(Problem(".".join(place), message, "Delete some."))
         elif isinstance(value, list | tuple):
             waiting.extend(((*place, str(number)), item) for number, item in enumerate(value, 1))
         else:
@@ -61,13 +59,13 @@ def _wrong_value(place: Path, value: Any) -> Iterator[Problem]:
     where = ".".join(place)
     if isinstance(value, str):
         if len(value) > _LONGEST_TEXT:
-            message = f"has {len(value)} characters, at most {_LONGEST_TEXT} are read"
+            message = f"has {len(value)} characters, more than {_LONGEST_TEXT}"
             yield Problem(where, message, "Shorten it.", shown_value(value, 60))
         elif _has_control(value):
             message = "must be one line without control characters"
             yield Problem(where, message, "Write plain text.", shown_value(value, 60))
     elif isinstance(value, int) and not -(2**63) <= value < 2**63:
-        yield Problem(where, "is beyond the whole numbers of 64 bits", "Give a smaller number.")
+        yield Problem(where, "has more than 64 bits", "Reduce the number.")
 
 
 def _has_control(text: str) -> bool:

@@ -41,7 +41,9 @@ def measured_flanks(name: str, path: str, sense: int) -> MeasuredFlanks:
         else:
             axes, deviation = _from_csv(read_text(file, _MOST_BYTES), path)
     except FileNotFoundError:
-        raise _refused(path, "no such file", "Give a path from the folder of the scene", name) from None
+        raise _refused(
+            path, "there is no such file", "Correct the path; it starts at the folder of the scene", name
+        ) from None
     except SceneError:
         raise
     except InputError as error:
@@ -63,20 +65,20 @@ def _from_csv(text: str, path: str) -> tuple[list[np.ndarray], np.ndarray]:
     names = [(name or "").strip() for name in rows.fieldnames or ()]
     if names != list(COLUMNS):
         found = ", ".join(map(shown, names)) or "none"
-        raise _refused(path, f"the columns are {found}", f"Give {', '.join(COLUMNS)}, with commas between")
+        raise _refused(path, f"the columns are {found}", f"Name them {', '.join(COLUMNS)}, separated by commas")
     rows.fieldnames = names
     points: dict[tuple[int, float, float, float], float] = {}
     for row in rows:
         flank = (row["flank"] or "").strip()
         if flank not in FLANKS:
-            raise _refused(path, f"line {rows.line_num}: flank is {shown(flank)}", "Give drive or coast")
+            raise _refused(path, f"line {rows.line_num}: flank is {shown(flank)}", "Set drive or coast")
         tooth, diameter, position, value = (_number(row[key], rows.line_num, key, path) for key in _NUMBERS)
         point = (FLANKS.index(flank), tooth, diameter, position)
         if point in points:
-            raise _refused(path, f"line {rows.line_num}: this point was given before", "Drop one of the two")
+            raise _refused(path, f"line {rows.line_num}: this point is there twice", "Delete one of the two lines")
         points[point] = value
     if not points:
-        raise _refused(path, "the file holds no points", "Give one in each line below the names")
+        raise _refused(path, "the file has no points", "Write one point in each line below the header")
     axes = [np.array(sorted({point[axis] for point in points})) for axis in (1, 2, 3)]
     deviation = np.zeros((len(FLANKS), *(len(axis) for axis in axes)))
     places = [{value: i for i, value in enumerate(axis.tolist())} for axis in axes]
@@ -92,7 +94,7 @@ def _from_csv(text: str, path: str) -> tuple[list[np.ndarray], np.ndarray]:
         raise _refused(
             path,
             f"the {FLANKS[side]} flank of tooth {axes[0][i]:g} has {counted[side, i]} of {whole} points of the grid",
-            "Give every measured flank at the same diameters and positions, or leave it out",
+            "Measure every flank at the same diameters and positions, or delete its lines",
         )
     return _checked(axes, path), deviation
 
@@ -106,7 +108,7 @@ def _number(cell: str | None, line: int, column: str, path: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise _refused(path, f"line {line}: {column} is {shown(cell or 'empty')}", "Give a number")
+        raise _refused(path, f"line {line}: {column} is {shown(cell or 'empty')}", "Write a number")
     return value
 
 
@@ -119,7 +121,11 @@ def _from_netcdf(file: Path, path: str) -> tuple[list[np.ndarray], np.ndarray]:
             found = data["deviation_um"].load()
             wanted = ("flank", *COLUMNS[:1], *COLUMNS[2:4])
             if set(found.dims) != set(wanted) or not set(wanted) <= set(found.coords):
-                raise _refused(path, f"deviation_um has {', '.join(map(str, found.dims))}", f"Give {', '.join(wanted)}")
+                raise _refused(
+                    path,
+                    f"deviation_um has the dimensions {', '.join(map(str, found.dims))}",
+                    f"Set {', '.join(wanted)}",
+                )
             found = found.transpose(*wanted)
             sides = [str(flank) for flank in found["flank"].values]
             axes = [np.asarray(found[name].values, dtype=float) for name in wanted[1:]]
@@ -127,9 +133,11 @@ def _from_netcdf(file: Path, path: str) -> tuple[list[np.ndarray], np.ndarray]:
     except SceneError:
         raise
     except Exception as error:  # the libraries raise errors of every kind
-        raise _refused(path, f"cannot be read as netCDF ({error})", "Give a CSV or netCDF file") from error
+        raise _refused(path, f"cannot be read as netCDF ({error})", "Set a CSV or netCDF file") from error
     if not set(sides) <= set(FLANKS) or len(set(sides)) < len(sides) or not np.isfinite(given).all():
-        raise _refused(path, "flanks or values do not fit", "Give flank as drive and coast, and finite deviations")
+        raise _refused(
+            path, "flank must hold drive and coast, each once, and all deviations must be finite", "Correct the file"
+        )
     deviation = np.zeros((len(FLANKS), *given.shape[1:]))
     for side, values in zip(sides, given, strict=True):
         deviation[FLANKS.index(side)] = values
@@ -145,7 +153,9 @@ def _checked(axes: Sequence[np.ndarray], path: str) -> list[np.ndarray]:
         *((name, (np.diff(axis) <= 0).any()) for name, axis in zip((COLUMNS[0], *COLUMNS[2:4]), axes, strict=True)),
     ):
         if wrong:
-            raise _refused(path, f"{name} does not fit", "Give whole teeth and positive diameters, each rising")
+            raise _refused(
+                path, f"{name} must rise; teeth must be whole numbers and diameters positive", "Correct the file"
+            )
     return list(axes)
 
 

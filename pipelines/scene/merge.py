@@ -65,7 +65,9 @@ def _merged(base: Any, change: Any, path: Path, offers: set[Path], problems: lis
             number = int(key)
             if not 1 <= number <= len(items):
                 where = ".".join((*path, str(key)))
-                problems.append(Problem(where, f"there are {len(items)} items", f"Count from 1 to {len(items)}."))
+                problems.append(
+                    Problem(where, f"there is no item {key}", f"The list has {len(items)}, counted from 1.")
+                )
                 continue
             items[number - 1] = _merged(items[number - 1], value, (*path, str(key)), offers, problems)
         return items
@@ -101,17 +103,23 @@ def settings_tree(settings: Iterable[str] | Mapping[str, Any]) -> tuple[dict[str
             path, equals, value = text.partition("=")
             if not equals or not path.strip():
                 problems.append(
-                    Problem(f"--set {shown(text)}", "has no value", "Write --set stages.1.face_width_mm=32.")
+                    Problem(
+                        f"--set {shown(text)}",
+                        "has no value",
+                        "Write KEY=VALUE, as in --set stages.1.face_width_mm=32.",
+                    )
                 )
                 continue
             try:
                 pairs.append((path.strip(), setting_value(value.strip())))
             except ValueError as error:
-                problems.append(Problem(path.strip(), str(error), "Quote text, or write lists as [1, 2].", value))
+                problems.append(Problem(path.strip(), str(error), "Write text in quotes, and lists as [1, 2].", value))
     for dotted, value in pairs:
         keys = [key.strip() for key in dotted.split(".", DEEPEST)]
         if not all(keys):
-            problems.append(Problem(dotted, "is not a path", "Join keys by single dots, as in stages.1.x."))
+            problems.append(
+                Problem(dotted, "is not the path of a key", "Join keys by single dots, as in stages.1.face_width_mm.")
+            )
             continue
         if beyond := [*over_limits(dict.fromkeys(keys)), *over_limits(value, tuple(keys))]:
             problems += beyond
@@ -121,7 +129,12 @@ def settings_tree(settings: Iterable[str] | Mapping[str, Any]) -> tuple[dict[str
             deeper = table.setdefault(key, {})
             if not isinstance(deeper, dict):
                 problems.append(
-                    Problem(dotted, "is set inside a value that is set as well", "Set it once.", shown_value(value))
+                    Problem(
+                        dotted,
+                        "is set twice: here, and with a value that contains it",
+                        "Delete one of the two.",
+                        shown_value(value),
+                    )
                 )
                 break
             table = deeper
@@ -165,7 +178,7 @@ def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str
     old, new = leaves(before), leaves(after)
     lines = []
     for path in sorted(old.keys() | new.keys(), key=lambda p: [(not k.isdecimal(), k.zfill(6)) for k in p]):
-        if old.get(path) != new.get(path) or (path in old) != (path in new):
-            shown = [format_value(side[path]) if path in side else "(none)" for side in (old, new)]
+        if old.get(path) != new.get(path):
+            shown = [format_value(side[path]) if side.get(path) is not None else "(none)" for side in (old, new)]
             lines.append(f"{'.'.join(path)}: {shown[0]} -> {shown[1]}")
     return lines

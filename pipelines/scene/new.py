@@ -47,16 +47,23 @@ def write_scene(target: str | Path, text: str) -> Path:
         with open(path, "x", encoding="utf-8", newline="\n") as file:
             file.write(text)
     except FileExistsError:
-        raise InputError(f"{name}: exists already and is not overwritten. Choose another name.") from None
+        raise InputError(
+            f"{name}: exists already and is not overwritten. Set another name, or delete the file."
+        ) from None
     except OSError as error:
-        raise InputError(f"{name}: cannot be written ({os.strerror(error.errno or 0)}). Choose a folder.") from error
+        raise InputError(
+            f"{name}: cannot be written ({os.strerror(error.errno or 0)}). Set a path in a folder that you may write "
+            "to."
+        ) from error
     return path
 
 
 def _target(target: str | Path) -> Path:
     path = checked_path(target)
     if path.suffix != ".toml":
-        raise InputError(f"{shown(target)}: a scene file ends in .toml. Write gearcase new {path.stem or 'my'}.toml.")
+        raise InputError(
+            f"{shown(target)}: the name of a scene file must end in .toml. Write: gearcase new {path.stem or 'my'}.toml"
+        )
     return path
 
 

@@ -91,9 +91,10 @@ def _together(first: int, offsets: Sequence[dict[Gear, float]]) -> tuple[dict[in
                     problems.append(
                         Problem(
                             f"stages.{number + 1}",
-                            f"closes a loop of gears whose teeth do not fit: on shaft {gear[0] + 1} they miss by "
-                            f"{abs(miss):.3f} of a pitch (limit {LOOP:g})",
-                            "Change teeth or direction_deg, or put one of the gears beside the others (position_mm)",
+                            f"closes a loop of gears that cannot be assembled: on shaft {gear[0] + 1} the teeth are "
+                            f"displaced by {abs(miss):.3f} of a pitch (limit {LOOP:g})",
+                            "Correct the numbers of teeth or direction_deg, or move one of the gears along its shaft "
+                            "(position_mm)",
                         )
                     )
     return found, problems
@@ -107,9 +108,9 @@ def _contradictions(
         if wanted is not None and abs(_apart(wanted, cycles[number])) > GIVEN:
             yield Problem(
                 f"stages.{number + 1}.cycle_at_start",
-                f"must be {cycles[number]:.4f}: a gear of this stage meshes in stage {anchor + 1} too, whose phase "
-                "gives it",
-                "Leave one of the two out",
+                f"must be {cycles[number]:.4f}, because a gear of this stage also meshes in stage {anchor + 1}, whose "
+                "cycle_at_start determines it",
+                "Delete one of the two",
                 f"{wanted:g}",
             )
 

@@ -191,7 +191,7 @@ def preset_on(loaded: LoadedScene, preset: str) -> LoadedScene:
     from pipelines.scene.file import changed, user_states
 
     if preset not in LEVELS:
-        raise InputError(f"preset {shown(preset)}: give one of {', '.join(LEVELS)}.")
+        raise InputError(f"preset {shown(preset)}: there is no such preset. Set one of {', '.join(LEVELS)}.")
     settings = preset_settings(loaded.scene, preset)
     if _BAND in settings and user_states(loaded.source, _BAND):
         del settings[_BAND]

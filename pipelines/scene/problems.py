@@ -94,16 +94,16 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
     if kind == "missing" and isinstance(location[-1], int):  # a list of fixed length that is too short
         return Problem(
             where.rpartition(".")[0],
-            "has too few items",
-            "Give every number, as docs/scene-keys.md says.",
+            "has too few values",
+            "Give all values; docs/scene-keys.md lists them.",
             _shown(value),
         )
     if kind == "missing":
-        return Problem(where, "is missing", f"Give {_example(path, model, tree)}.")
+        return Problem(where, "is missing", f"Set {_example(path, model, tree)}.")
     if kind in _LIMITS:
         words, name = _LIMITS[kind]
         limit = _number(context[name])
-        return Problem(where, f"must be {words} {limit}", f"Give a number {words} {limit}{unit}.", written)
+        return Problem(where, f"must be {words} {limit}{unit.removeprefix(' in')}", "Correct the value.", written)
     if kind in ("literal_error", "union_tag_invalid", "enum"):
         if kind == "union_tag_invalid":
             where, value, written = f"{where}.{_tag_key(context)}", context["tag"], _shown(context["tag"])
@@ -111,23 +111,32 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         else:
             known = [w.strip(" '\"") for w in str(context["expected"]).replace(" or ", ", ").split(",")]
         near = nearest_name(value, known) if isinstance(value, str) else ""
-        remedy = f'Did you mean "{near}"?' if near else "Choose one of them."
-        return Problem(where, f"is not one of {', '.join(known)}", remedy, written)
+        remedy = f'Did you mean "{near}"?' if near else "Correct the value."
+        return Problem(where, f"must be one of {', '.join(known)}", remedy, written)
     if kind == "union_tag_not_found":
         key = _tag_key(context)
-        return Problem(f"{where}.{key}", "is missing", f'Say which {key}, as in {key} = "...".')
+        return Problem(f"{where}.{key}", "is missing", f'Set {key} = "..."; docs/scene-keys.md lists the choices.')
     if kind.startswith(("float", "int", "decimal")) or kind == "finite_number":
         noun = "a whole number" if kind.startswith("int") else "a finite number" if "finite" in kind else "a number"
-        return Problem(where, f"must be {noun}", f"Give {noun}{unit}, without quotes.", written)
+        return Problem(
+            where,
+            f"must be {noun}{unit}",
+            "Write it without quotes." if isinstance(value, str) else "Correct the value.",
+            written,
+        )
     if kind == "string_pattern_mismatch":
-        return Problem(where, f"does not have the form {context['pattern']}", "", written)
+        return Problem(
+            where, "does not have the required form", f"Correct it: {_described(path, model, tree)[0]}.", written
+        )
     if kind in _KINDS:
         message, remedy = _KINDS[kind]
         return Problem(where, message, remedy, written)
     if kind in ("too_short", "too_long"):
         bound = "at least" if kind == "too_short" else "at most"
         limit = context.get("min_length", context.get("max_length"))
-        return Problem(where, f"has {context['actual_length']} items, must have {bound} {limit}", "", None)
+        return Problem(
+            where, f"has {context['actual_length']} items, and must have {bound} {limit}", "Correct the list.", None
+        )
     return Problem(where, str(item["msg"]), "", None if isinstance(value, Mapping | list | BaseModel) else written)
 
 
@@ -138,7 +147,7 @@ _LIMITS = {
     "less_than_equal": ("at most", "le"),
     "multiple_of": ("a multiple of", "multiple_of"),
 }
-_TABLE = ("must be a table", "Write it as [section] with keys below.")
+_TABLE = ("must be a table", "Write [name] and its keys below, or name = { key = value }.")
 _LIST = ("must be a list", "Write it as [first, second].")
 _KINDS = {
     "string_type": ("must be text", 'Put it in quotes, as in "rigid".'),
@@ -224,6 +233,13 @@ def _all_paths(model: Any, tree: Any, path: tuple[str, ...] = ()) -> list[tuple[
 
 
 def _example(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> str:
+    described, table = _described(path, model, tree)
+    meaning = f": {described}" if described else ""
+    return f"the table [{'.'.join(path)}]{meaning}" if table else f"{path[-1]} = ...{meaning or _unit(path[-1])}"
+
+
+def _described(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[str, bool]:
+    """Description of the key at a path, "" without one, and whether it is a table."""
     annotation: Any = model
     value: Any = tree
     field = None
@@ -235,9 +251,8 @@ def _example(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, A
         else:
             annotation = _field(members, step, annotation)
             value = value.get(step) if isinstance(value, Mapping) else None
-    described = f": {field.description.rstrip('.')}" if field is not None and field.description else ""
-    table = bool(_models(annotation))
-    return f"the table [{'.'.join(path)}]{described}" if table else f"{path[-1]} = ...{described or _unit(path[-1])}"
+    described = field.description.rstrip(".") if field is not None and field.description else ""
+    return described, bool(_models(annotation))
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:

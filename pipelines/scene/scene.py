@@ -35,27 +35,39 @@ class Scene(Table):
 
     title: Annotated[str, Field(max_length=200, description="one line that names the scene in every result")]
     control: Annotated[
-        str | None, Field(description='healthy control: a shipped scene, a path ending in .toml, or "without-faults"')
+        str | None,
+        Field(
+            description="healthy control, which a faulty run is compared with: a shipped scene, a path that ends "
+            'in .toml, or "without-faults": this scene without its faults'
+        ),
     ] = None
-    gear_material: MaterialTable
-    stages: Annotated[tuple[StageTable, ...], Field(min_length=1, max_length=20)]
-    shafts: Annotated[tuple[ShaftTable, ...], Field(min_length=2, max_length=21)]
-    shaft_model: ShaftModel = ShaftModel()
-    bearings: BearingModel = LinearBearings()
-    couplings: Annotated[tuple[CouplingTable, ...], Field(max_length=100)] = ()
-    disks: Annotated[tuple[DiskTable, ...], Field(max_length=100)] = ()
-    probes: Annotated[tuple[ProbeTable, ...], Field(max_length=100)] = ()
-    forces: Annotated[tuple[ForceModel, ...], Field(max_length=100)] = ()
-    deviations: DeviationTable = DeviationTable()
-    faults: Annotated[tuple[AnyFaultTable, ...], Field(max_length=1000)] = ()
-    casing: CasingModel
-    sensors: Annotated[tuple[SensorTable, ...], Field(max_length=1000)] = ()
-    drive: DriveModel
-    load: LoadModel
-    losses: LossModel = NoLosses()
-    film: FilmModel = NoFilm()
-    simulation: SimulationTable
-    diagnosis: DiagnosisTable = DiagnosisTable()
+    gear_material: Annotated[MaterialTable, Field(description="material of all gears and shafts")]
+    stages: Annotated[tuple[StageTable, ...], Field(min_length=1, max_length=20, description="gear pairs")]
+    shafts: Annotated[
+        tuple[ShaftTable, ...], Field(min_length=2, max_length=21, description="shafts; shaft 1 is the input")
+    ]
+    shaft_model: Annotated[ShaftModel, Field(description="how shafts are modelled")] = ShaftModel()
+    bearings: Annotated[BearingModel, Field(description="model of every bearing for which its shaft gives none")] = (
+        LinearBearings()
+    )
+    couplings: Annotated[
+        tuple[CouplingTable, ...], Field(max_length=100, description="couplings and bearings between two shafts")
+    ] = ()
+    disks: Annotated[tuple[DiskTable, ...], Field(max_length=100, description="disks on shafts")] = ()
+    probes: Annotated[tuple[ProbeTable, ...], Field(max_length=100, description="proximity probes")] = ()
+    forces: Annotated[
+        tuple[ForceModel, ...], Field(max_length=100, description="further forces and torques, besides drive and load")
+    ] = ()
+    deviations: Annotated[DeviationTable, Field(description="manufacturing deviations of all gears")] = DeviationTable()
+    faults: Annotated[tuple[AnyFaultTable, ...], Field(max_length=1000, description="damaged teeth and bearings")] = ()
+    casing: Annotated[CasingModel, Field(description="model of the casing")]
+    sensors: Annotated[tuple[SensorTable, ...], Field(max_length=1000, description="accelerometers on the casing")] = ()
+    drive: Annotated[DriveModel, Field(description="what turns the machine; without the key model: speed")]
+    load: Annotated[LoadModel, Field(description="what the machine drives")]
+    losses: Annotated[LossModel, Field(description="friction")] = NoLosses()
+    film: Annotated[FilmModel, Field(description="oil film between the flanks")] = NoFilm()
+    simulation: Annotated[SimulationTable, Field(description="time integration and output")]
+    diagnosis: Annotated[DiagnosisTable, Field(description="what is diagnosed in the signals")] = DiagnosisTable()
 
     def models(self) -> dict[str, str | list[str]]:
         """The model that is chosen for every effect."""
@@ -83,25 +95,30 @@ class Scene(Table):
     def _counts(self):
         chain = not self.couplings and all(s.pinion_shaft is None and s.wheel_shaft is None for s in self.stages)
         if chain and len(self.shafts) != len(self.stages) + 1:
-            yield f"shafts: {len(self.shafts)} given, {len(self.stages)} stages need {len(self.stages) + 1}"
+            yield (
+                f"shafts: {len(self.stages)} stages in a row need {len(self.stages) + 1} shafts, there are "
+                f"{len(self.shafts)}. Correct the number of shafts, or set pinion_shaft and wheel_shaft"
+            )
         else:
             yield from self._shaft_numbers()
         if isinstance(self.casing, FlexibleBase) and isinstance(self.casing.housing, HousingTable):
             for key in ("bore_diameters_mm", "boss_diameters_mm"):
                 count = len(getattr(self.casing.housing, key))
                 if count != len(self.shafts):
-                    yield f"casing.housing.{key}: {count} values for {len(self.shafts)} shafts"
+                    yield (
+                        f"casing.housing.{key} has {count} values for {len(self.shafts)} shafts. Set one for each shaft"
+                    )
         elif self.sensors and not isinstance(self.casing, FlexibleBase):
             yield (
-                f"sensors: {len(self.sensors)} casing sensors with casing.model = 'none'. Give sensors = [] or another "
-                "casing model"
+                f'sensors: {len(self.sensors)} sensors on a casing, but casing.model = "none". Set sensors = [], or '
+                "another casing.model"
             )
         names = [sensor.name for sensor in self.sensors]
         for name in sorted({n for n in names if names.count(n) > 1}):
-            yield f"sensors: {name} is given {names.count(name)} times"
+            yield f"sensors: the name {name} occurs {names.count(name)} times. Set another name"
         probes = [probe.name for probe in self.probes]
         for name in sorted({n for n in probes if probes.count(n) > 1}):
-            yield f"probes: {name} is given {probes.count(name)} times"
+            yield f"probes: the name {name} occurs {probes.count(name)} times. Set another name"
 
     def _shaft_numbers(self):
         named: list[tuple[str, tuple[int, ...]]] = [
@@ -116,41 +133,42 @@ class Scene(Table):
         for path, shafts in named:
             for place in shafts:
                 if not 0 <= place < len(self.shafts):
-                    yield f"{path}: there is no shaft {place + 1}; {len(self.shafts)} are given"
+                    yield f"{path}: there is no shaft {place + 1}. {_up_to(len(self.shafts))}"
             if len(shafts) == 2 and shafts[0] == shafts[1]:
-                yield f"{path}: both ends are on shaft {shafts[0] + 1}"
+                yield f"{path}: both ends are on shaft {shafts[0] + 1}. Set two different shafts"
         for order, force in self._forces_on_shafts():
             sections = self.shafts[min(max(force.shaft, 1), len(self.shafts)) - 1].sections
             start, end = sections[0].start_mm, sections[-1].end_mm
             for key, place in force.positions.items():
                 if not start <= place <= end:
-                    yield f"forces.{order}.{key} = {place:g}: shaft {force.shaft} reaches from {start:g} to {end:g} mm"
+                    yield f"forces.{order}.{key} = {place:g}: is not on shaft {force.shaft}. Set {start:g} to {end:g}"
         if isinstance(self.casing, FlexibleBase):
             for number, shaft in enumerate(self.shafts, 1):
                 carried = len(shaft.bearing_positions_mm) - shaft.bearing_supports.count("ground")
                 if carried != 2:
                     yield (
-                        f"shafts.{number}: the housing carries {carried} of its bearings and has bores for two; carry "
-                        "the others by the ground (bearing_supports)"
+                        f"shafts.{number}: the housing supports {carried} of its bearings, and must support two. Set "
+                        "two "
+                        'bearing_positions_mm, or set bearing_supports of further bearings to "ground"'
                     )
 
     def _spalled_bearings(self):
         for number, fault in self.spalls.items():
             if fault.shaft > len(self.shafts):
-                yield f"faults.{number}.shaft = {fault.shaft}: there are {len(self.shafts)} shafts"
+                yield f"faults.{number}.shaft = {fault.shaft}: there is no such shaft. {_up_to(len(self.shafts))}"
                 continue
             shaft = self.shafts[fault.shaft - 1]
             count = len(shaft.bearing_positions_mm)
             if fault.bearing > count:
-                yield f"faults.{number}.bearing = {fault.bearing}: shaft {fault.shaft} has bearings 1 to {count}"
+                yield f"faults.{number}.bearing = {fault.bearing}: there is no such bearing. {_up_to(count)}"
                 continue
             table = shaft.bearings[fault.bearing - 1] if shaft.bearings else self.bearings
             if not isinstance(table, HertzBearings):
                 at = f"shafts.{fault.shaft}.bearings.{fault.bearing}" if shaft.bearings else "bearings"
                 yield (
                     f"faults.{number}.bearing = {fault.bearing}: bearing {fault.bearing} of shaft {fault.shaft} has "
-                    f"the model {table.model}, which has no rolling elements to meet a spall. Set {at}.model = "
-                    '"hertz", with a designation or the geometry of the bearing'
+                    f'the model {table.model}, which has no rolling elements. Set {at}.model = "hertz", with a '
+                    "designation or the geometry of the bearing"
                 )
 
     def _forces_on_shafts(self):
@@ -162,36 +180,53 @@ class Scene(Table):
         for number, force in enumerate(self.forces, 1):
             if isinstance(force, CasingForceTable) and force.point not in known:
                 yield (
-                    f"forces.{number}.point = {shown_value(force.point)}: a force on the casing acts at the place of a "
-                    f"sensor; known: {', '.join(known) or 'none, without sensors on a casing'}"
+                    f"forces.{number}.point = {shown_value(force.point)}: a force on the casing acts at a sensor. "
+                    + (f"Set one of {', '.join(known)}" if known else "Add a table [[sensors]] of this name")
                 )
         for number, fault in self.tooth_faults.items():
             if fault.stage > len(self.stages):
-                yield f"faults.{number}.stage = {fault.stage}: there are {len(self.stages)} stages"
+                yield f"faults.{number}.stage = {fault.stage}: there is no such stage. {_up_to(len(self.stages))}"
                 continue
             stage = self.stages[fault.stage - 1]
             teeth = stage.pinion_teeth if fault.gear == "pinion" else stage.wheel_teeth
             if fault.tooth is not None and fault.tooth >= teeth:
-                yield f"faults.{number}.tooth = {fault.tooth}: the {fault.gear} has teeth 0 to {teeth - 1}"
+                yield f"faults.{number}.tooth = {fault.tooth}: the {fault.gear} has {teeth} teeth. Set 0 to {teeth - 1}"
         if self.diagnosis.stage > len(self.stages):
-            yield f"diagnosis.stage = {self.diagnosis.stage}: there are {len(self.stages)} stages"
+            yield f"diagnosis.stage = {self.diagnosis.stage}: there is no such stage. {_up_to(len(self.stages))}"
         if self.sensors and self.diagnosis.sensor is not None and self.diagnosis.sensor not in known:
-            yield f"diagnosis.sensor = {shown_value(self.diagnosis.sensor)}: not among the sensors of the scene"
+            yield (
+                f"diagnosis.sensor = {shown_value(self.diagnosis.sensor)}: there is no such sensor. Set one of "
+                f"{', '.join(known)}"
+            )
         on_teeth = self.tooth_faults.values()
         teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in on_teeth if fault.tooth is not None]
         for stage_number, gear, tooth in sorted({hit for hit in teeth_hit if teeth_hit.count(hit) > 1}):
             kinds = [f.kind for f in on_teeth if (f.stage, f.gear, f.tooth) == (stage_number, gear, tooth)]
             if len(set(kinds)) < len(kinds) or "missing-tooth" in kinds:
-                yield f"faults: tooth {tooth} of the stage {stage_number} {gear} is given more than once"
+                yield (
+                    f"faults: tooth {tooth} of the stage {stage_number} {gear} has several faults that exclude one "
+                    "another. Delete all but one"
+                )
         if isinstance(self.diagnosis.envelope_band_Hz, tuple):
             low, high = self.diagnosis.envelope_band_Hz
             if not low < high < self.simulation.output_rate_Hz / 2:
                 yield (
-                    f"diagnosis.envelope_band_Hz = [{low:g}, {high:g}]: must rise and end below half of "
-                    f"simulation.output_rate_Hz, {self.simulation.output_rate_Hz / 2:g} Hz"
+                    f"diagnosis.envelope_band_Hz = [{low:g}, {high:g}]: the second frequency must be above the first, "
+                    "and "
+                    f"below half of simulation.output_rate_Hz, {self.simulation.output_rate_Hz / 2:g} Hz. Correct them"
                 )
         for name, (start, end) in self.diagnosis.windows_s.items():
             if not 0 <= start < end:
-                yield f"diagnosis.windows_s.{name} = [{start}, {end}]: must start at or after 0 and end later"
+                yield (
+                    f"diagnosis.windows_s.{name} = [{start:g}, {end:g}]: the window must not start before 0, and "
+                    "must end after its start. Correct it"
+                )
             elif end > self.simulation.end_s:
-                yield f"diagnosis.windows_s.{name} ends at {end} s, after simulation.end_s = {self.simulation.end_s} s"
+                yield (
+                    f"diagnosis.windows_s.{name} = [{start:g}, {end:g}]: the window ends after simulation.end_s = "
+                    f"{self.simulation.end_s:g}. Reduce its end, or raise simulation.end_s"
+                )
+
+
+def _up_to(count: int) -> str:
+    return f"Set 1 to {count}" if count > 1 else "Set 1"

@@ -99,7 +99,9 @@ def place_shafts(
     if lost:
         problems.append(
             Problem(
-                "shafts", f"no stage or coupling connects shaft {', '.join(lost)} to shaft 1", "Connect or remove it"
+                "shafts",
+                f"no stage or coupling connects shaft {', '.join(lost)} to shaft 1",
+                "Connect it, or delete it",
             )
         )
     places = [found.get(shaft, Place(0.0, 0.0, 1, 1.0)) for shaft in range(count)]
@@ -114,9 +116,10 @@ def _beside_one_another(places: Sequence[Place], couplings: Sequence[CouplingTab
         if not table.turns_both and off > MEETING:
             yield Problem(
                 f"couplings.{number}.shafts",
-                f"the axes of shafts {table.shafts[0]} and {table.shafts[1]} are {off * 1000:.3f} mm apart; a bearing "
-                "stands between shafts on one axis",
-                "Change direction_deg or profile shifts, or name other shafts",
+                f"the distance between the axes of shafts {table.shafts[0]} and {table.shafts[1]} is {off * 1000:.3f} "
+                "mm; "
+                "a coupling or bearing between two shafts needs one common axis",
+                "Set other shafts, or correct direction_deg or the profile shifts",
             )
 
 
@@ -131,21 +134,23 @@ def _loop(step: _Step, place: Place, known: Place, shaft: int) -> list[Problem]:
     off = math.hypot(place.x - known.x, place.z - known.z)
     problems = []
     if place.sense != known.sense or abs(place.speed / known.speed - 1) > 1e-9:
-        turn = "the other way" if place.sense != known.sense else f"at {place.speed / known.speed:.9g} times the speed"
+        turn = (
+            "in the opposite sense" if place.sense != known.sense else f"{place.speed / known.speed:.9g} times as fast"
+        )
         problems.append(
             Problem(
                 step.path,
-                f"closes a loop that locks: it would turn shaft {shaft + 1} {turn} that the rest of the loop gives it",
-                "Choose teeth so that both paths agree, or open the loop",
+                f"closes a loop that locks: it would turn shaft {shaft + 1} {turn} compared with the rest of the loop",
+                "Correct the numbers of teeth so that both paths agree, or delete one part of the loop",
             )
         )
     if off > MEETING:
         problems.append(
             Problem(
                 step.path,
-                f"closes a loop that does not meet: the axis of shaft {shaft + 1} is {off * 1000:.3f} mm off the place "
-                f"that the rest of the loop gives it (x {known.x * 1000:.3f}, z {known.z * 1000:.3f} mm)",
-                "Change direction_deg or profile shifts",
+                f"closes a loop whose ends do not meet: the axis of shaft {shaft + 1} is {off * 1000:.3f} mm away from "
+                f"its place by the rest of the loop (x {known.x * 1000:.3f}, z {known.z * 1000:.3f} mm)",
+                "Correct direction_deg or the profile shifts",
             )
         )
     return problems

@@ -43,9 +43,10 @@ def shortened(base: Merged, change: Mapping[str, Any], source: str | None) -> Me
     if source is not None:
         left = [name for name in _at(merged.tree, _WINDOWS) or {} if name not in gone]
         spans = ", ".join(f"{shown(name)} (to {_ends(inherited[name]):g} s)" for name in gone)
-        kept = f"kept: {', '.join(map(shown, left))}" if left else "none is left, so nothing is diagnosed"
+        kept = f"kept: {', '.join(map(shown, left))}" if left else "no window remains, so that there is no diagnosis"
         text = (
-            f"{source}: simulation.end_s = {end:g} leaves out the diagnosis.windows_s that end later: {spans}; {kept}."
+            f"{source}: the diagnosis.windows_s that end after simulation.end_s = {end:g} are left out: {spans}; "
+            f"{kept}."
         )
         warnings.warn(text, SceneWarning, stacklevel=2)
     return Merged(without(merged.tree, ((*_WINDOWS, name) for name in gone)), merged.offers, merged.problems)

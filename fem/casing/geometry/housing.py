@@ -14,4 +14,4 @@ class Housing(Dimensions):
 
     def __post_init__(self) -> None:
         if problems := housing_problems(self):
-            raise HousingError("housing: " + "; ".join(problems))
+            raise HousingError("\n".join(dict.fromkeys(problems)))

@@ -42,7 +42,7 @@ def _box_problems(housing: Dimensions) -> Iterator[str]:
     if housing.wall_thickness >= limit:
         yield (
             f"wall thickness {_mm(housing.wall_thickness)} fills the box (limit {_mm(limit)}, half of its smallest "
-            "side); make the walls thinner or the box larger"
+            "side). Reduce wall_thickness_mm"
         )
         return
     for what, used, room in (
@@ -51,7 +51,7 @@ def _box_problems(housing: Dimensions) -> Iterator[str]:
         ("floor and cover", housing.wall("floor") + housing.wall("cover"), housing.height),
     ):
         if used >= room:
-            yield f"{what} are {_mm(used)} thick together and fill the box of {_mm(room)}; make them thinner"
+            yield f"{what} are {_mm(used)} thick together and fill the box of {_mm(room)}. Reduce them"
 
 
 def _bore_problems(housing: Dimensions) -> Iterator[str]:
@@ -65,18 +65,26 @@ def _bore_problems(housing: Dimensions) -> Iterator[str]:
             yield f"{bore.name}: bore diameter is {_mm(bore.diameter)}; it must be positive"
         if (ring := (bore.boss_diameter - bore.diameter) / 2) < ligament:
             yield (
-                f"{bore.name}: boss ring is {_mm(ring)} thick (limit {_mm(ligament)}); enlarge the boss diameter "
-                f"{_mm(bore.boss_diameter)} or shrink the bore {_mm(bore.diameter)}"
+                f"{bore.name}: boss ring is {_mm(ring)} thick, and must be at least {_mm(ligament)}. Raise the boss "
+                "diameter "
+                f"{_mm(bore.boss_diameter)} (boss_diameters_mm) or reduce the bore {_mm(bore.diameter)} "
+                "(bore_diameters_mm)"
             )
         if bore.boss_length < wall:
-            yield f"{bore.name}: boss length {_mm(bore.boss_length)} is less than the wall {_mm(wall)} it contains"
+            yield (
+                f"{bore.name}: boss length {_mm(bore.boss_length)} is less than the wall thickness {_mm(wall)}. "
+                "Raise boss_length_mm"
+            )
         if bore.boss_length > (limit := housing.width / 2 - wall / 2):
-            yield f"{bore.name}: boss length {_mm(bore.boss_length)} reaches the opposite boss (limit {_mm(limit)})"
+            yield (
+                f"{bore.name}: boss length {_mm(bore.boss_length)} reaches the opposite boss. Set boss_length_mm to "
+                f"at most {_mm(limit)}"
+            )
         room = min(bore.x - low[0], high[0] - bore.x, bore.z - low[2], high[2] - bore.z) - bore.boss_diameter / 2
         if room < 0.0:
             yield (
-                f"{bore.name}: boss at x = {_mm(bore.x)}, z = {_mm(bore.z)} leaves its side wall by {_mm(-room)}; "
-                "enlarge or move the box"
+                f"{bore.name}: boss at x = {_mm(bore.x)}, z = {_mm(bore.z)} extends {_mm(-room)} beyond its side wall. "
+                "Correct left_end_mm, length_mm, shaft_height_mm or height_mm"
             )
     for one, two in combinations(housing.bores, 2):
         gap = math.hypot(one.x - two.x, one.z - two.z) - (one.boss_diameter + two.boss_diameter) / 2
@@ -94,19 +102,22 @@ def _foot_problems(housing: Dimensions) -> Iterator[str]:
         if not getattr(feet, name) > 0.0:
             yield f"foot {name} is {_mm(getattr(feet, name))}; it must be positive"
     if not len(feet.x) >= 2:
-        yield f"{len(feet.x)} feet along each side wall; give at least 2"
+        yield f"{len(feet.x)} feet along each side wall. Reduce foot_pitch_mm for at least 2"
         return
     if 2 * feet.length >= housing.width:
-        yield f"feet of {_mm(feet.length)} meet in the middle of the box (limit {_mm(housing.width / 2)}); shorten them"
+        yield (
+            f"feet of {_mm(feet.length)} meet in the middle of the box. Set foot_length_mm to at most "
+            f"{_mm(housing.width / 2)}"
+        )
     ends = sorted((x - feet.length / 2, x + feet.length / 2) for x in feet.x)
     for (_, end), (start, _) in pairwise(ends):
         if start <= end:
-            yield f"two feet overlap by {_mm(end - start)} in x; shorten or move them"
+            yield f"two feet overlap by {_mm(end - start)} in x. Reduce foot_length_mm, or raise foot_pitch_mm"
     low, high = housing.box
     if ends[0][0] < low[0] - 1e-12 or ends[-1][1] > high[0] + 1e-12:
         yield (
             f"feet from x = {_mm(ends[0][0])} to {_mm(ends[-1][1])} leave the box "
-            f"({_mm(low[0])} to {_mm(high[0])}); move them inwards"
+            f"({_mm(low[0])} to {_mm(high[0])}). Reduce foot_length_mm"
         )
 
 
@@ -117,24 +128,26 @@ def _pad_problems(housing: Dimensions) -> Iterator[str]:
             yield f"foot {name} is {_mm(getattr(feet, name))}; it must not be negative"
     if (feet.pad_diameter > 0.0) != (feet.pad_height > 0.0):
         yield (
-            f"bolt pads of diameter {_mm(feet.pad_diameter)} and height {_mm(feet.pad_height)}; give both, or neither"
+            f"bolt pads of diameter {_mm(feet.pad_diameter)} and height {_mm(feet.pad_height)}. Set both "
+            "pad_diameter_mm and pad_height_mm, or none"
         )
     room = min(feet.length, feet.overhang or feet.length)
     if feet.pad_diameter > room:
         yield (
-            f"bolt pads of {_mm(feet.pad_diameter)} are larger than the room on the foot (limit {_mm(room)}); shrink "
-            "them, or enlarge the feet or their overhang"
+            f"bolt pads of {_mm(feet.pad_diameter)} do not fit on the foot (limit {_mm(room)}). Reduce "
+            "pad_diameter_mm, or raise foot_length_mm or foot_overhang_mm"
         )
     if not feet.bolt_diameter:
         return
     if not feet.pad_diameter:
-        yield f"bolt holes of {_mm(feet.bolt_diameter)} need bolt pads; give the pads a diameter and a height"
+        yield f"bolt holes of {_mm(feet.bolt_diameter)} need bolt pads. Set pad_diameter_mm and pad_height_mm"
     elif (ring := (feet.pad_diameter - feet.bolt_diameter) / 2) < ligament:
-        yield f"bolt pads leave a ring of {_mm(ring)} around the hole (limit {_mm(ligament)}); enlarge the pads"
+        yield f"bolt pads leave a ring of {_mm(ring)} around the hole (limit {_mm(ligament)}). Raise pad_diameter_mm"
     if (least := feet.bolt_diameter + 2 * ligament) > feet.overhang:
         yield (
-            f"bolt holes of {_mm(feet.bolt_diameter)} need feet that stand out by {_mm(least)} beyond the side wall "
-            f"(they stand out by {_mm(feet.overhang)}); enlarge the overhang"
+            f"bolt holes of {_mm(feet.bolt_diameter)} need feet that extend {_mm(least)} beyond the side wall, and "
+            "they "
+            f"extend {_mm(feet.overhang)}. Raise foot_overhang_mm"
         )
 
 
@@ -149,8 +162,9 @@ def _flange_problems(housing: Dimensions) -> Iterator[str]:
     floor = low[2] + housing.wall("floor")
     if bottom < floor or top > high[2] + _TOUCH:
         yield (
-            f"flange from z = {_mm(bottom)} to {_mm(top)} leaves the walls ({_mm(floor)} to {_mm(high[2])}); move "
-            "the split plane or lower the flange"
+            f"flange from z = {_mm(bottom)} to {_mm(top)} is not on the walls ({_mm(floor)} to {_mm(high[2])}). "
+            "Correct "
+            "flange.split_plane_mm, or reduce flange.height_mm"
         )
     for bore in housing.bores:
         radius = bore.boss_diameter / 2
@@ -159,7 +173,7 @@ def _flange_problems(housing: Dimensions) -> Iterator[str]:
             if -ligament < edge - radius < ligament and abs(edge - radius) > _TOUCH:
                 yield (
                     f"the {name} of the flange passes the boss of {bore.name} at {_mm(edge - radius)} (limit: "
-                    f"{_mm(ligament)} away from it or into it); move the split plane"
+                    f"{_mm(ligament)} away from it or into it). Correct flange.split_plane_mm"
                 )
 
 
@@ -170,7 +184,7 @@ def _rib_problems(housing: Dimensions) -> Iterator[str]:
         yield f"ribs of thickness {_mm(ribs.thickness)} and height {_mm(ribs.height)}; both must be positive"
         return
     if min(ribs.per_boss, ribs.end_wall, ribs.cover) < 0 or not ribs.per_boss + ribs.end_wall + ribs.cover:
-        yield "ribs are sized but none is placed; give a number of ribs per boss, end wall or cover"
+        yield "there are no ribs in the table ribs. Set per_boss, end_wall or cover"
         return
     ligament, boxes = _ligament(housing), housing.rib_boxes()
     for bore in housing.bores if ribs.per_boss else ():
@@ -178,17 +192,22 @@ def _rib_problems(housing: Dimensions) -> Iterator[str]:
         if outermost > (limit := (bore.diameter + bore.boss_diameter) / 4):
             yield (
                 f"{ribs.per_boss} ribs of {_mm(ribs.thickness)} under {bore.name} reach {_mm(outermost)} from its axis "
-                f"(limit {_mm(limit)}, the middle of the boss ring); use fewer or thinner ribs"
+                f"(limit {_mm(limit)}, the middle of the boss ring). Reduce ribs.per_boss or thickness_mm"
             )
     if ribs.thickness > (limit := min(housing.length, housing.width) / 4):
-        yield f"ribs are {_mm(ribs.thickness)} thick (limit {_mm(limit)}, a quarter of the box); thin them"
+        yield (
+            f"ribs are {_mm(ribs.thickness)} thick (limit {_mm(limit)}, a quarter of the box). Reduce ribs.thickness_mm"
+        )
     for name, (start, end) in boxes.items():
         for bore in housing.bores if " under " in name else ():
             if name.endswith(f"under {bore.name}") or (bore.side > 0) != (end[1] > 0.0):
                 continue
             gap = _distance(start, end, bore.x, bore.z) - bore.diameter / 2
             if gap < ligament:
-                yield f"{name} is {_mm(gap)} from the bore of {bore.name} (limit {_mm(ligament)}); thin the ribs"
+                yield (
+                    f"{name} is {_mm(gap)} from the bore of {bore.name} (limit {_mm(ligament)}). Reduce "
+                    "ribs.thickness_mm"
+                )
     for (name, one), (other, two) in combinations(boxes.items(), 2):
         if (gap := _gap(one, two)) < ligament:
             what = f"overlap by {_mm(-gap)}" if gap < 0.0 else f"leave only {_mm(gap)} between them"
@@ -203,18 +222,18 @@ def _fillet_problems(housing: Dimensions) -> Iterator[str]:
     ):
         if 0.0 < radius < SMALLEST_FILLET:
             yield (
-                f"{name} fillet radius is {_mm(radius)}; faces below {_mm(SMALLEST_FILLET)} cannot be meshed: enlarge "
-                "it, or give 0 for a sharp edge"
+                f"{name} fillet radius is {_mm(radius)}; faces below {_mm(SMALLEST_FILLET)} cannot be meshed. Raise "
+                "it, or set 0 for a sharp edge"
             )
         if not 0.0 <= radius < limit:
-            yield f"{name} fillet radius is {_mm(radius)} (limit: 0 to below {_mm(limit)}, {why}); shrink it"
+            yield f"{name} fillet radius is {_mm(radius)} (limit: 0 to below {_mm(limit)}, {why}). Reduce it"
 
 
 def _name_problems(housing: Dimensions) -> Iterator[str]:
     names = [b.name for b in housing.bores] + [s.name for s in housing.sensors]
     for name in dict.fromkeys(names):
         if names.count(name) > 1:
-            yield f"the name {name!r} is given {names.count(name)} times"
+            yield f"the name {name!r} occurs {names.count(name)} times. Set another name"
 
 
 def _distance(low: np.ndarray, high: np.ndarray, x: float, z: float) -> float:

@@ -87,7 +87,7 @@ def shaft_places(housing: Housing, size: float) -> list[ShaftPlace]:
     if not housing.plain:
         raise HousingError(
             "hexahedra: the housing has a flange, ribs, fillets or bolt pads, and only boxes and cylinders along y are "
-            "extruded; take element tetrahedron-10"
+            "extruded; set element = 'tetrahedron-10'"
         )
     axes: dict[tuple[float, float], list[Bore]] = {}
     for bore in housing.bores:
@@ -96,7 +96,7 @@ def shaft_places(housing: Housing, size: float) -> list[ShaftPlace]:
         if len({bore.side for bore in bores}) < 2:
             raise HousingError(
                 f"hexahedra: {bores[0].name} at x = {1000 * x:.6g}, z = {1000 * z:.6g} mm has no bore across from it "
-                "on the same axis; take element tetrahedron-10"
+                "on the same axis; set element = 'tetrahedron-10'"
             )
     rows: list[list[tuple[float, float]]] = []
     for axis in sorted(axes, key=lambda one: one[1] - _radius(axes[one])):
@@ -197,7 +197,7 @@ def _apart(
         if min(start - left, right - end) < _SAME:
             raise HousingError(
                 "hexahedra: a boss touches the floor, the cover or an end wall, which leaves no room for cells around "
-                "it; take element tetrahedron-10"
+                "it; set element = 'tetrahedron-10'"
             )
         out.append((left, right))
     return out

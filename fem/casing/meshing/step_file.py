@@ -80,7 +80,9 @@ def read_step(gmsh: Any, housing: ImportedHousing) -> None:
     if housing.solids:
         if unknown := [number for number in housing.solids if number > len(solids)]:
             raise MeshError(
-                f"{path.name} has {len(solids)} solids, there is no solid {unknown[0]}; `gearcase housing` numbers them"
+                f"{path.name} has {len(solids)} solids, there is no solid {unknown[0]}. Correct solids; `gearcase "
+                "housing "
+                "FILE` shows the numbers"
             )
         chosen = [solids[number - 1] for number in sorted(set(housing.solids))]
         gmsh.model.occ.remove([(3, tag) for tag in solids if tag not in chosen], recursive=True)

@@ -35,12 +35,14 @@ class ChippedTooth(ToothFault):
         check_end(label, self.end)
         require(
             0.0 < self.extent <= gear.face_width,
-            f"{label}: extent is {self.extent:.4g} m; give a value in (0, {gear.face_width:.4g}] m, the face width",
+            f"{label}: extent_mm = {1000 * self.extent:.4g} is more than the face width. Set at most "
+            f"{1000 * gear.face_width:.4g}",
         )
         height = gear.tip_radius - gear.root_radius
         require(
             0.0 < self.depth <= height * (1 + 1e-9),
-            f"{label}: depth is {self.depth:.4g} m; give a value in (0, {height:.4g}] m, the tooth height",
+            f"{label}: depth_mm = {1000 * self.depth:.4g} is more than the tooth height. Set at most "
+            f"{1000 * height:.4g}",
         )
 
     def depth_at(self, face: np.ndarray, face_width: float) -> np.ndarray:

@@ -54,20 +54,21 @@ class CrackedTooth(ToothFault):
         low, high = ANGLES
         require(
             low - 1e-9 <= self.angle <= high + 1e-9,
-            f"{label}: angle is {math.degrees(self.angle):.4g} deg to the centre line; give a value in "
-            f"[{math.degrees(low):.0f}, {math.degrees(high):.0f}] deg",
+            f"{label}: angle_deg = {math.degrees(self.angle):.4g} is outside the limits. Set {math.degrees(low):.0f} "
+            "to "
+            f"{math.degrees(high):.0f}",
         )
         radius, chord = root_chord(gear)
         require(
             0.0 < self.depth <= DEEPEST * chord,
-            f"{label}: depth is {self.depth:.4g} m; give a value in (0, {DEEPEST * chord:.4g}] m, "
-            f"{DEEPEST} of the tooth root thickness {chord:.4g} m; cut through, it is a missing tooth",
+            f"{label}: depth_mm = {1000 * self.depth:.4g} is more than {DEEPEST} of the tooth root thickness of "
+            f'{1000 * chord:.4g} mm. Set at most {1000 * DEEPEST * chord:.4g}, or kind = "missing-tooth"',
         )
         far = self.depth if self.far_depth is None else self.far_depth
         require(
             0.0 <= far <= DEEPEST * chord,
-            f"{label}: far_depth is {far:.4g} m; give a value in [0, {DEEPEST * chord:.4g}] m, {DEEPEST} of the tooth "
-            "root thickness, or leave it out",
+            f"{label}: far_depth_mm = {1000 * far:.4g} is more than {DEEPEST} of the tooth root thickness. Set 0 to "
+            f"{1000 * DEEPEST * chord:.4g}, or delete it",
         )
         deepest = max(self.depth, far)
         mouth = math.asin(chord / 2 / radius)
@@ -77,12 +78,14 @@ class CrackedTooth(ToothFault):
         floor = gear.rim_inner_radius + 0.3 * (gear.root_radius - gear.rim_inner_radius)
         require(
             tip >= floor,
-            f"{label}: the crack ends at radius {tip:.6g} m; it must stay above {floor:.6g} m, 30 % of the rim: reduce "
-            "depth or raise angle",
+            f"{label}: the crack ends at the diameter {2000 * tip:.6g} mm; it must end above {2000 * floor:.6g} mm, "
+            "which "
+            "leaves 30 % of the rim. Reduce depth_mm or raise angle_deg",
         )
         require(
             self.extent is None or 0.0 < self.extent <= gear.face_width,
-            f"{label}: extent is {self.extent!r} m; give a value in (0, {gear.face_width:.4g}] m or leave it out",
+            f"{label}: extent_mm = {1000 * (self.extent or 0.0):.4g} is more than the face width. Set at most "
+            f"{1000 * gear.face_width:.4g}, or delete it for the whole face",
         )
 
     def reach(self, face_width: float) -> tuple[float, float]:

@@ -51,27 +51,31 @@ class Patch:
         limit = DEEPEST * gear.normal_module
         require(
             0.0 < self.depth <= limit,
-            f"{label}: depth is {self.depth:.4g} m; give a value in (0, {limit:.4g}] m, {DEEPEST} modules",
+            f"{label}: the depth of {1e6 * self.depth:.4g} um is more than {DEEPEST} modules. Set at most "
+            f"{1e6 * limit:.4g} um",
         )
         lowest = max(gear.base_radius, gear.root_radius)
         require(
             lowest < self.radius <= gear.tip_radius,
-            f"{label}: its middle lies at the diameter {2 * self.radius:.6g} m; the flank reaches from "
-            f"{2 * lowest:.6g} to {2 * gear.tip_radius:.6g} m",
+            f"{label}: diameter_mm = {2000 * self.radius:.6g} is not on the flank. Set {2000 * lowest:.6g} to "
+            f"{2000 * gear.tip_radius:.6g}",
         )
         height = arc_at(gear, gear.tip_radius) - arc_at(gear, lowest)
         require(
             0.0 < self.height <= height,
-            f"{label}: height is {self.height:.4g} m; give a value in (0, {height:.4g}] m, the height of the flank",
+            f"{label}: height_mm = {1000 * self.height:.4g} is more than the height of the flank. Set at most "
+            f"{1000 * height:.4g}",
         )
         require(
             0.0 < self.length <= gear.face_width * (1 + 1e-9),
-            f"{label}: length is {self.length:.4g} m; give a value in (0, {gear.face_width:.4g}] m, the face width",
+            f"{label}: length_mm = {1000 * self.length:.4g} is more than the face width. Set at most "
+            f"{1000 * gear.face_width:.4g}",
         )
         require(
             abs(self.face) <= gear.face_width / 2 * (1 + 1e-9),
-            f"{label}: its middle lies {self.face:.4g} m from mid face; give a value within "
-            f"{gear.face_width / 2:.4g} m, the ends of the face",
+            f"{label}: its centre is {1000 * abs(self.face):.4g} mm from the middle of the face and not on the flank. "
+            "Set "
+            f"position_mm between {-500 * gear.face_width:.4g} and {500 * gear.face_width:.4g}",
         )
 
     @property

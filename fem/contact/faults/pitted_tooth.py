@@ -72,17 +72,20 @@ class PittedTooth(ToothFault):
         ):
             require(
                 low <= value <= high and value > 0.0,
-                f"{label}: {name} is {value:.4g}; give a value from {low:g} to {high:g}, above 0",
+                f"{label}: {name} = {value:.4g} is outside the limits. Set a value above 0, {low:g} to {high:g}",
             )
         largest = min(self.area(gear).height, self.area(gear).length) / 2
         require(
             0.0 < self.pit <= largest,
-            f"{label}: the median pit is {self.pit:.4g} m; give a value in (0, {largest:.4g}] m, half the pitted area",
+            f"{label}: pit_mm = {1000 * self.pit:.4g} is more than half the pitted area. Set at most "
+            f"{1000 * largest:.4g}, or raise height_mm or length_mm",
         )
         count = self.density * self.area(gear).height * self.area(gear).length / (math.pi / 4 * self.pit**2)
         require(
             count <= MOST_PITS,
-            f"{label}: about {count:.0f} pits, at most {MOST_PITS} are drawn: give larger pits or a smaller density",
+            f"{label}: pit_mm = {1000 * self.pit:.4g} with density = {self.density:g} gives about {count:.0f} pits, "
+            "more than "
+            f"{MOST_PITS}. Raise pit_mm or reduce density",
         )
 
     def pits(self, gear: Gear) -> tuple[Patch, ...]:

@@ -45,32 +45,33 @@ class WornTooth(ToothFault):
         limit = DEEPEST * gear.normal_module
         require(
             0.0 < self.depth <= limit,
-            f"{label}: depth is {self.depth:.4g} m; give a value in (0, {limit:.4g}] m, {DEEPEST} modules",
+            f"{label}: depth_um = {1e6 * self.depth:.4g} is more than {DEEPEST} modules. Set at most {1e6 * limit:.4g}",
         )
         require(self.place in PLACES, f"{label}: place is {self.place!r}; choose one of {', '.join(PLACES)}")
         local = self.place in ("pitch", "root")
         require(
             (self.width is not None) == local and (self.width is None or self.width > 0.0),
-            f"{label}: width is {self.width!r} m with place {self.place!r}; local wear needs a width > 0, other wear "
-            "none",
+            f"{label}: width_mm is the width of local wear. "
+            + ("Set it" if local else 'Delete it, or set place = "pitch" or "root"'),
         )
         table = self.place == "profile"
         require(
             len(self.diameters) == len(self.parts) and (len(self.parts) >= 2) == table,
-            f"{label}: {len(self.diameters)} diameters and {len(self.parts)} parts with place {self.place!r}; a "
-            "profile needs two or more of both, other wear none",
+            f'{label}: place = "{self.place}" with {len(self.diameters)} diameters_mm and {len(self.parts)} parts. '
+            + ("Set two or more of both, as many" if table else 'Delete them, or set place = "profile"'),
         )
         require(
             all(low < high for low, high in pairwise(self.diameters))
             and all(0.0 <= part <= 1.0 for part in self.parts),
-            f"{label}: the diameters of a profile must rise and its parts lie from 0 to 1",
+            f"{label}: diameters_mm of a profile must rise, and parts must be between 0 and 1. Correct them",
         )
         check_end(label, self.end)
         require(
             self.extent is None or 0.0 < self.extent <= gear.face_width,
-            f"{label}: extent is {self.extent!r} m; give a value in (0, {gear.face_width:.4g}] m or leave it out",
+            f"{label}: extent_mm = {1000 * (self.extent or 0.0):.4g} is more than the face width. Set at most "
+            f"{1000 * gear.face_width:.4g}, or delete it for the whole face",
         )
-        require(not self.fading or self.extent is not None, f"{label}: fading wear needs an extent")
+        require(not self.fading or self.extent is not None, f"{label}: fading = true needs extent_mm. Set it")
 
     def gap_at(self, radius: np.ndarray, pair: GearPair, gear: str) -> np.ndarray:
         """Wear (m) at radii of the flank of "pinion" or "wheel", of any shape."""

@@ -90,7 +90,8 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
     """
     if gear.rim_thickness is not None:
         raise ModelError(
-            f"model energy, gear z={gear.teeth}: the fitted body is a solid disc; use model 'plane' for a web"
+            f"model energy, gear z={gear.teeth}: the model has solid gear bodies only. Set mesh.model = 'plane' for a "
+            "web"
         )
     contour = beam_contour(gear)
     root_angle, ratio = math.atan2(contour[1][0], contour[0][0]), gear.root_radius / gear.bore_radius
@@ -120,7 +121,7 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
     if foundation.min() <= 0.0:
         raise ModelError(
             f"model energy, gear z={gear.teeth}: the fitted body has no positive compliance at r_f/r_bore {ratio:.3f} "
-            f"and theta_f {root_angle:.4f} rad; use model 'plane' for this gear"
+            f"and theta_f {root_angle:.4f} rad; set mesh.model = 'plane' for this gear"
         )
     return ToothParts(bending=bending, shear=shearing, axial=axial, foundation=foundation)
 

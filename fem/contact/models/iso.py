@@ -122,7 +122,9 @@ class Iso(MeshModel):
             (not -0.5 <= shift <= 2.0, f"x1 + x2 is {shift:.4f}, the range [-0.5, 2]"),
         ):
             if bad:
-                raise ModelError(f"iso, {pair.label}: {what} of ISO 6336-1 method B; use model 'plane' for this pair")
+                raise ModelError(
+                    f"iso, {pair.label}: {what} of ISO 6336-1 method B. Set mesh.model = 'plane' for this pair"
+                )
         x1, x2 = p.profile_shift, w.profile_shift
         z1, z2 = p.virtual_teeth, w.virtual_teeth
         terms = (1.0, 1 / z1, 1 / z2, x1, x1 / z1, x2, x2 / z2, x1**2, x2**2)
@@ -168,11 +170,15 @@ class Iso(MeshModel):
         """The low-load reduction where it acts, and relief, whose effect on the load sharing is not modelled."""
         if self.line_load is not None and self.line_load < LOW_LINE_LOAD:
             yield (
-                f"line load {self.line_load / 1000:.1f} N/mm is below {LOW_LINE_LOAD / 1000:g} N/mm; the iso model "
-                "applies the low-load reduction of ISO 6336-1"
+                f"the line load of {self.line_load / 1000:.1f} N/mm is below {LOW_LINE_LOAD / 1000:g} N/mm, so that "
+                "the "
+                "model iso applies the low-load reduction of ISO 6336-1"
             )
         if modifications.pinion.tip_relief or modifications.wheel.tip_relief:
-            yield "tip relief under the model iso acts on a stiffness that knows no load sharing; prefer plane"
+            yield (
+                'the model iso does not model the effect of tip relief on load sharing. Set mesh.model = "plane" or '
+                '"solid"'
+            )
 
     def _contact(self, pair: GearPair, xi: np.ndarray, step: float, ramp: float) -> tuple[np.ndarray, np.ndarray]:
         """Gap and fraction: the path of contact with its ramps, beyond it tip edges from the onset on."""

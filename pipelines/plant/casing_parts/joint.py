@@ -77,8 +77,8 @@ def _of_cover(table: CoverJointTable, housing: Housing) -> BoltedJoint:
     bolt = Bolt.of_size(table.bolt, clamped=clamped, tapped=flange is None, outer=_outer(table))
     if flange is not None and bolt.head > flange.width:
         raise HousingError(
-            f"a head of {1000 * bolt.head:.4g} mm finds no room on a flange {1000 * flange.width:.4g} mm wide; take "
-            "smaller bolts, or widen the flange"
+            f"the bolt heads of {1000 * bolt.head:.4g} mm do not fit on the flange of {1000 * flange.width:.4g} mm. "
+            "Set a smaller bolt, or raise flange.width_mm"
         )
     places = [(x / 1000, y / 1000) for x, y in table.positions_mm]
     if table.pitch_mm is not None:

@@ -31,9 +31,9 @@ def bursting(scene: Scene, layout: Layout) -> Iterator[Problem]:
                 limit = RIM_SPEED / gear.tip_radius / ratio * 30 / math.pi
                 yield Problem(
                     "drive.speeds_rpm" if isinstance(scene.drive, SpeedDrive) else "drive",
-                    f"the tips of the stage {number} {name} would run at {tips:.4g} m/s; a disc of the strongest steel "
-                    f"bursts at {RIM_SPEED:.0f} m/s",
-                    f"Give at most {limit:.4g} rpm.",
+                    f"the tips of the stage {number} {name} would move at {tips:.4g} m/s, and a disc of the strongest "
+                    f"steel bursts at {RIM_SPEED:.0f} m/s",
+                    f"Set at most {limit:.4g} rpm.",
                     f"{60 * layout.turns:.4g}",
                 )
                 return

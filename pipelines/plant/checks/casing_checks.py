@@ -72,9 +72,9 @@ def bad_casing(scene: Scene, layout: Layout, made: Geometry, source: str) -> Ite
             least = sizes.element * (count / MOST_ELEMENTS) ** (1 / 3)
             yield Problem(
                 "casing.element_size_mm",
-                f"elements of {1000 * sizes.element:.3g} mm make about {count / 1e6:.1f} million tetrahedra, limit "
+                f"elements of {1000 * sizes.element:.3g} mm give about {count / 1e6:.1f} million tetrahedra, more than "
                 f"{MOST_ELEMENTS / 1e6:.1f} million",
-                f"Give {1000 * least:.2g} mm or more{OR_BAND}",
+                f"Set {1000 * least:.2g} or more{OR_BAND}",
                 f"{table.element_size_mm:g}",
             )
 
@@ -87,9 +87,9 @@ def _no_hexahedra(made: Housing, sizes: Sizes, element: str, asked: float) -> It
     if count > MOST_NODES:
         yield Problem(
             "casing.element_size_mm",
-            f"hexahedra of {1000 * sizes.element:.3g} mm make {count / 1e6:.1f} million nodes or more, limit "
+            f"hexahedra of {1000 * sizes.element:.3g} mm give {count / 1e6:.1f} million nodes or more, more than "
             f"{MOST_NODES / 1e6:.1f} million",
-            f"Give {1000 * sizes.element * (count / MOST_NODES) ** (1 / 2):.2g} mm or more{OR_BAND}",
+            f"Set {1000 * sizes.element * (count / MOST_NODES) ** (1 / 2):.2g} or more{OR_BAND}",
             f"{asked:g}",
         )
         return
@@ -131,9 +131,9 @@ def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], wha
         if abs(middle - y) > 1000 * BEARING_PLACE_TOLERANCE:
             yield Problem(
                 f"shafts.{shaft + 1}.bearing_positions_mm",
-                f"{name} at y = {y:g} mm is {abs(middle - y):.3g} mm off the middle of its {what} at {middle:.6g} mm, "
-                f"where the casing takes its load (limit {1000 * BEARING_PLACE_TOLERANCE:g} mm)",
-                f"Set number {place + 1} to {middle:.6g}, or move the {what}",
+                f"{name} at y = {y:g} mm is {abs(middle - y):.3g} mm away from the middle of its {what} at "
+                f"{middle:.6g} mm, where the casing takes its load (limit {1000 * BEARING_PLACE_TOLERANCE:g} mm)",
+                f"Set its value number {place + 1} to {middle:.6g}, or move the {what}",
             )
 
 
@@ -150,7 +150,7 @@ def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
             yield Problem(
                 f"{path}.group",
                 f"{seat.name}: a STEP file has no groups",
-                "Locate the seat by through_mm and diameter_mm",
+                "Set through_mm and diameter_mm instead",
                 f'"{seat.locator.group}"',
             )
         if not isinstance(seat.locator, ByCylinder) or seat.shaft_point is None:
@@ -161,7 +161,7 @@ def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
             yield Problem(
                 f"{path}.axis",
                 f"the seat of {seat.name} must run along y, as shaft {shafts[seat.name]} does",
-                "Leave axis out, or turn the file by casing.housing.axes",
+                "Delete axis, or turn the file by casing.housing.axes",
                 f"{list(seat.locator.axis)}",
             )
             continue
@@ -171,21 +171,22 @@ def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
         if off > OFF_AXIS:
             yield Problem(
                 f"{path}.through_mm",
-                f"the axis of the seat of {seat.name} is {1000 * off:.4g} mm off that of shaft {shafts[seat.name]} at "
+                f"the axis of the seat of {seat.name} is {1000 * off:.4g} mm away from that of shaft "
+                f"{shafts[seat.name]} at "
                 f"x {1000 * wanted[0]:.6g}, z {1000 * wanted[2]:.6g} mm (limit {1000 * OFF_AXIS:g} mm)",
-                "Move the seat, casing.housing.origin_mm, or the shaft (centre_distance_mm, direction_deg)",
+                "Correct it, casing.housing.origin_mm, or the place of the shaft (centre_distance_mm, direction_deg)",
                 str([round(1000 * value, 6) for value in seat.locator.through]),
             )
     for number, ground in enumerate(made.grounds, 1):
         if isinstance(ground, ByPlane) and not any(ground.normal):
             yield Problem(
-                f"casing.housing.grounds.{number}.normal", "has no length", "Give [0.0, 0.0, 1.0] or the like"
+                f"casing.housing.grounds.{number}.normal", "is no direction", "Set one, as in [0.0, 0.0, 1.0]"
             )
         if isinstance(ground, ByGroup) and made.is_step:
             yield Problem(
                 f"casing.housing.grounds.{number}.group",
                 "a STEP file has no groups",
-                "Locate the ground by point_mm, box_mm or a plane",
+                "Set point_mm, box_mm, or through_mm and normal instead",
                 f'"{ground.group}"',
             )
 

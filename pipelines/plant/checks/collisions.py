@@ -16,6 +16,15 @@ from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import FlexibleBase
 from pipelines.scene.tables.housing import HousingTable
 
+_WAYS_OUT = {  # what makes room at a wall
+    "left end wall": "Reduce casing.housing.left_end_mm",
+    "right end wall": "Raise casing.housing.length_mm",
+    "floor": "Raise casing.housing.shaft_height_mm and height_mm",
+    "cover": "Raise casing.housing.height_mm",
+    "-y side wall": "Raise casing.housing.width_mm",
+    "+y side wall": "Raise casing.housing.width_mm",
+}
+
 
 @dataclass(frozen=True)
 class Cylinder:
@@ -55,7 +64,7 @@ def shafts(scene: Scene) -> list[Cylinder]:
     """All shaft sections."""
     return [
         Cylinder(
-            f"shaft {number}",
+            f"section of shaft {number}",
             f"shafts.{number}",
             number - 1,
             section.diameter_mm / 2000,
@@ -90,10 +99,11 @@ def _clashes(first: list[Cylinder], second: list[Cylinder], layout: Layout) -> I
                 needed = one.radius + two.radius
                 yield Problem(
                     one.path,
-                    f"{one.name} (radius {one.radius * 1000:.2f} mm) hits {two.name} (radius "
-                    f"{two.radius * 1000:.2f} mm): their axes are {distance * 1000:.2f} mm apart, "
-                    f"{needed * 1000:.2f} mm are needed",
-                    "Move one along the shafts (position_mm), or change sizes or directions",
+                    f"the {one.name} (radius {one.radius * 1000:.2f} mm) intersects the {two.name} (radius "
+                    f"{two.radius * 1000:.2f} mm): the distance of their axes is {distance * 1000:.2f} mm, more than "
+                    f"{needed * 1000:.2f} mm is needed",
+                    "Move one of them along the shafts (position_mm), or reduce one of the diameters, "
+                    "or turn the stage (direction_deg)",
                 )
 
 
@@ -108,8 +118,8 @@ def _mates(scene: Scene, layout: Layout) -> Iterator[Problem]:
             if one.shaft == two.shaft and one.overlaps(two):
                 yield Problem(
                     two.path,
-                    f"{two.name} and {one.name} share shaft {one.shaft + 1} and overlap along it",
-                    "Change position_mm of one of the stages",
+                    f"the {two.name} and the {one.name} overlap on shaft {one.shaft + 1}",
+                    "Correct position_mm of one of the stages",
                 )
             yield from _clashes([one], [two], layout)
 
@@ -141,8 +151,8 @@ def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterat
             if room <= 0:
                 yield Problem(
                     body.path,
-                    f"{body.name} hits the {name}: {-room * 1000:.2f} mm too far",
-                    "Make the housing larger or move the gear",
+                    f"the {body.name} reaches {-room * 1000:.2f} mm into the {name} of the housing",
+                    f"{_WAYS_OUT[name]}, or move the gear",
                 )
     for number, shaft in enumerate(scene.shafts, 1):
         carried = [
@@ -156,8 +166,8 @@ def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterat
                 sign = "-" if bearing % 2 else "+"
                 yield Problem(
                     f"shafts.{number}.bearing_positions_mm",
-                    f"bearing {bearing} at y = {y:g} mm is outside its boss ({sign}{low:g} to {sign}{high:g} mm)",
-                    "Move the bearing into the boss or change boss_length_mm",
+                    f"bearing {bearing} at y = {y:g} mm is outside its boss, y = {sign}{low:g} to {sign}{high:g} mm",
+                    "Move the bearing into the boss, or correct casing.housing.boss_length_mm or width_mm",
                 )
 
 

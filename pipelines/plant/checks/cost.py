@@ -58,17 +58,17 @@ def too_long(scene: Scene) -> Iterator[Problem]:
     if one.steps > MOST_STEPS:
         yield Problem(
             "simulation.step_us",
-            f"{one.steps:.3g} time steps in {table.end_s:g} s, limit {MOST_STEPS:.0g} (about "
-            f"{MOST_STEPS * one.seconds / one.steps / 3600:.2g} hours here)",
-            f"Give {table.end_s / MOST_STEPS * 1e6:.2g} or more, or lower simulation.end_s",
+            f"gives {one.steps:.3g} time steps in {table.end_s:g} s, more than {MOST_STEPS:.0g} (about "
+            f"{MOST_STEPS * one.seconds / one.steps / 3600:.2g} hours)",
+            f"Set {table.end_s / MOST_STEPS * 1e6:.2g} or more, or reduce simulation.end_s",
             f"{table.step_us:g}",
         )
     if one.samples * one.channels > MOST_VALUES:
         yield Problem(
             "simulation.output_rate_Hz",
-            f"{one.samples:.3g} samples of {one.channels} channels are {words(one.bytes)}, limit "
-            f"{words(8 * MOST_VALUES)} in one simulation",
-            f"Give {MOST_VALUES / one.channels / table.end_s:.4g} or less, or lower simulation.end_s",
+            f"gives {one.samples:.3g} samples of {one.channels} channels, {words(one.bytes)}, more than "
+            f"{words(8 * MOST_VALUES)} for one simulation",
+            f"Set {MOST_VALUES / one.channels / table.end_s:.4g} or less, or reduce simulation.end_s",
             f"{table.output_rate_Hz:g}",
         )
 
@@ -92,7 +92,7 @@ def check_room(scene: Scene, source: str, simulations: int) -> None:
                     "simulation",
                     f"the signals of {simulations} simulations take about {words(needed)} in {folder}, {words(free)} "
                     "are free there",
-                    "Lower simulation.output_rate_Hz or end_s, or make room",
+                    "Reduce simulation.output_rate_Hz or end_s, or delete files there",
                 )
             )
     if problems:

@@ -40,25 +40,36 @@ def _gears(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[s
         place = f"stages.{number}"
         if facts.transverse_contact_ratio < 1.2:
             yield (
-                f"{place}: transverse contact ratio {facts.transverse_contact_ratio:.3f} is below 1.2; raise teeth or "
-                "rack_addendum"
+                f"{place}: the transverse contact ratio {facts.transverse_contact_ratio:.3f} is below 1.2. Raise the "
+                "numbers "
+                "of teeth or rack_addendum"
             )
         nearest = round(facts.overlap_ratio)
         if nearest >= 1 and abs(facts.overlap_ratio - nearest) < 0.05:
             yield (
-                f"{place}: overlap ratio {facts.overlap_ratio:.3f} is almost whole, the mesh excitation nearly "
-                "vanishes; good for noise, bad for seeing faults"
+                f"{place}: the overlap ratio {facts.overlap_ratio:.3f} is almost a whole number, so that the mesh "
+                "excitation almost vanishes. This reduces noise, but hides faults; to see them correct face_width_mm "
+                "or "
+                "helix_angle_deg"
             )
         if stage.face_width_mm > 1.2 * pair.pinion.reference_radius * 2000:
-            yield f"{place}: face width {stage.face_width_mm:g} mm is above 1.2 pinion diameters; load will not spread"
+            yield (
+                f"{place}: face_width_mm = {stage.face_width_mm:g} is above 1.2 pinion diameters, so that the load is "
+                "unevenly distributed over the face. Reduce it, or raise module_mm"
+            )
         divisor = math.gcd(stage.pinion_teeth, stage.wheel_teeth)
         if divisor > 5:
             yield (
-                f"{place}: {stage.pinion_teeth} and {stage.wheel_teeth} teeth share the divisor {divisor}; the same "
-                "teeth meet often and wear in a pattern"
+                f"{place}: {stage.pinion_teeth} and {stage.wheel_teeth} teeth have the common divisor {divisor}, so "
+                "that "
+                "the same teeth meet often and wear unevenly. Set numbers of teeth without a common divisor"
             )
         if facts.backlash < 0.02e-3 and layout.load_torque != 0.0:
-            yield f"{place}: backlash {facts.backlash * 1e6:.1f} um is small; both flanks may touch under deviations"
+            yield (
+                f"{place}: the backlash of {facts.backlash * 1e6:.1f} um is small: with deviations both flanks may be "
+                "in "
+                "contact. Raise backlash_um"
+            )
 
 
 def _fits(scene: Scene, layout: Layout) -> Iterator[str]:
@@ -97,8 +108,9 @@ def _drive(scene: Scene, layout: Layout) -> Iterator[str]:
     given, drawn = sum(abs(motor.largest) for motor in motors), input_torque(layout)
     if motors and given < drawn:
         yield (
-            f"drive: the motors give {given:.4g} N m at most, the load asks for {drawn:.4g} N m at their shaft: it "
-            "drives the machine backwards unless it fades with the speed; lower the load or choose a stronger motor"
+            f"drive: the motors give at most {given:.4g} N m, and the load takes {drawn:.4g} N m at their shaft. "
+            "Unless "
+            "it falls with the speed, it drives the machine backwards. Reduce the load, or set a stronger motor"
         )
 
 
@@ -106,20 +118,21 @@ def _record(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[
     for number, facts in enumerate(stages, 1):
         if scene.simulation.output_rate_Hz < 2 * HARMONICS * facts.mesh_frequency:
             yield (
-                f"simulation.output_rate_Hz = {scene.simulation.output_rate_Hz:g} holds fewer than {HARMONICS} "
-                f"harmonics of the mesh frequency of stage {number}, {facts.mesh_frequency:.1f} Hz; raise it to "
+                f"simulation.output_rate_Hz = {scene.simulation.output_rate_Hz:g} covers fewer than {HARMONICS} "
+                f"harmonics of the mesh frequency of stage {number}, {facts.mesh_frequency:.1f} Hz. Raise it to "
                 f"{4 * HARMONICS * facts.mesh_frequency:.0f}"
             )
     if not any(layout.drawn):
-        key = "load.container_kg = 0" if isinstance(scene.load, LoadBase) else "load: torque 0"
-        yield f"{key}: nothing holds the drive flank; the gears will rattle in their backlash"
+        key = "load.container_kg = 0" if isinstance(scene.load, LoadBase) else "load: the torque is 0"
+        yield f"{key}: without load the teeth lose contact and rattle in their backlash. Raise the load"
 
 
 def _diagnosis(scene: Scene, layout: Layout) -> Iterator[str]:
     looked_at, on_teeth = (scene.diagnosis.stage, scene.diagnosis.gear), scene.tooth_faults.values()
     if on_teeth and scene.diagnosis.windows_s and looked_at not in {(f.stage, f.gear) for f in on_teeth}:
         yield (
-            f"diagnosis looks for the stage {looked_at[0]} {looked_at[1]}, no fault is there; set diagnosis.stage and "
+            f"diagnosis: the stage {looked_at[0]} {looked_at[1]} is diagnosed, but has no fault. Set diagnosis.stage "
+            "and "
             "diagnosis.gear to the faulty gear"
         )
     faulty = bool(scene.faults or shaft_faults(scene))
@@ -128,4 +141,4 @@ def _diagnosis(scene: Scene, layout: Layout) -> Iterator[str]:
             yield f"{problem}"
     if faulty and not (scene.control and scene.diagnosis.windows_s):
         missing = "control" if not scene.control else "diagnosis.windows_s"
-        yield f"{missing} is not given: the run makes signals, but no diagnosis"
+        yield f"{missing} is missing, so that the run has signals but no diagnosis. Set {missing}"

@@ -13,13 +13,13 @@ from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.flanks import GEARS, damage, prescribed_deviations
 from pipelines.plant.layout import Layout
 from pipelines.plant.plant import law_specs
-from pipelines.plant.units import in_millimetres
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.faults import FaultTable, SpalledToothTable
 
 if TYPE_CHECKING:
     from pipelines.plant.facts import StageFacts
 
+MOST_SLICES = 101  # of every mesh model
 THIN_TIP = 0.2  # modules; the usual least tip thickness of through-hardened teeth
 LEAST_POSITIONS = 64  # grid points per base pitch of models without such a key
 TYPICAL_STIFFNESS = 18e9  # N/m2: c_gamma of steel pairs, for orders of magnitude only
@@ -32,7 +32,7 @@ def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
         try:
             one.check(getattr(layout.pairs[fault.stage - 1], fault.gear))
         except GeometryError as error:
-            yield Problem(f"faults.{number}", in_millimetres(str(error)))
+            yield Problem(f"faults.{number}", str(error))
     if not scene.deviations.enabled:
         return
     yield from _bad_prescribed(scene, layout)
@@ -43,8 +43,11 @@ def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
                 if set(scene.deviations.include) & {"profile", "helix"}:
                     flank_tolerance(getattr(pair, name), scene.deviations.iso_grade)
             except GeometryError as error:
-                reason = in_millimetres(f"{name}: {error}")
-                yield Problem(f"stages.{number}", reason, "Set deviations.enabled = false or include less.")
+                yield Problem(
+                    f"stages.{number}",
+                    f"{name}: {error}",
+                    "Set deviations.enabled = false, or delete items of deviations.include.",
+                )
 
 
 def _bad_prescribed(scene: Scene, layout: Layout) -> Iterator[Problem]:
@@ -72,8 +75,8 @@ def _prescribed_warnings(scene: Scene, layout: Layout) -> Iterator[str]:
                 continue
             if not scene.deviations.enabled:
                 yield (
-                    f"{place}: deviations.enabled = false leaves them out; set enabled = true, and include = [] for "
-                    "no others"
+                    f"{place}: have no effect, because deviations.enabled = false. Set deviations.enabled = true, and "
+                    "deviations.include = [] for no further deviations"
                 )
                 continue
             try:
@@ -82,8 +85,10 @@ def _prescribed_warnings(scene: Scene, layout: Layout) -> Iterator[str]:
                 continue  # no tolerances for a gear of that size
             if 2 * table.eccentricity_um > runout:
                 yield (
-                    f"{place}.eccentricity_um = {table.eccentricity_um:g}: a run-out of {2 * table.eccentricity_um:g} "
-                    f"um, class {GRADES[-1]} of ISO 1328-1 allows {runout:.0f} um; is the unit right?"
+                    f"{place}.eccentricity_um = {table.eccentricity_um:g}: the run-out of "
+                    f"{2 * table.eccentricity_um:g} "
+                    f"um is more than class {GRADES[-1]} of ISO 1328-1 allows, {runout:.0f} um. Correct it if the unit "
+                    "is wrong"
                 )
 
 
@@ -98,18 +103,20 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
             gear = getattr(pair, name)
             if short:
                 yield (
-                    f"{place}: the {name} (z {gear.teeth}, x {gear.profile_shift:g}) is undercut and loses part of its "
-                    f"involute; eps_alpha is {pair.transverse_contact_ratio:.3f}. Raise {name}_profile_shift"
+                    f"{place}: the {name} (z {gear.teeth}, x {gear.profile_shift:g}) is undercut and has lost a part "
+                    "of "
+                    f"its involute; eps_alpha is {pair.transverse_contact_ratio:.3f}. Raise {name}_profile_shift"
                 )
             if gear.tip_thickness < THIN_TIP * gear.normal_module:
                 yield (
-                    f"{place}: the {name} is nearly pointed, its tip is {gear.tip_thickness * 1000:.3f} mm thick "
-                    f"({gear.tip_thickness / gear.normal_module:.2f} m_n; usual at least {THIN_TIP} m_n)"
+                    f"{place}: the {name} is almost pointed: its tip is {gear.tip_thickness * 1000:.3f} mm thick "
+                    f"({gear.tip_thickness / gear.normal_module:.2f} m_n, usual is at least {THIN_TIP} m_n). Reduce "
+                    f"{name}_profile_shift"
                 )
             if gear.web_offset and not spec.mesh.places_webs:
                 yield (
-                    f"{place}.{name}.web_offset_mm: this mesh model counts a web by its thickness alone, whatever its "
-                    f'offset; take {place}.mesh.model = "solid"'
+                    f"{place}.{name}.web_offset_mm: has no effect in this mesh model, which considers only the "
+                    f'thickness of a web. Set {place}.mesh.model = "solid"'
                 )
         yield from (f"{place}: {text}" for text in spec.mesh.warnings(modification))
     for number, fault in scene.tooth_faults.items():
@@ -119,10 +126,17 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
         extent = getattr(fault, key, None)
         if extent is not None and extent / 1000 < 2 * width:
             yield (
-                f"faults.{number}: {key} = {extent:g} is resolved by slices of {width * 1000:.2f} mm; raise "
-                f"stages.{fault.stage}.mesh.slices to {max(2, round(4 * pair.face_width / (extent / 1000)))}"
+                f"faults.{number}: {key} = {extent:g} is resolved coarsely by slices of {width * 1000:.2f} mm. "
+                + _finer(fault.stage, stage.mesh.slices, 4 * pair.face_width / (extent / 1000), key)
             )
         yield from _hidden(scene, layout, number, fault, facts[fault.stage - 1])
+
+
+def _finer(stage: int, slices: int, wanted: float, key: str) -> str:
+    """What to do about a fault that is small against the slices, of which a mesh has 101 at most."""
+    if slices >= MOST_SLICES:
+        return f"Raise {key}, or reduce face_width_mm"
+    return f"Raise stages.{stage}.mesh.slices to {min(MOST_SLICES, max(2, round(wanted)))}"
 
 
 def _hidden(scene: Scene, layout: Layout, number: int, fault: FaultTable, facts: StageFacts) -> Iterator[str]:
@@ -141,7 +155,8 @@ def _hidden(scene: Scene, layout: Layout, number: int, fault: FaultTable, facts:
     tolerance = pitch_tolerance(getattr(pair, fault.gear), scene.deviations.iso_grade).single
     if change < tolerance:
         yield (
-            f"faults.{number}: the {fault.kind} moves the mesh by about {change * 1e6:.1f} um, pitch deviations of "
-            f"grade {scene.deviations.iso_grade} by up to {tolerance * 1e6:.1f} um: they may hide it; raise the load "
-            "or take a better iso_grade"
+            f"faults.{number}: the {fault.kind} changes the transmission error by about {change * 1e6:.1f} um, and "
+            f"pitch deviations of grade {scene.deviations.iso_grade} change it by up to {tolerance * 1e6:.1f} um, "
+            "which "
+            "may hide the fault. Raise the load, or reduce deviations.iso_grade"
         )

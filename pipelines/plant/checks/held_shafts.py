@@ -15,7 +15,7 @@ from pipelines.plant.layout import Layout
 from pipelines.scene.scene import Scene
 
 _AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
-_WORDS = {"uy": "along its axis", "ry": "in its rotation", "rx": "against tilting", "rz": "against tilting"}
+_WORDS = {"uy": "move along its axis", "ry": "rotate", "rx": "tilt", "rz": "tilt"}
 _ARM = 0.1  # m: by which rotations are counted beside displacements
 _TAKES_PART = 0.25  # share of a direction of a shaft in free motions from which it is named
 _FREE = 1e-9  # singular value over the largest, below which nothing holds a motion
@@ -35,10 +35,10 @@ def unheld(scene: Scene, layout: Layout) -> Iterator[Problem]:
         axis = _AXES[int(np.argmax(shares))]
         yield Problem(
             f"shafts.{number}",
-            f"nothing holds shaft {number} {_WORDS.get(axis, 'across its axis')}: it moves freely",
-            "Give it a bearing that carries axial load (the NU types do not)"
+            f"shaft {number} can {_WORDS.get(axis, 'move across its axis')} freely",
+            "Set a bearing that carries axial load (the NU types do not)"
             if axis == "uy"
-            else "Give it a second bearing, or one that holds tilts",
+            else "Set a second bearing, or one with tilt stiffness",
         )
 
 

@@ -27,7 +27,6 @@ from pipelines.plant.machine import losses_spec, shaft_specs
 from pipelines.plant.plant import law_specs
 from pipelines.plant.torques.drives import motor_places, motor_torques, speed_profile
 from pipelines.plant.torques.loads import hanging_load, load_places, torque_load
-from pipelines.plant.units import in_millimetres
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.bearings import HertzBearings, LinearBearings, RigidBearings
 from pipelines.scene.tables.motion import LoadBase, SpeedDrive
@@ -68,8 +67,8 @@ def _bad_bearing(path: str, table: RigidBearings | LinearBearings | HertzBearing
         hint = f"Near: {', '.join(near)}. " if near else ""
         yield Problem(
             f"{path}.designation",
-            f"is not in the catalogue, which has {', '.join(known)}",
-            f"{hint}Give one of these, or the geometry instead (kind, elements, element_diameter_mm, "
+            f"is not in the catalogue ({', '.join(known)})",
+            f"{hint}Set one of these, or instead of designation the geometry (kind, elements, element_diameter_mm, "
             "pitch_diameter_mm)",
             f'"{table.designation}"',
         )
@@ -77,11 +76,11 @@ def _bad_bearing(path: str, table: RigidBearings | LinearBearings | HertzBearing
     try:
         if isinstance(table, HertzBearings):
             if not rolling_elements(table).stiffness > 0.0:
-                yield Problem(path, "its rolling elements have no stiffness", "Give larger ones")
+                yield Problem(path, "the rolling elements have no stiffness", "Raise element_diameter_mm")
         elif isinstance(table, LinearBearings):
             _ = linear_bearing(table, "bearing", "shaft", 0.0, "casing")
     except MachineError as error:
-        yield Problem(path, str(error))
+        yield Problem(path, str(error).removeprefix("bearing bearing "))
 
 
 def _bad_spalls(scene: Scene) -> Iterator[Problem]:
@@ -118,8 +117,8 @@ def _off_shaft(scene: Scene, layout: Layout) -> Iterator[Problem]:
         if not start - 1e-6 <= y <= end + 1e-6:
             yield Problem(
                 path,
-                f"y = {y:g} mm is off shaft {number + 1}, which reaches from {start:g} to {end:g} mm",
-                "Move it onto the shaft, or make the shaft longer",
+                f"y = {y:g} mm is not on shaft {number + 1}, which extends from {start:g} to {end:g} mm",
+                "Correct it, or make the shaft longer (sections)",
             )
 
 
@@ -165,7 +164,7 @@ def bad_laws(scene: Scene, layout: Layout) -> Iterator[Problem]:
     """Mesh models that refuse their pair; those of finite elements are asked for their settings and path of contact."""
     for number, spec in enumerate(law_specs(scene, layout), 1):
         if reason := _law_refusal(spec):
-            yield Problem(f"stages.{number}.mesh", in_millimetres(reason))
+            yield Problem(f"stages.{number}.mesh", reason)
 
 
 @functools.lru_cache(maxsize=64)

@@ -125,9 +125,11 @@ def overloaded(scene: Scene, layout: Layout) -> Iterator[Problem]:
         if not worst.stress <= TORSION_STRENGTH:
             yield Problem(
                 worst.path,
-                f"shaft {worst.shaft} is too thin for its {worst.torque:.4g} N m: torsion {worst.stress / 1e6:.4g} "
-                f"MPa, the strongest shaft steel yields at {TORSION_STRENGTH / 1e6:.0f} MPa (30CrNiMo8, ISO 683-2)",
-                f"Give {_enough(worst, TORSION_ENDURANCE):.4g} mm or more, or lower the load.",
+                f"shaft {worst.shaft} is too thin for {worst.torque:.4g} N m: the torsional stress is "
+                f"{worst.stress / 1e6:.4g} MPa, and the strongest shaft steel yields at {TORSION_STRENGTH / 1e6:.0f} "
+                "MPa "
+                "(30CrNiMo8, ISO 683-2)",
+                f"Set {_enough(worst, TORSION_ENDURANCE):.4g} or more, or reduce the load.",
                 f"{1000 * worst.diameter:g}",
             )
 
@@ -135,12 +137,12 @@ def overloaded(scene: Scene, layout: Layout) -> Iterator[Problem]:
 def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterator[Problem]:
     pressure = contact_pressure(pair, facts.pinion_torque)
     load = f"line load {facts.line_load / 1000:.4g} N/mm"
-    remedy = "Lower the load, or raise face_width_mm or module_mm"
+    remedy = "Reduce the load, or raise face_width_mm or module_mm"
     if not pressure <= STATIC_STRENGTH:
         yield Problem(
             f"stages.{number}",
-            f"{load} presses the flanks with {pressure / 1e6:.4g} MPa; the best gear steel bears "
-            f"{STATIC_STRENGTH / 1e6:.0f} MPa a few times (ISO 6336-2 and -5: 1650 MPa, Z_NT 1.6)",
+            f"the {load} gives a contact stress of {pressure / 1e6:.4g} MPa, and the best gear steel bears "
+            f"{STATIC_STRENGTH / 1e6:.0f} MPa for few cycles (ISO 6336-2 and -5: 1650 MPa, Z_NT 1.6)",
             remedy,
         )
     softness = STEEL.elastic_modulus / pair.pinion_material.elastic_modulus
@@ -148,8 +150,8 @@ def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterato
     if not give <= LARGEST_GIVE * pair.pinion.normal_module:
         yield Problem(
             f"stages.{number}",
-            f"{load} presses the teeth together by about {1000 * give:.3g} mm, more than {LARGEST_GIVE:g} modules "
-            f"({1000 * LARGEST_GIVE * pair.pinion.normal_module:.3g} mm): no linear elastic tooth does that",
+            f"the {load} deflects the teeth by about {1000 * give:.3g} mm, more than {LARGEST_GIVE:g} modules "
+            f"({1000 * LARGEST_GIVE * pair.pinion.normal_module:.3g} mm), where linear elasticity does not hold",
             f"{remedy}, or gear_material.elastic_modulus_GPa",
         )
 
@@ -160,15 +162,17 @@ def strength_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> 
         pressure = contact_pressure(pair, fact.pinion_torque)
         if pressure > ENDURANCE:
             yield (
-                f"stages.{number}: the flanks are pressed with {pressure / 1e6:.4g} MPa, more than the best gear steel "
-                f"endures ({ENDURANCE / 1e6:.0f} MPa, ISO 6336-5, case-carburized, ME)"
+                f"stages.{number}: the contact stress of {pressure / 1e6:.4g} MPa is above the endurance limit of the "
+                f"best gear steel ({ENDURANCE / 1e6:.0f} MPa, ISO 6336-5, case-carburized, ME). Reduce the load, or "
+                "raise "
+                "face_width_mm or module_mm"
             )
     for worst in torsions(scene, layout):
         if worst.stress > TORSION_ENDURANCE:
             yield (
-                f"{worst.path} = {1000 * worst.diameter:g}: torsion {worst.stress / 1e6:.4g} MPa under "
-                f"{worst.torque:.4g} N m, more than 42CrMo4 endures ({TORSION_ENDURANCE / 1e6:.0f} MPa, DIN 743-3); "
-                f"{_enough(worst, TORSION_ENDURANCE):.4g} mm would do"
+                f"{worst.path} = {1000 * worst.diameter:g}: the torsional stress of {worst.stress / 1e6:.4g} MPa under "
+                f"{worst.torque:.4g} N m is above the endurance limit of 42CrMo4 ({TORSION_ENDURANCE / 1e6:.0f} MPa, "
+                f"DIN 743-3). Set {_enough(worst, TORSION_ENDURANCE):.4g} or more"
             )
 
 

@@ -31,18 +31,19 @@ def checked_plant(scene: Scene, source: str) -> Plant:
     SceneError : everything that does not fit, at once
     """
     layout = lay_out(scene, source)
+    machine = list(bad_machine(scene, layout))
     problems: list[Problem] = [
         *find_collisions(scene, layout),
         *bad_flanks(scene, layout),
         *overloaded(scene, layout),
         *bursting(scene, layout),
         *bad_laws(scene, layout),
-        *bad_machine(scene, layout),
+        *machine,
         *too_long(scene),
     ]
     if isinstance(scene.casing, FlexibleBase):
         problems += _bad_housing(scene, scene.casing.housing, layout, source)
-    if scene.control is not None:  # without one there is no diagnosis
+    if scene.control is not None and not machine:  # without a control there is no diagnosis
         problems += bad_windows(scene, layout)
     if problems:
         raise SceneError(source, problems)
@@ -79,7 +80,8 @@ def _far_sensors(scene: Scene, box: HousingTable) -> Iterator[Problem]:
         if distance > FARTHEST_SENSOR_MM:
             yield Problem(
                 f"sensors.{number}.position_mm",
-                f"{sensor.name} is {distance:.0f} mm outside the housing (limit {FARTHEST_SENSOR_MM:.0f} mm)",
-                f"The housing spans x {low[0]:g} to {high[0]:g}, y {low[1]:g} to {high[1]:g}, z {low[2]:g} to "
+                f"{sensor.name} is {distance:.0f} mm outside the housing, more than {FARTHEST_SENSOR_MM:.0f} mm",
+                f"Set a place near the housing, x {low[0]:g} to {high[0]:g}, y {low[1]:g} to {high[1]:g}, z "
+                f"{low[2]:g} to "
                 f"{high[2]:g} mm.",
             )

@@ -32,13 +32,13 @@ def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
     if layout.turns == 0.0 and not known:
         yield Problem(
             "diagnosis.windows_s",
-            "the diagnosis must know about how fast the machine will turn, and the drive says no speed but 0",
-            "Give drive.highest_rpm, or leave windows_s empty for signals alone",
+            "a diagnosis needs the approximate speed of the machine, and the drive gives none but 0",
+            "Set drive.highest_rpm, or windows_s = {} for signals without diagnosis",
         )
         return
     if layout.turns == 0.0:
         yield Problem(
-            "drive.speeds_rpm", "the motors stand: no shaft turns, there is nothing to diagnose", "Let them turn"
+            "drive.speeds_rpm", "all speeds are 0, so that there is nothing to diagnose", "Set a speed above 0"
         )
         return
     rate, drive = scene.simulation.output_rate_Hz, speed_profile(scene.drive)
@@ -59,10 +59,10 @@ def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
     if highest >= rate / 2:
         yield Problem(
             "simulation.output_rate_Hz",
-            f"the diagnosis of stage {scene.diagnosis.stage} looks at lines up to {highest:.4g} Hz "
-            f"({max(settings.mesh_harmonics)} f_m and {settings.sideband_orders} sidebands), half of the rate is "
+            f"the diagnosis of stage {scene.diagnosis.stage} needs lines up to {highest:.4g} Hz "
+            f"({max(settings.mesh_harmonics)} f_m and {settings.sideband_orders} sidebands), above half of the rate, "
             f"{rate / 2:.4g} Hz",
-            f"Give {math.ceil(4 * highest):g} Hz or more",
+            f"Set {math.ceil(4 * highest):g} or more",
             f"{rate:g}",
         )
     try:
@@ -73,8 +73,8 @@ def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
         if high > rate / 2 and highest < rate / 2:
             yield Problem(
                 "diagnosis.envelope_band_Hz",
-                f"the band of the envelope is {low:.4g} to {high:.4g} Hz, half of the output rate {rate / 2:.4g} Hz",
-                "Raise simulation.output_rate_Hz, or give a lower band",
+                f"the band of {low:.4g} to {high:.4g} Hz exceeds half of simulation.output_rate_Hz, {rate / 2:.4g} Hz",
+                "Raise simulation.output_rate_Hz, or set a lower band",
             )
 
 
@@ -92,9 +92,10 @@ def _short_window(
     cut = f", of which {revolutions} fill whole samples" if int(held) > revolutions else ""
     yield Problem(
         f"diagnosis.windows_s.{name}",
-        f"holds {held:.1f} revolutions of {_gear(scene)}{cut}; the diagnosis needs {FEWEST_REVOLUTIONS}",
-        f"Give it {(FEWEST_REVOLUTIONS + bool(cut)) / frequency:.2f} s or more, or leave windows_s empty for "
-        "signals alone",
+        f"has {held:.1f} revolutions of {_gear(scene)}{cut}; the diagnosis needs {FEWEST_REVOLUTIONS}",
+        f"Set a window of {(FEWEST_REVOLUTIONS + bool(cut)) / frequency:.2f} s or more, or windows_s = {{}} for "
+        "signals "
+        "without diagnosis",
         f"[{window[0]:g}, {window[1]:g}]",
     )
 
@@ -111,9 +112,9 @@ def _uneven_window(
     if abs(mean / profile.highest - 1) > SPEED_TOLERANCE:
         yield Problem(
             f"diagnosis.windows_s.{name}",
-            f"the motors turn at {mean:.4g} rpm in the mean, and the lines of {_gear(scene)} are looked for at the "
-            f"highest speed, {profile.highest:.4g} rpm (within {SPEED_TOLERANCE:g})",
-            f"Choose a window at constant highest speed: {_steady(scene, profile) or 'this drive has none'}",
+            f"the mean speed of the motors is {mean:.4g} rpm, and the lines of {_gear(scene)} are evaluated at the "
+            f"highest speed, {profile.highest:.4g} rpm (within {100 * SPEED_TOLERANCE:g} %)",
+            f"Set a window at constant highest speed: {_steady(scene, profile) or 'this drive has none'}",
             f"[{window[0]:g}, {window[1]:g}]",
         )
 

@@ -33,7 +33,10 @@ def speed_profile(drive: DriveModel) -> SpeedProfile:
     if isinstance(drive, SpeedDrive):
         times, speeds = pairs(drive, "times_s", "speeds_rpm", "drive")
         if times[0] > 0.0:
-            raise SceneError("scene", [Problem("drive.times_s", f"starts at {times[0]:g} s", "Let it start at 0")])
+            raise SceneError(
+                "scene",
+                [Problem("drive.times_s", f"starts at {times[0]:g} s, and must start at 0", "Correct the file")],
+            )
         return SpeedProfile(times=times, speeds=speeds * RPM, smooth=isinstance(drive.speeds_rpm, ColumnTable))
     return SpeedProfile(times=np.zeros(1), speeds=np.array([starting_rpm(drive) * RPM]))
 

@@ -10,29 +10,42 @@ from pipelines.scene.tables.base import Number, Positive, Table, Whole, Window
 
 
 class DiagnosisTable(Table):
-    """What the spectra and the envelope table look at."""
+    """Signal, gear and windows that are diagnosed."""
 
-    sensor: Annotated[str | None, Field(description="its signal is diagnosed; left out: the first one's")] = None
-    axis: Annotated[Literal["x", "y", "z", "resultant"], Field(description="of the sensor")] = "z"
-    stage: Annotated[Whole, Field(ge=1, description="stage whose mesh frequency carries the sidebands")] = 1
-    gear: Annotated[Literal["pinion", "wheel"], Field(description="gear whose rotation is sought")] = "wheel"
+    sensor: Annotated[
+        str | None, Field(description="name of the sensor whose signal is diagnosed; without it: the first sensor")
+    ] = None
+    axis: Annotated[
+        Literal["x", "y", "z", "resultant"],
+        Field(description="channel of that sensor; resultant: root of the sum of squares"),
+    ] = "z"
+    stage: Annotated[
+        Whole, Field(ge=1, description="number of the stage whose mesh frequency carries the sidebands")
+    ] = 1
+    gear: Annotated[
+        Literal["pinion", "wheel"], Field(description="gear whose shaft frequency is the spacing of the sidebands")
+    ] = "wheel"
     windows_s: dict[str, Window] = Field(
-        default_factory=dict, max_length=100, description="constant-speed windows by name"
+        default_factory=dict,
+        max_length=100,
+        description="windows of constant speed that are diagnosed, by name; empty: no diagnosis",
     )
     envelope_band_Hz: Annotated[
         Literal["mesh", "resonance"] | tuple[Positive, Positive],
         Field(
-            description="band that is demodulated, [low, high]; mesh: f_m / 2 around f_m; resonance: where the healthy "
-            "run is strongest"
+            description="band that is demodulated: [low, high]; mesh: f_m / 2 on both sides of f_m; resonance: "
+            "where the healthy run is strongest"
         ),
     ] = "mesh"
-    noise_m_s2: Annotated[Number, Field(ge=0, description="rms of white sensor noise added before diagnosis")] = 0.01
+    noise_m_s2: Annotated[
+        Number, Field(ge=0, description="rms of the white sensor noise that is added before diagnosis; 0: none")
+    ] = 0.01
     damping_spread: Annotated[
         Number,
         Field(
             gt=0,
             le=9,
-            description="error bars: damping ratios of the casing are off by a factor of up to 1 + this, 5 to 95 %; "
-            "assumed",
+            description="error bars: the damping ratios of the casing are assumed uncertain by a factor of up to "
+            "1 + this value (5 to 95 %)",
         ),
     ] = 0.3

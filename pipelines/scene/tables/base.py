@@ -12,7 +12,7 @@ Whole = Annotated[int, Field(strict=True)]
 Flag = Annotated[bool, Field(strict=True)]
 Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
-Window = Annotated[tuple[Number, Number], Field(description="start and end in s")]
+Window = Annotated[tuple[Number, Number], Field(description="start and end of the window")]
 
 
 class Table(BaseModel):

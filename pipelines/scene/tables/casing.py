@@ -34,23 +34,28 @@ class DampedPartTable(Table):
         str,
         Field(
             pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,39}$",
-            description="cover or feet of a parametric housing, mounts, joints (bolts), or any other with box_mm",
+            description="cover or feet of a parametric housing, mounts, joints (bolts), or any other name "
+            "together with box_mm",
         ),
     ]
     loss_factor: Annotated[
-        Number, Field(ge=0, lt=LARGEST_LOSS_FACTOR, description="twice the damping ratio of a body of this part alone")
+        Number, Field(ge=0, lt=LARGEST_LOSS_FACTOR, description="twice the damping ratio of a body of this part only")
     ]
     box_mm: Annotated[
-        tuple[Vector, Vector] | None, Field(description="lower and upper corner: the elements whose middle is inside")
+        tuple[Vector, Vector] | None,
+        Field(description="lower and upper corner of a box; the part is all elements whose centre is inside"),
     ] = None
 
     @model_validator(mode="after")
     def _placed(self) -> DampedPartTable:
         if (self.box_mm is None) != (self.name in KNOWN_PARTS):
-            what = "is known without box_mm; leave it out" if self.name in KNOWN_PARTS else "needs box_mm"
-            raise ValueError(f"name: {self.name!r} {what} (known: {', '.join(KNOWN_PARTS)})")
+            if self.name in KNOWN_PARTS:
+                raise ValueError(f'name = "{self.name}" is found without box_mm. Delete box_mm, or set another name')
+            raise ValueError(f'name = "{self.name}" needs box_mm. Set it, or a name of {", ".join(KNOWN_PARTS)}')
         if self.box_mm is not None and not all(a < b for a, b in zip(*self.box_mm, strict=True)):
-            raise ValueError(f"box_mm: the corners {self.box_mm} must rise in x, y and z")
+            raise ValueError(
+                f"box_mm: the second of the corners {self.box_mm} must be above the first in x, y and z. Correct them"
+            )
         return self
 
 
@@ -68,7 +73,7 @@ def percent(text: str) -> float:
 
 
 class NoCasingTable(Table):
-    """Bearings to ground. Casing sensors are refused; channels are bearing forces and shaft motion."""
+    """Bearings are held by the ground. The channels are bearing forces and shaft motion, without sensors."""
 
     modes: ClassVar[int] = 0  # that it adds to the machine, about
     model: Literal["none"] = "none"
@@ -77,24 +82,35 @@ class NoCasingTable(Table):
 class FlexibleBase(Table):
     """What every casing with a housing has."""
 
-    housing: HousingModel
-    material: MaterialTable
+    housing: Annotated[HousingModel, Field(description="shape and supports of the housing")]
+    material: Annotated[MaterialTable, Field(description="material of the housing")]
     element_size_mm: Annotated[
-        Number, Field(gt=0, description="of the elements; the model rigid meshes only a housing that is no plain box")
+        Number,
+        Field(
+            gt=0, description="edge length of the elements; the model rigid meshes a housing only if it is no plain box"
+        ),
     ] = 22.0
     element: Annotated[
         Literal["tetrahedron-4", "tetrahedron-10", "tetrahedron-20", "hexahedron-20", "hexahedron-27", "hexahedron-32"],
         Field(
-            description="tetrahedron-4 is too stiff in thin walls: to compare with; tetrahedron-20 and hexahedron-32 "
-            "have cubic displacements: for walls one element thick; hexahedra: of a parametric housing without flange, "
-            "ribs, fillets and pads, or from a mesh file"
+            description="element type. tetrahedron-4 is too stiff in thin walls: for comparison only. "
+            "tetrahedron-20 and hexahedron-32 have cubic displacements: for walls one element thick. "
+            "Hexahedra need a parametric housing without flange, ribs, fillets and pads, or a mesh "
+            "file"
         ),
     ] = "tetrahedron-10"
-    bore_element_size_mm: Annotated[Positive | None, Field(description="at the bearing seats, where smaller")] = None
-    foot_element_size_mm: Annotated[Positive | None, Field(description="at the ground faces, where smaller")] = None
+    bore_element_size_mm: Annotated[
+        Positive | None, Field(description="edge length at the bearing seats, where smaller")
+    ] = None
+    foot_element_size_mm: Annotated[
+        Positive | None, Field(description="edge length at the ground faces, where smaller")
+    ] = None
     damping_ratio: Annotated[
         Damping | tuple[tuple[NotNegative, Damping], ...],
-        Field(description="modal damping: one number, or rows [Hz, ratio] with rising frequencies, linear in between"),
+        Field(
+            description="modal damping ratio: one number, or rows [frequency in Hz, ratio] with rising "
+            "frequencies, linear in between"
+        ),
     ] = 0.01
 
     @model_validator(mode="after")
@@ -102,13 +118,14 @@ class FlexibleBase(Table):
         of_hexahedra, parametric = self.element.startswith("hexahedron"), isinstance(self.housing, HousingTable)
         if of_hexahedra and not parametric and not isinstance(self.housing, MeshHousingTable):
             raise ValueError(
-                f"element: a STEP file is meshed with tetrahedra, {self.element} elements are made of a parametric "
-                'housing or come from a mesh file; set element to "tetrahedron-10"'
+                f'element = "{self.element}": a STEP file is meshed with tetrahedra only; hexahedra need a parametric '
+                'housing or a mesh file. Set element = "tetrahedron-10" or "tetrahedron-20"'
             )
         if of_hexahedra and parametric and (self.bore_element_size_mm or self.foot_element_size_mm):
             raise ValueError(
-                f"bore_element_size_mm, foot_element_size_mm: {self.element} elements of a parametric housing are no "
-                "smaller at seats and feet; give element_size_mm alone"
+                f"bore_element_size_mm and foot_element_size_mm do not apply to {self.element} of a parametric "
+                "housing, "
+                "whose elements have one size. Delete them, or set a tetrahedron"
             )
         return self
 
@@ -117,22 +134,26 @@ class FlexibleBase(Table):
         if isinstance(self.damping_ratio, tuple):
             places = [row[0] for row in self.damping_ratio]
             if not places or any(a >= b for a, b in zip(places, places[1:], strict=False)):
-                raise ValueError(f"damping_ratio: the frequencies {places} Hz of its rows must rise")
+                raise ValueError(f"damping_ratio: the frequencies {places} Hz must rise from row to row. Correct them")
         return self
 
 
 class RigidCasingTable(FlexibleBase):
-    """A rigid body on six mount springs, one per foot: 6 coordinates, no finite elements."""
+    """A rigid body on mounts, one per foot: 6 coordinates and no finite elements."""
 
     @model_validator(mode="after")
     def _with_shape(self) -> RigidCasingTable:
         if isinstance(self.housing, MatricesHousingTable):
-            raise ValueError("housing: matrices have no shape to be rigid; set casing.model to craig-bampton or static")
+            raise ValueError(
+                'housing.model = "matrices" has no shape for a rigid casing. Set model = "craig-bampton" or "static"'
+            )
         return self
 
     modes: ClassVar[int] = 6
     model: Literal["rigid"] = "rigid"
-    mount_stiffness_N_per_um: Annotated[Number, Field(gt=0, le=1e7, description="of each foot, in x, y and z")] = 200.0
+    mount_stiffness_N_per_um: Annotated[
+        Number, Field(gt=0, le=1e7, description="stiffness of each mount along x, y and z")
+    ] = 200.0
 
 
 class ElasticBase(FlexibleBase):
@@ -144,21 +165,28 @@ class ElasticBase(FlexibleBase):
     ] = "fixed"
     mounts_N_per_um: Annotated[
         tuple[tuple[Spring, Spring, Spring], ...],
-        Field(min_length=1, description="ground = springs: rows [x, y, z], one for all mounts or one per foot"),
+        Field(
+            min_length=1,
+            description='stiffnesses along x, y and z with ground = "springs": one row for all mounts, or one per foot',
+        ),
     ] = ((200.0, 200.0, 200.0),)
     attachment: Annotated[
         Literal["mean", "rigid"],
-        Field(description="of bearing and mount points to their faces: mean motion (RBE3) or rigid (RBE2)"),
+        Field(description="how bearing and mount points follow their faces: mean motion (RBE3) or rigid (RBE2)"),
     ] = "mean"
     damped_parts: Annotated[
         tuple[DampedPartTable, ...],
-        Field(description="parts with loss factors of their own, by strain energy; damping_ratio is that of the rest"),
+        Field(
+            description="parts with a separate loss factor, weighted by strain energy; damping_ratio is that of "
+            "the rest"
+        ),
     ] = ()
     extrapolated: Annotated[
         bool,
         Field(
-            description="stiffness extrapolated to elements of size zero: with tetrahedron-20 and hexahedron-32 by "
-            "quadratic displacements on the same mesh, with tetrahedron-10 by two coarser meshes"
+            description="true: stiffness extrapolated to zero element size. With tetrahedron-20 and hexahedron-32 "
+            "from quadratic displacements on the same mesh, with tetrahedron-10 from two coarser "
+            "meshes"
         ),
     ] = False
 
@@ -166,29 +194,29 @@ class ElasticBase(FlexibleBase):
         str | None,
         Field(
             pattern=r"^[0-9]+(\.[0-9]+)? ?%$",
-            description='band of the frequencies asked for, as "0.2%": element_size_mm and the other sizes get as much '
-            "smaller as half of the modes need, and the stiffness is extrapolated; left out: sizes as given",
+            description='target error of the frequencies, e.g. "0.2%": all element sizes are reduced until half '
+            "of the modes meet it, and the stiffness is extrapolated; without it: sizes as given",
         ),
     ] = None
 
     @model_validator(mode="after")
     def _meshed_again(self) -> ElasticBase:
         if self.error is not None and not 0.0 < percent(self.error) <= MOST_ERROR:
-            raise ValueError(f"error: {self.error} is not above 0 and at most {100 * MOST_ERROR:g} %; give one between")
+            raise ValueError(f'error = "{self.error}" must be above 0 and at most {100 * MOST_ERROR:g} %. Correct it')
         if self.error is not None and isinstance(self.housing, MeshHousingTable | MatricesHousingTable):
-            raise ValueError("error: the file has one element size only; give a STEP file, or leave this out")
+            raise ValueError("error: the file has one element size only. Delete error, or set a STEP file")
         for key, asked in (("error", self.error is not None), ("extrapolated", self.extrapolated)):
             if asked and self.element in NOT_EXTRAPOLATED:
                 raise ValueError(
-                    f"{key}: it is told by elements of higher degree, not by {self.element}; set element to "
-                    f"{NOT_EXTRAPOLATED[self.element]}, or leave this out"
+                    f"{key}: the discretisation error of {self.element} is not estimated. Set element = "
+                    f'"{NOT_EXTRAPOLATED[self.element]}", or delete {key}'
                 )
         if self.extrapolated and isinstance(self.housing, MatricesHousingTable):
-            raise ValueError("extrapolated: matrices have no elements; leave this out")
+            raise ValueError("extrapolated: matrices have no elements. Delete it")
         if self.extrapolated and isinstance(self.housing, MeshHousingTable) and self.element == "tetrahedron-10":
             raise ValueError(
-                "extrapolated: the file has one element size only; set element to tetrahedron-20, whose error is told "
-                "on one mesh, give a STEP file, or leave this out"
+                "extrapolated: the file has one element size only, and tetrahedron-10 needs several. Set element = "
+                '"tetrahedron-20", whose error is estimated on one mesh, set a STEP file, or delete extrapolated'
             )
         return self
 
@@ -196,16 +224,21 @@ class ElasticBase(FlexibleBase):
     def _parts(self) -> ElasticBase:
         names = [part.name for part in self.damped_parts]
         if repeated := sorted({name for name in names if names.count(name) > 1}):
-            raise ValueError(f"damped_parts: {repeated[0]} is given {names.count(repeated[0])} times")
+            raise ValueError(f"damped_parts: {repeated[0]} occurs {names.count(repeated[0])} times. Delete all but one")
         if JOINTS in names and getattr(self.housing, "joint", None) is None:
-            raise ValueError("damped_parts: the housing has no joint; give casing.housing.joint, or leave joints out")
+            raise ValueError(
+                "damped_parts: the housing has no joint. Set casing.housing.joint, or delete the part joints"
+            )
         if MOUNTS in names and self.ground != "springs":
-            raise ValueError('damped_parts: a casing with ground "fixed" has no mounts; leave them out')
+            raise ValueError(
+                'damped_parts: a casing with ground = "fixed" has no mounts. Set ground = "springs", or delete the '
+                "part mounts"
+            )
         if isinstance(self.housing, MatricesHousingTable) and set(names) - {MOUNTS}:
-            raise ValueError("damped_parts: of matrices only the mounts are known; leave the other parts out")
+            raise ValueError("damped_parts: of matrices only the part mounts is known. Delete the other parts")
         if not isinstance(self.housing, HousingTable) and (unknown := {COVER, FEET} & set(names)):
             raise ValueError(
-                f"damped_parts: {sorted(unknown)[0]} of a housing from a file is not known; take box_mm, another name"
+                f"damped_parts: {sorted(unknown)[0]} is known of a parametric housing only. Set box_mm and another name"
             )
         return self
 
@@ -218,20 +251,31 @@ class StaticCasingTable(ElasticBase):
 
 
 class CraigBamptonCasingTable(ElasticBase):
-    """Finite elements reduced to the bearing points and the fixed-interface modes."""
+    """Finite elements reduced to the bearing points and the fixed-interface modes (Craig-Bampton)."""
 
     modes: ClassVar[int] = 280
     model: Literal["craig-bampton"] = "craig-bampton"
-    band_Hz: Annotated[Number, Field(gt=0, le=20000, description="wanted band; modes are kept to 1.5 times it")] = (
-        5000.0
-    )
+    band_Hz: Annotated[
+        Number,
+        Field(
+            gt=0, le=20000, description="highest frequency of interest; modes up to 1.5 times this frequency are kept"
+        ),
+    ] = 5000.0
     frequency_error: Annotated[
         Number | None,
-        Field(gt=0, lt=0.1, description="as few modes as change no frequency of the band by more; left out: all"),
+        Field(
+            gt=0,
+            lt=0.1,
+            description="largest relative change of a frequency of the band by leaving out modes; without it: no "
+            "mode is left out",
+        ),
     ] = None
     elements_per_wavelength: Annotated[
         Positive | None,
-        Field(description="per bending wavelength of the thinnest wall at band_Hz; elements get no larger than that"),
+        Field(
+            description="least elements per bending wavelength of the thinnest wall at band_Hz; reduces the "
+            "element size where needed"
+        ),
     ] = None
 
 
@@ -241,16 +285,19 @@ CasingModel = Annotated[
 
 
 class SensorTable(Table):
-    """A tri-axial accelerometer on the casing."""
+    """A triaxial accelerometer on the casing."""
 
     name: Annotated[
         str,
-        Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="letters, digits, _ and -; 40 at most"),
+        Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="letters, digits, _ and -, at most 40"),
     ]
     position_mm: Annotated[
-        tuple[Number, Number, Number], Field(description="x, y, z; moved to the nearest surface point")
+        tuple[Number, Number, Number],
+        Field(description="x, y, z of the sensor, which is moved to the nearest point of the surface"),
     ]
-    axes: Annotated[Axes, Field(description="directions of its channels x, y, z in the frame of the scene")] = (
+    axes: Annotated[
+        Axes, Field(description="directions of its channels x, y, z in the coordinate system of the scene")
+    ] = (
         (1.0, 0.0, 0.0),
         (0.0, 1.0, 0.0),
         (0.0, 0.0, 1.0),
@@ -260,5 +307,5 @@ class SensorTable(Table):
     @classmethod
     def _not_another_point(cls, name: str) -> str:
         if POINTS.match(name):
-            raise ValueError(f"{name} is the name of a point that is no sensor; choose another")
+            raise ValueError(f"{name} is already the name of another point of the machine. Set another name")
         return name

@@ -13,47 +13,59 @@ Deviation = Annotated[Number, Field(ge=-1000, le=1000)]
 
 
 class WaveTable(Table):
-    """Waviness that runs with the rotation of the gear: ghost orders."""
+    """Waviness of the flanks along the circumference: ghost orders."""
 
-    order: Annotated[Whole, Field(ge=1, le=100_000, description="waves in a revolution of the gear")]
+    order: Annotated[Whole, Field(ge=1, le=100_000, description="number of waves around the circumference")]
     amplitude_um: Annotated[NotNegative, Field(le=1000, description="half the height from trough to crest")]
     phase_deg: Annotated[
-        Number, Field(ge=-360, le=360, description="of the wave where tooth 0 touches at the pitch point; 0: a crest")
+        Number, Field(ge=-360, le=360, description="phase where tooth 0 touches at the pitch point; 0: a crest")
     ] = 0.0
-    flank: Annotated[Literal["drive", "coast", "both"], Field(description="flanks that have it")] = "both"
+    flank: Annotated[Literal["drive", "coast", "both"], Field(description="flanks that have the waves")] = "both"
 
 
 class ToothErrorTable(Table):
-    """Errors of a single tooth on one flank."""
+    """Deviations of one flank of one tooth."""
 
-    tooth: Annotated[Whole, Field(ge=0, description="number of the tooth; 0 is in contact at the pitch point at c = 0")]
+    tooth: Annotated[
+        Whole, Field(ge=0, description="number of the tooth; tooth 0 touches at the pitch point at mesh cycle c = 0")
+    ]
     flank: Flank = "drive"
     pitch_um: Annotated[
-        Deviation, Field(description="its flank lies ahead, along the reference circle; positive: more material")
+        Deviation, Field(description="pitch deviation along the reference circle; positive: more material")
     ] = 0.0
     profile_slope_um: Annotated[
-        Deviation, Field(description="f_Halpha over the active profile; positive: rises towards the tip")
+        Deviation,
+        Field(
+            description="profile slope deviation f_Halpha over the active profile; positive: more material "
+            "towards the tip"
+        ),
     ] = 0.0
 
 
 class MeasuredFlanksTable(Table):
-    """Deviations at points of the flanks, as a gear measuring machine gives them: see docs/flank-deviations.md."""
+    """Deviations at points of the flanks, as from a gear measuring machine: see docs/flank-deviations.md."""
 
-    file: Annotated[str, Field(min_length=1, description="CSV or netCDF, beside the scene or a path")]
+    file: Annotated[
+        str, Field(min_length=1, description="CSV or netCDF file: name in the folder of the scene, or a path")
+    ]
 
 
 class GearDeviationsTable(Table):
-    """Stated deviations of a gear, besides those of deviations.seed; deviations.enabled = false leaves them out too."""
+    """Given deviations of a gear, added to those of deviations.seed; none with deviations.enabled = false."""
 
     eccentricity_um: Annotated[
-        NotNegative, Field(le=5000, description="of the teeth against the axis of rotation; half the run-out")
+        NotNegative, Field(le=5000, description="eccentricity of the teeth from the axis of rotation, half the run-out")
     ] = 0.0
     eccentricity_angle_deg: Annotated[
         Number,
-        Field(ge=-360, le=360, description="its direction ahead of tooth 0, in the sense of the gear's rotation"),
+        Field(
+            ge=-360,
+            le=360,
+            description="angle from tooth 0 to the eccentricity, positive in the sense of rotation of the gear",
+        ),
     ] = 0.0
-    waves: Annotated[tuple[WaveTable, ...], Field(max_length=100)] = ()
-    teeth: Annotated[tuple[ToothErrorTable, ...], Field(max_length=1000)] = ()
+    waves: Annotated[tuple[WaveTable, ...], Field(max_length=100, description="waviness")] = ()
+    teeth: Annotated[tuple[ToothErrorTable, ...], Field(max_length=1000, description="deviations of single teeth")] = ()
     flanks: Annotated[MeasuredFlanksTable | None, Field(description="measured flanks")] = None
 
     @model_validator(mode="after")
@@ -61,7 +73,7 @@ class GearDeviationsTable(Table):
         named = [(error.tooth, error.flank) for error in self.teeth]
         for tooth, flank in named:
             if named.count((tooth, flank)) > 1:
-                raise ValueError(f"teeth: tooth {tooth} has two entries for its {flank} flank; give one")
+                raise ValueError(f"teeth: tooth {tooth} has two entries for its {flank} flank. Delete one")
         return self
 
     @property

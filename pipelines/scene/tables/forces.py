@@ -24,7 +24,7 @@ class PlacedTable(Table):
     """Where a force acts on a shaft: it must be said."""
 
     shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
-    position_mm: Annotated[Number, Field(description="y")]
+    position_mm: Annotated[Number, Field(description="y of the place where it acts")]
 
     @property
     def positions(self) -> dict[str, float]:
@@ -41,19 +41,22 @@ class PlacedTable(Table):
 
 
 class SweepTable(Table):
-    """A swept sine, its frequency linear in time; the envelope rises and falls as sin^2."""
+    """A swept sine: frequency linear in time, amplitude rising and falling as sin^2."""
 
     model: Literal["sweep"] = "sweep"
-    start_s: Annotated[NotNegative, Field(description="when it starts")]
-    end_s: Annotated[Positive, Field(description="when it ends")]
-    from_Hz: Annotated[NotNegative, Field(description="at the start")]
-    to_Hz: Annotated[NotNegative, Field(description="at the end")]
+    start_s: Annotated[NotNegative, Field(description="start of the sweep")]
+    end_s: Annotated[Positive, Field(description="end of the sweep")]
+    from_Hz: Annotated[NotNegative, Field(description="frequency at the start")]
+    to_Hz: Annotated[NotNegative, Field(description="frequency at the end")]
     ramp_s: Annotated[Positive, Field(description="length of the rise and of the fall")]
 
     @model_validator(mode="after")
     def _ramps_fit(self) -> SweepTable:
         if 2 * self.ramp_s > self.end_s - self.start_s:
-            raise ValueError(f"ramp_s = {self.ramp_s:g} s fits not twice between {self.start_s:g} and {self.end_s:g} s")
+            raise ValueError(
+                f"ramp_s = {self.ramp_s:g} is more than half of start_s = {self.start_s:g} to end_s = {self.end_s:g}. "
+                "Reduce it"
+            )
         return self
 
     def wave(self, name: str, amplitude: float) -> Waveform:
@@ -72,9 +75,9 @@ class SweepTable(Table):
 
 
 class ForceSweepTable(SweepTable):
-    """A swept sine, its frequency linear in time; the envelope rises and falls as sin^2."""
+    """A swept sine: frequency linear in time, amplitude rising and falling as sin^2."""
 
-    amplitude_N: Annotated[Positive, Field(description="of the force")]
+    amplitude_N: Annotated[Positive, Field(description="amplitude of the force")]
 
     def waveform(self, name: str) -> Waveform:
         """The force in SI."""
@@ -82,9 +85,9 @@ class ForceSweepTable(SweepTable):
 
 
 class BaseSweepTable(SweepTable):
-    """A swept sine, its frequency linear in time; the envelope rises and falls as sin^2."""
+    """A swept sine: frequency linear in time, amplitude rising and falling as sin^2."""
 
-    amplitude_m_s2: Annotated[Positive, Field(description="of the acceleration")]
+    amplitude_m_s2: Annotated[Positive, Field(description="amplitude of the acceleration")]
 
     def waveform(self, name: str) -> Waveform:
         """The acceleration in SI."""
@@ -95,8 +98,8 @@ class BaseTimesTable(Table):
     """Values over time, linear between the times and constant outside."""
 
     model: Literal["table"] = "table"
-    times_s: Annotated[Samples, Field(description="strictly rising")]
-    accelerations_m_s2: Annotated[Samples, Field(description="at these times")]
+    times_s: Annotated[Samples, Field(description="times, strictly rising")]
+    accelerations_m_s2: Annotated[Samples, Field(description="acceleration at these times")]
 
     @model_validator(mode="after")
     def _pairs(self) -> BaseTimesTable:
@@ -112,8 +115,8 @@ class ForceTimesTable(Table):
     """Values over time, linear between the times and constant outside."""
 
     model: Literal["table"] = "table"
-    times_s: Annotated[Samples, Field(description="strictly rising")]
-    forces_N: Annotated[Samples, Field(description="at these times")]
+    times_s: Annotated[Samples, Field(description="times, strictly rising")]
+    forces_N: Annotated[Samples, Field(description="force at these times")]
 
     @model_validator(mode="after")
     def _pairs(self) -> ForceTimesTable:
@@ -137,7 +140,7 @@ def table_wave(table: Table, name: str, levels: str) -> Waveform:
 
 
 class TorqueTable(PlacedTable, TorqueCurve):
-    """A torque on a shaft: constant, over time or over speed; positive values drive in the positive sense."""
+    """A torque on a shaft: constant, over time or over speed; positive in the sense of rotation."""
 
     model: Literal["torque"] = "torque"
 
@@ -147,7 +150,7 @@ class TorqueTable(PlacedTable, TorqueCurve):
 
 
 class FurtherInductionMotor(PlacedTable, InductionTable):
-    """A further induction motor."""
+    """A further induction motor on the mains, by its rating and the formula of Kloss."""
 
     def spec(self, number: int) -> OutsideForce:
         """The motor in SI."""
@@ -155,7 +158,7 @@ class FurtherInductionMotor(PlacedTable, InductionTable):
 
 
 class FurtherControlledMotor(PlacedTable, ControlledTable):
-    """A further motor under speed control."""
+    """A further motor under PI speed control."""
 
     def spec(self, number: int) -> OutsideForce:
         """The motor in SI."""
@@ -163,11 +166,11 @@ class FurtherControlledMotor(PlacedTable, ControlledTable):
 
 
 class UnbalanceTable(PlacedTable):
-    """A mass off the axis of a shaft, that turns with it."""
+    """A rotating unbalance."""
 
     model: Literal["unbalance"] = "unbalance"
     unbalance_g_mm: Annotated[Positive, Field(description="mass times radius")]
-    angle_deg: Annotated[Number, Field(description="of the heavy spot at t = 0, from +x towards +z")] = 0.0
+    angle_deg: Annotated[Number, Field(description="angle of the heavy spot at t = 0, from +x towards +z")] = 0.0
 
     def spec(self, number: int) -> OutsideForce:
         """The force in SI."""
@@ -177,12 +180,12 @@ class UnbalanceTable(PlacedTable):
 
 
 class TorqueRippleTable(PlacedTable):
-    """A torque that goes by the angle of a shaft, at an order of its rotation."""
+    """A torque that varies with the angle of a shaft, at one order of its rotation."""
 
     model: Literal["torque-ripple"] = "torque-ripple"
-    amplitude_N_m: Annotated[Positive, Field(description="of the torque")]
-    order: Annotated[Positive, Field(description="periods per turn of the shaft")]
-    phase_deg: Annotated[Number, Field(description="at t = 0, of a cosine")] = 0.0
+    amplitude_N_m: Annotated[Positive, Field(description="amplitude of the torque")]
+    order: Annotated[Positive, Field(description="periods per revolution of the shaft")]
+    phase_deg: Annotated[Number, Field(description="phase of the cosine at t = 0")] = 0.0
 
     def spec(self, number: int) -> OutsideForce:
         """The torque in SI."""
@@ -193,19 +196,21 @@ class TorqueRippleTable(PlacedTable):
 
 
 class BentShaftTable(PlacedTable):
-    """A shaft with a fixed bow, as bent by a force between two places where it is straight."""
+    """A bent shaft: the bow of a force between two places that stay straight."""
 
     model: Literal["bent-shaft"] = "bent-shaft"
-    bow_um: Annotated[Positive, Field(description="at position_mm, of the axis off its straight line")]
-    straight_at_mm: Annotated[tuple[Number, Number], Field(description="y of two places without bow: the bearings")]
-    angle_deg: Annotated[Number, Field(description="of the bow at t = 0, from +x towards +z")] = 0.0
+    bow_um: Annotated[Positive, Field(description="distance of the bent axis from the straight one at position_mm")]
+    straight_at_mm: Annotated[
+        tuple[Number, Number], Field(description="y of two places without bow, usually the bearings")
+    ]
+    angle_deg: Annotated[Number, Field(description="angle of the bow at t = 0, from +x towards +z")] = 0.0
 
     @model_validator(mode="after")
     def _apart(self) -> BentShaftTable:
         if len({self.position_mm, *self.straight_at_mm}) < 3:
             raise ValueError(
-                f"straight_at_mm = {list(self.straight_at_mm)}: give two places beside position_mm = "
-                f"{self.position_mm:g}, e.g. the bearings"
+                f"straight_at_mm = {list(self.straight_at_mm)} must be two places other than position_mm = "
+                f"{self.position_mm:g}. Set them, usually to the bearings"
             )
         return self
 
@@ -226,7 +231,7 @@ class BentShaftTable(PlacedTable):
         )
 
 
-Axis = Annotated[Literal["x", "y", "z"], Field(description="along which it acts")]
+Axis = Annotated[Literal["x", "y", "z"], Field(description="direction in which it acts")]
 
 
 class ShaftForceTable(PlacedTable):
@@ -234,7 +239,7 @@ class ShaftForceTable(PlacedTable):
 
     model: Literal["shaft-force"] = "shaft-force"
     axis: Axis
-    force: ForceOverTime
+    force: Annotated[ForceOverTime, Field(description="force over time")]
 
     def spec(self, number: int) -> OutsideForce:
         """The force in SI."""
@@ -245,12 +250,12 @@ class ShaftForceTable(PlacedTable):
 
 
 class CasingForceTable(Table):
-    """A force over time on the casing, at the place of a sensor."""
+    """A force over time on the casing, at a sensor."""
 
     model: Literal["casing-force"] = "casing-force"
-    point: Annotated[str, Field(description="name of the sensor at whose place it acts")]
-    axis: Annotated[Literal["x", "y", "z"], Field(description="channel of the sensor along which it acts")]
-    force: ForceOverTime
+    point: Annotated[str, Field(description="name of the sensor where it acts")]
+    axis: Annotated[Literal["x", "y", "z"], Field(description="channel of that sensor in whose direction it acts")]
+    force: Annotated[ForceOverTime, Field(description="force over time")]
 
     def spec(self, number: int) -> Excitation:
         """The force in SI."""
@@ -261,11 +266,13 @@ class CasingForceTable(Table):
 
 
 class BaseAccelerationTable(Table):
-    """Acceleration over time of the ground under all feet together, and of what else stands on the ground."""
+    """An acceleration of the ground over time: of all feet, and of everything else that is on the ground."""
 
     model: Literal["base-acceleration"] = "base-acceleration"
     axis: Axis
-    acceleration: Annotated[BaseTimesTable | BaseSweepTable, Field(discriminator="model")]
+    acceleration: Annotated[
+        BaseTimesTable | BaseSweepTable, Field(discriminator="model", description="acceleration over time")
+    ]
 
     def spec(self, number: int) -> Excitation:
         """The acceleration in SI."""

@@ -19,38 +19,43 @@ Length = Annotated[Number, Field(gt=0, le=LARGEST)]
 Depth = Annotated[Number, Field(ge=0, le=LARGEST)]
 Place = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
 Stiffness = Annotated[Number, Field(gt=0, le=1e9)]
-OptionalWall = Annotated[Length | None, Field(description="where it differs from wall_thickness_mm")]
+OptionalWall = Annotated[Length | None, Field(description="thickness where it differs from wall_thickness_mm")]
 
 
 class RibTable(Table):
     """Ribs on the outside of the housing, all of one thickness and height."""
 
-    thickness_mm: Annotated[Length, Field(description="of the plates")]
-    height_mm: Annotated[Length, Field(description="by which they stand out from their wall")]
-    per_boss: Annotated[Whole, Field(ge=0, le=3, description="vertical ribs from the floor up to each boss")] = 0
-    end_wall: Annotated[Whole, Field(ge=0, le=20, description="vertical ribs on each of the two end walls")] = 0
-    cover: Annotated[Whole, Field(ge=0, le=20, description="ribs across the cover")] = 0
+    thickness_mm: Annotated[Length, Field(description="thickness of the plates")]
+    height_mm: Annotated[Length, Field(description="height of the ribs over their wall")]
+    per_boss: Annotated[Whole, Field(ge=0, le=3, description="number of vertical ribs from the floor to each boss")] = 0
+    end_wall: Annotated[
+        Whole, Field(ge=0, le=20, description="number of vertical ribs on each of the two end walls")
+    ] = 0
+    cover: Annotated[Whole, Field(ge=0, le=20, description="number of ribs across the cover")] = 0
 
 
 class FlangeTable(Table):
-    """The rim at the split plane over which the cover is bonded or bolted to the lower part."""
+    """The flange at the split plane, over which the cover is bonded or bolted to the lower part."""
 
-    split_plane_mm: Annotated[Place, Field(description="z of the split plane; shaft 1 is z = 0")] = 0.0
-    width_mm: Annotated[Length, Field(description="beyond the outer faces of the walls")]
+    split_plane_mm: Annotated[Place, Field(description="z of the split plane; shaft 1 is at z = 0")] = 0.0
+    width_mm: Annotated[Length, Field(description="width beyond the outer faces of the walls")]
     height_mm: Annotated[Length, Field(description="of both halves together")]
 
 
 class JointTable(Table):
     """Bolts that hold two parts of a housing together; without them the parts are bonded."""
 
-    bolt: Annotated[Size, Field(description="size of all bolts, hexagon heads, holes of ISO 273 medium")]
+    bolt: Annotated[Size, Field(description="size of all bolts: hexagon heads, holes of ISO 273 medium")]
     outer_diameter_mm: Annotated[
         Length | None,
-        Field(description="of the clamped parts, D_A of VDI 2230; left out: as far as they stay closed"),
+        Field(description="outer diameter D_A of the clamped parts (VDI 2230); without it: as far as they stay closed"),
     ] = None
     stiffness_N_per_um: Annotated[
         tuple[Stiffness, Stiffness] | None,
-        Field(description="of each bolt along and across its axis; left out: by the deformation cone of VDI 2230"),
+        Field(
+            description="stiffness of each bolt along and across its axis; without it: by the deformation cone of "
+            "VDI 2230"
+        ),
     ] = None
 
 
@@ -58,32 +63,41 @@ class CoverJointTable(JointTable):
     """Bolts of the cover: in the flange, or without a flange down through the cover into the walls."""
 
     pitch_mm: Annotated[
-        Length | None, Field(description="largest distance of neighbouring bolts, set at corners and beside bosses")
+        Length | None,
+        Field(description="largest distance of neighbouring bolts; bolts are set at corners and next to bosses"),
     ] = None
     positions_mm: Annotated[
-        tuple[tuple[Place, Place], ...], Field(description="x, y of bolts; with pitch_mm of further ones")
+        tuple[tuple[Place, Place], ...], Field(description="x and y of bolts; with pitch_mm: of further bolts")
     ] = ()
 
     @model_validator(mode="after")
     def _some(self) -> CoverJointTable:
         if self.pitch_mm is None and not self.positions_mm:
-            raise ValueError("has no bolts; give pitch_mm, positions_mm or both")
+            raise ValueError("has no bolts. Set pitch_mm, positions_mm or both")
         return self
 
 
 class PlaneJointTable(JointTable):
-    """Bolts across a plane in which two solids of a file touch, or elements of a mesh meet."""
+    """Bolts across a plane where two solids of a file touch, or elements of a mesh meet."""
 
     through_mm: Annotated[Vector, Field(description="a point of the plane")]
-    normal: Annotated[Vector, Field(description="of the plane, towards the heads of the bolts")] = (0.0, 0.0, 1.0)
-    clamped_mm: Annotated[tuple[Length, Length], Field(description="thickness under the heads, and beyond the plane")]
-    tapped: Annotated[Flag, Field(description="the threads are beyond the plane, without nuts")] = False
+    normal: Annotated[Vector, Field(description="normal of the plane, towards the heads of the bolts")] = (
+        0.0,
+        0.0,
+        1.0,
+    )
+    clamped_mm: Annotated[
+        tuple[Length, Length], Field(description="clamped thickness under the heads, and beyond the plane")
+    ]
+    tapped: Annotated[Flag, Field(description="true: the threads are in the part beyond the plane, without nuts")] = (
+        False
+    )
     positions_mm: Annotated[tuple[Vector, ...], Field(min_length=1, description="a point on the axis of every bolt")]
 
     @model_validator(mode="after")
     def _direction(self) -> PlaneJointTable:
         if not any(self.normal):
-            raise ValueError("normal: has no length; give a direction")
+            raise ValueError("normal = [0, 0, 0] is no direction. Correct it")
         return self
 
 
@@ -92,33 +106,43 @@ class HousingTable(Table):
 
     model: Literal["parametric"] = "parametric"
     length_mm: Annotated[Length, Field(description="outer length along x")]
-    width_mm: Annotated[Length, Field(description="outer width along y; mid face is y = 0")]
+    width_mm: Annotated[Length, Field(description="outer width along y; the middle is y = 0")]
     height_mm: Annotated[Length, Field(description="outer height along z without feet")]
-    wall_thickness_mm: Annotated[Length, Field(description="of all walls, floor and cover")]
+    wall_thickness_mm: Annotated[Length, Field(description="thickness of all walls, floor and cover")]
     side_wall_thickness_mm: OptionalWall = None
     end_wall_thickness_mm: OptionalWall = None
     floor_thickness_mm: OptionalWall = None
     cover_thickness_mm: OptionalWall = None
-    left_end_mm: Annotated[Place, Field(description="x of the outer face of the left end wall; shaft 1 is x = 0")]
-    shaft_height_mm: Annotated[Length, Field(description="shaft 1 above the underside of the floor")]
-    bore_diameters_mm: Annotated[tuple[Length, ...], Field(description="one per shaft, for both of its bearings")]
-    boss_diameters_mm: Annotated[tuple[Length, ...], Field(description="one per shaft")]
-    boss_length_mm: Annotated[Length, Field(description="along y, from the outer wall face inwards")]
+    left_end_mm: Annotated[Place, Field(description="x of the outer face of the left end wall; shaft 1 is at x = 0")]
+    shaft_height_mm: Annotated[Length, Field(description="height of shaft 1 over the underside of the floor")]
+    bore_diameters_mm: Annotated[
+        tuple[Length, ...], Field(description="diameters of the bearing bores, one per shaft, for both of its bearings")
+    ]
+    boss_diameters_mm: Annotated[tuple[Length, ...], Field(description="outer diameters of the bosses, one per shaft")]
+    boss_length_mm: Annotated[
+        Length, Field(description="length of the bosses along y, inwards from the outer wall face")
+    ]
     foot_length_mm: Annotated[Length, Field(description="side of the square feet")] = 60.0
-    foot_height_mm: Annotated[Length, Field(description="feet below the floor")] = 15.0
+    foot_height_mm: Annotated[Length, Field(description="height of the feet below the floor")] = 15.0
     foot_pitch_mm: Annotated[
         Length | None,
-        Field(description="largest distance of neighbouring feet, sets their number; else three a side"),
+        Field(
+            description="largest distance of neighbouring feet, which sets their number; without it: three on each side"
+        ),
     ] = None
-    foot_overhang_mm: Annotated[Depth, Field(description="feet beyond the side walls")] = 0.0
-    pad_diameter_mm: Annotated[Depth, Field(description="round bolt pads under the feet; 0: none")] = 0.0
-    pad_height_mm: Annotated[Depth, Field(description="bolt pads below the feet")] = 0.0
-    bolt_diameter_mm: Annotated[Depth, Field(description="holes through pads and feet; 0: none")] = 0.0
+    foot_overhang_mm: Annotated[Depth, Field(description="distance by which the feet extend beyond the side walls")] = (
+        0.0
+    )
+    pad_diameter_mm: Annotated[Depth, Field(description="diameter of round bolt pads under the feet; 0: none")] = 0.0
+    pad_height_mm: Annotated[Depth, Field(description="height of the bolt pads below the feet")] = 0.0
+    bolt_diameter_mm: Annotated[Depth, Field(description="diameter of the holes through pads and feet; 0: none")] = 0.0
     foot_fillet_mm: Annotated[Depth, Field(description="radius where feet meet floor or wall; 0: sharp")] = 0.0
     inner_fillet_mm: Annotated[Depth, Field(description="radius of the edges of the cavity; 0: sharp")] = 0.0
-    flange: FlangeTable | None = None
-    joint: Annotated[CoverJointTable | None, Field(description="bolts of the cover; left out: bonded")] = None
-    ribs: RibTable | None = None
+    flange: Annotated[FlangeTable | None, Field(description="flange at the split plane; without it: none")] = None
+    joint: Annotated[
+        CoverJointTable | None, Field(description="bolts of the cover; without it: cover and lower part are bonded")
+    ] = None
+    ribs: Annotated[RibTable | None, Field(description="ribs; without it: none")] = None
 
     @property
     def plain(self) -> bool:
@@ -136,7 +160,7 @@ class _PlaceTable(Table, ABC):
         given = {key for keys in ways for key in keys if getattr(self, key) is not None}
         if not any(given == set(keys) for keys in ways):
             choices = ", or ".join(" with ".join(keys) for keys in ways)
-            raise ValueError(f"is located by {', '.join(sorted(given)) or 'nothing'}; give {choices}")
+            raise ValueError(f"is located by {', '.join(sorted(given)) or 'nothing'}. Set {choices}")
         return self
 
     @abstractmethod
@@ -145,26 +169,34 @@ class _PlaceTable(Table, ABC):
 
 
 class SeatTable(_PlaceTable):
-    """A bearing seat: by the axis and diameter of its bore, or by the name of a group of the mesh file."""
+    """A bearing seat, given by axis and diameter of its bore or by a group of the mesh file."""
 
-    name: Annotated[str, Field(pattern=r"^bearing_[1-9][0-9]*$", description="two per shaft, odd numbers at -y")]
-    through_mm: Annotated[Vector | None, Field(description="a point on its axis, near the seat")] = None
-    diameter_mm: Annotated[Positive | None, Field(description="of the bore")] = None
+    name: Annotated[
+        str,
+        Field(
+            pattern=r"^bearing_[1-9][0-9]*$",
+            description="bearing_1, bearing_2, ...: two per shaft, odd numbers at its -y end",
+        ),
+    ]
+    through_mm: Annotated[Vector | None, Field(description="a point on the axis of the bore, near the seat")] = None
+    diameter_mm: Annotated[Positive | None, Field(description="diameter of the bore")] = None
     axis: Annotated[Vector, Field(description="direction of the bore")] = (0.0, 1.0, 0.0)
-    group: Annotated[str | None, Field(description="physical group, node set or element set")] = None
+    group: Annotated[str | None, Field(description="physical group, node set or element set of the file")] = None
 
     def _ways(self) -> tuple[tuple[str, ...], ...]:
         return ("through_mm", "diameter_mm"), ("group",)
 
 
 class GroundTable(_PlaceTable):
-    """Ground faces: the flat face at a point, everything in a box, all faces in a plane, or a group of the file."""
+    """Ground faces: a flat face, everything in a box, all faces in a plane, or a group of the file."""
 
-    point_mm: Annotated[Vector | None, Field(description="a point on a flat face: that face")] = None
+    point_mm: Annotated[Vector | None, Field(description="a point on a flat face, which is the ground face")] = None
     box_mm: Annotated[tuple[Vector, Vector] | None, Field(description="lower and upper corner of a box")] = None
-    through_mm: Annotated[Vector | None, Field(description="a point of a plane: a ground point per face in it")] = None
-    normal: Annotated[Vector | None, Field(description="of that plane")] = None
-    group: Annotated[str | None, Field(description="physical group, node set or element set")] = None
+    through_mm: Annotated[Vector | None, Field(description="a point of a plane; every face in it is a ground face")] = (
+        None
+    )
+    normal: Annotated[Vector | None, Field(description="normal of that plane")] = None
+    group: Annotated[str | None, Field(description="physical group, node set or element set of the file")] = None
 
     def _ways(self) -> tuple[tuple[str, ...], ...]:
         return ("point_mm",), ("box_mm",), ("through_mm", "normal"), ("group",)
@@ -173,20 +205,24 @@ class GroundTable(_PlaceTable):
 class ImportedTable(Table):
     """What every housing from a file has. Places are in the frame of the scene: shaft 1 is x = z = 0."""
 
-    file: Annotated[str, Field(min_length=1, description="beside the scene, or the name of a shipped file")]
+    file: Annotated[
+        str, Field(min_length=1, description="name in the folder of the scene, a path, or the name of a shipped file")
+    ]
     unit: Annotated[Unit, Field(description="unit of length of the file")]
-    origin_mm: Annotated[Vector, Field(description="where the origin of the file lies")] = (0.0, 0.0, 0.0)
-    axes: Annotated[Axes, Field(description="directions of the file's x, y and z")] = (
+    origin_mm: Annotated[Vector, Field(description="x, y, z of the origin of the file in the scene")] = (0.0, 0.0, 0.0)
+    axes: Annotated[Axes, Field(description="directions of the axes x, y and z of the file in the scene")] = (
         (1.0, 0.0, 0.0),
         (0.0, 1.0, 0.0),
         (0.0, 0.0, 1.0),
     )
-    bearings: Annotated[tuple[SeatTable, ...], Field(min_length=1, description="the bearing seats")]
-    grounds: Annotated[tuple[GroundTable, ...], Field(min_length=1, description="what the ground holds")]
+    bearings: Annotated[tuple[SeatTable, ...], Field(min_length=1, description="bearing seats")]
+    grounds: Annotated[tuple[GroundTable, ...], Field(min_length=1, description="faces that are held by the ground")]
     wall_thickness_mm: Annotated[
-        Positive | None, Field(description="of the thinnest wall, for casing.elements_per_wavelength")
+        Positive | None, Field(description="thickness of the thinnest wall, for casing.elements_per_wavelength")
     ] = None
-    joint: Annotated[PlaneJointTable | None, Field(description="bolts between two parts; left out: bonded")] = None
+    joint: Annotated[
+        PlaneJointTable | None, Field(description="bolts between two parts; without it: the parts are bonded")
+    ] = None
 
     @model_validator(mode="after")
     def _names(self) -> Any:
@@ -197,34 +233,47 @@ class ImportedTable(Table):
     def _repeated(self) -> Iterator[str]:
         names = [seat.name for seat in self.bearings]
         for name in sorted({n for n in names if names.count(n) > 1}):
-            yield f"bearings: {name} is given {names.count(name)} times"
+            yield f"bearings: {name} occurs {names.count(name)} times. Delete all but one"
 
 
 class StepHousingTable(ImportedTable):
-    """Solids from a STEP, BREP, IGES or closed STL file, meshed here."""
+    """Solids of a STEP, BREP, IGES or closed STL file, which are meshed."""
 
     model: Literal["step"] = "step"
     solids: Annotated[
         tuple[Annotated[Whole, Field(ge=1)], ...],
-        Field(description="numbers of those of the housing, see gearcase housing; left out: all"),
+        Field(description="numbers of the solids of the housing, as in `gearcase housing FILE`; empty: all"),
     ] = ()
-    glue: Annotated[Flag, Field(description="bond several solids where they touch")] = False
+    glue: Annotated[Flag, Field(description="true: several solids are bonded where they touch")] = False
 
 
 class MeshHousingTable(ImportedTable):
-    """An existing mesh of tetrahedra or hexahedra, best with mid-side nodes: .msh, .inp, .bdf, .unv, .med, .vtu, ..."""
+    """A mesh of tetrahedra or hexahedra, best with mid-side nodes: .msh .inp .bdf .unv .med .vtu ..."""
 
     model: Literal["mesh"] = "mesh"
-    upgrade: Annotated[Flag, Field(description="give linear elements mid-side nodes on straight edges")] = False
+    upgrade: Annotated[Flag, Field(description="true: linear elements get mid-side nodes on straight edges")] = False
 
 
-Nodes = Annotated[tuple[Whole, ...], Field(min_length=1, description="numbers of its nodes; their mean motion or RBE2")]
+Nodes = Annotated[
+    tuple[Whole, ...],
+    Field(
+        min_length=1,
+        description="numbers of its nodes, which follow their mean motion (RBE3) or are rigid (RBE2), see "
+        "casing.attachment",
+    ),
+]
 
 
 class NodeSeatTable(Table):
-    """A bearing of a housing of matrices: the nodes of its seat, or the one node of the bearing itself."""
+    """A bearing of a housing of matrices: the nodes of its seat, or one node at the bearing."""
 
-    name: Annotated[str, Field(pattern=r"^bearing_[1-9][0-9]*$", description="two per shaft, odd numbers at -y")]
+    name: Annotated[
+        str,
+        Field(
+            pattern=r"^bearing_[1-9][0-9]*$",
+            description="bearing_1, bearing_2, ...: two per shaft, odd numbers at its -y end",
+        ),
+    ]
     nodes: Nodes
 
 
@@ -235,25 +284,36 @@ class NodeGroundTable(Table):
 
 
 class MatricesHousingTable(Table):
-    """Stiffness and mass that another program assembled or reduced, of the free body, in the axes of the scene."""
+    """Stiffness and mass matrix of the unconstrained body from another program, in the axes of the scene."""
 
     model: Literal["matrices"] = "matrices"
-    file: Annotated[str, Field(min_length=1, description="of both, or of the stiffness: .op4 .pch .mtx .sti .npz .h5")]
-    mass_file: Annotated[str | None, Field(description="of the mass, where file holds the stiffness alone")] = None
+    file: Annotated[
+        str,
+        Field(
+            min_length=1, description="file of both matrices, or of the stiffness matrix: .op4 .pch .mtx .sti .npz .h5"
+        ),
+    ]
+    mass_file: Annotated[
+        str | None, Field(description="file of the mass matrix, if file holds the stiffness matrix only")
+    ] = None
     nodes_file: Annotated[
-        str | None, Field(description="rows of number, x, y, z; or GRID cards of Nastran, or *NODE of Abaqus")
+        str | None,
+        Field(description="file of the nodes: rows of number, x, y, z; GRID cards of Nastran; *NODE of Abaqus"),
     ] = None
     equations_file: Annotated[
         str | None,
-        Field(description="rows of node, axis (1-6, 0 modal); Ansys .mapping; EXTRN cards; left out: 3 or 6 per node"),
+        Field(
+            description="file of the equations: rows of node and axis (1 to 6; 0: modal); .mapping of Ansys; "
+            "EXTRN cards; without it: 3 or 6 equations per node"
+        ),
     ] = None
     units: Annotated[
         Literal["kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s"],
-        Field(description="mass (lbf: the force), length and time of the file"),
+        Field(description="units of the file: mass (lbf: force), length, time"),
     ]
-    origin_mm: Annotated[Vector, Field(description="where the origin of the file lies")] = (0.0, 0.0, 0.0)
-    bearings: Annotated[tuple[NodeSeatTable, ...], Field(min_length=1, description="the bearing seats")]
-    grounds: Annotated[tuple[NodeGroundTable, ...], Field(min_length=1, description="the feet")]
+    origin_mm: Annotated[Vector, Field(description="x, y, z of the origin of the file in the scene")] = (0.0, 0.0, 0.0)
+    bearings: Annotated[tuple[NodeSeatTable, ...], Field(min_length=1, description="bearing seats")]
+    grounds: Annotated[tuple[NodeGroundTable, ...], Field(min_length=1, description="feet")]
 
 
 def _model_of(value: Any) -> str:

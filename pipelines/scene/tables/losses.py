@@ -16,21 +16,21 @@ class NoLosses(Table):
 
 
 class EfficiencyLosses(Table):
-    """Every mesh passes on the given share of the power that enters it."""
+    """Every mesh passes on the given share of its input power."""
 
     model: Literal["efficiency"] = "efficiency"
-    mesh_efficiency: Annotated[Number, Field(gt=0.5, le=1, description="power out over power in, of every mesh")] = 0.99
+    mesh_efficiency: Annotated[
+        Number, Field(gt=0.5, le=1, description="output power over input power of every mesh")
+    ] = 0.99
 
 
 class CoulombLosses(Table):
-    """Sliding friction of the teeth, reversing at the pitch point, and drag of the bearings."""
+    """Sliding friction of the teeth, which reverses at the pitch point, and drag torque of the bearings."""
 
     model: Literal["coulomb"] = "coulomb"
-    tooth_friction: Annotated[Number, Field(ge=0, le=0.5, description="friction over normal force of a tooth pair")] = (
-        0.05
-    )
+    tooth_friction: Annotated[Number, Field(ge=0, le=0.5, description="coefficient of friction of a tooth pair")] = 0.05
     bearing_friction: Annotated[
-        Number, Field(ge=0, le=0.1, description="drag over load, at half the shaft diameter in the bearing")
+        Number, Field(ge=0, le=0.1, description="coefficient of friction of the bearings, at half the shaft diameter")
     ] = 0.0015
 
 
@@ -41,13 +41,13 @@ class NoFilm(Table):
 
 
 class SqueezeFilm(Table):
-    """Oil that approaching flanks press out of their gap, in all meshes."""
+    """Squeeze film of oil between approaching flanks, in all meshes."""
 
     model: Literal["squeeze"] = "squeeze"
     viscosity_mPa_s: Annotated[
         Number, Field(gt=0, le=1e5, description="dynamic viscosity at the temperature of the oil")
     ] = 50.0
-    roughness_um: Annotated[Number, Field(ge=0.05, le=100, description="gap below which no film gets thinner")] = 1.0
+    roughness_um: Annotated[Number, Field(ge=0.05, le=100, description="least film thickness")] = 1.0
 
 
 FilmModel = Annotated[NoFilm | SqueezeFilm, Field(discriminator="model")]

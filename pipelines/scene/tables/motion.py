@@ -10,27 +10,36 @@ from pipelines.scene.tables.base import Number, Table, Whole
 from pipelines.scene.tables.samples import ColumnTable, Samples, check_pairs
 from pipelines.scene.tables.torques import ControlledTable, InductionTable, SomewhereTable, TorqueCurve
 
-Motors = Annotated[Literal[1, 2], Field(description="2: one at each end of the shaft; 1: at the -y end")]
+Motors = Annotated[Literal[1, 2], Field(description="2: one motor at each end of the shaft; 1: one motor")]
 
 
 class SpeedDrive(Table):
-    """Motors of prescribed speed at the ends of a shaft, each through a coupling that only holds the rotation."""
+    """Motors of prescribed speed at the ends of a shaft, through couplings that transmit torque only."""
 
     model: Literal["speed"] = "speed"
-    times_s: Annotated[Samples, Field(description="rising strictly, starting at 0; two or more")]
+    times_s: Annotated[Samples, Field(description="times, strictly rising, starting at 0; two or more")]
     speeds_rpm: Annotated[
         Samples,
         Field(
-            description="motor speed at these times: linear between, measured speeds (from a file) by a smooth curve"
+            description="motor speed at these times: linear in between; a smooth curve through measured speeds "
+            "from a file"
         ),
     ]
     motors: Motors = 2
-    coupling_stiffness_N_m_per_rad: Annotated[Number, Field(gt=0, description="of each coupling")] = 2000.0
-    coupling_damping_N_m_s_per_rad: Annotated[Number, Field(ge=0, description="of each coupling")] = 0.5
-    shaft: Annotated[Whole | None, Field(ge=1, description="number of the driven shaft; left out: 1")] = None
+    coupling_stiffness_N_m_per_rad: Annotated[
+        Number, Field(gt=0, description="torsional stiffness of each coupling")
+    ] = 2000.0
+    coupling_damping_N_m_s_per_rad: Annotated[Number, Field(ge=0, description="torsional damping of each coupling")] = (
+        0.5
+    )
+    shaft: Annotated[Whole | None, Field(ge=1, description="number of the driven shaft; without it: 1")] = None
     brake_torque_N_m: Annotated[
         Number,
-        Field(ge=0, description="holding brake on that shaft, at the first motor: closed while the motors stand"),
+        Field(
+            ge=0,
+            description="torque of a holding brake on that shaft, at the first motor; closed while the motors "
+            "stand still; 0: none",
+        ),
     ] = 0.0
 
     @model_validator(mode="after")
@@ -38,9 +47,9 @@ class SpeedDrive(Table):
         check_pairs(self, "times_s", "speeds_rpm")
         for key in ("times_s", "speeds_rpm"):
             if not isinstance(getattr(self, key), ColumnTable) and len(getattr(self, key)) < 2:
-                raise ValueError(f"{key} has {len(getattr(self, key))} values; give two or more")
+                raise ValueError(f"{key} has {len(getattr(self, key))} values. Set two or more")
         if not isinstance(self.times_s, ColumnTable) and self.times_s[0] != 0:
-            raise ValueError(f"times_s must start at 0, it starts at {self.times_s[0]}")
+            raise ValueError(f"times_s starts at {self.times_s[0]:g} and must start at 0. Correct it")
         return self
 
 
@@ -52,31 +61,32 @@ class MotorsTable(SomewhereTable):
     @model_validator(mode="after")
     def _both_ends(self) -> MotorsTable:
         if self.motors == 2 and self.position_mm is not None:
-            raise ValueError("motors = 2 stand at both ends of the shaft: leave position_mm out")
+            raise ValueError("motors = 2 are at both ends of the shaft. Delete position_mm, or set motors = 1")
         return self
 
 
 class TorqueDrive(MotorsTable, TorqueCurve):
-    """Motors that give a torque, whatever the speed that follows."""
+    """Motors of prescribed torque; the speed follows."""
 
     model: Literal["torque"] = "torque"
     start_rpm: Annotated[Number, Field(description="speed of the shaft at t = 0")]
     highest_rpm: Annotated[
         Number | None,
-        Field(gt=0, description="speed for which frequencies and strength are stated; left out: start_rpm"),
+        Field(gt=0, description="speed for which frequencies and strength are stated; without it: start_rpm"),
     ] = None
 
 
 class InductionDrive(MotorsTable, InductionTable):
-    """Induction motors at the ends of a shaft."""
+    """Induction motors on the mains, by their rating and the formula of Kloss."""
 
     start_rpm: Annotated[
-        Number | None, Field(description="speed of the shaft at t = 0; left out: rated_rpm; 0: a start from standstill")
+        Number | None,
+        Field(description="speed of the shaft at t = 0; without it: rated_rpm; 0: a start from standstill"),
     ] = None
 
 
 class ControlledDrive(MotorsTable, ControlledTable):
-    """Motors under speed control at the ends of a shaft."""
+    """Motors under PI speed control."""
 
 
 def _speed_by_default(value: Any) -> Any:
@@ -91,7 +101,7 @@ DriveModel = Annotated[
 
 
 class TorqueLoad(SomewhereTable, TorqueCurve):
-    """A brake, fan or other machine that takes a torque: positive values resist the positive rotation."""
+    """A brake, fan or other machine that takes a torque; positive torques resist positive rotation."""
 
     channels: ClassVar[int] = 4
     model: Literal["torque"] = "torque"
@@ -103,64 +113,75 @@ class LoadBase(Table):
     channels: ClassVar[int] = 0
 
     container_kg: Annotated[Number, Field(ge=0, description="hanging mass")]
-    drum_radius_mm: Annotated[Number, Field(gt=0, description="to the middle of the rope")]
-    drum_mass_kg: Annotated[Number, Field(gt=0, description="of each drum, overhung at the ends of the last shaft")]
-    drum_inertia_kg_m2: Annotated[Number, Field(gt=0, description="of each drum about the shaft")]
-    reeving_ratio: Annotated[Number, Field(gt=0, description="rope speed at the drum over container speed")] = 2.0
-    shaft: Annotated[Whole | None, Field(ge=1, description="number of the shaft of the drums; left out: the last")] = (
-        None
-    )
+    drum_radius_mm: Annotated[Number, Field(gt=0, description="radius to the centre of the rope")]
+    drum_mass_kg: Annotated[Number, Field(gt=0, description="mass of each drum")]
+    drum_inertia_kg_m2: Annotated[Number, Field(gt=0, description="moment of inertia of each drum about the shaft")]
+    reeving_ratio: Annotated[
+        Number, Field(gt=0, description="rope speed at the drum over speed of the hanging mass")
+    ] = 2.0
+    shaft: Annotated[
+        Whole | None, Field(ge=1, description="number of the shaft of the drums; without it: the last")
+    ] = None
     drum_positions_mm: Annotated[
-        tuple[Number, ...], Field(description="y of the drums; left out: both ends of their shaft")
+        tuple[Number, ...], Field(description="y of the drums; empty: both ends of their shaft")
     ] = ()
     rope_direction_deg: Annotated[
         Number | None,
         Field(
             ge=-180,
             le=180,
-            description="direction in which the ropes pull at the drums: 0 is +x, 90 is up; left out: the pull is "
-            "balanced at the drum and only its torque reaches the shaft",
+            description="direction of the rope force on the drums: 0 is +x, 90 is up; without it: the drums load "
+            "the shaft by torque only",
         ),
     ] = None
 
 
 class StaticTorqueTable(LoadBase):
-    """The weight as a constant torque on the drums."""
+    """A hanging mass as a constant torque of its weight on the drums."""
 
     model: Literal["static-torque"] = "static-torque"
 
 
 class RopeTable(LoadBase):
-    """Container on elastic rope: stiffness of the current length, tension only."""
+    """A hanging mass on an elastic rope: stiffness of the current length, tension only."""
 
     channels: ClassVar[int] = 3
     model: Literal["rope"] = "rope"
     rope_diameter_mm: Annotated[Number, Field(gt=0, description="nominal diameter")] = 10.0
-    rope_modulus_GPa: Annotated[Number, Field(gt=0, description="on the metallic area")] = 100.0
-    rope_fill_factor: Annotated[Number, Field(gt=0, le=1, description="metallic area over the circle")] = 0.455
-    rope_falls: Annotated[Whole, Field(ge=1, description="falls that carry the container")] = 8
+    rope_modulus_GPa: Annotated[Number, Field(gt=0, description="elastic modulus on the metallic area")] = 100.0
+    rope_fill_factor: Annotated[Number, Field(gt=0, le=1, description="metallic area over the area of the circle")] = (
+        0.455
+    )
+    rope_falls: Annotated[Whole, Field(ge=1, description="number of falls that carry the mass")] = 8
     rope_length_m: Annotated[Number, Field(gt=0, description="free length at t = 0")] = 5.0
-    rope_damping_ratio: Annotated[Number, Field(ge=0, lt=1, description="of the bounce at the initial length")] = 0.02
+    rope_damping_ratio: Annotated[
+        Number, Field(ge=0, lt=1, description="damping ratio of the vertical vibration at the initial length")
+    ] = 0.02
     ground_level_m: Annotated[
         Number | None,
         Field(
-            description="height of the ground over the place where the container hangs on the just taut rope at t = 0; "
-            "positive: it stands on the ground and the rope is slack by as much; left out: no ground"
+            description="height of the ground over the mass on the just taut rope at t = 0; positive: the mass "
+            "rests on the ground and the rope is slack by this height; without it: no ground"
         ),
     ] = None
-    ground_stiffness_N_per_um: Annotated[Number, Field(gt=0, description="of the ground under the container")] = 10.0
-    ground_damping_ratio: Annotated[Number, Field(ge=0, lt=10, description="of the container on the ground")] = 0.1
+    ground_stiffness_N_per_um: Annotated[Number, Field(gt=0, description="stiffness of the ground")] = 10.0
+    ground_damping_ratio: Annotated[
+        Number, Field(ge=0, lt=10, description="damping ratio of the mass on the ground")
+    ] = 0.1
 
 
 class RopePendulumTable(RopeTable):
-    """The same, and the container swings below a trolley at rest."""
+    """As rope, and the mass swings below a fixed trolley."""
 
     channels: ClassVar[int] = 5
     model: Literal["rope-pendulum"] = "rope-pendulum"  # type: ignore[assignment]
     sway_x_deg: Annotated[
-        Number, Field(gt=-60, lt=60, description="angle of the ropes at t = 0, released from rest")
+        Number,
+        Field(gt=-60, lt=60, description="angle of the ropes at t = 0 in the plane of x and z, released from rest"),
     ] = 0.0
-    sway_y_deg: Annotated[Number, Field(gt=-60, lt=60, description="the same across, along the shafts")] = 0.0
+    sway_y_deg: Annotated[
+        Number, Field(gt=-60, lt=60, description="angle of the ropes at t = 0 in the plane of y and z")
+    ] = 0.0
 
 
 LoadModel = Annotated[TorqueLoad | StaticTorqueTable | RopeTable | RopePendulumTable, Field(discriminator="model")]
@@ -170,31 +191,43 @@ class SimulationTable(Table):
     """Time integration and output."""
 
     end_s: Annotated[Number, Field(gt=0, le=3600, description="simulated time")]
-    output_rate_Hz: Annotated[Number, Field(gt=0, le=200000, description="after the anti-alias filter")] = 10000.0
-    step_us: Annotated[Number, Field(gt=0, le=1000, description="rounded down to a whole part of the output step")] = (
-        33.4
-    )
+    output_rate_Hz: Annotated[
+        Number, Field(gt=0, le=200000, description="sampling rate of the results, after the anti-alias filter")
+    ] = 10000.0
+    step_us: Annotated[
+        Number,
+        Field(
+            gt=0, le=1000, description="time step, which is rounded down to a whole fraction of the sampling interval"
+        ),
+    ] = 33.4
     start: Annotated[
         Whole,
         Field(
             ge=0,
             le=1_000_000,
-            description="0: at rest in equilibrium; 1, 2, ...: another start each, every modal displacement changed by "
-            "some 1e-4 of itself, to see how far a motion that cannot be repeated spreads",
+            description="0: start at rest in equilibrium; 1, 2, ...: other starts, each with all modal "
+            "displacements changed by about 1e-4 of themselves, to show how much a chaotic motion "
+            "varies",
         ),
     ] = 0
     band_Hz: Annotated[
-        Number, Field(ge=1000, description="modes of the whole machine above it are kept by their static response only")
+        Number,
+        Field(
+            ge=1000,
+            description="modes of the whole machine above this frequency are kept by their static response only",
+        ),
     ] = 20000.0
     integrator: Annotated[
-        Literal["exponential", "trapezoidal", "generalised-alpha"], Field(description="see docs/choosing-a-model.md")
+        Literal["exponential", "trapezoidal", "generalised-alpha"],
+        Field(description="time integration method, see docs/choosing-a-model.md"),
     ] = "exponential"
 
     @model_validator(mode="after")
     def _one_sample(self) -> SimulationTable:
         if self.end_s * self.output_rate_Hz < 1.0:
             raise ValueError(
-                f"end_s: {self.end_s:g} s is shorter than one sample at output_rate_Hz = {self.output_rate_Hz:g}; "
-                f"simulate at least {1.0 / self.output_rate_Hz:g} s, or raise the rate"
+                f"end_s = {self.end_s:g} is shorter than one sample at output_rate_Hz = {self.output_rate_Hz:g}. Set "
+                "at "
+                f"least {1.0 / self.output_rate_Hz:g}, or raise output_rate_Hz"
             )
         return self

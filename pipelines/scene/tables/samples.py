@@ -24,10 +24,12 @@ HDF5 = (".h5", ".hdf5")
 
 
 class ColumnTable(Table):
-    """One column of a CSV file with a line of names, or one dataset of an HDF5 file (.h5, .hdf5)."""
+    """A column of a CSV file with a header line, or a dataset of an HDF5 file (.h5, .hdf5)."""
 
-    file: Annotated[str, Field(min_length=1, description="beside the scene, or a path")]
-    column: Annotated[str, Field(min_length=1, description="name of the column or dataset; the key says its unit")]
+    file: Annotated[str, Field(min_length=1, description="name in the folder of the scene, or a path")]
+    column: Annotated[
+        str, Field(min_length=1, description="name of the column or dataset; its values have the unit of the key")
+    ]
 
 
 def _kind(value: object) -> str:
@@ -47,11 +49,13 @@ def check_pairs(table: Table, places: str, values: str) -> None:
     if isinstance(first, ColumnTable) or isinstance(second, ColumnTable):
         return
     if len(first) != len(second):
-        raise ValueError(f"{places} has {len(first)} values, {values} has {len(second)}")
+        raise ValueError(f"{places} has {len(first)} values, {values} has {len(second)}. Set as many of both")
     unit = places.rpartition("_")[2]
     for before, after in zip(first, first[1:], strict=False):
         if after <= before:
-            raise ValueError(f"{places} must rise strictly: {after} {unit} follows {before} {unit}")
+            raise ValueError(
+                f"{places} must rise strictly, but {after:g} {unit} follows {before:g} {unit}. Correct them"
+            )
 
 
 def pairs(table: Table, places: str, values: str, path: str) -> tuple[np.ndarray, np.ndarray]:
@@ -74,14 +78,16 @@ def pairs(table: Table, places: str, values: str, path: str) -> tuple[np.ndarray
         lines.append(line)
     first, second = found
     if len(first) != len(second):
-        raise _refused(f"{path}.{values}", f"{len(second)} values for {len(first)} of {places}", "Give pairs")
+        raise _refused(
+            f"{path}.{values}", f"has {len(second)} values for {len(first)} of {places}", "Set as many of both"
+        )
     wrong = np.flatnonzero(np.diff(first) <= 0)
     if len(wrong):
         i = int(wrong[0]) + 1
         raise _refused(
             f"{path}.{places}",
-            f"{first[i]:g} follows {first[i - 1]:g}{_at(lines[0], i)}",
-            "Sort the file, and drop repeated instants",
+            f"must rise strictly, but {first[i]:g} follows {first[i - 1]:g}{_at(lines[0], i)}",
+            "Sort the lines, and delete repeated ones",
         )
     return first, second
 
@@ -107,7 +113,12 @@ def samples(given: tuple[float, ...] | ColumnTable, path: str) -> tuple[np.ndarr
             return _dataset(file, given.column, path), None
         return _column(read_text(file, MOST_BYTES), given, path), 2
     except FileNotFoundError:
-        raise _refused(f"{path}.file", "no such file", "Give a path from the folder of the scene", given.file) from None
+        raise _refused(
+            f"{path}.file",
+            "there is no such file",
+            "Correct the path; it starts at the folder of the scene",
+            given.file,
+        ) from None
     except InputError as error:
         if isinstance(error, SceneError):
             raise
@@ -128,7 +139,7 @@ def _column(text: str, given: ColumnTable, path: str) -> np.ndarray:
     names = [name.strip() for name in next(rows, [])]
     if given.column not in names:
         near = nearest_name(given.column, names)
-        hint = f'Did you mean "{near}"?' if near else "Choose one of them"
+        hint = f'Did you mean "{near}"?' if near else "Set one of them"
         raise _refused(f"{path}.column", f"the file has the columns {', '.join(map(shown, names))}", hint, given.column)
     place, values = names.index(given.column), []
     for row in rows:
@@ -140,11 +151,11 @@ def _column(text: str, given: ColumnTable, path: str) -> np.ndarray:
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            what = f"{shown(cell)} is no number" if cell else "the cell is empty"
-            raise _refused(f"{path}.file", f"line {rows.line_num}: {what}", "Mend or drop that line", given.file)
+            what = f"{shown(cell)} is not a number" if cell else "the cell is empty"
+            raise _refused(f"{path}.file", f"line {rows.line_num}: {what}", "Correct or delete that line", given.file)
         values.append(value)
     if not values:
-        raise _refused(f"{path}.file", "the file holds no values", "Give one with a line of names and values below")
+        raise _refused(f"{path}.file", "the file has no values", "Write values below the header line")
     return np.array(values)
 
 
@@ -156,19 +167,19 @@ def _dataset(file: Path, name: str, path: str) -> np.ndarray:
             found: Any = opened.get(name)
             if not isinstance(found, h5py.Dataset):
                 raise _refused(
-                    f"{path}.column", f"the file has no dataset of that name ({', '.join(opened)})", "", name
+                    f"{path}.column", f"the file has the datasets {', '.join(opened)}", "Set one of them", name
                 )
             if problem := blocks_missing(found):
-                raise _refused(f"{path}.column", problem, "The file is damaged; save or copy it again", name)
+                raise _refused(f"{path}.column", problem, "Save or copy the file again", name)
             values = np.asarray(found[()], dtype=float).ravel()
     except SceneError:
         raise
     except Exception as error:  # the library raises errors of every kind
-        raise _refused(f"{path}.file", f"cannot be read as HDF5 ({error})", "Give a CSV or HDF5 file") from error
+        raise _refused(f"{path}.file", f"cannot be read as HDF5 ({error})", "Set a CSV or HDF5 file") from error
     bad = np.flatnonzero(~np.isfinite(values))
     if len(bad):
         raise _refused(
-            f"{path}.column", f"value {bad[0] + 1} of {len(values)} is {values[bad[0]]}", "Fill the gap", name
+            f"{path}.column", f"value {bad[0] + 1} of {len(values)} is {values[bad[0]]}", "Correct the file", name
         )
     return values
 

@@ -18,46 +18,63 @@ if TYPE_CHECKING:
 class SectionTable(Table):
     """A stretch of a shaft with constant diameters."""
 
-    start_mm: Annotated[Number, Field(ge=-1e5, le=1e5, description="y of its -y end")]
-    end_mm: Annotated[Number, Field(ge=-1e5, le=1e5, description="y of its +y end")]
+    start_mm: Annotated[Number, Field(ge=-1e5, le=1e5, description="y of the -y end")]
+    end_mm: Annotated[Number, Field(ge=-1e5, le=1e5, description="y of the +y end")]
     diameter_mm: Annotated[Number, Field(ge=0.1, le=1e5, description="outer diameter")]
     bore_mm: Annotated[Number, Field(ge=0, description="inner diameter")] = 0.0
 
     @model_validator(mode="after")
     def _ordered(self) -> SectionTable:
         if self.end_mm <= self.start_mm:
-            raise ValueError(f"end_mm = {self.end_mm} must be greater than start_mm = {self.start_mm}")
+            raise ValueError(
+                f"end_mm = {self.end_mm:g} must be greater than start_mm = {self.start_mm:g}. Correct them"
+            )
         if self.bore_mm >= self.diameter_mm:
-            raise ValueError(f"bore_mm = {self.bore_mm} must be smaller than diameter_mm = {self.diameter_mm}")
+            raise ValueError(
+                f"bore_mm = {self.bore_mm:g} must be smaller than diameter_mm = {self.diameter_mm:g}. Correct them"
+            )
         return self
 
 
 class ShaftTable(Table):
-    """One shaft; shaft 1 is the input."""
+    """One shaft with its bearings; shaft 1 is the input."""
 
-    sections: Annotated[tuple[SectionTable, ...], Field(min_length=1, description="from -y to +y, without gaps")]
-    bearing_positions_mm: Annotated[tuple[Number, ...], Field(min_length=1, description="y of its bearings, -y first")]
+    sections: Annotated[
+        tuple[SectionTable, ...], Field(min_length=1, description="sections from -y to +y, without gaps")
+    ]
+    bearing_positions_mm: Annotated[tuple[Number, ...], Field(min_length=1, description="y of its bearings, rising")]
     bearing_supports: Annotated[
         tuple[Literal["casing", "ground"], ...],
-        Field(description="what carries each bearing; left out: the casing. A housing carries two per shaft"),
+        Field(
+            description="support of each bearing; empty: the casing for all. A housing supports exactly two "
+            "bearings per shaft"
+        ),
     ] = ()
     bearings: Annotated[
-        tuple[BearingModel, ...], Field(description="one table per bearing instead of the common one, [bearings]")
+        tuple[BearingModel, ...], Field(description="one model per bearing; empty: [bearings] for all")
     ] = ()
 
     @model_validator(mode="after")
     def _joined(self) -> ShaftTable:
         for left, right in zip(self.sections, self.sections[1:], strict=False):
             if left.end_mm != right.start_mm:
-                raise ValueError(f"sections: one ends at {left.end_mm} mm, the next starts at {right.start_mm} mm")
+                raise ValueError(
+                    f"sections must be without gaps, but one ends at {left.end_mm:g} mm and the next starts at "
+                    f"{right.start_mm:g} mm. Correct them"
+                )
         places, (start, end) = self.bearing_positions_mm, (self.sections[0].start_mm, self.sections[-1].end_mm)
         rising = all(a < b for a, b in zip(places, places[1:], strict=False))
         if not (rising and start <= places[0] and places[-1] <= end):
-            raise ValueError(f"bearing_positions_mm = {list(places)} must rise and lie between {start} and {end} mm")
+            raise ValueError(
+                f"bearing_positions_mm = {list(places)} must rise, and be on the shaft, {start:g} to {end:g} mm. "
+                "Correct them"
+            )
         for key in ("bearing_supports", "bearings"):
             given = getattr(self, key)
             if given and len(given) != len(places):
-                raise ValueError(f"{key}: {len(given)} given for {len(places)} bearings")
+                raise ValueError(
+                    f"{key} has {len(given)} items for {len(places)} bearings. Set one for each, or delete {key}"
+                )
         return self
 
 
@@ -65,44 +82,47 @@ class ShaftModel(Table):
     """How shafts are modelled."""
 
     model: Annotated[
-        Literal["torsion", "timoshenko"], Field(description="torsion: rigid but in twist; timoshenko: beam elements")
+        Literal["torsion", "timoshenko"],
+        Field(description="torsion: only torsion is elastic; timoshenko: Timoshenko beam elements"),
     ] = "timoshenko"
     element_length_mm: Annotated[Number, Field(gt=0, description="longest beam element")] = 40.0
-    damping_time_us: Annotated[Number, Field(ge=0, le=1000, description="material damping = this time * stiffness")] = (
-        0.5
-    )
+    damping_time_us: Annotated[Number, Field(ge=0, le=1000, description="material damping over stiffness")] = 0.5
     gyroscopic: Annotated[
-        Flag, Field(description="true: gyroscopic moments of shafts and disks at the current speed")
+        Flag, Field(description="true: with gyroscopic moments of shafts and disks at the current speed")
     ] = False
 
 
 class ProbeTable(Table):
-    """A proximity probe on the ground: displacement of a shaft's axis along x, y and z."""
+    """A proximity probe on the ground: displacement of the axis of a shaft along x, y and z."""
 
     name: Annotated[
-        str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="letters, digits, _ and -; 40 at most")
+        str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="letters, digits, _ and -, at most 40")
     ]
     shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
-    position_mm: Annotated[Number, Field(description="y")]
+    position_mm: Annotated[Number, Field(description="y of the probe")]
 
 
 class DiskTable(Table):
-    """A rigid disk on a shaft besides gears and drums: coupling half, brake disk, flywheel."""
+    """A rigid disk on a shaft, besides gears and drums: half of a coupling, brake disk, flywheel."""
 
     shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
-    position_mm: Annotated[Number, Field(description="y")]
-    mass_kg: Annotated[Number, Field(ge=0, description="mass")]
-    polar_inertia_kg_m2: Annotated[Number, Field(ge=0, description="about the shaft")]
-    diametral_inertia_kg_m2: Annotated[Number, Field(ge=0, description="about a diameter")]
-    eccentricity_um: Annotated[Number, Field(ge=0, le=1e5, description="of its centre of mass: an unbalance")] = 0.0
+    position_mm: Annotated[Number, Field(description="y of the disk")]
+    mass_kg: Annotated[Number, Field(ge=0, description="mass of the disk")]
+    polar_inertia_kg_m2: Annotated[Number, Field(ge=0, description="moment of inertia about the shaft")]
+    diametral_inertia_kg_m2: Annotated[Number, Field(ge=0, description="moment of inertia about a diameter")]
+    eccentricity_um: Annotated[
+        Number, Field(ge=0, le=1e5, description="distance of its centre of mass from the axis, an unbalance")
+    ] = 0.0
     eccentricity_angle_deg: Annotated[
-        Number, Field(description="of its centre of mass at t = 0, from +x towards +z")
+        Number, Field(description="angle of its centre of mass at t = 0, from +x towards +z")
     ] = 0.0
 
     @model_validator(mode="after")
     def _heavy(self) -> DiskTable:
         if self.eccentricity_um and not self.mass_kg:
-            raise ValueError("eccentricity_um: a disk of mass_kg = 0 has no centre of mass; give its mass")
+            raise ValueError(
+                "eccentricity_um has no effect on a disk with mass_kg = 0. Set mass_kg, or delete eccentricity_um"
+            )
         return self
 
     def unbalances(self, number: int) -> Iterator[OutsideForce]:
@@ -123,39 +143,52 @@ Small = Annotated[Number, Field(ge=-70, le=70)]
 
 
 class CouplingTable(Table):
-    """A coupling between two shafts on one axis; 0 leaves a direction free."""
+    """A coupling or bearing between two shafts on one axis. Directions of stiffness 0 are free."""
 
     shafts: Annotated[tuple[Whole, Whole], Field(description="numbers of the two shafts")]
-    positions_mm: Annotated[tuple[Number, Number], Field(description="y on each of them")]
+    positions_mm: Annotated[tuple[Number, Number], Field(description="y of the coupling on each of them")]
     torsional_stiffness_N_m_per_rad: Annotated[
-        Number, Field(ge=0, description="about the axis; 0: a bearing between two shafts that turn by themselves")
+        Number,
+        Field(ge=0, description="torsional stiffness; 0: a bearing between two shafts that rotate independently"),
     ]
-    radial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="in x and z")] = 0.0
-    axial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="along the axis")] = 0.0
-    tilt_stiffness_N_m_per_rad: Annotated[Number, Field(ge=0, description="about x and z")] = 0.0
-    damping_time_us: Annotated[Number, Field(ge=0, le=1e5, description="damping = this time * stiffness")] = 0.0
+    radial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="stiffness along x and z")] = 0.0
+    axial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="stiffness along the axis")] = 0.0
+    tilt_stiffness_N_m_per_rad: Annotated[Number, Field(ge=0, description="tilting stiffness about x and z")] = 0.0
+    damping_time_us: Annotated[Number, Field(ge=0, le=1e5, description="damping over stiffness")] = 0.0
     radial_stiffness_across_N_per_um: Annotated[
-        NotNegative | None, Field(description="along the second stiffness axis, both turn; left out: as the first")
+        NotNegative | None,
+        Field(
+            description="radial stiffness along the second of two rotating stiffness axes; without it: as along "
+            "the first"
+        ),
     ] = None
     tilt_stiffness_across_N_m_per_rad: Annotated[
-        NotNegative | None, Field(description="about the second stiffness axis, both turn; left out: as the first")
+        NotNegative | None,
+        Field(
+            description="tilting stiffness about the second of two rotating stiffness axes; without it: as about "
+            "the first"
+        ),
     ] = None
-    stiff_axis_deg: Annotated[Number, Field(description="first stiffness axis at t = 0, from +x towards +z")] = 0.0
+    stiff_axis_deg: Annotated[
+        Number, Field(description="angle of the first stiffness axis at t = 0, from +x towards +z")
+    ] = 0.0
     offset_um: Annotated[
-        tuple[Number, Number], Field(description="axis of the second shaft off that of the first in x and z")
+        tuple[Number, Number],
+        Field(description="parallel misalignment: x and z of the axis of the second shaft relative to the first"),
     ] = (0.0, 0.0)
     tilt_mrad: Annotated[
-        tuple[Small, Small], Field(description="axis of the second shaft against that of the first, about x and z")
+        tuple[Small, Small],
+        Field(description="angular misalignment of the second shaft relative to the first, about x and z"),
     ] = (0.0, 0.0)
-    universal_joint: Annotated[Flag, Field(description="true: turns with Cardan's error, the axes are its pins")] = (
-        False
-    )
+    universal_joint: Annotated[
+        Flag, Field(description="true: a universal joint with its speed error; its pins are the stiffness axes")
+    ] = False
 
     @model_validator(mode="after")
     def _holds(self) -> CouplingTable:
         radial, axial = self.radial_stiffness_N_per_um, self.axial_stiffness_N_per_um
         if not (self.torsional_stiffness_N_m_per_rad or radial or axial or self.tilt_stiffness_N_m_per_rad):
-            raise ValueError("all of its stiffnesses are 0: give one, or leave the coupling out")
+            raise ValueError("all stiffnesses of the coupling are 0. Set one, or delete the coupling")
         return self
 
     @property

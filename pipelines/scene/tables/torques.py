@@ -28,11 +28,13 @@ class SourceTable(Table):
         Number | None,
         Field(
             gt=0,
-            description="of the coupling of the rotor; left out: the rotor is fixed to the shaft. Without inertia a "
-            "coupling passes the torque on as it is",
+            description="torsional stiffness of the coupling between rotor and shaft; without it: the rotor is "
+            "fixed to the shaft. Without inertia a coupling has no effect",
         ),
     ] = None
-    coupling_damping_N_m_s_per_rad: Annotated[Number, Field(ge=0, description="of the same coupling")] = 0.0
+    coupling_damping_N_m_s_per_rad: Annotated[Number, Field(ge=0, description="torsional damping of that coupling")] = (
+        0.0
+    )
 
     def at(self, name: str, shaft: int, y: float) -> dict[str, Any]:
         """Arguments of a `TorqueSource`: its name, its shaft (from 0), its place y (m), and the rotor."""
@@ -52,28 +54,34 @@ class SomewhereTable(Table):
     """A shaft and a place on it that need not be given."""
 
     shaft: Annotated[
-        Whole | None, Field(ge=1, description="number of the shaft; left out: 1 for a drive, the last for a load")
+        Whole | None, Field(ge=1, description="number of the shaft; without it: 1 for a drive, the last for a load")
     ] = None
     position_mm: Annotated[
-        Number | None, Field(description="y on the shaft; left out: the -y end for a drive, the +y end for a load")
+        Number | None, Field(description="y on the shaft; without it: the -y end for a drive, the +y end for a load")
     ] = None
 
 
 class TorqueCurve(SourceTable):
     """A torque: constant, over time, or over speed."""
 
-    torque_N_m: Annotated[Number | None, Field(description="constant, whatever the speed and its sign")] = None
-    times_s: Annotated[Samples | None, Field(description="rising; linear between, constant outside")] = None
-    speeds_rpm: Annotated[Samples | None, Field(description="of the shaft, rising, instead of times_s")] = None
-    torques_N_m: Annotated[Samples | None, Field(description="at these times or speeds")] = None
+    torque_N_m: Annotated[Number | None, Field(description="constant torque at every speed")] = None
+    times_s: Annotated[
+        Samples | None, Field(description="times of torques_N_m, rising; linear in between, constant outside")
+    ] = None
+    speeds_rpm: Annotated[
+        Samples | None, Field(description="speeds of the shaft for torques_N_m, rising; instead of times_s")
+    ] = None
+    torques_N_m: Annotated[Samples | None, Field(description="torque at these times or speeds")] = None
 
     @model_validator(mode="after")
     def _one_curve(self) -> TorqueCurve:
         places = [name for name in ("times_s", "speeds_rpm") if getattr(self, name) is not None]
         if self.torque_N_m is not None and (places or self.torques_N_m is not None):
-            raise ValueError("give torque_N_m alone, or torques_N_m with times_s or speeds_rpm")
+            raise ValueError(
+                "torque_N_m is constant, and torques_N_m varies over times_s or speeds_rpm. Delete one or the other"
+            )
         if self.torque_N_m is None and (len(places) != 1 or self.torques_N_m is None):
-            raise ValueError("give torque_N_m, or torques_N_m with either times_s or speeds_rpm")
+            raise ValueError("has no torque. Set torque_N_m, or torques_N_m with either times_s or speeds_rpm")
         if places:
             check_pairs(self, places[0], "torques_N_m")
         return self
@@ -103,20 +111,22 @@ class TorqueCurve(SourceTable):
 
 
 class InductionTable(SourceTable):
-    """An induction motor on the mains, by its rating and Kloss' formula."""
+    """An induction motor on the mains, by its rating and the formula of Kloss."""
 
     model: Literal["induction-motor"] = "induction-motor"
-    synchronous_rpm: Annotated[Number, Field(gt=0, description="speed of the field: 60 times mains over pole pairs")]
+    synchronous_rpm: Annotated[
+        Number, Field(gt=0, description="synchronous speed: 60 times mains frequency over pole pairs")
+    ]
     rated_rpm: Annotated[Number, Field(gt=0, description="speed at the rated torque")]
-    rated_torque_N_m: Annotated[Number, Field(gt=0, description="at the rated speed")]
+    rated_torque_N_m: Annotated[Number, Field(gt=0, description="torque at the rated speed")]
     breakdown_ratio: Annotated[Number, Field(gt=1, le=10, description="breakdown torque over rated torque")] = 2.5
 
     @model_validator(mode="after")
     def _slips(self) -> InductionTable:
         if self.rated_rpm >= self.synchronous_rpm:
             raise ValueError(
-                f"rated_rpm = {self.rated_rpm:g} must be below synchronous_rpm = {self.synchronous_rpm:g}: the slip "
-                "makes the torque"
+                f"rated_rpm = {self.rated_rpm:g} must be below synchronous_rpm = {self.synchronous_rpm:g}, because the "
+                "torque grows with the slip. Correct them"
             )
         return self
 
@@ -134,17 +144,17 @@ class InductionTable(SourceTable):
 
 
 class ControlledTable(SourceTable):
-    """A motor under a speed controller with proportional and integral part."""
+    """A motor under PI speed control."""
 
     model: Literal["controlled-motor"] = "controlled-motor"
-    times_s: Annotated[Samples, Field(description="rising, starting at 0")]
-    speeds_rpm: Annotated[Samples, Field(description="wanted speed at these times")]
-    proportional_N_m_s_per_rad: Annotated[Number, Field(gt=0, description="torque per error of the speed")]
-    integral_N_m_per_rad: Annotated[Number, Field(ge=0, description="torque per error of the angle")] = 0.0
-    limit_N_m: Annotated[Number, Field(gt=0, description="largest torque, either way")]
-    starting_torque_N_m: Annotated[Number, Field(description="what the integral part holds at t = 0")] = 0.0
+    times_s: Annotated[Samples, Field(description="times, rising, starting at 0")]
+    speeds_rpm: Annotated[Samples, Field(description="target speed at these times")]
+    proportional_N_m_s_per_rad: Annotated[Number, Field(gt=0, description="proportional gain: torque per speed error")]
+    integral_N_m_per_rad: Annotated[Number, Field(ge=0, description="integral gain: torque per angle error")] = 0.0
+    limit_N_m: Annotated[Number, Field(gt=0, description="largest torque in both directions")]
+    starting_torque_N_m: Annotated[Number, Field(description="torque of the integral part at t = 0")] = 0.0
     anti_windup: Annotated[
-        Flag, Field(description="true: the integral part gives way while the torque is limited (back-calculation)")
+        Flag, Field(description="true: back-calculation reduces the integral part while the torque is limited")
     ] = True
 
     @model_validator(mode="after")
