@@ -189,7 +189,7 @@ def test_solids_are_chosen_and_bonded_and_loose_ones_are_found_before_meshing(tm
     with pytest.raises(MeshError, match=r"has 2 solids .* set glue = true .*solids = \[1\]"):
         volume(solids=(1, 2))
     with pytest.raises(
-        MeshError, match=r"2 parts that do not touch: solids 1 and 2; 3; solids 1 and 3 are 2 mm apart at \(61, "
+        MeshError, match=r"2 parts that do not touch: solids 1 and 2; 3; solids 1 and 3 have a gap of 2 mm at \(61, "
     ):
         volume(glue=True)
     with pytest.raises(MeshError, match="has 3 solids, there is no solid 4"):
@@ -303,7 +303,10 @@ def test_harwell_boeing_files_that_are_cut_off_or_of_another_kind_are_refused(tm
         with pytest.raises(ForeignError, match=f"^K.matrix {words}"):
             read_matrices(path)
     heat = tmp_path / "K.mapping"
-    for words, rows in (("has the unknowns TEMP", "1 1 TEMP"), ("does not name every equation once", "2 1 UX")):
+    for words, rows in (
+        ("has the unknowns TEMP", "1 1 TEMP"),
+        ("does not number the equations from 1 without gaps", "2 1 UX"),
+    ):
         heat.write_text(f"Matrix Eqn  Node  DOF\n{rows}\n", encoding="utf-8")
         with pytest.raises(ForeignError, match=words):
             mapped_equations(heat)

@@ -76,8 +76,8 @@ def meshed(path, **changes):
         (one_body_twice, False, r"solids 1 and 2 are one body twice, both around \(30, 15, 10\) mm .* leave one out"),
         (one_body_twice, True, r"solids 1 and 2 are one body twice"),
         (a_neighbour, False, r"has 2 solids .* set glue = true .* or choose some by solids = \[1\]"),
-        (a_neighbour_at_an_edge, True, r"hang on the others by an edge or a corner alone, around \(60, 15, 20\) mm"),
-        (a_neighbour_at_a_corner, True, r"hang on the others by an edge or a corner alone, around \(60, 30, 20\) mm"),
+        (a_neighbour_at_an_edge, True, r"share only an edge or a vertex with the others, around \(60, 15, 20\) mm"),
+        (a_neighbour_at_a_corner, True, r"share only an edge or a vertex with the others, around \(60, 30, 20\) mm"),
         (faces_alone, False, r"has no volume: it holds 1 surfaces .* Sew the surfaces"),
     ],
 )

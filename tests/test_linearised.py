@@ -292,7 +292,7 @@ def test_the_command_prints_the_modes(capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--up-to", "0"], "not above 0"),
+        (["--up-to", "0"], "not a number above 0"),
         (["--up-to", "high"], "not a finite number"),
         (["--cycle", "nan"], "not a finite number"),
         (["--set", "stages.1.module_mm=0"], "stages.1.module_mm = 0"),

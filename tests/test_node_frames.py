@@ -75,7 +75,7 @@ def test_a_frame_that_the_file_does_not_define_is_refused(tmp_path):
 
 
 def test_a_node_that_lacks_an_axis_of_its_frame_is_refused():
-    with pytest.raises(ForeignError, match="node 2 moves in a coordinate system of its own and lacks an axis"):
+    with pytest.raises(ForeignError, match="node 2 has a local coordinate system and lacks an axis"):
         foreign_body(
             "any",
             np.eye(5),

@@ -61,8 +61,11 @@ UNFIT = {  # a document, and the words that refuse it
         "shaft 2 .*not parallel to that of the first shaft",
     ),
     "skew frame": (unit().changed("shaft", {"w_axis_vector": ([1.0, 0.0, 1.0], "mm")}), "no right angle"),
-    "no place": (unit().changed("shaft", {"support_vector": None}, 2), "shaft 3 .*has no place"),
-    "short vector": (unit().changed("shaft", {"support_vector": ([0.0, 1.0], "mm")}), "has 2 numbers, 3 finite ones"),
+    "no place": (unit().changed("shaft", {"support_vector": None}, 2), "shaft 3 .*has no position"),
+    "short vector": (
+        unit().changed("shaft", {"support_vector": ([0.0, 1.0], "mm")}),
+        "has 2 numbers, but needs 3 finite ones",
+    ),
     "circle of places": (
         unit()
         .changed("shaft", {"reference_component_for_position": SHAFTS[1]})
@@ -71,7 +74,7 @@ UNFIT = {  # a document, and the words that refuse it
     ),
     "unit of something else": (
         unit().changed("cylindrical_gear", {"face_width": (20.0, "N m")}),
-        'face_width has the unit "N m", one like "mm"',
+        'face_width has the unit "N m", but needs one such as "mm"',
     ),
     "not a number": (unit().changed("shaft_section", {"length": ("long", "mm")}), 'length = "long" is not a finite'),
     "infinite": (unit().changed("shaft_section", {"length": ("inf", "mm")}), "not a finite number"),
@@ -88,10 +91,10 @@ UNFIT = {  # a document, and the words that refuse it
     "faces apart": (unit(row_with(middles=(20.0, 90.0))), "do not overlap along the shafts"),
     "axes apart": (
         unit().changed("cylindrical_stage", {"center_distance": (90.0, "mm")}),
-        "center_distance is 90 mm, but the axes .* are 86.6",
+        "center_distance is 90 mm, but the distance of the axes .* is 86.6",
     ),
     "jammed": (unit(row_with(distance=86.0)), "stage 1 .*the teeth jam"),
-    "gear off its shaft": (unit().changed("shaft_section", {"length": (20.0, "mm")}), "its middle, y = .* is off"),
+    "gear off its shaft": (unit().changed("shaft_section", {"length": (20.0, "mm")}), "its middle, y = .* is outside"),
     "gap in a shaft": (with_second_section(165.0), "a section ends at y = 160 mm, the next starts at 165 mm"),
     "sections that overlap": (with_second_section(155.0), "a section ends at y = 160 mm, the next starts at 155 mm"),
     "no bearing": (unit().without(CATALOGUE), "has no bearing"),
@@ -137,10 +140,14 @@ def test_a_document_type_is_refused_before_an_entity_grows(tmp_path):
         ("a.rexs", b"<box/>", "its root is <box>"),
         ("a.rexs", b'<model version="1.4"><components><component id="x"/></components></model>', "a whole number"),
         ("a.rexs", b'<?xml version="1.0" encoding="none-such"?><model/>', "not valid XML"),
-        ("a.rexs", b'<model><components><component id="1"/><component id="1"/></components></model>', "have one id"),
+        (
+            "a.rexs",
+            b'<model><components><component id="1"/><component id="1"/></components></model>',
+            "have the same id",
+        ),
         ("a.rexsj", b"{", "not valid JSON"),
         ("a.rexsj", b"[]", "stands where REXS has an object"),
-        ("a.rexsj", b'{"model": {"version": "1.4", "components": 3}}', "components is 3, a list is wanted"),
+        ("a.rexsj", b'{"model": {"version": "1.4", "components": 3}}', "components is 3, but must be a list"),
         ("a.rexsj", b'{"model":' * 100_000, "not valid JSON"),
         ("a.rexsz", b"no archive", "not a ZIP archive"),
         ("a.rexsz", packed("readme.txt", "hello"), "holds 0 REXS documents"),

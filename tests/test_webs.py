@@ -151,7 +151,7 @@ def drive():
 
 def test_an_offset_web_gives_every_flank_its_own_compliances(drive):
     assert drive.flank == 1
-    with pytest.raises(ModelError, match="web that is offset"):
+    with pytest.raises(ModelError, match="With an offset web"):
         solve(drive, force=LOAD, sign=-1)
 
 

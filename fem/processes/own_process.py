@@ -29,7 +29,7 @@ _JOB, _ANSWER, _SAID = "job", "answer", "said"
 _Arguments = TypeVarTuple("_Arguments")
 _Result = TypeVar("_Result")
 _MEMORY, _PER_BYTE = 4 << 30, 200  # a STEP file of 3 MB took 0.55 GB and 20 times its size
-DAMAGED = "it is damaged, or not what its ending says. Export it again"
+DAMAGED = "it is damaged, or its content does not match its file extension. Export it again"
 
 
 def opened_apart(

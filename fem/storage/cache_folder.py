@@ -100,8 +100,8 @@ def check_private(folder: Path) -> None:
         raise UnusableFolder(
             f"{folder} is shared by a group (mode {stat.S_IMODE(status.st_mode):o}), whose members could place code in "
             f"it that you would run. To share its disk: chmod +t {folder}, and every user sets GEARCASE_CACHE to a "
-            f"folder of their own in it, as {folder}/NAME. To share results: root fills a cache that others only read, "
-            "see Sharing in docs/cache.md"
+            f"private folder in it, as {folder}/NAME. To share results: root fills a cache that others only read; "
+            "see the section Sharing of the page on the cache"
         )
     if reason:
         raise UnusableFolder(f"{folder} {reason}")
@@ -123,8 +123,9 @@ def warn_without(root: Path, error: OSError) -> None:
     """Say, once in a process, that a cache is not used and why. The words are the same in every process."""
     reason = error.strerror or str(error)
     warn_once(
-        f"the cache {root} cannot be used ({reason}); going on without it: results are not kept, and code is compiled "
-        "again in every process, for a minute or more. Free space there, or set GEARCASE_CACHE to a folder that can be "
+        f"the cache {root} cannot be used ({reason}). Work continues without it: results are not kept, and code is "
+        "compiled again in every process, which takes a minute or more. Free space there, or set "
+        "GEARCASE_CACHE to a folder that can be "
         "written and is yours alone."
     )
 

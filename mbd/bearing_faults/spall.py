@@ -109,7 +109,7 @@ def check_apart(spalls: Iterable[Spall], elements: RollingElements) -> None:
             if one.on == other.on and abs(turn) * one.surface(elements) < (one.width + other.width) / 2:
                 raise MachineError(
                     f"two spalls on the {one.place} overlap: {math.degrees(abs(turn)):.4g} deg lie between their "
-                    "middles. Give one wider spall, or move them apart."
+                    "middles. Give one wider spall, or increase the angle between them."
                 )
 
 

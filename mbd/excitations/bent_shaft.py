@@ -62,7 +62,7 @@ class BentShaft(TurningForce):
         if abs(self.straight[1] - self.straight[0]) < APART or min(abs(y - self.y) for y in self.straight) < APART:
             raise MachineError(
                 f"{self.name}: bent by {self.bow} m at y = {self.y} m and straight at {self.straight} m; give two "
-                "places beside it, e.g. its bearings."
+                "other places on the shaft, such as its bearings."
             )
 
     @property

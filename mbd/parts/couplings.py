@@ -104,8 +104,8 @@ def check_coaxial(coupling: ShaftCoupling, first: ShaftSpec, second: ShaftSpec) 
     off = math.hypot(first.x - second.x, first.z - second.z)
     if off > COAXIAL:
         raise MachineError(
-            f"coupling {coupling.name}: axes of {first.name} and {second.name} are {off * 1e3:.3f} mm apart; a "
-            "coupling joins shafts on one axis."
+            f"coupling {coupling.name}: the axes of {first.name} and {second.name} have a distance of "
+            f"{off * 1e3:.3f} mm; a coupling joins shafts on one axis. Correct their positions."
         )
     if coupling.torsional_stiffness and first.sense != second.sense:
         raise MachineError(

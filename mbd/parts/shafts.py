@@ -134,7 +134,7 @@ class ShaftSpec(Component):
         """Raise MachineError if ``y`` is off the shaft."""
         if not self.y_start - 1e-9 <= y <= self.y_end + 1e-9:
             raise MachineError(
-                f"{what}: y = {y} m is off {self.name}, which reaches from {self.y_start} to {self.y_end} m."
+                f"{what}: y = {y} m is outside {self.name} ({self.y_start} to {self.y_end} m). Give a y within it."
             )
 
     def section_at(self, y: float) -> Section:

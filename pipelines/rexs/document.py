@@ -104,7 +104,7 @@ class Component:
         if found is None:
             return None
         if len(found.numbers) != 3 or not all(map(math.isfinite, found.numbers)):
-            raise self.error(f"{key} has {len(found.numbers)} numbers, 3 finite ones are wanted. Correct it.")
+            raise self.error(f"{key} has {len(found.numbers)} numbers, but needs 3 finite ones. Correct it.")
         factor = self._factor(key, found.unit, unit)
         u, v, w = (factor * value for value in found.numbers)
         return u, v, w
@@ -113,7 +113,9 @@ class Component:
         kind, factor = _UNITS.get(given.strip(), ("", math.nan))
         wanted_kind, unit = _UNITS[wanted]
         if kind != wanted_kind:
-            raise self.error(f'{key} has the unit "{shown(given)}", one like "{wanted}" is wanted. Correct the unit.')
+            raise self.error(
+                f'{key} has the unit "{shown(given)}", but needs one such as "{wanted}". Correct the unit.'
+            )
         return factor / unit
 
 
@@ -175,6 +177,8 @@ def by_number(components: Iterable[Component], source: str) -> dict[int, Compone
     for component in components:
         number = component.number_in_file
         if number in found:
-            raise RexsError(f"{source}: {found[number].label} and {component.label} have one id. Number them apart.")
+            raise RexsError(
+                f"{source}: {found[number].label} and {component.label} have the same id. Give each its own id."
+            )
         found[number] = component
     return found

@@ -76,7 +76,7 @@ def _relation(table: Mapping[str, Any], source: str) -> Relation:
 def _list(table: Mapping[str, Any], key: str, source: str) -> Sequence[Any]:
     value = table.get(key, [])
     if not isinstance(value, list):
-        raise RexsError(f"{source}: {key} is {shown_value(value)}, a list is wanted. Give a REXS file.")
+        raise RexsError(f"{source}: {key} is {shown_value(value)}, but must be a list. Give a REXS file.")
     return value
 
 
@@ -89,5 +89,5 @@ def _table(value: Any, source: str) -> Mapping[str, Any]:
 def _whole(table: Any, source: str) -> int:
     value = _table(table, source).get("id")
     if not isinstance(value, int) or isinstance(value, bool):
-        raise RexsError(f"{source}: id = {shown_value(value)}: a whole number is wanted. Correct it.")
+        raise RexsError(f"{source}: id = {shown_value(value)}: must be a whole number. Correct it.")
     return value

@@ -95,7 +95,7 @@ def _guessed_places(document: Document) -> Iterator[Note]:
 def _frame_of(document: Document, shaft: Component) -> Frame:
     place = frame(document, shaft)
     if place is None:
-        raise shaft.error("has no place: support_vector, u_axis_vector and w_axis_vector are wanted. Give them.")
+        raise shaft.error("has no position: give support_vector, u_axis_vector and w_axis_vector.")
     return place
 
 

@@ -23,7 +23,7 @@ STEEL = Material(elastic_modulus=206_000.0, poisson_ratio=0.3, density=7.85)
 GRADE = 5
 HARMONICS = 20  # of the fastest mesh, times two, that the record holds
 HEADINGS = {
-    "assumed": "Assumed: the file does not say.",
+    "assumed": "Assumed: not given in the file.",
     "changed": "Changed: a scene cannot express it as the file has it.",
     "left out": "Left out: in the file, not in this scene.",
 }

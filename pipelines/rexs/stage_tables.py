@@ -48,7 +48,9 @@ def stage_table(unit: GearUnit, number: int) -> StageTable:
     for name, gear in (("pinion", pinion), ("wheel", wheel)):
         if gear.end - gear.start > (high - low) * (1 + 1e-9):
             wide = gear.end - gear.start
-            reason = f"the common part of the faces; the {name} is {wide:g} mm wide, its mass beside is left out"
+            reason = (
+                f"the common part of the faces; the {name} is {wide:g} mm wide, its mass outside that part is left out"
+            )
             notes.append(
                 Note(kind="changed", where=f"stages.{number}.face_width_mm", value=_text(high - low), reason=reason)
             )
@@ -108,11 +110,11 @@ def _direction(unit: GearUnit, stage: Stage, one: Shaft, other: Shaft, notes: li
     distance, wanted = math.hypot(x, z), stage.centre_distance
     if abs(distance - wanted) > 1e-2 * wanted:
         raise RexsError(
-            f"{unit.source}: {stage.label}: center_distance is {wanted:g} mm, but the axes of {one.label} and "
-            f"{other.label} are {distance:.6g} mm apart. Correct support_vector or center_distance."
+            f"{unit.source}: {stage.label}: center_distance is {wanted:g} mm, but the distance of the axes of "
+            f"{one.label} and {other.label} is {distance:.6g} mm. Correct support_vector or center_distance."
         )
     if abs(distance - wanted) > 1e-4 * wanted:
-        reason = f"center_distance; the axes of the file are {distance:.6g} mm apart"
+        reason = f"center_distance; the distance of the axes in the file is {distance:.6g} mm"
         notes.append(
             Note(kind="changed", where=f"stages.{number}.centre_distance_mm", value=_text(wanted), reason=reason)
         )
@@ -162,7 +164,7 @@ def _bore(
     section = next((one for one in shaft.sections if one.start <= y <= one.end), None)
     if section is None:
         raise RexsError(
-            f"{unit.source}: {gear.label}: its middle, y = {y:g} mm, is off {shaft.label}. Correct its place."
+            f"{unit.source}: {gear.label}: its middle, y = {y:g} mm, is outside {shaft.label}. Correct its position."
         )
     diameter, largest = max(section.outer), root - 2 * THINNEST_RIM * gear.module
     if diameter <= largest:

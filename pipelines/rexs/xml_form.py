@@ -76,7 +76,5 @@ def _relation(element: ET.Element, source: str) -> Relation:
 def _whole(element: ET.Element, key: str, source: str) -> int:
     text = element.get(key, "")
     if not (text.isascii() and text.isdigit() and len(text) < 10):
-        raise RexsError(
-            f'{source}: <{shown(element.tag)} {key}="{shown(text)}">: a whole number is wanted. Correct it.'
-        )
+        raise RexsError(f'{source}: <{shown(element.tag)} {key}="{shown(text)}">: must be a whole number. Correct it.')
     return int(text)

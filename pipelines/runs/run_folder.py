@@ -91,7 +91,7 @@ def opened_run(path: Path) -> Iterator[xarray.Dataset]:
 
     with open_response(path) as data:
         if "time" not in data.dims:
-            raise InputError(f"{shown(path)}: holds no signals over time. Run the scene again.")
+            raise InputError(f"{shown(path)}: holds no signals over time. Repeat gearcase run.")
         yield data
 
 

@@ -39,7 +39,7 @@ def _headline(diagnoses: Sequence[Diagnosis], fault: str, graded: Callable[[Line
         return f"{what}: not seen at {where}; no line is detected in any of {len(cases)} cases."
     named = [f"{case_name(d)} {window}" for (d, window), g in zip(cases, grades, strict=True) if g == "seen"]
     where_seen = f" ({'; '.join(named)})" if named and len(named) <= 4 else ""
-    tail = f", single lines are detected in {partly} more" if partly else ""
+    tail = f", partly detected in {partly} more" if partly else ""
     return f"{what}: seen at {where} in {seen} of {len(cases)} cases{where_seen}{tail}."
 
 

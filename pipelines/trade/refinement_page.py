@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MESH_MODELS = {  # distance from converged contact in space, docs/choosing-a-model.md
-    "iso": "about 10 % softer than plane, with a shape of its own",
+    "iso": "about 10 % softer than plane, with another variation over the mesh cycle",
     "energy": "within 10 % in single contact, up to half too stiff in double contact",
     "plane": "2 to 14 % too stiff by the pair: 2 to 3 % wide, 5 % narrow spur, 7 to 14 % narrow helical",
     "solid": "within 0.6 % of converged contact in space",
@@ -45,7 +45,7 @@ def convergence_table(name: str, found: RefinementStudy) -> Grid:
         row["error %"] = 100 * convergence.errors[found.in_use]
         row["band %"] = 100 * convergence.relative_bands[found.in_use]
         rows.append(row)
-    costs: dict[str, object] = {"quantity": "seconds to build"}
+    costs: dict[str, object] = {"quantity": "computing time, s"}
     for fineness, level in zip(found.fineness, found.levels, strict=True):
         costs["in use" if fineness == 1.0 else f"x{fineness:.3g}"] = f"{level.total_seconds:.3g}"
     return grid(f"{name}: convergence over the {AXES[found.axis].words} (x2: twice as fine)", [*rows, costs])
@@ -98,7 +98,7 @@ def convergence_figure(name: str, found: RefinementStudy) -> Figure:
         (line,) = axes.loglog(sizes, errors, marker="o", ms=4, lw=1.2, label=f"{quantity} ({order})")
         band = 100 * max(convergence.relative_bands[found.in_use], floor)
         axes.plot([1.0], [band], marker="_", ms=14, mew=2, color=line.get_color())
-    axes.axvline(1.0, color="black", lw=0.8, ls=":", label="setting in use; bars: its error bands")
+    axes.axvline(1.0, color="black", lw=0.8, ls=":", label="setting in use, with error bands")
     title = f"{plain(name)}: convergence over the {AXES[found.axis].words}"
     dress(axes, title, "size relative to the setting in use", "distance from the limit, % (0 at the lower edge)")
     axes.set_xticks(sizes, labels=[f"{size:.3g}" for size in sizes])

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-HOLDS, FAILS, OPEN = "holds", "does not hold", "cannot be told"
+HOLDS, FAILS, OPEN = "holds", "does not hold", "undecided"
 FEWEST = 2  # seeds of a standard error
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _WORDS = {"static-torque": "constant torque", "none": "no losses"}
 RULE = (
     "Cells: mean over the seeds of the deviations ± its standard error, dB. A claim holds if the 95 % interval of the "
-    "mean reaches its limit, it does not hold if the interval stays below; else it cannot be told."
+    "mean lies above its limit and does not hold if the interval lies below. Otherwise it is undecided."
 )
 
 Verdicts = dict[str, list[tuple[Claim, dict[str, Judgement]]]]

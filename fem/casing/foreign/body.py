@@ -179,8 +179,8 @@ def _turned(name: str, node: np.ndarray, axis: np.ndarray, numbers: np.ndarray, 
                 continue
             if found != [1, 1, 1]:
                 raise ForeignError(
-                    f"{name}: node {number} moves in a coordinate system of its own and lacks an axis; export all "
-                    "three, or the node in the basic system"
+                    f"{name}: node {number} has a local coordinate system and lacks an axis; export all three "
+                    "axes, or the node in the basic system"
                 )
             at = np.concatenate(own)
             turn[np.ix_(at, at)] = frame

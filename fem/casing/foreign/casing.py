@@ -80,7 +80,7 @@ def foreign_casing(
     body = replace(body, places=body.places + np.array(housing.origin))
     check = check_foreign(body)
     if not body.located:
-        raise ForeignError(f"{body.name} tells no places of its nodes; give nodes_file")
+        raise ForeignError(f"{body.name} holds no coordinates of its nodes; set nodes_file")
     if check.wrong:
         raise ForeignError(f"{body.name}: {'; '.join(check.wrong)}")
     points = {name: Point(nodes=nodes, axes=GROUND_AXES) for name, nodes in _feet(housing) if ground == "springs"}

@@ -138,7 +138,7 @@ def _chosen(path: Path, found: Found, names: tuple[str, ...], what: str, *, alon
     if not (known := [name for name in names if name in found.matrices]):
         raise ForeignError(
             f"{path.name} has no {what} matrix under the names {', '.join(names)}; it holds "
-            f"{', '.join(found.matrices) or 'nothing'}. Give it in a file of its own"
+            f"{', '.join(found.matrices) or 'nothing'}. Give it in a separate file"
         )
     return found.matrices[known[0]]
 

@@ -83,8 +83,8 @@ def _bore_problems(housing: Dimensions) -> Iterator[str]:
         if one.side == two.side and gap < ligament:
             what = "overlap by" if gap < 0.0 else "leave a ligament of only"
             yield (
-                f"bosses of {one.name} and {two.name} {what} {_mm(abs(gap))} (limit: {_mm(ligament)} apart); "
-                "shrink the bosses or move the shafts apart"
+                f"bosses of {one.name} and {two.name} {what} {_mm(abs(gap))} (limit: {_mm(ligament)} between them); "
+                "reduce boss_diameters or increase the distance of the shafts"
             )
 
 
@@ -191,8 +191,8 @@ def _rib_problems(housing: Dimensions) -> Iterator[str]:
                 yield f"{name} is {_mm(gap)} from the bore of {bore.name} (limit {_mm(ligament)}); thin the ribs"
     for (name, one), (other, two) in combinations(boxes.items(), 2):
         if (gap := _gap(one, two)) < ligament:
-            what = f"overlap by {_mm(-gap)}" if gap < 0.0 else f"are only {_mm(gap)} apart"
-            yield f"{name} and {other} {what} (limit: {_mm(ligament)} apart); use fewer or thinner ribs"
+            what = f"overlap by {_mm(-gap)}" if gap < 0.0 else f"have a gap of only {_mm(gap)}"
+            yield f"{name} and {other} {what} (limit: {_mm(ligament)} between them); use fewer or thinner ribs"
 
 
 def _fillet_problems(housing: Dimensions) -> Iterator[str]:

@@ -74,7 +74,7 @@ def finished_mesh(
         members = np.unique(chosen // each)
         if (taken := owner[members] >= 0).any():
             other = list(patches)[int(owner[members][taken][0])]
-            raise MeshError(f"{name}: {patch} and {other} share {int(taken.sum())} facets; locate them apart")
+            raise MeshError(f"{name}: {patch} and {other} share {int(taken.sum())} facets; give them separate locators")
         owner[members] = index
     count("casing_meshes")
     _log.info("casing mesh: %d nodes, %d elements (%s)", len(nodes), len(elements), element)
@@ -103,7 +103,7 @@ def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None
         x, y, z = 1000 * nodes[corners[label == loose]].mean(axis=(0, 1))
         raise MeshError(
             f"{name} falls into {len(parts)} unconnected parts; the smallest has {sizes.min()} of {len(elements)} "
-            f"elements around ({x:.5g}, {y:.5g}, {z:.5g}) mm. Merge coincident nodes, or leave the loose part out"
+            f"elements around ({x:.5g}, {y:.5g}, {z:.5g}) mm. Merge coincident nodes, or remove the loose part"
         )
     label = _over_sides(corners)
     parts, sizes = np.unique(label, return_counts=True)
@@ -112,8 +112,8 @@ def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None
         shared = np.intersect1d(corners[loose], corners[~loose])
         x, y, z = 1000 * nodes[shared].mean(axis=0)
         raise MeshError(
-            f"{name}: {int(loose.sum())} of {len(elements)} elements hang on the others by an edge or a corner alone, "
-            f"around ({x:.5g}, {y:.5g}, {z:.5g}) mm, as on a hinge. Let the parts touch with a face, or leave one out"
+            f"{name}: {int(loose.sum())} of {len(elements)} elements share only an edge or a vertex with the others, "
+            f"around ({x:.5g}, {y:.5g}, {z:.5g}) mm, like a hinge. Connect the parts by faces, or remove one of them"
         )
 
 

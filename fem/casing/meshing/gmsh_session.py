@@ -49,8 +49,8 @@ def session() -> Iterator[Any]:
             if isinstance(error, MeshError | AttributeError | TypeError):  # the last two are faults of ours
                 raise
             raise MeshError(
-                f"gmsh could not mesh the housing: {error}. Try another element size; `gearcase housing FILE` tells "
-                "whether the solids of a file close"
+                f"gmsh could not mesh the housing: {error}. Set another element size; `gearcase housing FILE` "
+                "lists solids that are not closed"
             ) from error
         finally:
             gmsh.finalize()

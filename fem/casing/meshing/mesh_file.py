@@ -99,7 +99,7 @@ def _solid_blocks(name: str, mesh: Any) -> dict[str, np.ndarray]:
         elements = np.vstack([block.data for block in mesh.cells if block.type == kind]).astype(np.int64)
         once = np.unique(np.sort(elements, axis=1), axis=0, return_index=True)[1]
         if len(once) < len(elements):
-            _log.info("%s: %d elements stand there twice and count once", name, len(elements) - len(once))
+            _log.info("%s: %d duplicate elements are ignored", name, len(elements) - len(once))
         found[kind] = elements[np.sort(once)]
     if not any(map(len, found.values())):
         kinds = ", ".join(f"{len(block.data)} {block.type}" for block in mesh.cells) or "nothing"

@@ -99,7 +99,7 @@ def read_step(gmsh: Any, housing: ImportedHousing) -> None:
     if not housing.glue:
         raise MeshError(
             f"{path.name} has {len(solids)} solids that belong to the housing; set glue = true to bond them where they "
-            "touch, or choose some by solids = [1]. `gearcase housing` numbers them and says which touch"
+            "touch, or choose some by solids = [1]. `gearcase housing` prints their numbers and which touch"
         )
     check_touching(gmsh, path.name, solids, numbers)
     gmsh.model.occ.fragment([(3, solids[0])], [(3, tag) for tag in solids[1:]])
@@ -248,7 +248,7 @@ def check_touching(gmsh: Any, name: str, solids: Sequence[int], numbers: Sequenc
     (one, two), (gap, (x, y, z)) = min(gaps.items(), key=lambda item: item[1][0])
     raise MeshError(
         f"{name} falls into {len(parts)} parts that do not touch: solids {'; '.join(parts)}; solids {numbers[one]} and "
-        f"{numbers[two]} are {gap:.3g} mm apart at ({x:.5g}, {y:.5g}, {z:.5g}) mm. Choose those of "
+        f"{numbers[two]} have a gap of {gap:.3g} mm at ({x:.5g}, {y:.5g}, {z:.5g}) mm. Choose the solids of "
         "one part by solids = [...], or close the gap in the CAD program"
     )
 

@@ -192,7 +192,7 @@ def kept_modes(
     if limit is None:
         limit = modes.band_limit
     if limit > modes.band_limit * (1.0 + 1e-12):
-        raise ValueError(f"modes to {limit:g} Hz asked, known to {modes.band_limit:g} Hz; raise casing.band_Hz")
+        raise ValueError(f"modes to {limit:g} Hz requested, computed to {modes.band_limit:g} Hz; raise casing.band_Hz")
     whole = kept(whole, int((whole.fixed_frequencies <= limit).sum()))
     if frequency_error is None:
         return whole

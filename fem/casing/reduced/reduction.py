@@ -225,7 +225,7 @@ def _fixed_modes(
     if count == 0:
         return np.zeros(0), np.zeros((n, 0))
     if count is not None and count > n - held:
-        raise ReductionError(f"{count} modes asked; a body of {n} unknowns with {held} held has at most {n - held}")
+        raise ReductionError(f"{count} modes requested; a body of {n} unknowns with {held} held has at most {n - held}")
     if n > _DENSE:
         return block_lanczos(interface.inverse, M, smallest=smallest, count=count)
     free = la.null_space(interface.rows.toarray()) if held else np.eye(n)
@@ -234,7 +234,7 @@ def _fixed_modes(
     exists = theta > 1e-14 * theta[0]  # massless unknowns have theta = 0
     number = int((exists & (theta >= smallest)).sum()) if smallest is not None else int(count or 0)
     if number > exists.sum():
-        raise ReductionError(f"{number} modes asked; only {int(exists.sum())} have mass")
+        raise ReductionError(f"{number} modes requested; only {int(exists.sum())} have mass")
     theta, modes = theta[:number], modes[:, :number]
     return theta, modes / np.sqrt(theta)
 

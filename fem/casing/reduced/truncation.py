@@ -41,7 +41,7 @@ class ModeSet:
 def kept(whole: ModeSet, n_fixed: int) -> ModeSet:
     """The same reduction with the `n_fixed` lowest fixed-interface modes."""
     if n_fixed > whole.n_fixed:
-        raise TruncationError(f"{n_fixed} modes asked, {whole.n_fixed} were computed; raise casing.band_Hz")
+        raise TruncationError(f"{n_fixed} modes requested, {whole.n_fixed} were computed; raise casing.band_Hz")
     if n_fixed == whole.n_fixed:
         return whole
     b, size = whole.n_interface, len(whole.mass)

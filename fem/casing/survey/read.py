@@ -100,7 +100,7 @@ def _surface(gmsh: Any, tags: list[int]) -> tuple[np.ndarray, np.ndarray, np.nda
                 own.append(place[corners.reshape(-1, 3)])
                 of_face.append(np.full(len(own[-1]), surface))
         if not own:
-            raise MeshError(f"solid {number} has no face that can be drawn; repair it in the CAD program")
+            raise MeshError(f"solid {number} has no face that can be triangulated; repair it in the CAD program")
         triangles.append(outward(points, np.vstack(own)))
         face.append(np.concatenate(of_face))
         solid.append(np.full(len(triangles[-1]), number))

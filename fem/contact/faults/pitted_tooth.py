@@ -82,7 +82,7 @@ class PittedTooth(ToothFault):
         count = self.density * self.area(gear).height * self.area(gear).length / (math.pi / 4 * self.pit**2)
         require(
             count <= MOST_PITS,
-            f"{label}: about {count:.0f} pits, at most {MOST_PITS} are drawn: give larger pits or a smaller density",
+            f"{label}: about {count:.0f} pits; the limit is {MOST_PITS}: give larger pits or a smaller density",
         )
 
     def pits(self, gear: Gear) -> tuple[Patch, ...]:

@@ -76,8 +76,8 @@ def solve(
     """
     if record.flank == -sign:
         raise ModelError(
-            f"model solid: these compliances are those of the flank {record.flank:+d}, and {sign:+d} is asked for; a "
-            "web that is offset gives every flank its own: compute the record of that flank"
+            f"model solid: the compliances are for flank {record.flank:+d}, but flank {sign:+d} is requested. With an "
+            "offset web the flanks differ: compute the record of that flank"
         )
     count = len(record.position)
     index = np.arange(count) if index is None else np.atleast_1d(np.asarray(index, dtype=int))
