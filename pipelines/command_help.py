@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class CommandHelp:
-    """Sentences above the options of a command, and the telling lines of the output of its example."""
+    """Sentences above the options of a command, and the main lines of the output of its example."""
 
     text: str
     output: str
@@ -61,37 +61,39 @@ There is no healthy control, no diagnosis and no report. Takes seconds for `mini
 List the finished runs under ./runs, open the report of one, compare several, or remove old ones. Takes seconds.""",
         output="""\
 Runs, newest first
-run  scene                 folder   age   MB  differs in  verdict
----  -------  -------------------  ----  ---  ----------  -------------
-  2  minimal  2026-11-25_00-48-12  20 s  1.6  -           not diagnosed
+run  scene                 folder     age   MB  differs in  verdict
+---  -------  -------------------  ------  ---  ----------  -------------
+  4  bench    2026-11-25_01-01-40  28 min  3.5  -           not diagnosed
+  5  minimal  2026-11-25_00-50-21  40 min  5.6  -           not diagnosed
 Nothing was removed. To remove these runs, repeat the command with --yes.""",
     ),
     "runs list": CommandHelp(
         text="List the finished runs under ./runs, newest first, with the settings in which they differ.",
         output="""\
 Runs, newest first
-run  scene                 folder   age   MB  differs in  verdict
----  -------  -------------------  ----  ---  ----------  -------------
-  1  minimal  2026-11-25_00-50-21   1 s  1.1  -           not diagnosed
-  2  minimal  2026-11-25_00-48-12  20 s  1.6  -           not diagnosed""",
+run  scene                 folder     age   MB  differs in               verdict
+---  -------  -------------------  ------  ---  -----------------------  -------------
+  1  minimal  2026-11-25_01-27-24   2 min  1.1  load.container_kg=80.0   not diagnosed
+  5  minimal  2026-11-25_00-50-21  40 min  5.6  load.container_kg=114.0  not diagnosed""",
     ),
     "runs open": CommandHelp(
         text="Open the report of a run in the browser, and print its path.",
-        output="runs/minimal/2026-11-25_00-48-12/report.html",
+        output="runs/bench/2026-11-25_01-02-13/report.html",
     ),
     "runs compare": CommandHelp(
         text="Print verdicts, differing settings and sensor levels of several runs in one table.",
         output="""\
 Runs side by side; all other settings are the same
-                    run 1: minimal  run 2: minimal
+                    run 1: minimal  run 5: minimal
 ------------------  --------------  --------------
-verdict             not diagnosed   not diagnosed
-sensor_3, m/s2 rms  1.538           1.538
+...
+load.container_kg   80.0            114.0
+sensor_3, m/s2 rms  1.227           1.538
 ...""",
     ),
     "runs clean": CommandHelp(
         text="Show which runs would be removed. With --yes, remove them with all their files.",
-        output="3 runs removed, 4.2 MB freed",
+        output="1 run removed, 5.6 MB freed",
     ),
     "diagnose": CommandHelp(
         text="""\
@@ -133,7 +135,7 @@ runs/reducer/2026-11-25_01-02-30/orders.png
     "export": CommandHelp(
         text="""\
 Write the signals of a finished run as a CSV, MATLAB or universal file (UFF 58) for other programs. Takes seconds.""",
-        output="runs/rig-missing-tooth/2026-11-25_01-02-13/response.mat",
+        output="runs/minimal/2026-11-25_00-50-21/response.mat",
     ),
     "gears": CommandHelp(
         text="""\
@@ -222,15 +224,20 @@ motion is chaotic and one simulation does not repeat. Takes one simulation for e
         output="""\
 8 initial states
 ...
-sensor_3 rms, lifting, m/s2  1.55  ...""",
+level                        mean  95 % interval of the mean +/-  standard deviation  lowest  highest
+...
+sensor_3 rms, lifting, m/s2  1.55                      4.696e-07           5.617e-07    1.55     1.55""",
     ),
     "detect": CommandHelp(
         text="""\
 Simulate healthy and damaged machines with different deviations; print and write the probability of detection and the
 rate of false alarms over damage size, noise and sensors. Run it with --dry-run first: it takes minutes to hours.""",
         output="""\
+scenes      88
+labels      60 chipped-tooth, 28 healthy
 ...
-figure: campaigns/detect-bench/detectability.png""",
+time        about 4 minutes on 2 cores: ...
+disk        about 335 MB in 88 files per signal""",
     ),
     "campaign": CommandHelp(
         text="""\
@@ -324,7 +331,7 @@ _shtab_gearcase_runs_subparsers=(list open compare clean)
 Show the size of the cache, verify its checksums, or clear it. The cache stores the results of computed steps for
 reuse by all scenes; clearing it costs only time. Takes seconds.""",
         output="""\
-/home/user/.cache/gearcase
+...
   casing               1 entries        0.0 MB
 ...
   all                  6 stored         6.2 MB""",

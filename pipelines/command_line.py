@@ -6,17 +6,11 @@ Only the standard library is imported, so that help appears at once.
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from typing import NoReturn
 
-from pipelines.border.argument_types import (
-    count,
-    days,
-    number,
-    path,
-    positive,
-    tilt,
-)
+from pipelines.border.argument_types import count, days, number, path, positive, tilt
 from pipelines.command_help import HELP, example_text
 from pipelines.dataset_arguments import dataset_arguments
 from pipelines.finished_arguments import (
@@ -71,7 +65,20 @@ class Parser(argparse.ArgumentParser):
         if len(tail) > _MESSAGE_END:
             tail = f"...{tail[-_MESSAGE_END:]}"
         self.print_usage(sys.stderr)
-        self.exit(2, f"{self.prog}: error: {shown(head)}{shown(tail)}\n")
+        help_of = f"{self.prog} COMMAND" if self.prog == "gearcase" else self.prog
+        hint = f"{_nearest(message)}Help: {help_of} --help"
+        self.exit(2, f"{self.prog}: error: {shown(head)}{shown(tail)}".rstrip(".") + f". {hint}\n")
+
+
+def _nearest(message: str) -> str:
+    """What was probably meant by a word that is not among the choices, as a sentence, or ""."""
+    found = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
+    if found is None:
+        return ""
+    from pipelines.border.shown import nearest_name
+
+    name = nearest_name(found[1], re.findall(r"[\w-]+", found[2]))
+    return f"Did you mean {name}? " if name else ""
 
 
 _MESSAGE_END = 180  # characters at the front and at the end of a message on arguments: choices stand at its end
@@ -301,7 +308,7 @@ COMMANDS = (  # in the order a user needs them: name, of the module too; one lin
     (
         "runs",
         "list finished runs; open, compare or remove them",
-        "gearcase runs clean --older-than 30 --keep 3",
+        "gearcase runs clean --keep 1",
         runs_arguments,
     ),
     ("diagnose", "find damage in a recording or a finished run", "gearcase diagnose bench", diagnose_arguments),
@@ -315,7 +322,7 @@ COMMANDS = (  # in the order a user needs them: name, of the module too; one lin
     (
         "export",
         "write the signals of a run as CSV, MATLAB or UFF file",
-        "gearcase export rig-missing-tooth --to mat",
+        "gearcase export minimal --to mat",
         export_arguments,
     ),
     ("gears", "compute mesh stiffness and load sharing of each pair", "gearcase gears minimal", _gears),
@@ -354,7 +361,7 @@ COMMANDS = (  # in the order a user needs them: name, of the module too; one lin
     (
         "detect",
         "simulate the probability of detection over damage size and noise",
-        "gearcase detect bench --over faults.1.depth_mm=0.5:3:0.5 --noise 0.01 0.3",
+        "gearcase detect bench --over faults.1.depth_mm=0.5:3:0.5 --dry-run",
         detect_arguments,
     ),
     (

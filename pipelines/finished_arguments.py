@@ -12,9 +12,9 @@ RUN_HELP = "result folder, scene name for its newest result, or number as printe
 
 _EXAMPLES = {
     "list": "gearcase runs list minimal",
-    "open": "gearcase runs open 2",
-    "compare": "gearcase runs compare 1 2",
-    "clean": "gearcase runs clean --older-than 30 --yes",
+    "open": "gearcase runs open bench",
+    "compare": "gearcase runs compare 1 5",
+    "clean": "gearcase runs clean 5 --yes",
 }
 
 

@@ -107,6 +107,9 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         (["new", "my.txt"], "ends in .toml"),
         (["run", "minimal", "--processes", "0"], "whole number from 1"),
         (["fly"], "invalid choice"),
+        (["chek", "minimal"], "Did you mean check? Help: gearcase COMMAND --help"),
+        (["runs", "clena"], "Did you mean clean? Help: gearcase runs --help"),
+        (["tradeoff", "minimal", "--time", "2h"], "'2h' is not a time above 0 in s"),
         ([], "usage"),
     ],
 )

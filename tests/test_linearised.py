@@ -280,7 +280,7 @@ def test_the_command_prints_the_modes(capsys):
     for row in rows:
         assert sum(float(cell) for cell in row[3:8]) == pytest.approx(100.0, abs=0.3)
     assert {"casing", "mesh 1", "motor coupling"} <= {row[8] for row in rows}
-    assert "mesh 1: 1061 N, tangent stiffness" in out
+    assert "mesh 1: force 1061 N, tangent stiffness" in out
     assert main(["modes", "minimal", "--quiet", "--up-to", "1000", "--cycle", "0.4"]) == 0
     fewer = capsys.readouterr().out
     assert "mesh cycle 0.4 of stage 1" in fewer

@@ -75,7 +75,10 @@ def share(text: str) -> float:
 
 def seconds(text: str) -> float:
     """Seconds, with or without the letter s."""
-    return positive(text.removesuffix("s"))
+    try:
+        return positive(text.removesuffix("s"))
+    except argparse.ArgumentTypeError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a time above 0 in s, as in 10 or 10s") from None
 
 
 def days(text: str) -> float:

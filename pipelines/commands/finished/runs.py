@@ -79,7 +79,9 @@ def _clean(options: argparse.Namespace) -> int:
     if not found:
         sys.stdout.write("No runs match; nothing was removed.\n")
     elif options.yes:
-        sys.stdout.write(f"{len(found)} runs removed, {remove_runs(found) / 1e6:.1f} MB freed\n")
+        sys.stdout.write(
+            f"{len(found)} {'run' if len(found) == 1 else 'runs'} removed, {remove_runs(found) / 1e6:.1f} MB freed\n"
+        )
     else:
         sys.stdout.write(
             run_grid(found).to_text() + "\nNothing was removed. To remove these runs, repeat the command with --yes.\n"
