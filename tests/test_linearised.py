@@ -283,7 +283,7 @@ def test_the_command_prints_the_modes(capsys):
     assert "mesh 1: force 1061 N, tangent stiffness" in out
     assert main(["modes", "minimal", "--quiet", "--up-to", "1000", "--cycle", "0.4"]) == 0
     fewer = capsys.readouterr().out
-    assert "mesh cycle 0.4 of stage 1" in fewer
+    assert "stage 1 at mesh cycle 0.4" in fewer
     assert len(table_of(fewer)) == sum(float(row[1]) <= 1000 for row in rows)
     assert main(["modes", "minimal", "--quiet", "--up-to", "1"]) == 0
     assert "raise --up-to" in capsys.readouterr().out
