@@ -43,7 +43,8 @@ Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on rope
         text="""\
 Simulate the machine and its healthy control, diagnose the fault from the signals and write a report.
 Result folder: report.html, response.nc (signals), diagnosis and settings, by default under ./runs.
-Takes about 15 s for `minimal` and `bench`, and minutes for the rig; what is stored already is reused.""",
+Takes under a minute for `minimal` and `bench`, minutes for the rig. The first run after installation also compiles
+code, for a minute or two. Stored results are reused.""",
         output="""\
 One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one window that was looked at.
 ...
