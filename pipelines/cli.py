@@ -56,7 +56,7 @@ def _streams_open() -> bool:
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - as long as the process
     if sys.stdout is None:
-        sys.stderr.write("gearcase: standard output is closed. Give it a file, or /dev/null if you do not want it.\n")
+        sys.stderr.write("gearcase: standard output is closed. Redirect it to a file or to /dev/null.\n")
         return False
     return True
 
@@ -69,7 +69,9 @@ def _guarded(options: argparse.Namespace) -> int:
     try:
         os.getcwd()
     except OSError as error:
-        sys.stderr.write(f"gearcase: the working folder is gone ({error.strerror}). Change to another folder.\n")
+        sys.stderr.write(
+            f"gearcase: the working folder does not exist any more ({error.strerror}). Change to another folder.\n"
+        )
         return 2
     try:
         with _interrupted_by_sigterm(), warnings.catch_warnings():
@@ -81,7 +83,7 @@ def _guarded(options: argparse.Namespace) -> int:
         sys.stdout.flush()  # a full disk or a reader that is gone shows here, not when the interpreter ends
         return code
     except KeyboardInterrupt:
-        sys.stderr.write("gearcase: interrupted. Finished steps are kept; the same command goes on from there.\n")
+        sys.stderr.write("gearcase: interrupted. Finished steps are kept; repeat the command to continue from there.\n")
         return 130
     except BrokenPipeError:
         _to_nowhere(sys.stdout, sys.stderr)
@@ -123,9 +125,13 @@ def _report(error: Exception, *, verbose: bool) -> int:
     ours = type(error).__module__.partition(".")[0] in ("fem", "mbd", "pipelines")
     text = str(error) if ours else f"{type(error).__name__}: {error}"
     if isinstance(error, OSError):
-        ours, text = True, f"{error}. Look for space and the right to write there, then repeat the command."
+        ours, text = True, f"{error}. Check free disk space and write permission there, then repeat the command."
     notes = "".join(f"\n  ({note})" for note in getattr(error, "__notes__", ()))
-    hint = "" if ours or verbose else "\n  This should not happen. The same command with -v shows where it comes from."
+    hint = (
+        ""
+        if ours or verbose
+        else "\n  This is an error of the program. Repeat the command with -v and report the traceback."
+    )
     sys.stderr.write(f"{message_text(f'gearcase: {text}{notes}')}{hint}\n")
     return 2 if ours and isinstance(error, ValueError) else 1
 

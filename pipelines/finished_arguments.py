@@ -5,13 +5,22 @@ from __future__ import annotations
 import argparse
 
 from pipelines.border.argument_types import count, days, number, path, positive, several
+from pipelines.command_help import HELP, example_text
 
-RUN_HELP = "result folder, name of a scene for its newest result, or number in `gearcase runs`"
+RUN_HELP = "result folder, scene name for its newest result, or number as printed by `gearcase runs`"
+
+
+_EXAMPLES = {
+    "list": "gearcase runs list minimal",
+    "open": "gearcase runs open bench",
+    "compare": "gearcase runs compare 1 5",
+    "clean": "gearcase runs clean 5 --yes",
+}
 
 
 def json_argument(sub: argparse.ArgumentParser) -> None:
     """--json."""
-    sub.add_argument("--json", action="store_true", help="print what was found as JSON, for programs")
+    sub.add_argument("--json", action="store_true", help="print the results as JSON, for programs")
 
 
 def diagnose_arguments(sub: argparse.ArgumentParser) -> None:
@@ -20,19 +29,28 @@ def diagnose_arguments(sub: argparse.ArgumentParser) -> None:
         "run",
         metavar="RECORD",
         type=path,
-        help=f"recorded file, {RUN_HELP}",
+        help=f"recording file, {RUN_HELP}",
     )
-    sub.add_argument("--machine", metavar="FILE", type=path, help="what a file was recorded on: teeth, speed, sensors")
+    sub.add_argument(
+        "--machine",
+        metavar="FILE",
+        type=path,
+        help="machine of the recording: a file with teeth, speed and sensors, or a scene",
+    )
     sub.add_argument(
         "--baseline",
         metavar="RECORD",
         type=path,
         nargs="+",
         default=[],
-        help="recordings of healthy machines; p-values take 5 or more",
+        help="recordings of healthy machines to compare with; p-values need 5 or more",
     )
     sub.add_argument(
-        "--window", metavar=("START", "END"), type=number, nargs=2, help="seconds that are looked at (default: all)"
+        "--window",
+        metavar=("START", "END"),
+        type=number,
+        nargs=2,
+        help="time window to analyse, s (default: the windows of the scene, or all)",
     )
     sub.add_argument(
         "--set",
@@ -40,7 +58,7 @@ def diagnose_arguments(sub: argparse.ArgumentParser) -> None:
         dest="settings",
         action="append",
         default=[],
-        help="look elsewhere, as in --set diagnosis.sensor=sensor_5; repeatable",
+        help="change a setting of the diagnosis of a run, as in --set diagnosis.sensor=sensor_5; repeatable",
     )
     json_argument(sub)
 
@@ -52,13 +70,26 @@ def compare_arguments(sub: argparse.ArgumentParser) -> None:
         metavar="RECORD",
         type=path,
         nargs="+",
-        help="recorded file, or a run by folder, scene or number; a part of it by RECORD@lifting or RECORD@0.5:2.5",
+        help="recording file, or run by folder, scene name or number; a time window as RECORD@lifting or "
+        "RECORD@0.5:2.5",
     )
-    sub.add_argument("--machine", metavar="FILE", type=path, help="what was recorded: teeth, speed, sensors")
-    sub.add_argument("--sensor", metavar="NAME", help="of the figures (default: the strongest)")
-    sub.add_argument("--axis", choices=("x", "y", "z"), help="of the figures (default: the strongest)")
-    sub.add_argument("--shaft", metavar="N", type=count, help="of the averages (default: whose features differ most)")
-    sub.add_argument("--out", metavar="FOLDER", type=path, help="for the figures and the CSV (default: ./comparison)")
+    sub.add_argument(
+        "--machine",
+        metavar="FILE",
+        type=path,
+        help="machine of the recordings: a file with teeth, speed and sensors, or a scene",
+    )
+    sub.add_argument("--sensor", metavar="NAME", help="sensor in the figures (default: that with the highest level)")
+    sub.add_argument(
+        "--axis", choices=("x", "y", "z"), help="axis of the sensor (default: that with the highest level)"
+    )
+    sub.add_argument(
+        "--shaft",
+        metavar="N",
+        type=count,
+        help="shaft of the synchronous averages (default: that whose features differ most)",
+    )
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="folder for figures and CSV (default: ./comparison)")
 
 
 def _run_folder(sub: argparse.ArgumentParser) -> None:
@@ -77,23 +108,37 @@ def runs_arguments(sub: argparse.ArgumentParser) -> None:
     actions = sub.add_subparsers(dest="action", metavar="ACTION", title="actions (default: list)")
 
     def action(name: str, words: str) -> argparse.ArgumentParser:
-        made = actions.add_parser(name, help=words, description=f"{words[0].upper()}{words[1:]}.", allow_abbrev=False)
-        made.add_argument("-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log, tracebacks")
+        found = HELP[f"runs {name}"]
+        made = actions.add_parser(
+            name,
+            help=words,
+            description=found.text,
+            epilog=example_text(_EXAMPLES[name], found),
+            formatter_class=sub.formatter_class,
+            allow_abbrev=False,
+        )
+        made.add_argument(
+            "-v",
+            "--verbose",
+            action="store_true",
+            default=argparse.SUPPRESS,
+            help="log each step, and print the traceback of an error",
+        )
         return made
 
     listing = action("list", "list the runs under ./runs, newest first")
-    listing.add_argument("scene", metavar="SCENE", nargs="?", help="only the runs of this scene")
-    listing.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print them as JSON")
+    listing.add_argument("scene", metavar="SCENE", nargs="?", help="list only the runs of this scene")
+    listing.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the list as JSON")
     action("open", "open the report of a run in the browser").add_argument(
         "run", metavar="RUN", type=path, help=RUN_HELP
     )
-    action("compare", "lay runs side by side: verdicts, settings, levels").add_argument(
+    action("compare", "compare verdicts, settings and levels of runs").add_argument(
         "runs", metavar="RUN", type=path, nargs="+", help=RUN_HELP
     )
     clean = action("clean", "show which runs would be removed; with --yes remove them")
     clean.add_argument("runs", metavar="RUN", type=path, nargs="*", help=RUN_HELP)
-    clean.add_argument("--older-than", metavar="DAYS", type=days, help="only those of a greater age")
-    clean.add_argument("--keep", metavar="N", type=count, help="not the newest N of each scene")
+    clean.add_argument("--older-than", metavar="DAYS", type=days, help="only runs older than this, days")
+    clean.add_argument("--keep", metavar="N", type=count, help="keep the newest N runs of each scene")
     clean.add_argument("--yes", action="store_true", help="remove them")
 
 
@@ -105,18 +150,34 @@ def export_arguments(sub: argparse.ArgumentParser) -> None:
         "--out",
         metavar="FILE",
         type=path,
-        help="file to write (default: response.csv, .mat or .uff in the run folder)",
+        help="file to write (default: response.csv, .mat or .uff in the result folder)",
     )
 
 
 def orders_arguments(sub: argparse.ArgumentParser) -> None:
     """A run and the orders that are shown."""
     _run_folder(sub)
-    sub.add_argument("--shaft", metavar="N", type=count, help="whose orders are counted (default: the driven one)")
-    sub.add_argument("--sensor", metavar="NAME", help="default: that of the diagnosis, or the first")
+    sub.add_argument(
+        "--shaft",
+        metavar="N",
+        type=count,
+        help="shaft to whose revolutions the orders refer (default: the one that is driven)",
+    )
+    sub.add_argument(
+        "--sensor", metavar="NAME", help="sensor to analyse (default: that of the diagnosis, or the first)"
+    )
     sub.add_argument("--axis", choices=("x", "y", "z"), help="of the sensor (default: that of the diagnosis)")
-    sub.add_argument("--orders", metavar="K", type=positive, nargs="+", default=[], help="cuts (default: mesh orders)")
-    sub.add_argument("--revolutions", metavar="N", type=several, default=16, help="of a window (default 16)")
-    sub.add_argument("--campbell", action="store_true", help="natural frequencies over speed as well")
-    sub.add_argument("--out", metavar="FOLDER", type=path, help="folder for the pictures (default: that of the run)")
-    sub.add_argument("-q", "--quiet", action="store_true", help="no progress")
+    sub.add_argument(
+        "--orders",
+        metavar="K",
+        type=positive,
+        nargs="+",
+        default=[],
+        help="orders to cut along (default: the mesh orders)",
+    )
+    sub.add_argument(
+        "--revolutions", metavar="N", type=several, default=16, help="revolutions in a window, 2 or more (default 16)"
+    )
+    sub.add_argument("--campbell", action="store_true", help="add a Campbell diagram: natural frequencies over speed")
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="folder for the pictures (default: the result folder)")
+    sub.add_argument("-q", "--quiet", action="store_true", help="print no progress")

@@ -13,37 +13,65 @@ def housing_arguments(sub: argparse.ArgumentParser) -> None:
         "file",
         metavar="FILE",
         type=path,
-        help="STEP, BREP, IGES, STL, a mesh, or matrices: .op4 .pch .mtx .sti .npz .h5",
+        help="CAD file (STEP, BREP, IGES, STL), mesh, or matrices (.op4 .pch .mtx .sti .npz .h5)",
     )
     sub.add_argument(
-        "--scene", metavar="SCENE", type=path, help="propose the seats of its shafts, write the block for it"
+        "--scene",
+        metavar="SCENE",
+        type=path,
+        help="propose seats for the shafts of this scene and write its block [casing.housing]",
     )
     sub.add_argument(
-        "--unit", choices=("m", "cm", "mm", "um", "inch"), help="of the file (default: as it declares, or mm)"
+        "--unit",
+        choices=("m", "cm", "mm", "um", "inch"),
+        help="unit of length of the file (default: the declared one, or mm)",
     )
     sub.add_argument(
-        "--solids", metavar="N", type=count, nargs="+", default=[], help="look for seats in these solids only"
+        "--solids",
+        metavar="N",
+        type=count,
+        nargs="+",
+        default=[],
+        help="numbers of the solids that can hold seats (default: all)",
     )
-    sub.add_argument("--out", metavar="FOLDER", type=path, help="for what is written (default ./<file>-housing)")
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder (default: ./<file>-housing)")
     matrices = sub.add_argument_group("matrices of another program")
-    matrices.add_argument("--mass", metavar="FILE", type=path, help="of the mass, where FILE holds the stiffness alone")
     matrices.add_argument(
-        "--nodes", metavar="FILE", type=path, help="rows of number, x, y, z; GRID cards of Nastran; *NODE of Abaqus"
+        "--mass", metavar="FILE", type=path, help="mass matrix, if FILE holds the stiffness matrix only"
+    )
+    matrices.add_argument(
+        "--nodes",
+        metavar="FILE",
+        type=path,
+        help="node coordinates: rows of number, x, y, z; GRID cards of Nastran; *NODE of Abaqus",
     )
     matrices.add_argument(
         "--equations",
         metavar="FILE",
         type=path,
-        help="rows of node, axis (1-6, 0 modal); .mapping; EXTRN cards",
+        help="order of equations: rows of node, axis (1-6, 0 modal); .mapping of Ansys; EXTRN cards",
     )
     matrices.add_argument(
         "--units",
         choices=("kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s"),
         default="kg-m-s",
-        help="mass (lbf: the force), length and time of the matrices (default kg-m-s)",
+        help="units of mass (lbf: of force), length and time in the matrices (default kg-m-s)",
     )
-    matrices.add_argument("--keep", metavar="NODE", type=count, nargs="+", default=[], help="reduce to these nodes")
     matrices.add_argument(
-        "--hold", metavar="NODE", type=count, nargs="+", default=[], help="nodes that the ground holds"
+        "--keep",
+        metavar="NODE",
+        type=count,
+        nargs="+",
+        default=[],
+        help="reduce the matrices to these nodes and write them",
     )
-    matrices.add_argument("--band", metavar="HZ", type=positive, default=2000.0, help="keep modes up to it (2000)")
+    matrices.add_argument(
+        "--hold", metavar="NODE", type=count, nargs="+", default=[], help="nodes that are fixed to the ground"
+    )
+    matrices.add_argument(
+        "--band",
+        metavar="HZ",
+        type=positive,
+        default=2000.0,
+        help="upper frequency of the reduced matrices, Hz (default 2000)",
+    )

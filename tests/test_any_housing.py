@@ -180,10 +180,10 @@ def test_the_block_of_a_file_makes_the_scene_fit(tmp_path, monkeypatch, capsys):
     assert main(["housing", "box.step", "--scene", "far.toml", "--out", "found"]) == 0
     told = capsys.readouterr().out
     assert "4 bores, the widest first" in told
-    assert "units of length in which bores lie at the shafts of the scene: mm" in told
+    assert "units of length in which bores match the shafts of the scene: mm" in told
     block = (tmp_path / "found" / "housing.toml").read_text(encoding="utf-8")
     assert block in told
-    assert re.search(r"# sensor sensor_3 is \d+ mm off the housing \(limit 50 mm\): set position_mm = \[", block)
+    assert re.search(r"# sensor sensor_3 is \d+ mm away from the housing \(limit 50 mm\): set position_mm = \[", block)
     (tmp_path / "mine.toml").write_text(f'extends = "minimal"\n{block}', encoding="utf-8")
     assert check_scene(load_scene("mine.toml")).plant.casing.geometry.is_step
     page = (tmp_path / "found" / "box.html").read_text(encoding="utf-8")

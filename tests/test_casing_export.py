@@ -291,6 +291,6 @@ def test_what_was_stored_for_a_higher_band_serves_a_lower_one(tmp_path):
     assert outcome.value("a") == "up to 300.0"  # the smallest that is enough
     assert outcome.records[0].reused
     (status,) = explain(graph(400.0), cache)
-    assert (status.action, status.reason) == ("reuse", "computed for a larger band")
+    assert (status.action, status.reason) == ("reuse", "stored with a larger band")
     assert run_graph(graph(600.0), cache, ["a"]).value("a") == "up to 600.0"
     assert run_graph(graph(200.0, other=2), cache, ["a"]).value("a") == "up to 200.0"

@@ -135,7 +135,7 @@ def test_a_child_that_cannot_start_says_which_module(tmp_path):
 
 @pytest.mark.skipif(os.name != "posix", reason="signals as POSIX has them")
 def test_lack_of_memory_is_supposed_only_where_a_signal_ended_the_process(tmp_path):
-    with pytest.raises(WorkError, match="was ended by SIGKILL, perhaps for lack of memory"):
+    with pytest.raises(WorkError, match="was killed by signal SIGKILL, possibly because memory ran out"):
         run_graph(two_stages(end_by_signal), Cache(tmp_path), ["s0", "s1"], processes=2)
 
 

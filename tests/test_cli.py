@@ -10,6 +10,7 @@ import time
 import pytest
 
 from pipelines.cli import main
+from pipelines.command_help import HELP
 from pipelines.command_line import COMMANDS, parser
 from pipelines.scene.file import load_scene
 
@@ -69,6 +70,23 @@ def test_every_command_explains_itself_with_an_example(capsys, command):
     assert parser().parse_args(example.split()).command == command
 
 
+QUICK = ("new", "check", "explain", "schema", "modes", "cache")  # seconds, and without a finished run
+
+
+@pytest.mark.parametrize("command", QUICK)
+def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command):
+    """Lines in their order, whatever their spaces; "..." stands for any lines."""
+    example = next(example for name, _, example, _ in COMMANDS if name == command)
+    if command == "cache":
+        gearcase(capsys, "casing", "minimal", "--quiet")
+    shown = [" ".join(line.split()) for line in HELP[command].output.splitlines()]
+    code, out, _ = gearcase(capsys, *example.split()[1:])
+    assert code == 0
+    printed = iter([" ".join(line.split()) for line in out.splitlines()])
+    told = [line for line in shown if line != "..." and command != "cache"] or ["casing 1 entries 0.0 MB"]
+    assert [line for line in told if line not in printed] == []
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -92,6 +110,9 @@ def test_every_command_explains_itself_with_an_example(capsys, command):
         (["new", "my.txt"], "must end in .toml"),
         (["run", "minimal", "--processes", "0"], "whole number from 1"),
         (["fly"], "invalid choice"),
+        (["chek", "minimal"], "Did you mean check? Help: gearcase COMMAND --help"),
+        (["runs", "clena"], "Did you mean clean? Help: gearcase runs --help"),
+        (["tradeoff", "minimal", "--time", "2h"], "'2h' is not a time above 0 in s"),
         ([], "usage"),
     ],
 )

@@ -303,7 +303,10 @@ def test_harwell_boeing_files_that_are_cut_off_or_of_another_kind_are_refused(tm
         with pytest.raises(ForeignError, match=f"^K.matrix {words}"):
             read_matrices(path)
     heat = tmp_path / "K.mapping"
-    for words, rows in (("has the unknowns TEMP", "1 1 TEMP"), ("does not name every equation once", "2 1 UX")):
+    for words, rows in (
+        ("has the unknowns TEMP", "1 1 TEMP"),
+        ("does not number the equations from 1 without gaps", "2 1 UX"),
+    ):
         heat.write_text(f"Matrix Eqn  Node  DOF\n{rows}\n", encoding="utf-8")
         with pytest.raises(ForeignError, match=words):
             mapped_equations(heat)

@@ -39,6 +39,6 @@ def test_the_table_names_the_largest_axis():
 def test_lost_contact_is_told_with_its_share_of_the_time():
     counters = {"mesh_1:contact_losses": 12, "mesh_1:microseconds_open": 40_000, "mesh_2:contact_losses": 0}
     assert contact_sentence(run(counters=json.dumps(counters))) == (
-        "Drive flanks let go: mesh 1 12 times (2 % of the time)."
+        "Drive flanks lost contact: mesh 1 12 times (2 % of the time)."
     )
     assert contact_sentence(run()) == ""

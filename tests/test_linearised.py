@@ -280,10 +280,10 @@ def test_the_command_prints_the_modes(capsys):
     for row in rows:
         assert sum(float(cell) for cell in row[3:8]) == pytest.approx(100.0, abs=0.3)
     assert {"casing", "mesh 1", "motor coupling"} <= {row[8] for row in rows}
-    assert "mesh 1: 1061 N, tangent stiffness" in out
+    assert "mesh 1: force 1061 N, tangent stiffness" in out
     assert main(["modes", "minimal", "--quiet", "--up-to", "1000", "--cycle", "0.4"]) == 0
     fewer = capsys.readouterr().out
-    assert "mesh cycle 0.4 of stage 1" in fewer
+    assert "stage 1 at mesh cycle 0.4" in fewer
     assert len(table_of(fewer)) == sum(float(row[1]) <= 1000 for row in rows)
     assert main(["modes", "minimal", "--quiet", "--up-to", "1"]) == 0
     assert "raise --up-to" in capsys.readouterr().out
@@ -292,7 +292,7 @@ def test_the_command_prints_the_modes(capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--up-to", "0"], "not above 0"),
+        (["--up-to", "0"], "not a number above 0"),
         (["--up-to", "high"], "not a finite number"),
         (["--cycle", "nan"], "not a finite number"),
         (["--set", "stages.1.module_mm=0"], "stages.1.module_mm = 0"),

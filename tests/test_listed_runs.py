@@ -59,7 +59,9 @@ def test_a_run_is_named_by_number_scene_folder_or_path(here, name):
 
 def test_a_number_beyond_the_list_is_refused_with_the_list(here):
     for number in ("0", "4"):
-        with pytest.raises(InputError, match=rf"run {number}: there are 3 runs .* gearcase runs"):
+        with pytest.raises(
+            InputError, match=rf"run {number}: no such number, .* holds 3\. List the runs: gearcase runs"
+        ):
             find_run(number)
 
 
@@ -104,11 +106,11 @@ def test_nothing_is_removed_without_yes_and_the_newest_is_noted_anew(here, capsy
     assert "Nothing was removed" in capsys.readouterr().out
     assert (here / "runs" / "minimal" / "second").is_dir()
     assert main(["runs", "clean", "2", "--yes"]) == 0
-    assert "1 runs removed" in capsys.readouterr().out
+    assert "1 run removed" in capsys.readouterr().out
     assert find_run("minimal").name == "first"
     assert main(["runs", "clean", "bench", "--yes"]) == 0
     assert main(["runs", "clean"]) == 2
-    assert "name the runs" in capsys.readouterr().err
+    assert "Give their names, --older-than DAYS or --keep N" in capsys.readouterr().err
     with pytest.raises(InputError, match="no result here"):
         find_run("bench")
 
@@ -116,7 +118,7 @@ def test_nothing_is_removed_without_yes_and_the_newest_is_noted_anew(here, capsy
 def test_without_a_run_the_list_says_so(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["runs"]) == 0
-    assert capsys.readouterr().out == "No runs under runs.\n"
+    assert capsys.readouterr().out == "No runs under ./runs.\n"
 
 
 FAULTY = {

@@ -213,7 +213,7 @@ def test_a_stored_result_that_cannot_be_read_is_one_sentence(cache):
     (entry.folder / "part_1.npy").write_bytes(b"no array")
     total = {"bytes": 8, "sha256": hashlib.sha256(b"no array").hexdigest()}
     manifest_of(entry, lambda body: body["files"].update({"part_1.npy": total}))
-    with pytest.raises(WorkError, match=r"law_1: its stored result is not one .* Remove .* and run again"):
+    with pytest.raises(WorkError, match=r"law_1: its stored result cannot be read .* Delete .* and repeat the command"):
         run_graph(graph(), cache, ["text"])
 
 
@@ -306,7 +306,7 @@ def test_an_error_keeps_its_kind_and_names_the_stage_from_another_process_too(ca
 
 def test_a_process_that_dies_is_reported(cache):
     stages = [Step(name=f"dead_{n}", kind="dead", build=end_at_once, spec=n, seconds=9.0) for n in range(2)]
-    with pytest.raises(WorkError, match=r"dead_\d: its process ended with code 9"):
+    with pytest.raises(WorkError, match=r"dead_\d: its process ended with exit code 9"):
         run_graph(Graph(stages), cache, ["dead_0", "dead_1"], processes=2)
 
 

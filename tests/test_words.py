@@ -18,7 +18,7 @@ INSTEAD = {
     r"(asked|wanted|looked) for|asked(?!\.toml)|wanted": "target, requested, monitored",
     r"believ\w+": "accepted",
     r"beside": "next to, in addition to",
-    r"borders?": "input and output",
+    r"borders?(?!:)": "input and output",
     r"counts? more": "overrides",
     r"dear(er|est)?|cheap\w*|worth more": "expensive, inexpensive, more effective",
     r"doubts": "warnings",
@@ -30,7 +30,7 @@ INSTEAD = {
     r"foretold|foretells?": "predicted",
     r"frowns?": "questions",
     r"functions (of|at) edges|follows? the stresses": "edge-singularity enrichment",
-    r"hands|workshop": "executor, worker cache",
+    r"(?<!opposite )hands|workshop": "executor, worker cache",
     r"hangs? (together|on)": "shares only an edge or vertex; depends on",
     r"heard|hears?": "received, measured",
     r"(is|are|was|were|how far) off": "error estimate, deviates",
@@ -170,6 +170,8 @@ def test_a_word_of_the_table_is_noticed(text):
         "the outer ring",
         "pinion_hand = 1",
         "pipelines/plant/bearings.py",
+        "need opposite hands",
+        "border:1px",
     ],
 )
 def test_a_standard_term_is_no_word_of_the_table(text):

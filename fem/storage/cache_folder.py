@@ -123,8 +123,9 @@ def warn_without(root: Path, error: OSError) -> None:
     """Say, once in a process, that a cache is not used and why. The words are the same in every process."""
     reason = error.strerror or str(error)
     warn_once(
-        f"the cache {root} cannot be used ({reason}); going on without it: results are not kept, and code is compiled "
-        "again in every process, for a minute or more. Free space there, or set GEARCASE_CACHE to a folder that can be "
+        f"the cache {root} cannot be used ({reason}). Work continues without it: results are not kept, and code is "
+        "compiled again in every process, which takes a minute or more. Free space there, or set "
+        "GEARCASE_CACHE to a folder that can be "
         "written and is yours alone."
     )
 

@@ -35,7 +35,7 @@ def mode_number(text: str) -> int | str:
 def several(text: str) -> int:
     """A whole number from 2."""
     if count(text) < 2:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 2")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 2 to {MOST}")
     return int(text)
 
 
@@ -53,7 +53,7 @@ def number(text: str) -> float:
 def positive(text: str) -> float:
     """A number above 0."""
     if number(text) <= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not above 0")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number above 0")
     return number(text)
 
 
@@ -67,7 +67,9 @@ def picture(text: str) -> str:
     path(text)
     suffix = text.rpartition(".")[2].lower() if "." in text.rpartition("/")[2] else ""
     if suffix not in ("", "png", "svg", "pdf"):
-        raise argparse.ArgumentTypeError(f"{text!r} is no picture that can be written; end it in .png, .svg or .pdf")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a picture format that can be written; end it in .png, .svg or .pdf"
+        )
     return text if suffix else f"{text}.png"
 
 
@@ -78,7 +80,10 @@ def share(text: str) -> float:
 
 def seconds(text: str) -> float:
     """Seconds, with or without the letter s."""
-    return positive(text.removesuffix("s"))
+    try:
+        return positive(text.removesuffix("s"))
+    except argparse.ArgumentTypeError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a time above 0 in s, as in 10 or 10s") from None
 
 
 def days(text: str) -> float:
@@ -88,14 +93,14 @@ def days(text: str) -> float:
     except ValueError:
         found = -1.0
     if not 0 <= found < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of days from 0")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of days, 0 or more")
     return found
 
 
 def from_zero(text: str) -> float:
     """A finite number from 0."""
     if number(text) < 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is below 0")
+        raise argparse.ArgumentTypeError(f"{text!r} is negative; give 0 or more")
     return number(text)
 
 
@@ -103,12 +108,12 @@ def part(text: str) -> float:
     """A share from 0 to below 1, as a number or in per cent."""
     value = number(text.removesuffix("%")) / 100 if text.endswith("%") else number(text)
     if not 0 <= value < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a share from 0 to below 1")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a fraction from 0 to below 1")
     return value
 
 
 def whole(text: str) -> int:
     """A whole number from 0."""
     if not text.isdecimal() or len(text) > 18:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of 0 or more")
     return int(text)

@@ -40,7 +40,7 @@ def read_toml(text: str) -> dict[str, Any]:
     except RecursionError:
         raise TomlLimitError("lists or tables are nested too deep") from None
     except ValueError as error:  # a whole number of thousands of digits
-        raise TomlLimitError("a whole number has too many digits; 64 bits are read") from error
+        raise TomlLimitError("a whole number has too many digits for 64 bits") from error
 
 
 def format_value(value: Any) -> str:

@@ -55,8 +55,8 @@ def folder_name(name: str) -> str:
     safe = _UNSAFE.sub("_", name).strip(". ")
     if not safe or safe.partition(".")[0].rstrip().upper() in _RESERVED:
         raise InputError(
-            f'"{shown(name)}": no name for a folder of results, which a scene file gives it. '
-            "Rename it, as in my-scene.toml."
+            f'"{shown(name)}": the file name cannot serve as the name of a result folder. '
+            "Rename the file, as in my-scene.toml."
         )
     return safe
 
@@ -86,7 +86,7 @@ def regular_file(path: Path, most_bytes: int | None = None) -> Path:
         raise _not_readable(path, error) from error
     kind = next((words for test, words in _KINDS if test(found.st_mode)), "")
     if not stat.S_ISREG(found.st_mode):
-        raise InputError(f"{shown(path)}: is {kind or 'no regular file'}. Give a file.")
+        raise InputError(f"{shown(path)}: is {kind or 'no regular file'}. Give a regular file.")
     if most_bytes is not None and found.st_size > most_bytes:
         raise InputError(
             f"{shown(path)}: has {found.st_size / 1e6:.1f} MB, at most {most_bytes / 1e6:g} MB are read. "
@@ -206,7 +206,7 @@ def _check_folder(path: Path, name: str | Path, option: str) -> None:
 
 def _check_right(path: Path, name: str | Path, option: str) -> None:
     if not os.access(path, os.W_OK):
-        raise _not_writable(name, option, "no right to write there")
+        raise _not_writable(name, option, "no write permission")
 
 
 def _not_writable(name: str | Path, option: str, reason: str) -> InputError:

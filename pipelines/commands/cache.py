@@ -17,9 +17,9 @@ def main(options: argparse.Namespace) -> int:
         sys.stdout.write(f"{count} entries removed, {size / 1e6:.1f} MB freed in {cache.folder}\n")
         return 0
     if options.action == "verify":
-        sound, removed = cache.verify()
+        intact, removed = cache.verify()
         sys.stdout.write("".join(f"removed {line}\n" for line in removed))
-        sys.stdout.write(f"{sound} sound entries, {len(removed)} damaged ones removed\n")
+        sys.stdout.write(f"{intact} entries are intact; {len(removed)} damaged ones removed\n")
         return 1 if removed else 0
     sizes: dict[str, list[int]] = defaultdict(list)
     for entry in cache.entries():

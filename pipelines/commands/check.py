@@ -57,10 +57,12 @@ def _lines(plant: Plant, control: str) -> Iterator[str]:
     place = "load" if plant.hoist is None else "drums"
     yield f"  torque at the input {facts.input_torque:.4g} N m, at the {place} {facts.output_torque:.4g} N m"
     if facts.container_speed is not None:
-        yield f"  container at most {facts.container_speed:.4g} m/s"
+        yield f"  highest container speed {facts.container_speed:.4g} m/s"
     if facts.rope_frequency is not None:
-        yield f"  the container bounces on its rope at {facts.rope_frequency:.3g} Hz (length at the start)"
-    yield "  stage  z1/z2     ratio   a mm      eps_alpha eps_beta  f_m Hz    f_r pinion, wheel Hz  F_bt N   N/mm"
+        yield f"  natural frequency of the container on its rope {facts.rope_frequency:.3g} Hz at the start"
+    yield (
+        "  stage  z1/z2     ratio   a mm      eps_alpha eps_beta  f_m Hz    f_r pinion, wheel Hz  F_bt N   F_bt/b N/mm"
+    )
     for number, (pair, stage) in enumerate(zip(plant.layout.pairs, facts.stages, strict=True), 1):
         teeth = f"{pair.pinion.teeth}/{pair.wheel.teeth}"
         yield (
@@ -112,7 +114,8 @@ def _times(plant: Plant, windows: Mapping[str, tuple[float, float]]) -> Iterator
     uses = {"averages": FEWEST_TURNS, "lines": FEWEST_REVOLUTIONS}
     needed = {use: needed_seconds(kinematics, turns) for use, turns in uses.items()}
     heads = "  ".join(f"{use} ({turns} turns) s" for use, turns in uses.items())
-    yield f"  window for  {heads}  too short"
+    yield "  shortest window for averages and for spectral lines; windows of the scene that are shorter"
+    yield f"  shaft       {heads}  too short"
     for shaft in kinematics.shafts:
         short = []
         for name, (start, end) in windows.items():

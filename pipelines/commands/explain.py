@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-_WORDS = {"reuse": "reused", "build": "built", "follow": "perhaps"}
+_WORDS = {"reuse": "reuse", "build": "compute", "follow": "perhaps"}
 
 
 def main(options: argparse.Namespace) -> int:
@@ -20,7 +20,7 @@ def main(options: argparse.Namespace) -> int:
     ends = graph.steps.keys() - {name for step in graph for name in step.takes}
     first = all(status.first for status in found if status.name in ends)
     if first:
-        sys.stdout.write("First run: no results of a scene like this one are stored to compare it with.\n")
+        sys.stdout.write("First run: the cache holds no results of a similar scene to compare with.\n")
     width = max(len(status.name) for status in found)
     for status in found:
         reason = "" if first and status.action != "reuse" else status.reason
@@ -28,8 +28,8 @@ def main(options: argparse.Namespace) -> int:
         sys.stdout.write(f"{line}\n")
     actions = [status.action for status in found]
     sys.stdout.write(
-        f"{actions.count('build')} steps would be built, {actions.count('reuse')} reused, "
-        f"{actions.count('follow')} follow if what they take changes. "
-        "Diagnosis and report (seconds) follow the motion.\n"
+        f"{actions.count('build')} steps to compute, {actions.count('reuse')} to reuse, "
+        f"{actions.count('follow')} to compute only if their input changes. "
+        "Diagnosis and report follow and take seconds.\n"
     )
     return 0

@@ -86,13 +86,15 @@ def _surveyed(path: Path, options: argparse.Namespace) -> tuple[Contents, ShaftF
     if options.solids:
         known = {solid.number for solid in contents.solids}
         if unknown := set(options.solids) - known:
-            raise InputError(f"--solids {min(unknown)}: the file has {len(known)} solids. Count from 1.")
+            raise InputError(
+                f"--solids {min(unknown)}: the file has {len(known)} solids. Give numbers from 1 to {len(known)}."
+            )
     if options.scene is None:
         return (
             contents,
             None,
             "",
-            ["--scene SCENE proposes the seats of its shafts and writes the block [casing.housing]"],
+            ["To propose bearing seats and write the block [casing.housing], add --scene SCENE"],
         )
     from pipelines.housings.block import housing_block
     from pipelines.housings.seats import fitting_units, shaft_places
@@ -104,11 +106,11 @@ def _surveyed(path: Path, options: argparse.Namespace) -> tuple[Contents, ShaftF
     fits = fitting_units(held, shafts)
     if not fits:
         return contents, None, "", [no_fit(held, shafts)]
-    words = [f"units of length in which bores lie at the shafts of the scene: {', '.join(fits)}"]
+    words = [f"units of length in which bores match the shafts of the scene: {', '.join(fits)}"]
     if contents.unit not in fits:
         best = next(iter(fits))
         if contents.declared:
-            words.append(f"the file declares {contents.declared}; export it in {best}, its numbers fit that")
+            words.append(f"the file declares {contents.declared}; but its bores match in {best}; export it in {best}")
             return contents, None, "", words
         contents = survey(path, best)
     fit = fits[contents.unit]
@@ -122,6 +124,6 @@ def no_fit(contents: Contents, shafts: tuple) -> str:
     wanted = [1000 * float(np.hypot(b.x - a.x, b.z - a.z)) for a, b in zip(shafts, shafts[1:], strict=False)]
     distances = ", ".join(f"{one:.4g}" for one in wanted) or "none"
     return (
-        f"no bores lie as the shafts of the scene do (centre distances {distances} mm; bores wider than the shafts, "
-        f"of {1000 * min(s.diameter for s in shafts):.4g} mm). Correct the gears or shafts of the scene, or --unit"
+        f"no bores match the shafts of the scene (centre distances {distances} mm; diameters above that of the shaft, "
+        f"{1000 * min(s.diameter for s in shafts):.4g} mm). Correct gears or shafts of the scene, or set --unit"
     )

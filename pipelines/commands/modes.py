@@ -41,7 +41,7 @@ def main(options: argparse.Namespace) -> int:
         }
         sys.stdout.write(json_text(found))
         return 0
-    title = f"{loaded.name}: small motion about the loaded rest, mesh cycle {cycle:.4g} of stage 1"
+    title = f"{loaded.name}: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle {cycle:.4g}"
     sys.stdout.write(mode_table(title, modes).to_text() + "\n")
     sys.stdout.write("".join(f"{line}\n" for line in notes(plant, modes, options.up_to)))
     return 0
@@ -70,7 +70,11 @@ def mode_table(title: str, modes: LinearModes) -> Grid:
     columns |= {name: name.replace("_", " ") for name in modes.mesh_names}
     shares = {f"{words} %": 100 * modes.share(part) for part, words in columns.items()}
     rows = [
-        {"mode": i + 1, "Hz": f"{modes.frequencies[i]:.5g}", "damping %": 100 * float(modes.damping_ratios[i])}
+        {
+            "mode": i + 1,
+            "frequency Hz": f"{modes.frequencies[i]:.5g}",
+            "damping ratio %": 100 * float(modes.damping_ratios[i]),
+        }
         | {words: f"{values[i]:.1f}" for words, values in shares.items()}
         | {"dominant": modes.dominant[i]}
         for i in range(len(modes.frequencies))
@@ -85,18 +89,21 @@ def notes(plant: Plant, modes: LinearModes, up_to: float) -> list[str]:
 
     casing = plant.casing
     found = [
-        f"{name.replace('_', ' ')}: {force:.4g} N, tangent stiffness {stiffness / 1e6:.4g} N/um"
+        f"{name.replace('_', ' ')}: force {force:.4g} N, tangent stiffness {stiffness / 1e6:.4g} N/um"
         for name, force, stiffness in zip(modes.mesh_names, modes.mesh_forces, modes.mesh_stiffness, strict=True)
     ]
     found += [
-        f"{name.replace('_', ' ')}: the ground pushes with ({x:.4g}, {y:.4g}, {z:.4g}) N along x, y, z"
+        f"{name.replace('_', ' ')}: force of the ground on the casing ({x:.4g}, {y:.4g}, {z:.4g}) N along x, y, z"
         for name, (x, y, z) in zip(modes.foot_names, modes.foot_forces, strict=True)
     ]
     if modes.overdamped:
         found.append(f"{modes.overdamped} overdamped motions do not oscillate and are not listed.")
     limit = casing.model.limit if isinstance(casing, ElasticPart) else None
     if limit is not None and limit / MODES_OVER_BAND < up_to:
-        found.append(f"The casing is resolved to {limit / MODES_OVER_BAND:g} Hz; its modes above are indicative only.")
+        found.append(
+            f"The casing is resolved to {limit / MODES_OVER_BAND:g} Hz; modes above that are only indicative. "
+            "Set a higher casing.band_Hz for them."
+        )
     if not len(modes.frequencies):
         found.append(f"No mode up to {up_to:g} Hz; raise --up-to.")
     return found

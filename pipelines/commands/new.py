@@ -26,7 +26,7 @@ def _from_rexs(options: argparse.Namespace) -> int:
 
     made = new_scene_from_rexs(options.file, options.source)
     sys.stdout.write("".join(f"{note}\n" for note in made.notes))
-    sys.stdout.write("".join(f"to give: {path}: {words}\n" for path, words in made.missing.items()))
-    step = "Give the missing keys" if made.missing else "Read what was assumed, give a housing"
+    sys.stdout.write("".join(f"still to be set: {path}: {words}\n" for path, words in made.missing.items()))
+    step = "Set the missing keys" if made.missing else "Check what was assumed, set a housing"
     sys.stdout.write(f"{made.path} written from {options.source}. {step}, then: gearcase check {made.path}\n")
     return 0

@@ -37,7 +37,7 @@ def main(options: argparse.Namespace) -> int:
     for reason in finished.left_out:
         sys.stdout.write(f"{reason}\n")
     sys.stdout.write(
-        f"{len(built)} steps built ({seconds:.1f} s of work), {len(finished.records) - len(built)} reused.\n"
+        f"{len(built)} steps computed in {seconds:.1f} s of processing, {len(finished.records) - len(built)} reused.\n"
         f"report: {finished.folder / REPORT}\n"
     )
     sys.stdout.write("next:\n" + "".join(f"  {command}\n      {what}\n" for command, what in _next(options)))

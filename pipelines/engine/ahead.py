@@ -45,7 +45,7 @@ def _run(step: Step, taken: list[Result]) -> None:
     try:
         step.ahead(step.spec, *(result.load() for result in taken))
     except Exception as error:  # the build itself says what is wrong
-        _log.debug("step %s, ahead of its build: %s", step.name, error)
+        _log.debug("step %s, preparation failed: %s", step.name, error)
 
 
 class Aside:

@@ -38,13 +38,13 @@ class Result:
             return load_value(self.entry.folder)
         except OSError as error:
             raise WorkError(
-                f"step {self.record.name}: its stored result {self.entry.name} was removed while it was needed "
-                f"({error}). Run again; do not clear the cache during a run."
+                f"step {self.record.name}: its stored result {self.entry.name} was removed during the run "
+                f"({error}). Repeat the command, and do not clear the cache meanwhile."
             ) from error
         except (ValueError, TypeError, KeyError) as error:
             raise WorkError(
-                f"step {self.record.name}: its stored result is not one ({error}). Remove {self.entry.folder} and run "
-                "again."
+                f"step {self.record.name}: its stored result cannot be read ({error}). Delete "
+                f"{self.entry.folder} and repeat the command."
             ) from error
 
     def stored(self) -> Result:

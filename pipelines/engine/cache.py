@@ -78,7 +78,7 @@ class Cache:
     def discard(self, folder: Path, damage: str) -> None:
         """Remove an entry that cannot be used, with a warning."""
         if folder.is_dir():  # else another process has just cleared it
-            text = f"cache entry {folder.name} is damaged ({damage}). It is removed and built again."
+            text = f"cache entry {folder.name} is damaged ({damage}). It is deleted and computed again."
             warnings.warn(CacheWarning(text), stacklevel=3)
             self._remove(folder)
 
@@ -244,7 +244,7 @@ class Cache:
         except FileNotFoundError:
             return
         except UnusableFolder as error:
-            raise InputError(f"the cache {self.folder} is not touched: {error}") from error
+            raise InputError(f"the cache {self.folder} cannot be changed: {error}") from error
 
     def _remove(self, folder: Path) -> None:
         """Move aside in one step, then delete: no reader meets half an entry."""

@@ -73,14 +73,14 @@ def read_manifest(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
             raise Damaged(f"{MANIFEST} does not match its checksum")
         facts, files = body["facts"], body["files"]
         if entry_name(facts["kind"], facts["key"]) != folder.name:
-            raise Damaged(f"{MANIFEST} is of another entry")
+            raise Damaged(f"{MANIFEST} belongs to another entry")
         sound = isinstance(facts, dict) and all(_names_a_file(name, given) for name, given in files.items())
     except FileNotFoundError:
         raise Damaged(f"{MANIFEST} is missing") from None
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise Damaged(f"{MANIFEST} cannot be read") from error
     if not sound:
-        raise Damaged(f"{MANIFEST} is not one of ours")
+        raise Damaged(f"{MANIFEST} was not written by gearcase")
     return facts, files
 
 

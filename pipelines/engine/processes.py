@@ -175,7 +175,9 @@ def _input(child: subprocess.Popen) -> IO[bytes]:
 def _lost(step: Step, process: subprocess.Popen) -> WorkError:
     code = process.wait()
     if code < 0:
-        how = f"was ended by {signal.Signals(-code).name}, perhaps for lack of memory"
+        how = f"was killed by signal {signal.Signals(-code).name}, possibly because memory ran out"
     else:
-        how = f"ended with code {code} and no answer; what it said stands above"
-    return WorkError(f"step {step.name}: its process {how}. Run again with --processes 1, or with a coarser model.")
+        how = f"ended with exit code {code} and no result; its output is printed above"
+    return WorkError(
+        f"step {step.name}: its process {how}. Repeat the command with --processes 1, or choose a coarser preset."
+    )

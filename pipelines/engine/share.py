@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-_LISTENER: ContextVar[Callable[[float], None] | None] = ContextVar("who is told the share", default=None)
+_LISTENER: ContextVar[Callable[[float], None] | None] = ContextVar("listener of the share", default=None)
 
 
 def tell_share(share: float) -> None:

@@ -207,14 +207,14 @@ def explain(graph: Graph, cache: Cache) -> list[StepStatus]:
         entry = stored(step, cache, contents, thorough=False)
         if entry is not None:
             contents[step.name] = entry.facts["content"]
-            more = "" if entry.facts["key"] == key else f"computed for a larger {step.enough}"
+            more = "" if entry.facts["key"] == key else f"stored with a larger {step.enough}"
             out.append(StepStatus(step.name, "reuse", more))
         elif key in planned:
             out.append(StepStatus(step.name, "reuse", f"the same as {planned[key]}"))
         else:
             planned[key] = step.name
             differences = _nearest(step, cache, step.facts(contents))
-            reason = FIRST if differences is None else "; ".join(differences) or "its stored result is gone"
+            reason = FIRST if differences is None else "; ".join(differences) or "its stored result was removed"
             out.append(StepStatus(step.name, "build", reason, first=differences is None))
     return out
 

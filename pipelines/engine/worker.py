@@ -62,8 +62,8 @@ def _built(job: Path) -> Any:
         step, key, upstream, cache_folder = pickle.loads(job.read_bytes())
     except ImportError as error:
         raise WorkError(
-            f"a process of its own cannot import {error.name or 'a module'} ({error}). Modules in the working folder "
-            "and in that of the script are not found there; run again with --processes 1."
+            f"a child process cannot import {error.name or 'a module'} ({error}). Modules in the working folder "
+            "and in that of the script are not found there. Run again with processes = 1 (--processes 1)."
         ) from error
     with one_thread(), listening(lambda share: _write_share(job, share)):
         return build_here(step, key, upstream, Cache(cache_folder)).stored()

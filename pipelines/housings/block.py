@@ -62,15 +62,15 @@ def changes(fit: ShaftFit, scene: Scene) -> Iterator[str]:
     off = {seat.shaft: seat.off for seat in fit.seats if seat.off > OFF_AXIS}
     for shaft, distance in off.items():
         yield (
-            f"shaft {shaft + 1} runs {1000 * distance:.3g} mm off its seats (limit {1000 * OFF_AXIS:g} mm): set "
-            f"centre_distance_mm and direction_deg of its stage, below"
+            f"shaft {shaft + 1} is {1000 * distance:.3g} mm from the axis of its seats (limit {1000 * OFF_AXIS:g} mm): "
+            f"set centre_distance_mm and direction_deg of its stage, below"
         )
     if off:
         at = {seat.shaft: fit.placed(seat.bore.centre) for seat in fit.seats}
         for one, two in zip(sorted(at), sorted(at)[1:], strict=False):
             x, _, z = at[two] - at[one]
             yield (
-                f"  shafts {one + 1} and {two + 1}: seats {1000 * np.hypot(x, z):.4f} mm apart, at "
+                f"  shafts {one + 1} and {two + 1}: distance of the seats {1000 * np.hypot(x, z):.4f} mm, at "
                 f"{np.degrees(np.arctan2(z, x)):.4f} deg"
             )
     missing = sum(len(shaft.bearing_positions_mm) for shaft in scene.shafts) - len(fit.seats)
@@ -81,7 +81,7 @@ def changes(fit: ShaftFit, scene: Scene) -> Iterator[str]:
             places = [_round(1000 * seat.middle, 4) for seat in seats]
             yield f"shaft {number + 1}: set bearing_positions_mm = {places}, the middles of its seats"
     if missing > 0:
-        yield f"{missing} bearings of the scene have no bore: move them, or let the ground carry them"
+        yield f"{missing} bearings of the scene have no bore: move them, or support them on the ground"
 
 
 def _far_sensors(contents: Contents, fit: ShaftFit, scene: Scene) -> Iterator[str]:
@@ -96,7 +96,7 @@ def _far_sensors(contents: Contents, fit: ShaftFit, scene: Scene) -> Iterator[st
         nearest = int(distance.argmin())
         if distance[nearest] > FARTHEST_SENSOR:
             yield (
-                f"sensor {sensor.name} is {1000 * distance[nearest]:.3g} mm off the housing (limit "
+                f"sensor {sensor.name} is {1000 * distance[nearest]:.3g} mm away from the housing (limit "
                 f"{1000 * FARTHEST_SENSOR:g} mm): set position_mm = {[_round(1000 * x, 1) for x in on[nearest]]}"
             )
 
@@ -106,7 +106,7 @@ def _grounds(contents: Contents, fit: ShaftFit) -> list[str]:
     chosen = set(seat_solids(contents, fit))
     flats = [flat for flat in contents.flats if flat.solid in chosen]
     if not flats:
-        return ["# no flat face was found: name what the ground holds", "grounds = []"]
+        return ["# no flat face was found: give the faces that are fixed to the ground", "grounds = []"]
     for least, remark in ((_DOWN, ""), (_SLOPING, "# no flat face looks down (-z), this one slopes\n")):
         down = sorted(
             (float(fit.placed(one.centre)[2]), one.number, one) for one in flats if (one.normal @ fit.axes)[2] < least
@@ -116,7 +116,7 @@ def _grounds(contents: Contents, fit: ShaftFit) -> list[str]:
             if area > _NOT_SMALL * flats[0].area:
                 return [f"{remark}grounds = [{_plane(one, fit)}]   # every flat face in this plane"]
     return [
-        f"# no flat face looks down: the largest one, face {flats[0].number}, stands here; name what the ground holds",
+        f"# no flat face looks down: the largest one, face {flats[0].number}, is given; correct it",
         f"grounds = [{_plane(flats[0], fit)}]",
     ]
 

@@ -24,11 +24,11 @@ def listing(contents: Contents) -> Iterator[str]:
         if solid.open_at is not None:
             yield (
                 f"  solid {solid.number} does not close, or has faces that cannot be meshed, around "
-                f"({_mm(solid.open_at)}) mm: repair it in the CAD program, or leave it out"
+                f"({_mm(solid.open_at)}) mm: repair it in the CAD program, or exclude it by solids = [...]"
             )
     for one, two, gap, place in contents.gaps:
         if contents.solids[one - 1].part != contents.solids[two - 1].part:
-            yield f"  solids {one} and {two} do not touch: {1000 * gap:.4g} mm apart at ({_mm(place)}) mm"
+            yield f"  solids {one} and {two} do not touch: gap of {1000 * gap:.4g} mm at ({_mm(place)}) mm"
     if contents.bores:
         yield _bores(contents)
         yield from _tilt(contents)

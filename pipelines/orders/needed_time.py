@@ -15,5 +15,5 @@ def needed_seconds(kinematics: Kinematics, turns: int) -> dict[str, float]:
     ValueError : the nominal speed is not known or 0
     """
     if not kinematics.frequency:
-        raise ValueError(f"nominal speed {kinematics.frequency} Hz: no time can be told. Give the speed.")
+        raise ValueError(f"nominal speed {kinematics.frequency} Hz: no time follows from it. Set a speed above 0.")
     return {shaft.name: (turns + 1) / (shaft.ratio * kinematics.frequency) for shaft in kinematics.shafts}

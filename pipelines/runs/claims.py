@@ -94,12 +94,12 @@ def _claim_given(final: Path) -> Claim:
     marker, folder = _beside(place, _MARKER, final), _beside(place, _PARTIAL, final)
     if marker.exists():
         raise InputError(
-            f"{shown(final)}: another run is writing there. Choose another --out; if none is, on this machine or "
-            f"another, remove the file {shown(marker)}."
+            f"{shown(final)}: another run is writing there. Choose another --out. If no run is active on any "
+            f"machine, delete the file {shown(marker)}."
         )
     if folder.exists():
         raise InputError(
-            f"{shown(final)}: {shown(folder)} keeps results that could not be moved there. Move or remove them."
+            f"{shown(final)}: {shown(folder)} holds results that could not be moved there. Move or delete them."
         )
     raise InputError(
         f"{shown(final)}: exists and is not an empty folder. Choose another --out; nothing is overwritten."

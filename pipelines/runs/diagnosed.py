@@ -30,12 +30,13 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
     wanted = train.diagnosis
     if wanted is None:
         raise InputError(
-            f"{folder}: the scene gives no diagnosis.windows_s or no sensors; there is nothing to look at."
+            f"{folder}: the scene has no diagnosis.windows_s or no sensors, so there is nothing to diagnose. "
+            "Set them and repeat gearcase run."
         )
     if not (folder / run_folder.CONTROL).is_file():
         raise InputError(
-            f"{folder}: no healthy control was run, so no line can be told from those of a healthy gearbox. "
-            "Name a control in the scene and run it again."
+            f"{folder}: there is no healthy control to compare the lines with. "
+            'Set control = "without-faults" in the scene and repeat gearcase run.'
         )
     with contextlib.ExitStack() as opened:
         runs = [

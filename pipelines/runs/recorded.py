@@ -128,8 +128,8 @@ def machine_of(path: Path, machine: str | Path | None) -> tuple[Machine, Windows
     beside = path.parent / run_folder.RESOLVED
     if machine is None and not is_regular_file(beside):
         raise InputError(
-            f"{shown(path)}: what machine this is stands nowhere. Give --machine: a file with the teeth of its gears, "
-            "its speed and its sensors, or a scene."
+            f"{shown(path)}: the machine is not known. Give --machine FILE: a scene, or a file with numbers of teeth, "
+            "speed and sensors."
         )
     given = beside if machine is None else machine
     return read_machine(given), (_windows(beside) if is_regular_file(beside) else None)
@@ -200,10 +200,10 @@ def file_words(found: JudgedFile) -> str:
     if found.verdict is not None:
         answer, _, tables = text(found.verdict).partition("\n\n")
         return "\n\n".join([answer, *parts, tables])
-    parts.append("No healthy recording to compare with, so there is no verdict. Give some: --baseline FILE FILE ...")
+    parts.append("There is no verdict without healthy recordings to compare with. Give some: --baseline FILE FILE ...")
     parts.append(features_grid(found.recorded.table).to_text())
     if found.recorded.table.left_out:
-        parts.append(f"Not looked at, they turn too seldom: {'; '.join(found.recorded.table.left_out)}.")
+        parts.append(f"Not analysed, too few revolutions: {'; '.join(found.recorded.table.left_out)}.")
     return "\n\n".join(parts) + "\n"
 
 

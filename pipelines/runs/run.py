@@ -197,7 +197,7 @@ def _kept(failure: Exception, folder: Path) -> WorkError:
     name = "" if isinstance(failure, WorkError) else f"{type(failure).__name__}: "
     again = ""
     if (folder / run_folder.CONTROL).is_file() and not (folder / "diagnosis.txt").is_file():
-        again = f" Once the cause is mended: gearcase diagnose {folder}"
+        again = f" Correct the cause, then: gearcase diagnose {folder}"
     error = WorkError(f"{name}{failure}\nThe signals are kept in {folder}.{again}")
     for note in getattr(failure, "__notes__", ()):
         error.add_note(note)

@@ -72,7 +72,7 @@ def find_run(name: str | Path, root: Path = ROOT) -> Path:
         known = finished_runs(root)
         if 1 <= int(text) <= len(known):
             return known[int(text) - 1]
-        raise InputError(f"run {text}: there are {len(known)} runs under {shown(root)}. List them: gearcase runs")
+        raise InputError(f"run {text}: no such number, {shown(root)} holds {len(known)}. List the runs: gearcase runs")
     raise InputError(
         f"{shown(name)}: no result here, neither {shown(folder / RESPONSE)} nor {shown(scene / LATEST)}. "
         f"First: gearcase run {shown(name)}"
@@ -91,7 +91,7 @@ def opened_run(path: Path) -> Iterator[xarray.Dataset]:
 
     with open_response(path) as data:
         if "time" not in data.dims:
-            raise InputError(f"{shown(path)}: holds no signals over time. Run the scene again.")
+            raise InputError(f"{shown(path)}: holds no signals over time. Repeat gearcase run.")
         yield data
 
 

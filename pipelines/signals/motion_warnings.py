@@ -26,14 +26,14 @@ def motion_warnings(trajectory: Trajectory) -> dict[str, str]:
         found["step"] = _step_sentence(trajectory)
     if trajectory.parted_at > 0.0:
         found["repeat"] = (
-            f"The motion cannot be repeated sample by sample: a motion that starts a millionth beside it is as far "
-            f"away as the signal is large at {trajectory.parted_at:.3g} s (the distance doubles every "
-            f"{math.log(2.0) / trajectory.parting_rate * 1000:.2g} ms); no step cures that. Use levels, spectra and "
-            f'lines, not the waveform, and see how far they spread over several starts: "{STARTS}".'
+            f"The motion is chaotic and cannot be repeated sample by sample: an initial difference of a millionth "
+            f"reaches the size of the signal at {trajectory.parted_at:.3g} s (it doubles every "
+            f"{math.log(2.0) / trajectory.parting_rate * 1000:.2g} ms). A smaller time step does not help. Use levels, "
+            f'spectra and lines, not the waveform; "{STARTS}" estimates their spread over several initial states.'
         )
     for text in trajectory.unbalanced():
         found["energy"] = (
-            f"{text[:1].upper()}{text[1:]} Forces and motion do not belong together within that: take a smaller "
+            f"{text[:1].upper()}{text[1:]} The motion is not accurate: set a smaller "
             "simulation.step_us, or a larger simulation.band_Hz."
         )
     return found
@@ -43,7 +43,7 @@ def _step_sentence(trajectory: Trajectory) -> str:
     needed = needed_step_us(trajectory.step_error, trajectory.step, trajectory.output_rate)
     other = "" if trajectory.integrator == "exponential" else ', or simulation.integrator = "exponential"'
     return (
-        f"The time step of {trajectory.step * 1e6:.4g} us is too long: the accelerations are off by about "
+        f"The time step of {trajectory.step * 1e6:.4g} us is too long: the error of the accelerations is about "
         f"{100 * trajectory.step_error:.2g} % (RMS of the difference, sample by sample; limit "
         f"{100 * LARGEST_STEP_ERROR:g} %). Set simulation.step_us = {needed}{other}."
     )

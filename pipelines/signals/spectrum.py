@@ -83,7 +83,7 @@ class Spectrum(Record):
             raise SpectrumError(
                 f"line {position[worst] * self.resolution:.4f} Hz: not on a bin of {self.resolution:.6f} Hz "
                 f"(position {position[worst]:.3f} of {self.amplitude.size - 1}). "
-                "Cut the segment to whole revolutions of the shaft whose lines are wanted."
+                "Cut the segment to whole revolutions of the shaft of this line."
             )
         return self.amplitude[index]
 

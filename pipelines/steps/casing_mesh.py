@@ -50,9 +50,9 @@ def build_coarser(spec: CasingMeshSpec) -> CasingMesh:
         return mesh_geometry(spec.housing, spec.sizes, spec.element)
     except MeshError as error:
         raise WorkError(
-            f"casing: its error is measured by a mesh with larger elements, {1000 * spec.sizes.element:.3g} mm, which "
-            f"is not sound: {error}. Use a smaller casing.element_size_mm, or leave casing.extrapolated and "
-            "casing.error out"
+            f"casing: its error is estimated with a coarser mesh of {1000 * spec.sizes.element:.3g} mm, which fails: "
+            f"{error}. Set a smaller casing.element_size_mm, or remove casing.extrapolated and "
+            "casing.error from the scene"
         ) from error
 
 

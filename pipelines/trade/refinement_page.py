@@ -46,7 +46,7 @@ def convergence_table(name: str, found: RefinementStudy) -> Grid:
         row["error %"] = 100 * convergence.errors[found.in_use]
         row["band %"] = 100 * convergence.relative_bands[found.in_use]
         rows.append(row)
-    costs: dict[str, object] = {"quantity": "seconds to build"}
+    costs: dict[str, object] = {"quantity": "computing time, s"}
     for fineness, level in zip(found.fineness, found.levels, strict=True):
         costs["in use" if fineness == 1.0 else f"x{fineness:.3g}"] = f"{level.total_seconds:.3g}"
     return grid(f"{name}: convergence over the {AXES[found.axis].words} (x2: twice as fine)", [*rows, costs])

@@ -91,7 +91,9 @@ def trade(loaded: LoadedScene, work: Work) -> Tradeoff:
         motion = costs[settings.integrator] * settings.steps
         if motion > whole:
             del scenes[name]
-            refused[name] = f"its motion alone would take some {motion:.0f} s, the reference takes {whole:.0f} s in all"
+            refused[name] = (
+                f"its motion alone would take about {motion:.0f} s, the whole reference takes {whole:.0f} s in all"
+            )
     measured, failed = _measured(scenes, work)
     refused |= failed
     reference = measured[first]

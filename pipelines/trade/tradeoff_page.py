@@ -27,14 +27,14 @@ def trade_table(found: Tradeoff) -> Grid:
     rows = []
     for one in found.priced:
         seconds = one.measured.seconds
-        row: dict[str, object] = {"what is chosen": one.choice.name, "s": one.seconds}
+        row: dict[str, object] = {"choice": one.choice.name, "time s": one.seconds}
         row["laws s"] = sum(s for name, s in seconds.items() if name.startswith("law"))
         row["casing s"] = sum(s for name, s in seconds.items() if "casing" in name)
         row["motion s"] = seconds.get("simulate", 0.0)
-        row["MB"] = f"{one.measured.peak_bytes / 1e6:.0f}"
+        row["memory MB"] = f"{one.measured.peak_bytes / 1e6:.0f}"
         row |= {head: _percent(one.errors.get(probe)) for probe, head in COLUMNS.items()}
         row |= {head: _level(one.decibels.get(probe)) for probe, head in LEVELS.items()}
-        row["worth it"] = "" if one.dominated else "front"
+        row["Pareto"] = "" if one.dominated else "front"
         rows.append(row)
     table = grid(f"{found.name}: cost and largest error of every choice against the reference", rows)
     marked = frozenset(n for n, one in enumerate(found.priced) if not one.dominated)
@@ -53,10 +53,12 @@ def answers(found: Tradeoff, error: float, seconds: float) -> list[str]:
     """The cheapest choice within an error, the most accurate within a time, and what could not be chosen."""
     cheap, exact = found.cheapest(error), found.most_accurate(seconds)
     lines = [
-        f"Within {100 * error:g} % of sensor rms the cheapest is {_words(cheap)}."
+        f"Within {100 * error:g} % error of sensor rms, the least expensive choice is {_words(cheap)}."
         if cheap
-        else f"No choice stays within {100 * error:g} % of sensor rms.",
-        f"Within {seconds:g} s the most accurate is {_words(exact)}." if exact else f"No choice takes {seconds:g} s.",
+        else f"No choice has at most {100 * error:g} % error of sensor rms. Raise --error.",
+        f"Within {seconds:g} s, the most accurate choice is {_words(exact)}."
+        if exact
+        else f"No choice takes at most {seconds:g} s. Raise --time.",
     ]
     lines += [f"Reference: {found.known}"] if found.known else []
     return lines + [f"{name} is left out: {reason}" for name, reason in found.refused.items()]
@@ -89,12 +91,12 @@ def trade_figure(found: Tradeoff) -> Figure:
     x, y = zip(*front, strict=True)
     axes.scatter(
         x, y, s=110, facecolors="none", edgecolors="black", linewidths=0.9, zorder=4,
-        label="front: nothing is better in time, rms and lines of a fault",
+        label="Pareto front: no choice is better in time, rms and fault lines",
     )  # fmt: skip
     axes.margins(x=0.12, y=0.06)
     dress(
-        axes, f"{plain(found.name)}: speed against accuracy", "time of all steps, cold, s",
-        f"largest error of a sensor's rms against the reference, % (0 is drawn at {100 * least:.2g})",
+        axes, f"{plain(found.name)}: computing time and error", "time of all steps without the cache, s",
+        f"largest error of a sensor's rms against the reference, % (0 is shown at {100 * least:.2g})",
     )  # fmt: skip
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=6, frameon=False, fontsize=9)
     _label(axes, [(one, *places[one.choice.name]) for one in shown])

@@ -77,9 +77,10 @@ def mapped_equations(path: Path) -> np.ndarray:
     rows = [row for row in rows if len(row) == 3 and row[0].isdecimal() and row[1].isdecimal()]
     if unknown := {row[2].upper() for row in rows} - set(AXES):
         raise ForeignError(
-            f"{path.name} has the unknowns {', '.join(sorted(unknown))}; a body has {', '.join(AXES)} alone"
+            f"{path.name} has the unknowns {', '.join(sorted(unknown))}; only "
+            f"{', '.join(AXES)} are read. Export a structural model"
         )
     found = np.array(sorted((int(row[0]), int(row[1]), AXES[row[2].upper()]) for row in rows)).reshape(-1, 3)
     if not len(found) or (found[:, 0] != np.arange(1, len(found) + 1)).any():
-        raise ForeignError(f"{path.name} does not name every equation once, from 1 on; export it again")
+        raise ForeignError(f"{path.name} does not number the equations from 1 without gaps; export it again")
     return found[:, 1:]

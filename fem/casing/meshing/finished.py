@@ -103,7 +103,7 @@ def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None
         x, y, z = 1000 * nodes[corners[label == loose]].mean(axis=(0, 1))
         raise MeshError(
             f"{name} falls into {len(parts)} unconnected parts; the smallest has {sizes.min()} of {len(elements)} "
-            f"elements around ({x:.5g}, {y:.5g}, {z:.5g}) mm. Merge coincident nodes, or leave the loose part out"
+            f"elements around ({x:.5g}, {y:.5g}, {z:.5g}) mm. Merge coincident nodes, or remove the loose part"
         )
     label = _over_sides(corners)
     parts, sizes = np.unique(label, return_counts=True)

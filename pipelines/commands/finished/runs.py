@@ -36,7 +36,7 @@ def _list(options: argparse.Namespace) -> int:
         sys.stdout.write(json_text(rows))
         return 0
     if not found:
-        sys.stdout.write(f"No runs under {ROOT}{'' if options.scene is None else f'/{options.scene}'}.\n")
+        sys.stdout.write(f"No runs under ./{ROOT}{'' if options.scene is None else f'/{options.scene}'}.\n")
         return 0
     sys.stdout.write(run_grid(found).to_text() + "\n")
     return 0
@@ -51,7 +51,7 @@ def _open(options: argparse.Namespace) -> int:
     report = find_run(options.run) / REPORT
     if not report.is_file():
         raise InputError(
-            f"{report}: there is no report; this run holds its signals alone. Make one: gearcase run SCENE"
+            f"{report}: there is no report, because this run was simulated without one. Make one: gearcase run SCENE"
         )
     sys.stdout.write(f"{report}\n")
     webbrowser.open(report.resolve().as_uri())
@@ -62,7 +62,7 @@ def _compare(options: argparse.Namespace) -> int:
     from pipelines.runs.listed.side_by_side import compared_runs
 
     sys.stdout.write(compared_runs([_kept(name) for name in options.runs]).to_text() + "\n")
-    sys.stdout.write(f"Spectra and features of their signals: gearcase compare {' '.join(options.runs)}\n")
+    sys.stdout.write(f"To compare spectra and features: gearcase compare {' '.join(options.runs)}\n")
     return 0
 
 
@@ -73,16 +73,18 @@ def _clean(options: argparse.Namespace) -> int:
     from pipelines.runs.run_folder import ROOT, find_run
 
     if not options.runs and options.older_than is None and options.keep is None:
-        raise InputError("runs clean: name the runs, or give --older-than DAYS or --keep N.")
+        raise InputError("runs clean: no runs chosen. Give their names, --older-than DAYS or --keep N.")
     age = None if options.older_than is None else DAY * options.older_than
     found = chosen(kept_runs(ROOT), [find_run(name) for name in options.runs], age, options.keep)
     if not found:
-        sys.stdout.write("No such runs.\n")
+        sys.stdout.write("No runs match; nothing was removed.\n")
     elif options.yes:
-        sys.stdout.write(f"{len(found)} runs removed, {remove_runs(found) / 1e6:.1f} MB freed\n")
+        sys.stdout.write(
+            f"{len(found)} {'run' if len(found) == 1 else 'runs'} removed, {remove_runs(found) / 1e6:.1f} MB freed\n"
+        )
     else:
         sys.stdout.write(
-            run_grid(found).to_text() + "\nNothing was removed. The same command with --yes removes these.\n"
+            run_grid(found).to_text() + "\nNothing was removed. To remove these runs, repeat the command with --yes.\n"
         )
     return 0
 

@@ -1,0 +1,340 @@
+"""What each command does, reads and writes, how long it takes as a rule, and what its example prints.
+
+Lines that are left out of an output are shown as ``...``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommandHelp:
+    """Sentences above the options of a command, and the main lines of the output of its example."""
+
+    text: str
+    output: str
+
+
+def example_text(example: str, found: CommandHelp) -> str:
+    """The example of a command with its output, as it is shown below the options."""
+    output = "".join(f"\n  {line}".rstrip() for line in found.output.splitlines())
+    return f"example:\n  {example}{output}"
+
+
+HELP = {
+    "new": CommandHelp(
+        text="""\
+Write a commented scene file as a start for your own. The source is a shipped scene, your own scene, or a gear unit
+in REXS. An existing file is never overwritten. Takes seconds.""",
+        output="my.toml written from bench. Change it, then: gearcase check my.toml",
+    ),
+    "check": CommandHelp(
+        text="""\
+Check a scene file and print what follows from it: ratios, frequencies, tooth forces, bearing positions, window
+lengths, time, memory and disk space of a run. Nothing is simulated and no file is written. Takes seconds.""",
+        output="""\
+Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on rope
+...
+  control: rig-healthy
+...""",
+    ),
+    "run": CommandHelp(
+        text="""\
+Simulate the machine and its healthy control, diagnose the fault from the signals and write a report.
+Result folder: report.html, response.nc (signals), diagnosis and settings, by default under ./runs.
+Takes under a minute for `minimal` and `bench`, minutes for the rig. The first run after installation also compiles
+code, for a minute or two. Stored results are reused.""",
+        output="""\
+One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one window that was looked at.
+...
+report: runs/bench/2026-11-25_01-02-13/report.html
+...""",
+    ),
+    "simulate": CommandHelp(
+        text="""\
+Simulate the machine and write its signals to response.nc in a result folder, by default under ./runs.
+There is no healthy control, no diagnosis and no report. Takes seconds for `minimal`, up to minutes for the rig.""",
+        output="signals: runs/minimal/2026-11-25_00-50-21/response.nc",
+    ),
+    "runs": CommandHelp(
+        text="""\
+List the finished runs under ./runs, open the report of one, compare several, or remove old ones. Takes seconds.""",
+        output="""\
+Runs, newest first
+run  scene                 folder     age   MB  differs in  verdict
+---  -------  -------------------  ------  ---  ----------  -------------
+  4  bench    2026-11-25_01-01-40  28 min  3.5  -           not diagnosed
+  5  minimal  2026-11-25_00-50-21  40 min  5.6  -           not diagnosed
+Nothing was removed. To remove these runs, repeat the command with --yes.""",
+    ),
+    "runs list": CommandHelp(
+        text="List the finished runs under ./runs, newest first, with the settings in which they differ.",
+        output="""\
+Runs, newest first
+run  scene                 folder     age   MB  differs in               verdict
+---  -------  -------------------  ------  ---  -----------------------  -------------
+  1  minimal  2026-11-25_01-27-24   2 min  1.1  load.container_kg=80.0   not diagnosed
+  5  minimal  2026-11-25_00-50-21  40 min  5.6  load.container_kg=114.0  not diagnosed""",
+    ),
+    "runs open": CommandHelp(
+        text="Open the report of a run in the browser, and print its path.",
+        output="runs/bench/2026-11-25_01-02-13/report.html",
+    ),
+    "runs compare": CommandHelp(
+        text="Print verdicts, differing settings and sensor levels of several runs in one table.",
+        output="""\
+Runs side by side; all other settings are the same
+                    run 1: minimal  run 5: minimal
+------------------  --------------  --------------
+...
+load.container_kg   80.0            114.0
+sensor_3, m/s2 rms  1.227           1.538
+...""",
+    ),
+    "runs clean": CommandHelp(
+        text="Show which runs would be removed. With --yes, remove them with all their files.",
+        output="1 run removed, 5.6 MB freed",
+    ),
+    "diagnose": CommandHelp(
+        text="""\
+Print which component is damaged. A measured recording is judged against healthy recordings (--baseline);
+a finished run is judged against its healthy control. Nothing is simulated and no file is written. Takes seconds.""",
+        output="""\
+One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one window that was looked at.
+...
+line                  Hz  faulty m/s²  healthy m/s²  difference dB  over floor dB  healthy over floor dB  verdict
+...
+envelope f_r      10.081       0.0224       0.00656          +10.7          +28.7                  +22.8  detected
+...""",
+    ),
+    "compare": CommandHelp(
+        text="""\
+Compare recordings, measured or simulated: print a table of features, and write it as CSV with figures of order
+spectra, envelopes and averages. The shafts are tracked by angle or speed channels. Takes seconds.""",
+        output="""\
+   recording               s  turns   rpm  f_m Hz  samples/s  speed from
+-  -------------  ----------  -----  ----  ------  ---------  -------------------------
+A  bench@0.5:0.9  0.5 to 0.9   10.0  1500     625      12800  recorded angle of shaft_1
+B  bench@0.9:1.3  0.9 to 1.3   10.0  1500     625      12800  recorded angle of shaft_1
+...
+comparison/features.csv""",
+    ),
+    "orders": CommandHelp(
+        text="""\
+Analyse a run-up or coast-down by orders of a shaft: print the highest amplitude along each order, and write pictures
+of the order spectra over speed and of the order cuts. A finished run is read. Takes seconds.""",
+        output="""\
+input-bearing z over the orders of shaft 1, 11 windows
+  order  highest m/s2  at rpm   at Hz
+-------  ------------  ------  ------
+...
+     46        0.0944    1470  1126.7
+runs/reducer/2026-11-25_01-02-30/orders.png
+...""",
+    ),
+    "export": CommandHelp(
+        text="""\
+Write the signals of a finished run as a CSV, MATLAB or universal file (UFF 58) for other programs. Takes seconds.""",
+        output="runs/minimal/2026-11-25_00-50-21/response.mat",
+    ),
+    "gears": CommandHelp(
+        text="""\
+Compute the mesh stiffness and load sharing of every gear pair, healthy and faulty, over one passage of a tooth.
+Print a table; --out writes the curves. Takes seconds, and up to a minute for each pair with the model `solid`.""",
+        output="""\
+...
+stage   pair  state    load N  secant N/um  tangent N/um  least N/um     at  TE um  TE p-p um  share %  pressure MPa
+-----  -----  -------  ------  -----------  ------------  ----------  -----  -----  ---------  -------  ------------
+    1  20/55  healthy    1061        216.4         216.4       137.8  -0.05  5.126      3.741    97.28          1231
+...""",
+    ),
+    "inspect": CommandHelp(
+        text="""\
+Write pictures of a gear pair in mesh with its stiffness curve and contact pattern, and of the casing mesh.
+Options write stresses, meshes or casing modes instead. Takes seconds, and up to minutes with the model `solid`.""",
+        output="""\
+gears_1.png
+mesh_1.png
+pattern_1.png
+casing rigid: no mesh to show""",
+    ),
+    "housing": CommandHelp(
+        text="""\
+Read a housing from a CAD file, a mesh, or stiffness and mass matrices. Print its solids and bores, or the check of
+the matrices. With --scene, propose the bearing seats and write housing.toml, a picture and an HTML page. Takes
+seconds.""",
+        output="""\
+...
+bore  solid  diameter mm  length mm         middle mm     axis  of 360 deg
+----  -----  -----------  ---------  ----------------  -------  ----------
+   1      1      95.0000     30.000  315.686, -135, 0  0, 1, 0         360
+...
+rig-housing-housing/housing.toml
+...""",
+    ),
+    "casing": CommandHelp(
+        text="""\
+Mesh and reduce the casing of a scene; print its interface points, natural frequencies with error bands, and weight.
+With --export, write the reduced matrices or the mode shapes. Takes seconds to minutes, by element size.""",
+        output="""\
+casing rigid: 6 coordinates, 23 rows
+...
+  bearing_1  x     0.00  y   -65.00  z     0.00 mm
+...""",
+    ),
+    "modes": CommandHelp(
+        text="""\
+Linearise the loaded machine about its static equilibrium; print natural frequencies, damping and the share of each
+part in the energy of each mode. No motion is simulated. Takes seconds once mesh stiffness and casing are stored.""",
+        output="""\
+minimal: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle 0
+mode  frequency Hz  damping ratio %  shafts %  bearings %  casing %  drive %  mesh 1 %  dominant
+...
+   1        112.84            6.186      58.1         4.3       0.3     34.8       2.5  motor coupling
+...
+mesh 1: force 1061 N, tangent stiffness 146.9 N/um
+...""",
+    ),
+    "converge": CommandHelp(
+        text="""\
+Compute a scene again with one setting refined and coarsened; print the observed order, the extrapolated value and the
+error band of each result, and write a plot. Takes a few times as long as the part that is refined.""",
+        output="""\
+...
+The setting in use is fine enough for 1 %: the widest error band is 0.1 % (sensor_3 rms, lifting).
+...
+plot: convergence-minimal-step.png""",
+    ),
+    "tradeoff": CommandHelp(
+        text="""\
+Measure time, memory and error of every model and main setting against the preset `reference`; print a table, the
+least expensive choice within an error and the most accurate within a time; write a plot. Takes about a minute for
+`minimal`, some 5 minutes for the rig.""",
+        output="""\
+...
+Within 2 % error of sensor rms, the least expensive choice is together: standard laws, 100 us (1.91 s, 0.36 %).
+Within 10 s, the most accurate choice is preset: reference (4.96 s, 0 %).
+...
+plot: tradeoff-minimal.png""",
+    ),
+    "starts": CommandHelp(
+        text="""\
+Simulate a scene from several slightly different initial states; print mean and spread of each level. Use it where a
+motion is chaotic and one simulation does not repeat. Takes one simulation for each start.""",
+        output="""\
+8 initial states
+...
+level                        mean  95 % interval of the mean +/-  standard deviation  lowest  highest
+...
+sensor_3 rms, lifting, m/s2  1.55                      4.696e-07           5.617e-07    1.55     1.55""",
+    ),
+    "detect": CommandHelp(
+        text="""\
+Simulate healthy and damaged machines with different deviations; print and write the probability of detection and the
+rate of false alarms over damage size, noise and sensors. Run it with --dry-run first: it takes minutes to hours.""",
+        output="""\
+scenes      88
+labels      60 chipped-tooth, 28 healthy
+...
+time        about 4 minutes on 2 cores: ...
+disk        about 335 MB in 88 files per signal""",
+    ),
+    "campaign": CommandHelp(
+        text="""\
+Simulate all scenes of a plan and write them as one labelled data set. Repeat the command to continue after an
+interruption. Run it with --dry-run first: it takes minutes to hours.""",
+        output="""\
+scenes      240
+labels      80 chipped-tooth, 80 cracked-tooth, 80 healthy
+...
+time        about 4 minutes on 2 cores: ...
+disk        about 144 MB in 240 files per signal""",
+    ),
+    "dataset": CommandHelp(
+        text="""\
+Summarise, check or export a data set of `gearcase campaign`, or compute its features. Takes seconds to minutes.""",
+        output="""\
+...
+  labels   6 healthy
+  split    4 train, 2 test; 6 groups
+...""",
+    ),
+    "dataset info": CommandHelp(
+        text="""\
+Print the number of runs, labels and parts of the split, and the range of each variable. A campaign may still be
+running. Takes seconds.""",
+        output="""\
+...
+  runs     6: 6 done
+...
+  labels   6 healthy
+  split    4 train, 2 test; 6 groups
+...""",
+    ),
+    "dataset check": CommandHelp(
+        text="""\
+Check the signals against their checksums, and rows and labels against the plan. Print what is wrong and what to do;
+the exit code is 1 then. All signals are read, which takes seconds to minutes.""",
+        output="6 rows of 6 runs looked at: nothing is wrong",
+    ),
+    "dataset features": CommandHelp(
+        text="""\
+Compute statistics, order and envelope features of every run and write them to features.parquet in the data set.
+Repeat the command to continue after an interruption. Takes seconds to minutes.""",
+        output="""\
+...
+campaigns/plan/features.parquet: 18 lines""",
+    ),
+    "dataset export": CommandHelp(
+        text="""\
+Write runs, or pieces of equal length, with their labels in a format for other programs. The signals stay as they are.
+Takes seconds to minutes.""",
+        output="""\
+16 pieces
+...""",
+    ),
+    "verify": CommandHelp(
+        text="""\
+Check the claims of the study of the hoist rig: print each claim with its limit, simulate 40 cases, print the verdicts.
+With --out, write claims.md and claims.json. Takes some 5 minutes on two cores, more if nothing is stored yet.""",
+        output="""\
+...
+claims/claims.md
+claims/claims.json""",
+    ),
+    "explain": CommandHelp(
+        text="""\
+Print which steps of a run are stored and reused and which are computed, with the changed setting that is the reason.
+Nothing is computed and no file is written. Takes seconds.""",
+        output="""\
+First run: the cache holds no results of a similar scene to compare with.
+...
+compute  law_1
+...""",
+    ),
+    "schema": CommandHelp(
+        text="""\
+Print the JSON schema of scene files, with which an editor completes and checks keys and values. Takes a second.""",
+        output="scene.schema.json",
+    ),
+    "completion": CommandHelp(
+        text="""\
+Print the script with which a shell completes commands, options and file names. For bash, write it to
+~/.local/share/bash-completion/completions/gearcase; for zsh, to a file _gearcase in a folder of `fpath`.""",
+        output="""\
+...
+_shtab_gearcase_runs_subparsers=(list open compare clean)
+...""",
+    ),
+    "cache": CommandHelp(
+        text="""\
+Show the size of the cache, verify its checksums, or clear it. The cache stores the results of computed steps for
+reuse by all scenes; clearing it costs only time. Takes seconds.""",
+        output="""\
+...
+  casing               1 entries        0.0 MB
+...
+  all                  6 stored         6.2 MB""",
+    ),
+}
