@@ -52,6 +52,7 @@ sphinx_gallery_conf = {
     "filename_pattern": r"\.py$",
     "image_scrapers": ("matplotlib",),
     "abort_on_example_error": True,
+    "capture_repr": (),  # a page shows what a script prints and plots, not the value of its last line
     "remove_config_comments": True,
     "download_all_examples": False,
     "show_memory": False,

@@ -2,9 +2,10 @@
 
     python examples/classify_bench.py
 
-simulates the 240 runs of classify_bench.toml (four minutes on two idle cores; what is done is not done again), computes
-their features with a sensor noise of 0.05 m/s2, trains a random forest on the part `train` of the split, and prints
-and draws the confusion matrix of the part `test`. Then it leaks on purpose, to show what that is worth.
+simulates the 240 runs of classify_bench.toml, which takes four minutes on two idle cores; finished runs are kept. It
+computes their features with a sensor noise of 0.05 m/s2 and trains a random forest on the part `train` of the split.
+It prints the confusion matrix of the part `test` and writes it as a picture. The last table compares this split with
+splits that leak: records of the same gears, or pieces of the same run, are then in both parts.
 """
 
 import subprocess
@@ -37,7 +38,7 @@ def main(folder: Path) -> None:
     labels = sorted(table.label.unique())
     counts = confusion_matrix(test.label, found, labels=labels)
     print(matrix_text(counts, labels))
-    print(f"right: {share(np.trace(counts) / counts.sum())}; by chance: {share(chance(test.label))}\n")
+    print(f"correct: {share(np.trace(counts) / counts.sum())}; by chance: {share(chance(test.label))}\n")
     draw(counts, labels, folder / "confusion.png")
 
     spectra, known = piece_table(folder)
@@ -73,7 +74,7 @@ def piece_table(folder: Path) -> tuple[np.ndarray, pandas.DataFrame]:
 
 
 def scores(values: np.ndarray, labels: pandas.Series, groups: np.ndarray) -> float:
-    """Mean share of right answers over random splits that keep groups together."""
+    """Mean share of correct answers over random splits that keep groups together."""
     label = labels.to_numpy()
     splits = GroupShuffleSplit(REPEATS, test_size=0.3, random_state=0).split(values, label, groups)
     return float(np.mean([forest().fit(values[a], label[a]).score(values[b], label[b]) for a, b in splits]))
@@ -85,7 +86,7 @@ def forest() -> RandomForestClassifier:
 
 
 def chance(labels: pandas.Series) -> float:
-    """Share of right answers of who always says the most frequent label."""
+    """Share of correct answers if the most frequent label is always chosen."""
     return float(labels.value_counts(normalize=True).max())
 
 
