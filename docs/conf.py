@@ -11,6 +11,7 @@ sys.path.insert(0, str(HERE))
 sys.path.insert(0, str(HERE.parent))
 
 import reference_pages  # noqa: E402
+from docutils import nodes  # noqa: E402
 
 from pipelines.engine.code_version import library_versions  # noqa: E402
 
@@ -69,7 +70,19 @@ def headed(app, what, name, found, options, lines):
         lines[first:first] = ["Examples", "--------"]
 
 
+def shortened(app, env):
+    """The side bar of the reference of scene keys lists each table of the top level once, not its subtables."""
+    entries, seen = next(env.tocs["scene-keys"].findall(nodes.bullet_list)).children[0].children[1], set()
+    for entry in list(entries):
+        name = entry[0].astext().split()[0]
+        if "." in name or name in seen:
+            entries.remove(entry)
+        del entry[1:]
+        seen.add(name)
+
+
 def setup(app):
     """The reference is written before the pages are read, and docstrings are headed before numpydoc reads them."""
     app.connect("builder-inited", lambda app: reference_pages.write(HERE / "reference"))
     app.connect("autodoc-process-docstring", headed, priority=100)
+    app.connect("env-updated", shortened)

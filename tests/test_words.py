@@ -158,7 +158,9 @@ def test_a_word_of_the_table_is_noticed(text):
     assert words_to_replace(text) != []
 
 
-@pytest.mark.parametrize("text", ["sound power of the casing", "error bars", "error-bars.md", "the outer ring", "pinion_hand = 1"])
+@pytest.mark.parametrize(
+    "text", ["sound power of the casing", "error bars", "error-bars.md", "the outer ring", "pinion_hand = 1"]
+)
 def test_a_standard_term_is_no_word_of_the_table(text):
     assert words_to_replace(text) == []
 

@@ -2,8 +2,8 @@
 Envelope spectrum of a pitted bearing
 =====================================
 
-Each ball that rolls over a pit in the outer ring causes an impact. The impacts excite modes of the machine. The envelope
-of this response repeats with the ball pass frequency of the outer ring.
+Each ball that rolls over a pit in the outer ring causes an impact. The impacts excite modes of the machine, and the
+envelope of this response repeats with the ball pass frequency of the outer ring.
 """
 
 import matplotlib.pyplot as plt

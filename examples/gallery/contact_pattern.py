@@ -30,7 +30,8 @@ boxes[0].set_ylabel("diameter on the pinion, mm")
 figure.colorbar(colours, ax=boxes, label="Hertz pressure, MPa")
 
 # %%
-# ISO 6336-2, with contact lines of mean length: sigma_H0 = Z_H Z_E Z_eps Z_beta sqrt(F_t / (d_1 b) (u + 1) / u), F_t = F cos(alpha_t):
+# ISO 6336-2, with contact lines of mean length:
+# sigma_H0 = Z_H Z_E Z_eps Z_beta sqrt(F_t / (d_1 b) (u + 1) / u), F_t = F cos(alpha_t):
 
 beta, alpha = pair.pinion.helix_angle, pair.working_pressure_angle
 zone = np.sqrt(2 * np.cos(pair.base_helix_angle) / (np.cos(alpha) ** 2 * np.tan(alpha)))

@@ -2,8 +2,8 @@
 Discretisation error of a mesh
 ==============================
 
-A coarse finite-element mesh makes teeth too stiff. Three meshes with a constant refinement ratio give the observed order
-of convergence, the value extrapolated to zero element size (Richardson), and its uncertainty band.
+A coarse finite-element mesh makes teeth too stiff. Three meshes with a constant refinement ratio give the observed
+order of convergence, the value extrapolated to zero element size (Richardson), and its uncertainty band.
 """
 
 import matplotlib.pyplot as plt

@@ -25,8 +25,8 @@ casing = { model = "craig-bampton", band_Hz = 2000.0, element_size_mm = 25.0 }
 """,
     encoding="utf-8",
 )
-command = [sys.executable, "-m", "gearcase", "inspect", str(file), "--casing-mode", "1", "--out", str(folder), "--quiet"]
-subprocess.run(command, check=True, capture_output=True)
+command = ["inspect", str(file), "--casing-mode", "1", "--out", str(folder), "--quiet"]
+subprocess.run([sys.executable, "-m", "gearcase", *command], check=True, capture_output=True)
 
 # %%
 # It writes a picture, an animated GIF and a page with a slider for the phase. This is the picture:

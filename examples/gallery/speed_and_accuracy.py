@@ -2,8 +2,8 @@
 Cost and accuracy of the mesh models
 ====================================
 
-Four models compute the stiffness of a gear pair, from a closed formula to 3-D finite elements. The figure compares their
-stiffness curves, their computing times, and their deviations from the finest model.
+Four models compute the stiffness of a gear pair, from a closed formula to 3-D finite elements. The figure compares
+their stiffness curves, their computing times, and their deviations from the finest model.
 """
 
 import matplotlib.pyplot as plt
