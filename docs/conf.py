@@ -74,10 +74,12 @@ def shortened(app, env):
     """The side bar of the reference of scene keys lists each table of the top level once, not its subtables."""
     entries, seen = next(env.tocs["scene-keys"].findall(nodes.bullet_list)).children[0].children[1], set()
     for entry in list(entries):
-        name = entry[0].astext().split()[0]
+        name = entry[0].astext().partition(" (")[0]
         if "." in name or name in seen:
             entries.remove(entry)
         del entry[1:]
+        link = next(entry.findall(nodes.reference))
+        link.children = [nodes.Text(name)]
         seen.add(name)
 
 

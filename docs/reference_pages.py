@@ -42,7 +42,7 @@ def python_pages() -> dict[str, str]:
         pages[f"python/{name}.md"] = f"{HEAD}# {name}\n\n{directive}"
     assert {name for _, names in GROUPS for name in names} == set(gearcase.__all__)
     tables = [
-        f"\n## {title}\n\n| name | |\n| --- | --- |\n"
+        f"\n## {title}\n\n| name | description |\n| --- | --- |\n"
         + "".join(f"| [{name}]({name}.md) | {_first_sentence(getattr(gearcase, name))} |\n" for name in names)
         for title, names in GROUPS
     ]
@@ -53,8 +53,8 @@ def python_pages() -> dict[str, str]:
 
 def _first_sentence(found: object) -> str:
     """How a docstring begins, in one line of a table."""
-    paragraph = inspect.getdoc(found).partition("\n\n")[0].replace("\n", " ").replace("|", "\\|")
-    return re.split(r"(?<=[.;])\s", paragraph)[0].rstrip(".;") + "."
+    paragraph = inspect.getdoc(found).partition("\n\n")[0].replace("\n", " ").replace("|", "\\|").replace("<", "\\<")
+    return re.split(r"(?<=[\w)`]\.)\s", paragraph)[0]
 
 
 def command_pages() -> dict[str, str]:
