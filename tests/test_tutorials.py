@@ -64,7 +64,7 @@ def worked(page):
     """Pairs of printed and actual output of a page, the actual one trimmed as the page is; in the working folder."""
     pairs, names, output = [], {"__name__": "tutorial"}, io.StringIO()
     for name, kind, text in blocks(page):
-        if kind == "text":
+        if kind in ("text", "none"):  # none: sentences, which the page wraps
             if not text.startswith("gearcase "):
                 pairs.append((text, trimmed(output.getvalue(), text)))
             continue
@@ -113,7 +113,7 @@ def rewrite():
         with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
             text = page.read_text(encoding="utf-8")
             for printed, actual in worked(page):
-                text = text.replace(f"```text\n{printed}```", f"```text\n{actual}```")
+                text = text.replace(f"\n{printed}```", f"\n{actual}```")
             page.write_text(text, encoding="utf-8")
 
 
