@@ -35,7 +35,8 @@ source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["sg_execution_times.rst"]
 nitpicky = False
 
-myst_enable_extensions = ["colon_fence", "dollarmath"]
+myst_enable_extensions = ["colon_fence", "dollarmath", "substitution"]
+myst_substitutions = {"version": version}
 html_math_renderer = "mathml"
 myst_heading_anchors = 3
 autodoc_member_order = "bysource"
@@ -58,6 +59,7 @@ sphinx_gallery_conf = {
     "filename_pattern": r"\.py$",
     "image_scrapers": ("matplotlib",),
     "abort_on_example_error": True,
+    "capture_repr": (),  # a page shows what a script prints and plots, not the value of its last line
     "remove_config_comments": True,
     "download_all_examples": False,
     "show_memory": False,
@@ -86,8 +88,22 @@ def mathml(self, node):
     raise nodes.SkipNode
 
 
+def shortened(app, env):
+    """The side bar of the reference of scene keys lists each table of the top level once, not its subtables."""
+    entries, seen = next(env.tocs["scene-keys"].findall(nodes.bullet_list)).children[0].children[1], set()
+    for entry in list(entries):
+        name = entry[0].astext().partition(" (")[0]
+        if "." in name or name in seen:
+            entries.remove(entry)
+        del entry[1:]
+        link = next(entry.findall(nodes.reference))
+        link.children = [nodes.Text(name)]
+        seen.add(name)
+
+
 def setup(app):
     """The reference is written before the pages are read, and docstrings are headed before numpydoc reads them."""
     app.add_html_math_renderer("mathml", (mathml, None), (mathml, None))
     app.connect("builder-inited", lambda app: reference_pages.write(HERE / "reference"))
     app.connect("autodoc-process-docstring", headed, priority=100)
+    app.connect("env-updated", shortened)

@@ -1,7 +1,20 @@
 """Pages of the site that are made from the code: every public name of Python, every command."""
 
+import inspect
+import re
 from pathlib import Path
 
+GROUPS = (  # of the public names
+    ("Scenes", ("Scene", "check", "Checked")),
+    ("Gears, casing and natural frequencies", ("laws", "PairLaws", "casing", "Casing", "modes", "LinearModes")),
+    ("Matrices of another program", ("reduce", "Point", "ReducedMatrices")),
+    ("Simulation and finished runs", ("simulate", "run", "open_run", "spectrum", "StepProgress")),
+    ("Diagnosis", ("diagnose", "Diagnosis", "error_bars", "LineBars")),
+    ("Recordings", ("open_recording", "judge", "Verdict", "compare")),
+    ("Data sets", ("campaign", "Finished", "open_dataset", "pieces")),
+    ("Accuracy", ("converge", "RefinementStudy", "tradeoff", "Tradeoff")),
+    ("Errors", ("InputError", "SceneError", "WorkError")),
+)
 HEAD = "<!-- made by reference_pages.py -->\n\n"
 
 
@@ -27,8 +40,21 @@ def python_pages() -> dict[str, str]:
         options = "\n:members:" if kind == "autoclass" else ""
         directive = f"```{{eval-rst}}\n.. {kind}:: gearcase.{name}{options.replace(chr(10), chr(10) + '   ')}\n```\n"
         pages[f"python/{name}.md"] = f"{HEAD}# {name}\n\n{directive}"
-    pages["python/index.md"] = listing("Python, name by name", gearcase.__all__)
+    assert {name for _, names in GROUPS for name in names} == set(gearcase.__all__)
+    tables = [
+        f"\n## {title}\n\n| name | description |\n| --- | --- |\n"
+        + "".join(f"| [{name}]({name}.md) | {_first_sentence(getattr(gearcase, name))} |\n" for name in names)
+        for title, names in GROUPS
+    ]
+    names = [name for _, names in GROUPS for name in names]
+    pages["python/index.md"] = listing("Python, name by name", names, "".join(tables))
     return pages
+
+
+def _first_sentence(found: object) -> str:
+    """How a docstring begins, in one line of a table."""
+    paragraph = inspect.getdoc(found).partition("\n\n")[0].replace("\n", " ").replace("|", "\\|").replace("<", "\\<")
+    return re.split(r"(?<=[\w)`]\.)\s", paragraph)[0]
 
 
 def command_pages() -> dict[str, str]:
@@ -51,9 +77,9 @@ def command_pages() -> dict[str, str]:
     return pages
 
 
-def listing(title: str, names: list[str], text: str = "") -> str:
-    """A page that leads to others."""
-    return f"{HEAD}# {title}\n{text}\n```{{toctree}}\n:maxdepth: 1\n\n" + "\n".join(names) + "\n```\n"
+def listing(title: str, names: list[str], text: str) -> str:
+    """A page whose tables lead to others."""
+    return f"{HEAD}# {title}\n{text}\n```{{toctree}}\n:hidden:\n\n" + "\n".join(names) + "\n```\n"
 
 
 def _actions(parser):

@@ -37,7 +37,7 @@ def main(folder: Path) -> None:
     labels = sorted(table.label.unique())
     counts = confusion_matrix(test.label, found, labels=labels)
     print(matrix_text(counts, labels))
-    print(f"right: {share(np.trace(counts) / counts.sum())}; by chance: {share(chance(test.label))}\n")
+    print(f"correct: {share(np.trace(counts) / counts.sum())}; by chance: {share(chance(test.label))}\n")
     draw(counts, labels, folder / "confusion.png")
 
     spectra, known = piece_table(folder)
@@ -73,7 +73,7 @@ def piece_table(folder: Path) -> tuple[np.ndarray, pandas.DataFrame]:
 
 
 def scores(values: np.ndarray, labels: pandas.Series, groups: np.ndarray) -> float:
-    """Mean share of right answers over random splits that keep groups together."""
+    """Mean share of correct answers over random splits that keep groups together."""
     label = labels.to_numpy()
     splits = GroupShuffleSplit(REPEATS, test_size=0.3, random_state=0).split(values, label, groups)
     return float(np.mean([forest().fit(values[a], label[a]).score(values[b], label[b]) for a, b in splits]))

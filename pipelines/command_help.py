@@ -140,14 +140,18 @@ Write the signals of a finished run as a CSV, MATLAB or universal file (UFF 58) 
     ),
     "gears": CommandHelp(
         text="""\
-Compute the mesh stiffness and load sharing of every gear pair, healthy and faulty, over one passage of a tooth.
-Print a table; --out writes the curves. Takes seconds, and up to a minute for each pair with the model `solid`.""",
+Compute the mesh stiffness, transmission error and load sharing of every gear pair, healthy and faulty, over one passage
+of a tooth. Print tables and a proposal for tip relief; --plot writes a figure of the transmission error, --out the curves.
+Takes seconds, and up to a minute for each pair with the model `solid`.""",
         output="""\
 ...
-stage   pair  state    load N  secant N/um  tangent N/um  least N/um     at  TE um  TE p-p um  share %  pressure MPa
------  -----  -------  ------  -----------  ------------  ----------  -----  -----  ---------  -------  ------------
-    1  20/55  healthy    1061        216.4         216.4       137.8  -0.05  5.126      3.741    97.28          1231
-...""",
+stage  torque N m  flanks      order 1 um  order 2 um  order 3 um  order 4 um  order 5 um
+-----  ----------  ----------  ----------  ----------  ----------  ----------  ----------
+    1          50  unmodified      0.9229      0.6531      0.4129      0.1859    0.009963
+...
+stage 1: usual tip relief of both gears: length_mm = 2.07 (short) or 4.14 (long)
+...
+te.png""",
     ),
     "inspect": CommandHelp(
         text="""\
@@ -176,7 +180,7 @@ rig-housing-housing/housing.toml
     "casing": CommandHelp(
         text="""\
 Mesh and reduce the casing of a scene; print its interface points, natural frequencies with error bands, and weight.
-With --export, write the reduced matrices or the mode shapes. Takes seconds to minutes, by element size.""",
+--response writes frequency responses, --export the matrices or mode shapes. Takes seconds to minutes.""",
         output="""\
 casing rigid: 6 coordinates, 23 rows
 ...

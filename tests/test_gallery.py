@@ -13,7 +13,7 @@ HOLDS = {  # what a script ends in
     "campaign": lambda found: 0.5 < found["exponent"] < 1.0,  # the excitation grows, the teeth flatten in mesh
     "contact_pattern": lambda found: abs(found["pitch"] / found["nominal"] - 1) < 0.1 and found["highest"] > 1000,
     "craig_bampton": lambda found: 0 <= found["largest"] < 1e-3 and found["kept"] < 0.01 * found["unknowns"],
-    "load_share": lambda found: 0.2 < found["left"] < 0.6,
+    "load_share": lambda found: 0.2 < found["ratio"] < 0.6,
     "matrices_from_elsewhere": lambda found: found["worst"] < 1e-4 and len(found["frequencies"]) < 10,
     "mesh_convergence": lambda found: found["stiffness"].order > 1 and found["band"] < 0.02,
     "mesh_stiffness": lambda found: 0.1 < found["ratio"] < 0.5,

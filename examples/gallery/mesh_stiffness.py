@@ -2,8 +2,8 @@
 Mesh stiffness with a missing tooth
 ===================================
 
-The stiffness of a gear pair rises and falls with the number of tooth pairs in mesh. Where a tooth is missing, its
-neighbours carry alone, and the pair is softer for as long as that tooth should be in mesh.
+The stiffness of a gear pair varies with the number of tooth pairs in mesh. Where a tooth is missing, its neighbours
+carry the whole load, and the mesh stiffness is lower while that tooth should be in mesh.
 """
 
 import matplotlib.pyplot as plt
@@ -17,7 +17,7 @@ curve = gearcase.laws(scene)[0].curve()
 healthy, faulty = (curve.secant.sel(state=state) / 1e6 for state in ("healthy", "faulty"))
 
 # %%
-# Over mesh cycles, counted from the instant at which the missing tooth should touch at the pitch point:
+# Mesh cycle 0 is the position at which the missing tooth would touch at the pitch point:
 
 figure, axes = plt.subplots(figsize=(7, 3.5), layout="constrained")
 axes.plot(curve.cycle, healthy, label="healthy")
@@ -26,7 +26,7 @@ axes.set(xlabel="mesh cycles", ylabel="secant stiffness, N/um", ylim=(0, None))
 axes.legend()
 
 # %%
-# The least stiffness over that of the healthy pair:
+# Least stiffness with the fault over that of the healthy pair:
 
 ratio = float(faulty.min() / healthy.min())
 print(f"{ratio:.2f}")

@@ -2,8 +2,8 @@
 Natural frequencies over speed
 ==============================
 
-Where the frequency of the mesh meets a natural frequency, the machine answers. Such a view is called a Campbell
-diagram; gyroscopic moments let the modes of the shafts move with the speed.
+A Campbell diagram shows natural frequencies and excitation orders over speed. Resonances are expected where an order
+line crosses a natural frequency. Gyroscopic moments shift the modes of the shafts with the speed.
 """
 
 import matplotlib.pyplot as plt
@@ -14,11 +14,11 @@ import gearcase
 scene = gearcase.Scene.from_file("minimal").changed(
     {"shaft_model": {"model": "timoshenko", "gyroscopic": True}, "casing": {"model": "none"}, "sensors": []}
 )
-speeds = np.array([0.0, 1500.0, 3000.0])  # rpm
+speeds = np.linspace(0.0, 3000.0, 13)  # rpm
 modes = [gearcase.modes(scene, up_to=1000, speed=speed) for speed in speeds]
 
 # %%
-# Modes as points, orders of the pinion shaft as lines: its revolution, its mesh with 20 teeth.
+# Natural frequencies as points; orders of the pinion shaft as lines: its rotation, and its mesh with 20 teeth.
 
 figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
 for speed, found in zip(speeds, modes, strict=True):
@@ -29,7 +29,7 @@ axes.set(xlabel="speed, rpm", ylabel="Hz", ylim=(0, 1000))
 axes.legend()
 
 # %%
-# The mesh meets the first mode, the shafts turning against the motor's coupling, at
+# The mesh frequency meets the first mode, torsion of the shafts against the motor coupling, at
 
 first = modes[0].frequencies[0]
 resonance = 60 * first / 20

@@ -1,9 +1,9 @@
 """
-A mesh model of one's own
+A user-defined mesh model
 =========================
 
-A mesh model is a frozen class whose `laws` are tables over the path of contact. This one takes the stiffness of a tooth
-pair from a measured curve. For scene files it wants a name and its keys: docs/extending.md has the few lines.
+A mesh model is a frozen dataclass with a method `laws`, which returns tables over the path of contact. This example
+takes the stiffness of a tooth pair from a measured curve. To use it in a scene file, see docs/extending.md.
 """
 
 from dataclasses import dataclass, replace
@@ -37,7 +37,7 @@ class Measured(MeshModel):
 
 
 # %%
-# In place of the model of the scene; faults and deviations could follow as with any other:
+# The model replaces that of the scene. Faults and deviations can be added as with any other model:
 
 found = gearcase.laws(gearcase.Scene.from_file("minimal"))[0]
 model = Measured(places=(0.0, 0.25, 0.5, 0.75, 1.0), stiffness=(8e9, 12e9, 14e9, 12e9, 8e9))
@@ -52,7 +52,7 @@ axes.set(xlabel="mesh cycles", ylabel="stiffness, N/um", ylim=(0, None))
 axes.legend()
 
 # %%
-# All pairs together have, on average, the area under the measured curve over a pitch, times the face width:
+# The mean mesh stiffness equals the area under the measured curve over one pitch, times the face width:
 
 area = trapezoid(model.stiffness, model.places) * found.pair.transverse_contact_ratio * found.pair.face_width
 ratio = float(measured.curve().tangent.mean()) / area

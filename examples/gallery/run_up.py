@@ -2,8 +2,8 @@
 Waterfall of a run-up
 =====================
 
-What comes from the teeth rises with the speed, what comes from the structure stays where it is. In the spectra of a
-run-up, laid over one another, the first are rays and the second upright lines.
+A waterfall diagram shows spectra over speed. Gear mesh lines rise in proportion to the speed and appear as rays.
+Resonances of the structure keep their frequency and appear as vertical lines.
 """
 
 import matplotlib.pyplot as plt
@@ -24,14 +24,14 @@ inside = (time > 0.12) & (time < 0.88)  # whole windows
 speed, lines = 300.0 + 1200.0 * time[inside], lines[:, inside]
 
 # %%
-# The ray is the mesh, twenty times in a revolution of the pinion:
+# The ray is the mesh frequency, order 20 of the pinion shaft:
 
 figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
 axes.pcolormesh(short.f, speed, 20 * np.log10(lines.T + 1e-6), vmin=-60, vmax=0)
 axes.set(xlabel="Hz", ylabel="speed, rpm", xlim=(0, 1500))
 
 # %%
-# Its slope, from the highest line between half and twice the mesh frequency at every speed:
+# Its order, from the highest line between half and 1.5 times the mesh frequency at every speed:
 
 orders = []
 for at, column in zip(speed, lines.T, strict=True):

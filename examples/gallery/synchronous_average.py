@@ -1,9 +1,9 @@
 """
-A missing tooth in the average over revolutions
-===============================================
+A missing tooth in the synchronous average
+==========================================
 
-Averaged over the revolutions of one shaft, a signal keeps what repeats with that shaft. A missing tooth shakes once in
-every revolution, for about a twentieth of it.
+The time-synchronous average over revolutions of one shaft keeps what repeats with that shaft. A missing tooth of the
+pinion causes one impact in each revolution, for about a twentieth of it.
 """
 
 import matplotlib.pyplot as plt
@@ -31,7 +31,7 @@ axes.set(xlabel="revolutions of the pinion", ylabel="m/s2")
 axes.legend()
 
 # %%
-# The crest factor, peak over rms, tells one blow in a revolution from an even hum:
+# The crest factor, peak over rms, separates one impact a revolution from a steady vibration:
 
 
 def crest(average):
