@@ -141,7 +141,7 @@ Write the signals of a finished run as a CSV, MATLAB or universal file (UFF 58) 
     "gears": CommandHelp(
         text="""\
 Compute the mesh stiffness, transmission error and load sharing of every gear pair, healthy and faulty, over one passage
-of a tooth. Print tables and a proposal for tip relief; --plot writes a figure of the transmission error, --out the curves.
+of a tooth. Print tables and a proposal for tip relief; --plot shows the transmission error, --out writes the curves.
 Takes seconds, and up to a minute for each pair with the model `solid`.""",
         output="""\
 ...

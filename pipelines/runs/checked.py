@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,14 +18,19 @@ if TYPE_CHECKING:
 MOST_DIFFERENCES = 10  # of scene and control that are listed; more belong to another machine
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Checked:
-    """A scene that can be run."""
+    """A scene that can be run; shown as the text that `gearcase check` prints."""
 
     plant: Plant  # the scene in SI
     facts: Facts  # ratios, frequencies (Hz), speeds (rad/s, m/s), torques (N m), forces (N), lengths (m)
+    control: str  # its healthy control, "none" without one
     cost: str  # of a run: steps, seconds, memory, disk
     warnings: tuple[str, ...]  # what is questionable, and how its control differs in more than the fault
+
+    def __repr__(self) -> str:
+        own = [*_lines(self.plant, self.control), *_times(self.plant), f"  {self.cost}"]
+        return "\n".join([*own, *(f"warning: {text}" for text in self.warnings)])
 
     def _repr_html_(self) -> str:
         """The gear pairs in numbers, cost and warnings, for a notebook."""
@@ -40,8 +47,8 @@ class Checked:
             for number, (pair, stage) in enumerate(zip(self.plant.layout.pairs, self.facts.stages, strict=True), 1)
         ]
         head = ("stage", "z1/z2", "ratio", "mesh, Hz", "pinion, Hz", "wheel, Hz", "mesh force, N")
-        said = shown_html.table("Cost and warnings", (), ((line,) for line in (self.cost, *self.warnings)))
-        return shown_html.table(self.plant.title, head, rows) + said
+        text = shown_html.table("Cost and warnings", (), ((line,) for line in (self.cost, *self.warnings)))
+        return shown_html.table(self.plant.title, head, rows) + text
 
 
 def check_scene(loaded: LoadedScene) -> Checked:
@@ -67,6 +74,85 @@ def check_scene(loaded: LoadedScene) -> Checked:
     return Checked(
         plant=study.plant,
         facts=study.plant.facts,
+        control=loaded.scene.control or "none",
         cost=str(estimate(loaded.scene, len(study.motions))),
         warnings=tuple(warnings),
     )
+
+
+def _lines(plant: Plant, control: str) -> Iterator[str]:
+    from pipelines.plant.casing import ElasticPart
+
+    facts = plant.facts
+    yield plant.title
+    yield f"  motor speed {facts.motor_speed * 30 / math.pi:.4g} rpm, total ratio {facts.total_ratio:.4f}"
+    place = "load" if plant.hoist is None else "drums"
+    yield f"  torque at the input {facts.input_torque:.4g} N m, at the {place} {facts.output_torque:.4g} N m"
+    if facts.container_speed is not None:
+        yield f"  highest container speed {facts.container_speed:.4g} m/s"
+    if facts.rope_frequency is not None:
+        yield f"  natural frequency of the container on its rope {facts.rope_frequency:.3g} Hz at the start"
+    yield (
+        "  stage  z1/z2     ratio   a mm      eps_alpha eps_beta  f_m Hz    f_r pinion, wheel Hz  F_bt N   F_bt/b N/mm"
+    )
+    for number, (pair, stage) in enumerate(zip(plant.layout.pairs, facts.stages, strict=True), 1):
+        teeth = f"{pair.pinion.teeth}/{pair.wheel.teeth}"
+        yield (
+            f"  {number:<6} {teeth:9} {stage.ratio:<7.4f} {stage.centre_distance * 1000:<9.3f} "
+            f"{stage.transverse_contact_ratio:<9.4f} {stage.overlap_ratio:<9.4f} {stage.mesh_frequency:<9.5g} "
+            f"{stage.pinion_frequency:<9.5g} {stage.wheel_frequency:<10.5g} {stage.mesh_force:<8.4g} "
+            f"{stage.line_load / 1000:.4g}"
+        )
+    for number, point in enumerate(plant.bearing_points, 1):
+        x, y, z = (value * 1000 for value in point)
+        yield f"  bearing_{number} at x {x:.2f}, y {y:.2f}, z {z:.2f} mm"
+    chosen = plant.models
+    models = [f"mesh {'/'.join(dict.fromkeys(chosen['mesh']))}"]
+    models += [f"casing {chosen['casing']}", f"shafts {chosen['shaft_model']}", f"load {chosen['load']}"]
+    yield f"  models: {', '.join(models)}, integrator {chosen['integrator']}"
+    if isinstance(plant.casing, ElasticPart) and plant.casing.model.joint is not None:
+        from pipelines.plant.casing_parts.joint import joint_words
+
+        yield f"  joint: {joint_words(plant.casing.model.joint, plant.casing.material)}"
+    if plant.rolling:
+        from pipelines.plant.looked_for import pass_rates
+
+        yield "  rolling bearing    shaft  elements  BPFO Hz   BPFI Hz   BSF Hz    FTF Hz"
+        for bearing in plant.rolling:
+            rates = "  ".join(f"{value:<8.5g}" for value in pass_rates(plant.layout, bearing).values())
+            yield f"  {bearing.name:<18} {bearing.shaft + 1:<6} {bearing.elements.count:<9} {rates}".rstrip()
+    if plant.shaft_faults:
+        from pipelines.plant.looked_for import shaft_lines
+
+        for fault in plant.shaft_faults:
+            monitored = shaft_lines(plant.layout, fault).wanted()
+            orders = ", ".join(f"{label} {frequency:.5g} Hz" for label, _, frequency in monitored)
+            yield f"  {fault.name}: {orders}"
+    if plant.fault_words:
+        yield f"  faults: {', '.join(plant.fault_words)}"
+    yield f"  control: {control}"
+
+
+def _times(plant: Plant) -> Iterator[str]:
+    """How long a window must be for each shaft, and which are too short."""
+    from pipelines.features.average import FEWEST_TURNS
+    from pipelines.orders.needed_time import needed_seconds
+    from pipelines.orders.plant_kinematics import kinematics_of
+    from pipelines.signals.spectrum import FEWEST_REVOLUTIONS
+
+    windows = plant.looked_for.windows
+    kinematics = kinematics_of(plant.layout, plant.rolling)
+    if not kinematics.frequency or not windows:
+        return
+    uses = {"averages": FEWEST_TURNS, "lines": FEWEST_REVOLUTIONS}
+    needed = {use: needed_seconds(kinematics, turns) for use, turns in uses.items()}
+    heads = "  ".join(f"{use} ({turns} turns) s" for use, turns in uses.items())
+    yield "  shortest window for averages and for spectral lines; windows of the scene that are shorter"
+    yield f"  shaft       {heads}  too short"
+    for shaft in kinematics.shafts:
+        short = []
+        for name, (start, end) in windows.items():
+            for_what = [use for use in uses if end - start < needed[use][shaft.name]]
+            short += [f"{name} ({end - start:.4g} s) for {' and '.join(for_what)}"] if for_what else []
+        average, lines = (needed[use][shaft.name] for use in uses)
+        yield f"  {shaft.name:<11} {average:<21.4g} {lines:<18.4g} {', '.join(short) or '-'}"
