@@ -114,7 +114,10 @@ def test_results_of_a_scene_show_themselves():
     assert row[:3] == ["secant", "healthy", "N/m"]
     assert float(row[4]) == pytest.approx(float(pair.curve().secant.mean()), rel=1e-4)
     assert "<polyline" in pair._repr_html_()
-    stage = cells(gearcase.check(scene)._repr_html_())[1]
+    checked = gearcase.check(scene)
+    assert str(checked).splitlines()[0] == scene.title
+    assert len(str(checked)) < 2000
+    stage = cells(checked._repr_html_())[1]
     assert stage[:4] == ["1", "20/55", "2.75", "300"]
     casing = cells(gearcase.casing(scene)._repr_html_())
     assert casing[0] == ["mode", "Hz", "+- Hz"]
