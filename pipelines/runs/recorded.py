@@ -203,7 +203,7 @@ def file_words(found: JudgedFile) -> str:
     parts.append("There is no verdict without healthy recordings to compare with. Give some: --baseline FILE FILE ...")
     parts.append(features_grid(found.recorded.table).to_text())
     if found.recorded.table.left_out:
-        parts.append(f"Not analysed, too few revolutions: {'; '.join(found.recorded.table.left_out)}.")
+        parts.append(f"Left out because of too few revolutions: {'; '.join(found.recorded.table.left_out)}.")
     return "\n\n".join(parts) + "\n"
 
 

@@ -11,7 +11,7 @@ all presets take `solid`. The slices of the face add tones at their own passing 
 modes of the casing: 15 instead of 61 move the RMS of the sensors by 0.6 % (2.8 % at most), 31 by 0.1 % (2.5 %), the
 lines of the fault by 0.12 dB. The flexibility of the bearing seats moves these lines more than the rest of the casing.
 A plain parametric housing takes cubic hexahedra, which follow the stresses at its edges: on the rig `standard` has
-70,000 unknowns and frequencies 0.2 % too high (`python -m benchmarks.casing_limits`). Other housings take cubic
+84,000 unknowns and frequencies 0.16 % too high (`python -m benchmarks.casing_limits`). Other housings take cubic
 tetrahedra. Both are extrapolated by quadratic displacements on the same mesh; `draft` is not, where it has hexahedra.
 """
 
