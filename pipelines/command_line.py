@@ -21,7 +21,7 @@ from pipelines.finished_arguments import (
     orders_arguments,
     runs_arguments,
 )
-from pipelines.housing_arguments import housing_arguments
+from pipelines.housing_arguments import casing_arguments, housing_arguments
 from pipelines.study_arguments import (
     converge_arguments,
     detect_arguments,
@@ -147,34 +147,6 @@ def _gears(sub: argparse.ArgumentParser) -> None:
     json_argument(sub)
 
 
-def _casing(sub: argparse.ArgumentParser) -> None:
-    work_arguments(sub)
-    sub.add_argument(
-        "--error-check",
-        action="store_true",
-        help="compare frequencies and responses with the full model; takes about as long as the reduction",
-    )
-    sub.add_argument(
-        "--export",
-        metavar="FILE",
-        type=path,
-        action="append",
-        default=[],
-        help="write the reduced matrices as .h5, .mat, .npz, .mtx, .op4 or .pch, a modal model as .uff, or the "
-        "modes on the mesh as .vtu; repeatable",
-    )
-    sub.add_argument(
-        "--response",
-        metavar="POINT",
-        nargs="+",
-        default=[],
-        help="acceleration per force at a point and axis, as in bearing_1:z, over frequency: CSV and PNG here; "
-        "further POINTs respond (default: all sensors)",
-    )
-    sub.add_argument("--modes", metavar="N", type=count, default=20, help="number of modes in the table (default 20)")
-    json_argument(sub)
-
-
 def _out(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder (default: ./runs/<scene>/<timestamp>)")
 
@@ -200,7 +172,7 @@ def _run(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--one-load",
         action="store_true",
-        help="simulate only the load model of the scene (default for a hoist: rope and constant torque)",
+        help="simulate only the load model of the scene (default: both load models, if the scene has two)",
     )
     sub.add_argument(
         "--seeds",
@@ -368,7 +340,7 @@ COMMANDS = (  # in the order a user needs them: name, of the module too; one lin
         "casing",
         "mesh and reduce the casing: natural frequencies, responses, matrices",
         "gearcase casing minimal",
-        _casing,
+        casing_arguments,
     ),
     ("modes", "print natural frequencies of the whole machine", "gearcase modes minimal", _modes),
     (
@@ -409,7 +381,7 @@ COMMANDS = (  # in the order a user needs them: name, of the module too; one lin
     ),
     (
         "verify",
-        "check the claims of the study of the hoist rig",
+        "check the claims of a study of the shipped rig",
         "gearcase verify rig --out claims",
         verify_arguments,
     ),

@@ -1,10 +1,12 @@
-"""Arguments of `gearcase housing`."""
+"""Arguments of `gearcase housing` and `gearcase casing`."""
 
 from __future__ import annotations
 
 import argparse
 
 from pipelines.border.argument_types import count, path, positive
+from pipelines.finished_arguments import json_argument
+from pipelines.study_arguments import work_arguments
 
 
 def housing_arguments(sub: argparse.ArgumentParser) -> None:
@@ -75,3 +77,32 @@ def housing_arguments(sub: argparse.ArgumentParser) -> None:
         default=2000.0,
         help="upper frequency of the reduced matrices, Hz (default 2000)",
     )
+
+
+def casing_arguments(sub: argparse.ArgumentParser) -> None:
+    """Of `gearcase casing`."""
+    work_arguments(sub)
+    sub.add_argument(
+        "--error-check",
+        action="store_true",
+        help="compare frequencies and responses with the full model; takes about as long as the reduction",
+    )
+    sub.add_argument(
+        "--export",
+        metavar="FILE",
+        type=path,
+        action="append",
+        default=[],
+        help="write the reduced matrices as .h5, .mat, .npz, .mtx, .op4 or .pch, a modal model as .uff, or the "
+        "modes on the mesh as .vtu; repeatable",
+    )
+    sub.add_argument(
+        "--response",
+        metavar="POINT",
+        nargs="+",
+        default=[],
+        help="acceleration per force at a point and axis, as in bearing_1:z, over frequency: CSV and PNG here; "
+        "further POINTs respond (default: all sensors)",
+    )
+    sub.add_argument("--modes", metavar="N", type=count, default=20, help="number of modes in the table (default 20)")
+    json_argument(sub)

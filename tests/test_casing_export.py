@@ -26,8 +26,8 @@ from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, explain
 from pipelines.figures.film import film_page
 from pipelines.figures.mode_pictures import ModeView, mode_figure, write_mode
-from pipelines.runs.casing_export import checked_target, mode_shapes, write_mat, write_uff, write_vtu
-from pipelines.runs.single_results import Casing
+from pipelines.runs.casing_export import checked_target, write_mat, write_uff, write_vtu
+from pipelines.runs.single_results import Casing, mode_shapes
 
 
 @pytest.fixture(scope="module")

@@ -218,6 +218,6 @@ def test_results_that_cannot_be_moved_are_kept_and_named(tmp_path, monkeypatch):
         run()
     monkeypatch.undo()
     assert visible(tmp_path / ".partial-mine") == [run_folder.RESPONSE, run_folder.RUN]
-    with pytest.raises(InputError, match="keeps results"), claimed("rig", tmp_path / "mine"):
+    with pytest.raises(InputError, match="could not be moved there"), claimed("rig", tmp_path / "mine"):
         pass
     assert visible(tmp_path) == [".partial-mine"]

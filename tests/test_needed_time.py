@@ -22,5 +22,5 @@ def test_a_window_of_the_needed_length_holds_the_turns_wherever_it_begins():
 
 
 def test_no_time_is_told_without_a_speed():
-    with pytest.raises(ValueError, match="Give the speed"):
+    with pytest.raises(ValueError, match="Set a speed"):
         needed_seconds(Kinematics(shafts=TRAIN.shafts), 3)

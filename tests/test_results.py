@@ -49,7 +49,7 @@ def test_a_scene_name_is_one_visible_folder_on_every_system(name, folder):
 
 @pytest.mark.parametrize("name", ["", ".", "..", ". .", "CON", "nul", "com1", "Lpt9.v2", "aux .x", "COM\u00b2"])
 def test_a_name_that_no_folder_can_have_is_refused(name):
-    with pytest.raises(InputError, match="Rename it"):
+    with pytest.raises(InputError, match="Rename the file"):
         run_folder.folder_name(name)
 
 
@@ -61,7 +61,7 @@ def test_a_scene_file_with_such_a_name_is_refused_by_every_command(tmp_path, mon
     monkeypatch.chdir(tmp_path / "below")
     (tmp_path / "below" / f"{name}.toml").write_text('extends = "minimal"\n', encoding="utf-8")
     assert main(["check", f"{name}.toml"]) == 2
-    assert "Rename it" in capsys.readouterr().err
+    assert "Rename the file" in capsys.readouterr().err
 
 
 def test_a_run_is_found_by_the_path_of_its_scene_file(tmp_path):

@@ -136,7 +136,7 @@ def _casing_mode_files(
     from fem.casing.reduced.modes import natural_modes
     from pipelines.border.errors import InputError
     from pipelines.figures.mode_pictures import ModeView, write_mode, write_modes
-    from pipelines.runs.casing_export import mode_shapes
+    from pipelines.runs.single_results import mode_shapes
 
     modes = outcome.value("casing modes")[0]
     factor = outcome.value("casing").stiffness_factor

@@ -11,7 +11,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -235,6 +235,7 @@ def write_vtu(mesh: CasingMesh, modes: CasingModes, natural: NaturalModes, path:
     band : Hz, up to which modes are written
     """
     from fem.casing.meshing.mesh_file import write_fields
+    from pipelines.runs.single_results import mode_shapes
 
     wanted = np.flatnonzero(natural.frequencies <= band)
     data = {
@@ -242,15 +243,6 @@ def write_vtu(mesh: CasingMesh, modes: CasingModes, natural: NaturalModes, path:
         for mode, shape in zip(wanted, mode_shapes(modes, natural, wanted.tolist()), strict=True)
     }
     write_fields(mesh, data, path)
-
-
-def mode_shapes(modes: CasingModes, natural: NaturalModes, wanted: Sequence[int]) -> list[np.ndarray]:
-    """Displacements (node, 3) of natural modes, the largest length 1."""
-    shapes = []
-    for mode in wanted:
-        shape = modes.basis @ natural.vectors[:, mode]
-        shapes.append(shape / np.linalg.norm(shape, axis=1).max())
-    return shapes
 
 
 @dataclass(frozen=True, kw_only=True)

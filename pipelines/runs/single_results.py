@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -89,8 +90,6 @@ class Casing:
             raise InputError('casing: no mode shapes without finite elements. Set casing.model = "craig-bampton".')
         if not 0 <= mode < len(self.natural.frequencies):
             raise InputError(f"mode {mode}: the casing has the modes 0 to {len(self.natural.frequencies) - 1}.")
-        from pipelines.runs.casing_export import mode_shapes
-
         return mode_shapes(self.modes, self.natural, [mode])[0]
 
     def _repr_html_(self) -> str:
@@ -100,6 +99,17 @@ class Casing:
         bands = (float(one) if one == one else None for one in self.bands)
         rows = zip(range(1, _MODES_SHOWN + 1), map(float, found), bands, strict=False)
         return shown_html.table(title, ("mode", "Hz", "+- Hz"), rows)
+
+
+def mode_shapes(modes: CasingModes, natural: NaturalModes, numbers: Sequence[int]) -> list[np.ndarray]:
+    """Displacements (node, 3) of natural modes, the largest length 1."""
+    import numpy as np
+
+    shapes = []
+    for mode in numbers:
+        shape = modes.basis @ natural.vectors[:, mode]
+        shapes.append(shape / np.linalg.norm(shape, axis=1).max())
+    return shapes
 
 
 def scene_graph(loaded: LoadedScene) -> tuple[Graph, Plant]:

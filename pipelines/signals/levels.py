@@ -80,4 +80,4 @@ def contact_sentence(run: xarray.Dataset) -> str:
             mesh = name.partition(":")[0]
             share = counters.get(f"{mesh}{OPEN}", 0) / 1e6 / length
             found.append(f"{mesh.replace('_', ' ')} {count} times ({100 * share:.2g} % of the time)")
-    return f"Contact of the drive flanks lost: {', '.join(found)}." if found else ""
+    return f"Drive flanks lost contact: {', '.join(found)}." if found else ""

@@ -184,7 +184,7 @@ def _apart(
         if start - end < _SAME:
             raise HousingError(
                 f"hexahedra: two bosses overlap by {1000 * (end - start):.6g} mm seen along x and along z (their "
-                "rectangles must not overlap); take element tetrahedron-10"
+                "rectangles must not overlap); set element = 'tetrahedron-10'"
             )
     limits = [low, *[0.5 * (end + start) for end, start in zip(ends[:-1], starts[1:], strict=True)], high]
     rooms = [start - limit for start, limit in zip([*starts, np.inf], limits, strict=True)]

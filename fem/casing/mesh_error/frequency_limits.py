@@ -176,7 +176,7 @@ def frequency_limits(
     LimitError : as `Changes`, or other than three sizes
     """
     if len(sizes) != 3:
-        raise LimitError(f"{len(sizes)} sizes: give three, from which a common order follows")
+        raise LimitError(f"{len(sizes)} sizes: three are needed for a common order. Set three")
     changes = Changes(np.asarray(sizes, float), np.asarray(frequencies, float), formal_order)
     logs, known = np.log(changes.sizes[1:] / changes.sizes[0]), changes.known
     middle, large = changes.middle, changes.large
