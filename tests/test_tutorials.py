@@ -80,11 +80,12 @@ def worked(page):
 
 
 def trimmed(output, text):
-    """As many lines of an output as each part of a text has, from the one that begins with the same word."""
+    """As many lines of an output as each part of a text has, from the one that begins with the same two words, or one."""
     parts, rest = [], output.splitlines()
     for part in text.split("...\n"):
         lines = part.splitlines()
-        start = next((n for n, line in enumerate(rest) if line.split()[:1] == lines[0].split()[:1]), len(rest))
+        places = ([n for n, line in enumerate(rest) if line.split()[:k] == lines[0].split()[:k]] for k in (2, 1))
+        start = next((found[0] for found in places if found), len(rest))
         parts.append("".join(f"{line.rstrip()}\n" for line in rest[start : start + len(lines)]))
         rest = rest[start + len(lines) :]
     return "...\n".join(parts)

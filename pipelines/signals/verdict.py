@@ -36,8 +36,9 @@ def _headline(diagnoses: Sequence[Diagnosis], fault: str, graded: Callable[[Line
         many = "in the one analysed window" if len(cases) == 1 else f"in all {len(cases)} cases"
         return f"{what}: seen at {where} {many}."
     if seen == 0:
-        found = f"partly detected in {partly}" if partly else "no line is detected in any"
-        return f"{what}: not seen at {where}; {found} of {len(cases)} case{'s' if len(cases) > 1 else ''}."
+        found = "partly detected" if partly else "no line is detected"
+        many = f" in {partly or 'any'} of {len(cases)} cases" if len(cases) > 1 else ""
+        return f"{what}: not seen at {where}; {found}{many}."
     named = [f"{case_name(d)} {window}" for (d, window), g in zip(cases, grades, strict=True) if g == "seen"]
     where_seen = f" ({'; '.join(named)})" if named and len(named) <= 4 else ""
     tail = f"; partly detected in {partly} further case{'s' if partly > 1 else ''}" if partly else ""
