@@ -80,7 +80,7 @@ def worked(page):
 
 
 def trimmed(output, text):
-    """As many lines of an output as each part of a text has, from the one that begins with the same two words, or one."""
+    """As many lines of an output as each part of a text has, from where it begins with the same two words, or one."""
     parts, rest = [], output.splitlines()
     for part in text.split("...\n"):
         lines = part.splitlines()
