@@ -27,12 +27,13 @@ PAGE = Path(__file__).resolve().parent.parent / "docs" / "validation.md"
 HEADERS = ("quantity", "source", "unit", "reference", "gearcase", "deviation", "gate", "test")
 LEAD = """# Validation
 
-On this page you see how far results of gearcase deviate from published, independent or exact ones, and which test holds
-each limit (gate). `python -m benchmarks.validation` computes the page in a few minutes; a test keeps it equal to the
-code. The version was {version}.
+This page compares results of gearcase with published, independent or exact ones. Each row names the largest accepted
+deviation (gate) and the test that enforces it. `python -m benchmarks.validation` computes the page in a few minutes; a
+test keeps it equal to the code. Version {version}.
 
-Values of one kind share a row, with their largest deviation. Deviations are relative unless they carry a unit. The last
-table lists limits, invariants and rates, which have no single reference number.
+Values of one kind share a row, with their largest deviation. A deviation in % is relative, except of quantities in %.
+A deviation in a unit, or without one, is absolute. The last table lists limits, invariants and rates, which have no
+single reference number.
 """.format(version=metadata.version("gearcase"))
 
 

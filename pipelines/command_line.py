@@ -131,8 +131,8 @@ def _gears(sub: argparse.ArgumentParser) -> None:
         metavar="UM",
         type=tilt,
         default=0.0,
-        help="misalignment: approach at the +y end less that at the -y end, um; or balanced: resultant at mid face; or "
-        "machine: as in the loaded machine (default 0)",
+        help="misalignment over the face, um (approach at the +y end minus that at the -y end), balanced (the tilt "
+        "that centres the load) or machine (the tilt in the loaded machine); default 0",
     )
     sub.add_argument(
         "--out", metavar="FILE", type=path, help="write the curves over the mesh cycle to this file, .csv or .nc"
@@ -172,7 +172,7 @@ def _run(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--one-load",
         action="store_true",
-        help="simulate only the load model of the scene (default: both load models, if the scene has two)",
+        help="do not repeat the simulation with the equivalent constant load torque",
     )
     sub.add_argument(
         "--seeds",
@@ -254,7 +254,7 @@ def _cache(sub: argparse.ArgumentParser) -> None:
         metavar="DAYS",
         type=days,
         default=0.0,
-        help="with clear: remove only entries unused for longer, days (default 0: all)",
+        help="with clear: remove only entries that were not used for this number of days (default 0: all)",
     )
 
 

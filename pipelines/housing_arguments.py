@@ -101,8 +101,8 @@ def casing_arguments(sub: argparse.ArgumentParser) -> None:
         metavar="POINT",
         nargs="+",
         default=[],
-        help="acceleration per force at a point and axis, as in bearing_1:z, over frequency: CSV and PNG here; "
-        "further POINTs respond (default: all sensors)",
+        help="frequency responses, m/s2/N: the first POINT with an axis is excited, as in bearing_1:z, further POINTs "
+        "respond (default: all sensors); writes CSV and PNG into the working folder",
     )
     sub.add_argument("--modes", metavar="N", type=count, default=20, help="number of modes in the table (default 20)")
     json_argument(sub)

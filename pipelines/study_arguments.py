@@ -30,7 +30,7 @@ def scene_arguments(sub: argparse.ArgumentParser) -> None:
 def work_arguments(sub: argparse.ArgumentParser) -> None:
     """A scene, and how its steps are built."""
     scene_arguments(sub)
-    sub.add_argument("--processes", type=count, metavar="N", help="long steps computed at the same time (default 2)")
+    sub.add_argument("--processes", type=count, metavar="N", help="number of processes for long steps (default 2)")
     sub.add_argument("-q", "--quiet", action="store_true", help="print no progress")
 
 
@@ -100,7 +100,7 @@ def verify_arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--out", metavar="FOLDER", type=path, help="folder for claims.md and claims.json (default: print only)"
     )
-    sub.add_argument("--processes", type=count, metavar="N", help="long steps computed at the same time (default 2)")
+    sub.add_argument("--processes", type=count, metavar="N", help="number of processes for long steps (default 2)")
     sub.add_argument("-q", "--quiet", action="store_true", help="print no progress")
 
 

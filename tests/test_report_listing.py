@@ -53,19 +53,19 @@ BENCH = [
 DAMAGED = [
     "# One stage, rigid casing, constant torque",
     "figure: Time-synchronous average over 6 revolutions of shaft 1 without its mesh orders (residual signal), "
-    "sensor_3, z, steady. Shaded: the engagement of tooth 3, with the strongest evidence.",
+    "sensor_3, z, steady. Shaded: the engagement of tooth 3, with the largest increase.",
     "figure: Envelope spectrum of sensor_3 (z), steady. A damaged tooth raises the harmonics of fr = 15.0000 Hz.",
     "# Signals and spectra",
     "figure: Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right).",
     "figure: Steady, constant torque, deviations of seed 1: one-sided peak amplitudes over 6 revolutions "
-    "of the faulty shaft (0.4 s), hann window, sensor noise 0.01 m/s² rms.",
+    "of the shaft of the damaged gear (0.4 s), hann window, sensor noise 0.01 m/s² rms.",
     "# How it was decided",
     "# Levels",
     "# Healthy and faulty",
     "figure: Steady, constant torque, deviations of seed 1: both runs with the same deviations. "
     "Triangles: detected lines. Yellow, next to a line: the effect of uncertain inputs.",
     "# Error bars",
-    "figure: Error bars, steady: numerical uncertainty of each line, and the effect of uncertain inputs.",
+    "figure: Error bars, steady: effect of uncertain inputs, for each line clearly over its floor.",
     "# Envelope table",
     "# What was run",
     "# Gears",

@@ -122,7 +122,8 @@ def test_every_problem_is_listed_at_once_with_value_limit_and_remedy(tmp_path):
         "stages.7": "stages.7: there is no item 7. The list has 3, counted from 1.",
         "cotrol": 'cotrol = "x": is not a key of the scene. Did you mean control?',
         "title": 'title = 3: must be text. Put it in quotes, as in "rigid".',
-        "casing.band_Hz": 'casing.band_Hz = "high": must be a number in Hz. Write it without quotes.',
+        "casing.band_Hz": 'casing.band_Hz = "high": must be a number in Hz. '
+        "Write the number alone, without quotes and unit.",
         "simulation.container_kg": "simulation.container_kg = 3: is not a key of [simulation]. "
         "Did you mean load.container_kg?",
         "drive": "drive: times_s must rise strictly, but 1 s follows 2 s. Correct them",

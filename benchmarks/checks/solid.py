@@ -87,7 +87,8 @@ def _body_check(body: gear_bodies.Body) -> Check:
 
 def _crack_check(name: str) -> Check:
     return Check(
-        f"deflection that a crack adds, even load and three places on its half, z 20, m_n 2 mm, b 12 mm, {name}",
+        "deflection added by a crack, under a uniform load and under loads at three places of the cracked half, "
+        f"z 20, m_n 2 mm, b 12 mm, {name}",
         "ten-node tetrahedra of five teeth, two meshes extrapolated (`python -m benchmarks.cracked_teeth`)",
         "nm/N",
         tuple(added_by_cracks.seen(added_by_cracks.reference(name))),

@@ -29,7 +29,7 @@ def main(options: argparse.Namespace) -> int:
     actions = [status.action for status in found]
     sys.stdout.write(
         f"{actions.count('build')} steps to compute, {actions.count('reuse')} to reuse, "
-        f"{actions.count('follow')} to compute only if their input changes. "
+        f"{actions.count('follow')} not decided yet: they are reused if their new input is unchanged. "
         "Diagnosis and report follow and take seconds.\n"
     )
     return 0

@@ -95,9 +95,9 @@ def notes(cases: Sequence[tuple[PairLaws, MeshState]]) -> list[str]:
         )
         lines += [f"stage {stage}: {line}" for line in _relief(own)]
     lines.append(
-        "Means, least stiffness and peak-to-peak over the whole pitches in which the tooth is in mesh; at: mesh cycles "
-        "from its contact at the pitch point; share: greatest of its tooth pair; pressure: greatest on its active "
-        "flank, as in the contact pattern of inspect."
+        "All values refer to the passage of one tooth pair: means, least stiffness with its position in mesh cycles "
+        "from the pitch point (at), peak-to-peak transmission error, largest load share, and largest Hertz pressure on "
+        "the active flank, as in the contact pattern of inspect. With a damaged tooth it is the pair of this tooth."
     )
     return lines
 

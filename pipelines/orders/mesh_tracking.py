@@ -103,9 +103,10 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
         steady = [line for line in lines if line.scatter < STEADY and line.largest < LARGEST]
         if not steady:
             raise RotationError(
-                f"no mesh line of stage {stage} is clear within {100 * RANGE:g} % of {nominal:.4g} Hz (the phase of "
-                f"the best scatters by {min(line.scatter for line in lines):.2g} rad, the limit is {STEADY:g}), or the "
-                f"speed changes by more than {change:.3g} Hz per second. Record a tachometer, or cut the recording to "
+                f"the speed cannot be found from the mesh vibration: no mesh line of stage {stage} has a steady phase "
+                f"at shaft speeds within {100 * RANGE:g} % of {nominal:.4g} Hz (the least scatter is "
+                f"{min(line.scatter for line in lines):.2g} rad, the limit {STEADY:g}), or the speed changes by more "
+                f"than {change:.3g} Hz per second. Record a tachometer, or cut the recording to "
                 "a part at steady speed."
             )
         angle, error = _mend(steady, angle, size)

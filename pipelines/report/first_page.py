@@ -44,9 +44,17 @@ def _ranking(content: FirstScreen) -> list[str]:
     if not content.ranking:
         return []
     rows = [(one.component, f"{one.evidence:+.1f}", one.p_value, one.remark) for one in content.ranking]
-    headers = ("component", "evidence dB", "p-value", "remark")
+    headers = ("component", "increase dB", "p-value", "remark")
     first, others = rows[:RANKED_AT_ONCE], rows[RANKED_AT_ONCE:]
-    parts = [page.table(Grid(title="Components, the strongest evidence first", headers=headers, rows=tuple(first)))]
+    parts = [
+        page.table(
+            Grid(
+                title="Components by the mean increase of their features over the healthy machine",
+                headers=headers,
+                rows=tuple(first),
+            )
+        )
+    ]
     if others:
         rest = Grid(title="", headers=headers, rows=tuple(others))
         parts.append(page.folded(f"{len(others)} more components", page.table(rest)))

@@ -130,7 +130,13 @@ def _cost(contents: ReportContents) -> list[str]:
 
 
 def _energy(contents: ReportContents) -> list[str]:
-    return [page.table(grid("", contents.energy))] if contents.energy else []
+    if not contents.energy:
+        return []
+    note = (
+        "Residual: received and parametric work minus dissipated energy and the change of stored energy, 0 but for "
+        "errors. Scale: the energy that the residual is compared with. The total includes the rotation of the train."
+    )
+    return [page.table(grid("", contents.energy)), page.paragraph(note)]
 
 
 def _provenance(contents: ReportContents) -> list[str]:

@@ -75,7 +75,7 @@ def _against(verdict: Verdict) -> str:
 
 
 def _ranked(finding: Finding) -> Ranked:
-    remarks = [] if finding.tooth is None else [f"strongest at tooth {finding.tooth}"]
+    remarks = [] if finding.tooth is None else [f"largest at tooth {finding.tooth}"]
     remarks += [f"cannot be distinguished from {', '.join(finding.alike)}"] if finding.alike else []
     return Ranked(
         component=finding.component,
@@ -105,7 +105,8 @@ def _evidence(diagnoses: Sequence[Diagnosis]) -> str:
     first, window = diagnoses[0], next(iter(diagnoses[0].settings.windows))
     counted = first.lines.where(window=window).without_mesh()
     text = (
-        f"{int(counted.detected.sum())} of {len(counted)} lines are detected in the window {window}, {case_name(first)}"
+        f"{int(counted.detected.sum())} of {len(counted)} lines {'is' if counted.detected.sum() == 1 else 'are'} "
+        f"detected in the window {window}, {case_name(first)}"
     )
     every = [d.lines.without_mesh().where(detected=1) for d in diagnoses]
     risen = [lines for lines in every if len(lines)]
@@ -113,8 +114,9 @@ def _evidence(diagnoses: Sequence[Diagnosis]) -> str:
         return f"{text}."
     best = max(risen, key=lambda lines: float(lines.difference.max()))
     at = int(best.difference.argmax())
-    of_all = " of all cases" if len(diagnoses) > 1 or len(first.settings.windows) > 1 else ""
-    return f"{text}; the largest increase{of_all} is {best.difference[at]:+.1f} dB, at {best.label[at]}."
+    of_all = " in all cases" if len(diagnoses) > 1 or len(first.settings.windows) > 1 else ""
+    largest = f"{best.difference[at]:+.1f} dB, at {best.label[at]}"
+    return f"{text}; the largest increase of a detected line{of_all} is {largest}."
 
 
 def _numbers(plant: Plant, settings: DiagnosisSettings | None) -> list[tuple[str, str]]:
@@ -184,7 +186,7 @@ def _average(
         place = place + middle
     else:
         across += f", from tooth {marked}"
-        why = "with the strongest evidence" if marked in named else "damaged in the scene"
+        why = "with the largest increase" if marked in named else "damaged in the scene"
         caption += f" Shaded: the engagement of tooth {marked}, {why}."
     return Average(
         place=place,

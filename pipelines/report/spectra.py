@@ -63,7 +63,7 @@ def _compared_spectra(contents: ReportContents) -> list[str]:
             segment = diagnosis.segments[window]
             caption = (
                 f"{_named(diagnosis, window)}: one-sided peak amplitudes over {segment.revolutions} revolutions of the "
-                f"faulty shaft ({segment.duration:.4g} s), {diagnosis.settings.spectrum_window} window, "
+                f"shaft of the damaged gear ({segment.duration:.4g} s), {diagnosis.settings.spectrum_window} window, "
                 f"sensor noise {diagnosis.noise:.3g} m/s² rms."
             )
             parts.append(page.picture(spectrum_figure(diagnosis, window), caption, "static"))
@@ -107,7 +107,8 @@ def error_bars(contents: ReportContents) -> list[str]:
     parts = []
     for window in windows:
         bars = contents.bars.of(window)
-        caption = f"Error bars, {window}: numerical uncertainty of each line, and the effect of uncertain inputs."
+        known = "numerical uncertainty and " if any(bar.numerical is not None for bar in bars) else ""
+        caption = f"Error bars, {window}: {known}effect of uncertain inputs, for each line clearly over its floor."
         parts += [page.picture(error_bars_figure(bars, window), caption), page.table(bars_grid(bars, window))]
     return [*parts, *map(page.paragraph, contents.bars.notes)]
 

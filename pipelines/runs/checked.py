@@ -93,7 +93,7 @@ def _lines(plant: Plant, control: str) -> Iterator[str]:
     if facts.rope_frequency is not None:
         yield f"  natural frequency of the container on its rope {facts.rope_frequency:.3g} Hz at the start"
     yield (
-        "  stage  z1/z2     ratio   a mm      eps_alpha eps_beta  f_m Hz    f_r pinion, wheel Hz  F_bt N   F_bt/b N/mm"
+        "  stage  z1/z2     ratio   a mm      eps_alpha eps_beta  f_m Hz    f_r pinion, wheel Hz  F_bt N   F_t/b N/mm"
     )
     for number, (pair, stage) in enumerate(zip(plant.layout.pairs, facts.stages, strict=True), 1):
         teeth = f"{pair.pinion.teeth}/{pair.wheel.teeth}"
@@ -147,7 +147,7 @@ def _times(plant: Plant) -> Iterator[str]:
     uses = {"averages": FEWEST_TURNS, "lines": FEWEST_REVOLUTIONS}
     needed = {use: needed_seconds(kinematics, turns) for use, turns in uses.items()}
     heads = "  ".join(f"{use} ({turns} turns) s" for use, turns in uses.items())
-    yield "  shortest window for averages and for spectral lines; windows of the scene that are shorter"
+    yield "  shortest usable window for each shaft, and the windows of this scene that are too short"
     yield f"  shaft       {heads}  too short"
     for shaft in kinematics.shafts:
         short = []

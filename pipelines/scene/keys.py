@@ -20,6 +20,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from pipelines.border.toml_text import format_value
+from pipelines.scene.problems import unit_of
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.samples import ColumnTable
 
@@ -139,8 +140,7 @@ def _rows(
 
 def values(member: FieldInfo, name: str) -> str:
     """What a key may hold: kind of value, limits and unit."""
-    unit = next((text for suffix, text in _UNITS.items() if name.endswith(f"_{suffix}")), "")
-    return _kind(member.annotation, member.metadata, unit)
+    return _kind(member.annotation, member.metadata, unit_of(name))
 
 
 def _kind(annotation: Any, limits: list[Any], unit: str) -> str:
@@ -262,13 +262,6 @@ def _plain(place: str) -> str:
 def _header(place: str) -> str:
     """A place as the header of its table in TOML."""
     return f"[[{_plain(place)}]]" if place.endswith("[]") else f"[{_plain(place)}]"
-
-
-_UNITS = {
-    "N_m_s_per_rad": "N m s/rad", "N_m_per_rad": "N m/rad", "N_per_um": "N/um", "kg_m2": "kg m2", "kg_m3": "kg/m3",
-    "m_s2": "m/s2", "N_m": "N m", "g_mm": "g mm", "mPa_s": "mPa s", "mm": "mm", "um": "um", "us": "us", "deg": "deg",
-    "mrad": "mrad", "rpm": "rpm", "GPa": "GPa", "kg": "kg", "Hz": "Hz", "m": "m", "s": "s", "N": "N",
-}  # fmt: skip
 
 
 if __name__ == "__main__":

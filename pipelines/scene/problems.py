@@ -17,16 +17,23 @@ from pydantic import BaseModel, ValidationError
 from pipelines.border.errors import Problem
 from pipelines.border.shown import MOST_CHARACTERS, nearest_name, shown_value
 
-_UNITS = {
-    "mm": "mm", "um": "um", "m": "m", "deg": "degrees", "rpm": "rpm", "GPa": "GPa", "MPa": "MPa", "kg": "kg",
-    "s": "s", "ms": "ms", "us": "us", "Hz": "Hz", "kHz": "kHz", "N": "N", "kN": "kN", "Nm": "N m", "percent": "percent",
+UNITS = {  # by the suffix of a key, longer suffixes first
+    "N_m_s_per_rad": "N m s/rad", "N_m_per_rad": "N m/rad", "N_per_um": "N/um", "kg_m2": "kg m2", "kg_m3": "kg/m3",
+    "m_s2": "m/s2", "N_m": "N m", "g_mm": "g mm", "mPa_s": "mPa s", "mm": "mm", "um": "um", "us": "us", "deg": "deg",
+    "mrad": "mrad", "rpm": "rpm", "GPa": "GPa", "kg": "kg", "Hz": "Hz", "m": "m", "s": "s", "N": "N",
 }  # fmt: skip
+_OTHER_UNITS = ("mpa", "ms", "khz", "kn", "nm", "percent")  # which users append to keys
 
 RENAMED = {"casing.coupling": "attachment"}  # keys of earlier versions
 _MOST_WORDED = 50  # findings of one validation; a file of another program has thousands
 _MOST_ITEMS = 30  # of one list, when keys are looked for elsewhere
 _ONE_QUANTITY = 0.62  # of the letters of two keys without their units, in common: width and depth share 0.6
 _Paths = Callable[[], list[tuple[str, ...]]]
+
+
+def unit_of(key: str) -> str:
+    """The unit of a key by its suffix, "" without one."""
+    return next((unit for suffix, unit in UNITS.items() if key.endswith(f"_{suffix}")), "")
 
 
 def problems_of(error: ValidationError, model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[list[Problem], int]:
@@ -121,7 +128,7 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         return Problem(
             where,
             f"must be {noun}{unit}",
-            "Write it without quotes." if isinstance(value, str) else "Correct the value.",
+            "Write the number alone, without quotes and unit." if isinstance(value, str) else "Correct the value.",
             written,
         )
     if kind == "string_pattern_mismatch":
@@ -130,6 +137,11 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         )
     if kind in _KINDS:
         message, remedy = _KINDS[kind]
+        if message == _TABLE[0] and unit:  # a quantity over time
+            message, remedy = (
+                f"must be a list of numbers{unit}",
+                "Write [first, second], or { file = ..., column = ... }.",
+            )
         return Problem(where, message, remedy, written)
     if kind in ("too_short", "too_long"):
         bound = "at least" if kind == "too_short" else "at most"
@@ -200,7 +212,7 @@ def nearest(word: str, known: Iterable[str]) -> str:
 def _quantity(key: str) -> str:
     """A key without its unit."""
     head, _, unit = key.rpartition("_")
-    return head if head and unit in map(str.lower, _UNITS) else key
+    return head if head and unit in (*map(str.lower, UNITS), *_OTHER_UNITS) else key
 
 
 def known_keys(path: tuple[str, ...], model: Any, tree: Any) -> list[str]:
@@ -303,7 +315,7 @@ def _item(annotation: Any) -> Any:
 
 
 def _unit(key: str) -> str:
-    unit = _UNITS.get(key.rpartition("_")[2], "") if "_" in key else ""
+    unit = unit_of(key)
     return f" in {unit}" if unit else ""
 
 

@@ -49,7 +49,7 @@ def find_file(name: str) -> Path:
         near = nearest_name(path.name, [*shipped, *names_beside(path)])
     hint = f"Did you mean {shown(near)}? " if near else ""
     raise InputError(
-        f"{shown(name)}: there is no such file. {hint}Set a path from the folder of the scene, or a shipped file: "
+        f"{shown(name)}: there is no such file. {hint}Set a path (in a scene: from its folder), or a shipped file: "
         f"{', '.join(shipped)}."
     )
 

@@ -36,9 +36,10 @@ def _headline(diagnoses: Sequence[Diagnosis], fault: str, graded: Callable[[Line
         many = "in the one analysed window" if len(cases) == 1 else f"in all {len(cases)} cases"
         return f"{what}: seen at {where} {many}."
     if seen == 0:
-        found = "partly detected" if partly else "no line is detected"
         many = f" in {partly or 'any'} of {len(cases)} cases" if len(cases) > 1 else ""
-        return f"{what}: not seen at {where}; {found}{many}."
+        if partly:
+            return f"{what}: only partly detected at {where}{many}."
+        return f"{what}: not seen at {where}; no line is detected{many}."
     named = [f"{case_name(d)} {window}" for (d, window), g in zip(cases, grades, strict=True) if g == "seen"]
     where_seen = f" ({'; '.join(named)})" if named and len(named) <= 4 else ""
     tail = f"; partly detected in {partly} further case{'s' if partly > 1 else ''}" if partly else ""
@@ -83,7 +84,7 @@ def sentences(diagnosis: Diagnosis) -> tuple[str, ...]:
     result = []
     for window in settings.windows:
         lines = diagnosis.lines.where(window=window)
-        parts = [_standing(diagnosis, lines), _control(lines)] if settings.fault else []
+        parts = [_standing(diagnosis, lines), _control(lines, settings.floor_limit)] if settings.fault else []
         parts += [other.sentence(lines) for other in settings.beside_gears]
         result.append(f"{_capital(window)}, {case_name(diagnosis)}: {' '.join(parts)}")
         rope = settings.rope_mode.get(window, 0.0)
@@ -235,8 +236,8 @@ def _standing(diagnosis: Diagnosis, lines: LineTable) -> str:
     best = int(np.argmax(np.where(counted.detected == 1, counted.difference, -np.inf)))
     where = "in the envelope" if counted.kind[best] == "envelope" else "in the spectrum"
     return (
-        f"{', '.join(parts[:-1])} and {parts[-1]} are detected; the largest increase over "
-        f"the control is {counted.difference[best]:+.1f} dB, at {counted.label[best]} {where}."
+        f"{', '.join(parts[:-1])} and {parts[-1]} are detected; the largest increase "
+        f"of a detected line is {counted.difference[best]:+.1f} dB, at {counted.label[best]} {where}."
     )
 
 
@@ -262,15 +263,15 @@ def _reason(diagnosis: Diagnosis, lines: LineTable) -> str:
     return f"{text} {settings.reason}".strip()
 
 
-def _control(lines: LineTable) -> str:
+def _control(lines: LineTable, limit: float) -> str:
     counted = lines.without_mesh()
     shown = int(counted.healthy_shows.sum())
     if shown == 0:
-        return "In the healthy control none of these lines exceeds its floor."
+        return f"In the healthy control none of these lines is {limit:g} dB over its floor."
     best = int(np.argmax(np.where(counted.healthy_shows == 1, counted.healthy_over_floor, -np.inf)))
     return (
-        f"In the healthy control {shown} of the {len(counted)} lines exceed{'s' if shown == 1 else ''} the floor, "
-        f"{counted.label[best]} most, by {counted.healthy_over_floor[best]:.1f} dB."
+        f"In the healthy control {shown} of the {len(counted)} lines {'is' if shown == 1 else 'are'} at least "
+        f"{limit:g} dB over the floor, {counted.label[best]} most ({counted.healthy_over_floor[best]:.1f} dB)."
     )
 
 

@@ -189,7 +189,7 @@ def gear_rows(plant: Plant) -> list[dict[str, Any]]:
                     "f_m Hz": stage.mesh_frequency,
                     "f_r Hz": stage.pinion_frequency if name == "pinion" else stage.wheel_frequency,
                     "F_bt N": stage.mesh_force,
-                    "N/mm": stage.line_load / 1000,
+                    "F_t/b N/mm": stage.line_load / 1000,
                 }
             )
     return rows

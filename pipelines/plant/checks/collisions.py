@@ -149,9 +149,10 @@ def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterat
         }
         for name, room in rooms.items():
             if room <= 0:
+                reach = f"reaches {-room * 1000:.2f} mm into" if room < 0 else "touches"
                 yield Problem(
                     body.path,
-                    f"the {body.name} reaches {-room * 1000:.2f} mm into the {name} of the housing",
+                    f"the {body.name} {reach} the {name} of the housing",
                     f"{_WAYS_OUT[name]}, or move the gear",
                 )
     for number, shaft in enumerate(scene.shafts, 1):

@@ -89,7 +89,7 @@ def _short_window(
     if revolutions >= FEWEST_REVOLUTIONS:
         return
     held = (window[1] - window[0]) * frequency
-    cut = f", of which {revolutions} fill whole samples" if int(held) > revolutions else ""
+    cut = f", and a whole number of samples in {revolutions} of them" if int(held) > revolutions else ""
     yield Problem(
         f"diagnosis.windows_s.{name}",
         f"has {held:.1f} revolutions of {_gear(scene)}{cut}; the diagnosis needs {FEWEST_REVOLUTIONS}",

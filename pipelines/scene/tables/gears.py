@@ -41,7 +41,7 @@ class PlaneMesh(Table):
 
 
 class SolidMesh(Table):
-    """Mesh stiffness by 3-D finite elements of both gears, contact along the face. Takes some ten seconds."""
+    """Mesh stiffness by 3-D finite elements of both gears, contact along the face. Takes up to a minute a pair."""
 
     model: Literal["solid"] = "solid"
     slices: Annotated[Whole, Field(ge=3, le=101, description="number of slices along the face")] = 31

@@ -137,7 +137,7 @@ class LoadBase(Table):
 
 
 class StaticTorqueTable(LoadBase):
-    """A hanging mass as a constant torque of its weight on the drums."""
+    """The weight of a hanging mass, as a constant torque on the drums."""
 
     model: Literal["static-torque"] = "static-torque"
 
@@ -160,8 +160,8 @@ class RopeTable(LoadBase):
     ground_level_m: Annotated[
         Number | None,
         Field(
-            description="height of the ground over the mass on the just taut rope at t = 0; positive: the mass "
-            "rests on the ground and the rope is slack by this height; without it: no ground"
+            description="height of the ground above the mass on the unstretched rope at t = 0; positive: the mass "
+            "rests on the ground and the rope is slack by this amount; without it: no ground"
         ),
     ] = None
     ground_stiffness_N_per_um: Annotated[Number, Field(gt=0, description="stiffness of the ground")] = 10.0

@@ -46,7 +46,7 @@ class ShaftTable(Table):
     bearing_supports: Annotated[
         tuple[Literal["casing", "ground"], ...],
         Field(
-            description="support of each bearing; empty: the casing for all. A housing supports exactly two "
+            description="support of each bearing; empty: the casing for all. An elastic casing supports exactly two "
             "bearings per shaft"
         ),
     ] = ()
