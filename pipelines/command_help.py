@@ -46,7 +46,7 @@ Result folder: report.html, response.nc (signals), diagnosis and settings, by de
 Takes under a minute for `minimal` and `bench`, minutes for the rig. The first run after installation also compiles
 code, for a minute or two. Stored results are reused.""",
         output="""\
-One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one window that was looked at.
+One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one analysed window.
 ...
 report: runs/bench/2026-11-25_01-02-13/report.html
 ...""",
@@ -101,7 +101,7 @@ sensor_3, m/s2 rms  1.227           1.538
 Print which component is damaged. A measured recording is judged against healthy recordings (--baseline);
 a finished run is judged against its healthy control. Nothing is simulated and no file is written. Takes seconds.""",
         output="""\
-One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one window that was looked at.
+One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one analysed window.
 ...
 line                  Hz  faulty m/s²  healthy m/s²  difference dB  over floor dB  healthy over floor dB  verdict
 ...
@@ -224,7 +224,7 @@ plot: tradeoff-minimal.png""",
     "starts": CommandHelp(
         text="""\
 Simulate a scene from several slightly different initial states; print mean and spread of each level. Use it where a
-motion is chaotic and one simulation does not repeat. Takes one simulation for each start.""",
+motion is chaotic, so that levels depend on the initial state. Takes one simulation for each start.""",
         output="""\
 8 initial states
 ...
@@ -309,7 +309,7 @@ claims/claims.json""",
     ),
     "explain": CommandHelp(
         text="""\
-Print which steps of a run are stored and reused and which are computed, with the changed setting that is the reason.
+Print which steps of a run are reused, which are computed, and which changed setting is the reason.
 Nothing is computed and no file is written. Takes seconds.""",
         output="""\
 First run: the cache holds no results of a similar scene to compare with.

@@ -194,7 +194,10 @@ def _modes(sub: argparse.ArgumentParser) -> None:
     work_arguments(sub)
     sub.add_argument("--up-to", metavar="HZ", type=positive, default=10e3, help="highest frequency, Hz (default 10000)")
     sub.add_argument(
-        "--cycle", metavar="C", type=number, help="position of stage 1, mesh cycles (default: that of the start)"
+        "--cycle",
+        metavar="C",
+        type=number,
+        help="position of stage 1 in its mesh cycle, 0 to 1 (default: as at the start of the run)",
     )
     sub.add_argument(
         "--speed",

@@ -70,7 +70,7 @@ def compare_arguments(sub: argparse.ArgumentParser) -> None:
         metavar="RECORD",
         type=path,
         nargs="+",
-        help="recording file, or run by folder, scene name or number; a time window as RECORD@lifting or "
+        help="2 to 10 recording files, or runs by folder, scene name or number; a time window as RECORD@lifting or "
         "RECORD@0.5:2.5",
     )
     sub.add_argument(

@@ -37,7 +37,13 @@ def work_arguments(sub: argparse.ArgumentParser) -> None:
 def converge_arguments(sub: argparse.ArgumentParser) -> None:
     """What is refined, and how far."""
     work_arguments(sub)
-    sub.add_argument("--over", choices=tuple(AXES), required=True, help="setting to refine")
+    sub.add_argument(
+        "--over",
+        choices=tuple(AXES),
+        required=True,
+        help="setting to refine: elements of the gears, slices of the face, positions in the mesh cycle, elements or "
+        "modes of the casing, elements of the shafts, or time step",
+    )
     sub.add_argument(
         "--levels",
         type=count,

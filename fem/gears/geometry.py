@@ -149,7 +149,12 @@ class GearPair:
                 f"a negative {other}.tip_alteration_mm",
             )
         require(
-            self.transverse_contact_ratio > 0.0 and self.total_contact_ratio >= 1.0,
+            self.transverse_contact_ratio > 0.0,
+            f"{self.label}: the teeth do not touch (eps_alpha {self.transverse_contact_ratio:.4f}), as the tip circles "
+            "overlap too little. Reduce the centre distance, or raise rack_addendum or tip_alteration_mm",
+        )
+        require(
+            self.total_contact_ratio >= 1.0,
             f"{self.label}: the total contact ratio {self.total_contact_ratio:.4f} (eps_alpha "
             f"{self.transverse_contact_ratio:.4f}, eps_beta {self.overlap_ratio:.4f}) is below 1, the least for "
             "continuous motion. Reduce the centre distance, or raise rack_addendum, tip_alteration_mm, "

@@ -59,7 +59,10 @@ def positive(text: str) -> float:
 
 def tilt(text: str) -> float | str:
     """A finite number, or the word "balanced" or "machine"."""
-    return text if text in ("balanced", "machine") else number(text)
+    try:
+        return text if text in ("balanced", "machine") else number(text)
+    except argparse.ArgumentTypeError as error:
+        raise argparse.ArgumentTypeError(f"{error}, nor balanced or machine") from None
 
 
 def picture(text: str) -> str:

@@ -41,9 +41,11 @@ def message_text(text: str) -> str:
 
 
 def nearest_name(word: str, names: Iterable[str], cutoff: float = 0.6) -> str:
-    """The name closest to `word`, or ""; of very many names the first thousand are looked at."""
-    some = itertools.islice(names, _MOST_NAMES)
-    return next(iter(difflib.get_close_matches(word[:MOST_CHARACTERS], some, n=1, cutoff=cutoff)), "")
+    """The name that ends in `word`, or the closest one, or ""; of very many names the first thousand count."""
+    some = list(itertools.islice(names, _MOST_NAMES))
+    ending = next((name for name in some if word and word in name.split("-")[1:]), "")
+    close = difflib.get_close_matches(word[:MOST_CHARACTERS], some, n=1, cutoff=cutoff)
+    return ending or next(iter(close), "")
 
 
 def duration(seconds: float) -> str:

@@ -25,9 +25,9 @@ def read_facts(folder: str | Path) -> dict[str, Any]:
         told = json.loads(path.read_text(encoding="utf-8"))
         told["identity"], told["runs"], told["facts"]["plan"], stored_layout(told["layout"])
     except (OSError, ValueError, KeyError, TypeError) as error:
+        reason = f"it has no {FACTS}" if isinstance(error, FileNotFoundError) else shown(str(error))
         raise InputError(
-            f"{shown(folder)}: not the folder of a data set ({shown(str(error))}). Give the folder that `gearcase "
-            "campaign` wrote."
+            f"{shown(folder)}: not the folder of a data set ({reason}). Give the folder that `gearcase campaign` wrote."
         ) from error
     return told
 

@@ -74,6 +74,8 @@ def feature_table(
     bands: dict[str, tuple[float, float]] = {}
     teeth: dict[str, int] = {}
     for name, window in given.items():
+        if window[0] >= window[1]:
+            raise FeatureError(f"{name}: the window ends at {window[1]:g} s, before its start at {window[0]:g} s.")
         inside = slice(np.searchsorted(time, window[0]), np.searchsorted(time, window[1], side="right"))
         cuts = {shaft: cut_turns(signal, time, rotation, shaft.ratio, window) for shaft in kinematics.shafts}
         turning = [(shaft, cut) for shaft, cut in cuts.items() if cut is not None and cut.count >= FEWEST_TURNS]

@@ -125,6 +125,8 @@ def machine_of(path: Path, machine: str | Path | None) -> tuple[Machine, Windows
     """
     from pipelines.recordings.machine import read_machine
 
+    if not path.exists():
+        raise InputError(f"{shown(path)}: there is no such file. Correct the path.")
     beside = path.parent / run_folder.RESOLVED
     if machine is None and not is_regular_file(beside):
         raise InputError(

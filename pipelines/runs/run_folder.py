@@ -72,7 +72,9 @@ def find_run(name: str | Path, root: Path = ROOT) -> Path:
         known = finished_runs(root)
         if 1 <= int(text) <= len(known):
             return known[int(text) - 1]
-        raise InputError(f"run {text}: no such number, {shown(root)} holds {len(known)}. List the runs: gearcase runs")
+        raise InputError(
+            f"run {text}: there is no run of this number ({shown(root)}: {len(known)} runs). List them: gearcase runs"
+        )
     raise InputError(
         f"{shown(name)}: no result here, neither {shown(folder / RESPONSE)} nor {shown(scene / LATEST)}. "
         f"First: gearcase run {shown(name)}"

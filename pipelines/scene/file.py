@@ -154,7 +154,10 @@ def control_of(loaded: LoadedScene) -> LoadedScene | None:
         tree["title"] = f"{loaded.scene.title} (without its faults)"
         scene, tree = validate(Merged(tree), Scene, loaded.source.shown)
         return LoadedScene(f"{loaded.name}-without-faults", loaded.source, loaded.settings, tree, scene)
-    source = find_source(control, loaded.source.folder)
+    try:
+        source = find_source(control, loaded.source.folder)
+    except InputError as error:
+        raise InputError(f'control = "{shown(control)}": {error} Or set "{WITHOUT_FAULTS}".') from error
     settings = without_shaft_faults(loaded.settings, loaded.scene)
     settings = {key: value for key, value in settings.items() if key not in _OWN_KEYS}
     name = f"{source.shown} (control of {loaded.name})"
@@ -303,9 +306,9 @@ def _shipped_source(name: str) -> Source:
         return Source(name, text, None, f"scene {name}")
     near = nearest_name(name, names)
     hint = f"Did you mean {near}? " if near else ""
+    what = "a scene file must end in .toml" if Path(name).suffix else "there is no shipped scene of this name"
     raise InputError(
-        f"{shown(name)}: there is no shipped scene of this name. {hint}Set one of {', '.join(names)}, "
-        "or a path that ends in .toml."
+        f"{shown(name)}: {what}. {hint}Give the path of a file that ends in .toml, or one of {', '.join(names)}."
     )
 
 

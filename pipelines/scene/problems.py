@@ -137,6 +137,8 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         )
     if kind in _KINDS:
         message, remedy = _KINDS[kind]
+        if message == _LIST[0] and isinstance(value, Mapping):
+            remedy = f"Write [[{where}]], in double brackets, before each of its tables."
         if message == _TABLE[0] and unit:  # a quantity over time
             message, remedy = (
                 f"must be a list of numbers{unit}",

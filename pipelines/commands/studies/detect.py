@@ -34,8 +34,9 @@ def main(options: argparse.Namespace) -> int:
     )
     plan = detection_plan(loaded, plant, design)
     if options.dry_run:
-        sys.stdout.write(estimate(plan, planned(plan)).to_text())
-        return 0
+        expected = estimate(plan, planned(plan))
+        sys.stdout.write(expected.to_text())
+        return 2 if expected.refused else 0
     folder = Path(options.out or f"campaigns/{plan.name}")
     work = Work(processes=options.processes, quiet=options.quiet)
     with shown_campaign(quiet=options.quiet) as shown:

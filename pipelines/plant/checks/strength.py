@@ -137,7 +137,7 @@ def overloaded(scene: Scene, layout: Layout) -> Iterator[Problem]:
 def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterator[Problem]:
     pressure = contact_pressure(pair, facts.pinion_torque)
     load = f"line load {facts.line_load / 1000:.4g} N/mm"
-    remedy = "Reduce the load, or raise face_width_mm or module_mm"
+    remedy = "Reduce the load, raise face_width_mm or module_mm, or correct gear_material.elastic_modulus_GPa"
     if not pressure <= STATIC_STRENGTH:
         yield Problem(
             f"stages.{number}",
@@ -152,7 +152,7 @@ def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterato
             f"stages.{number}",
             f"the {load} deflects the teeth by about {1000 * give:.3g} mm, more than {LARGEST_GIVE:g} modules "
             f"({1000 * LARGEST_GIVE * pair.pinion.normal_module:.3g} mm), where linear elasticity does not hold",
-            f"{remedy}, or gear_material.elastic_modulus_GPa",
+            remedy,
         )
 
 

@@ -80,8 +80,7 @@ def _far_sensors(scene: Scene, box: HousingTable) -> Iterator[Problem]:
         if distance > FARTHEST_SENSOR_MM:
             yield Problem(
                 f"sensors.{number}.position_mm",
-                f"{sensor.name} is {distance:.0f} mm outside the housing, more than {FARTHEST_SENSOR_MM:.0f} mm",
+                f"{sensor.name} is {distance:.0f} mm outside the housing; the limit is {FARTHEST_SENSOR_MM:.0f} mm",
                 f"Set a place near the housing, x {low[0]:g} to {high[0]:g}, y {low[1]:g} to {high[1]:g}, z "
-                f"{low[2]:g} to "
-                f"{high[2]:g} mm.",
+                f"{low[2]:g} to {high[2]:g} mm.",
             )
