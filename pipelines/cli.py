@@ -17,7 +17,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TextIO
 
-from pipelines.command_line import FINISHED, STUDIES, parser
+from pipelines.command_line import FINISHED, STUDIES, command_parser, parser
 
 if TYPE_CHECKING:
     import argparse
@@ -31,7 +31,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a console without some letter must not stop a run
     top = parser()
-    options = top.parse_args(arguments)
+    options, unknown = top.parse_known_args(arguments)
+    if unknown:
+        command_parser(top, options.command).error(f"unrecognized arguments: {' '.join(unknown)}")
     if options.version:
         from pipelines.engine.code_version import library_versions
 

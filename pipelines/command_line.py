@@ -70,6 +70,12 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: error: {shown(head)}{shown(tail)}".rstrip(".") + f". {hint}\n")
 
 
+def command_parser(top: argparse.ArgumentParser, command: str | None) -> argparse.ArgumentParser:
+    """The parser of a command, or the given one without a command."""
+    choices = (action.choices for action in top._actions if isinstance(action, argparse._SubParsersAction))
+    return top if command is None else next(choices)[command]
+
+
 def _nearest(message: str) -> str:
     """What was probably meant by a word that is not among the choices, as a sentence, or ""."""
     found = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
@@ -220,6 +226,9 @@ def _inspect(sub: argparse.ArgumentParser) -> None:
         "--out", metavar="FOLDER", type=path, default=".", help="folder for the pictures (default: the working folder)"
     )
     sub.add_argument("--stage", type=count, metavar="N", default=1, help="gear stage to show (default 1)")
+    sub.add_argument(
+        "--torque", metavar="N_M", type=positive, help="torque on the pinion of this stage, N m (default: of the scene)"
+    )
     sub.add_argument(
         "--position", type=number, metavar="C", help="show one position, mesh cycles (default: a film over one cycle)"
     )

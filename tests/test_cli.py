@@ -303,3 +303,12 @@ def test_a_repeated_run_builds_nothing_and_takes_at_most_2_s(capsys, here):
     newest = (here / "runs" / "minimal" / "latest.txt").read_text(encoding="utf-8").strip()
     facts = json.loads((here / "runs" / "minimal" / newest / "run.json").read_text(encoding="utf-8"))
     assert all(step["reused"] for step in facts["steps"])
+
+
+def test_an_unknown_option_is_refused_by_its_command(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["inspect", "pair", "--nothing"])
+    assert ended.value.code == 2
+    err = capsys.readouterr().err
+    assert "gearcase inspect: error: unrecognized arguments: --nothing" in err
+    assert "Help: gearcase inspect --help" in err

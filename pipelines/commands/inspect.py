@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -46,7 +47,10 @@ def main(options: argparse.Namespace) -> int:
         return _casing_mode(graph, plant, options.casing_mode, folder, work)
     outcome = work.build(graph, law_names(plant))
     pairs = pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})
-    shown = InspectedStage(plant=plant, laws=pairs[stage - 1])
+    laws = pairs[stage - 1]
+    if options.torque is not None:
+        laws = dataclasses.replace(laws, force=options.torque / laws.pair.pinion.base_radius)
+    shown = InspectedStage(plant=plant, laws=laws)
     frames = options.frames if options.position is None else 1
     if options.screen:
         show_mesh(shown.mesh_view(_cycles(shown, options)))

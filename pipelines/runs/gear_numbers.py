@@ -268,8 +268,8 @@ def relief_amounts(found: PairLaws, state: MeshState) -> tuple[float, float]:
     tooth pairs, the double contact gives way by R / 2 more and the step vanishes. Bodies and shafts, which both
     contacts share, drop out of it. The first of a helical pair is the second.
     """
-    curve = found.stiffness(modified=False, force=state.force, tilt=state.tilt)
-    deflection = curve.transmission_error - curve.no_load_error
+    curve = found.stiffness(modified=False, force=state.force)
+    deflection = curve.transmission_error  # at mid face, where a misalignment opens no gap
     if found.pair.pinion.helix_angle:
         return float(deflection.mean()), float(deflection.mean())
     return 2 * float(np.ptp(deflection)), float(deflection.max())

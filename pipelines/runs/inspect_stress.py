@@ -50,6 +50,8 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     found = pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})[stage - 1]
     index = round((acting(found) if options.position is None else options.position) * model.positions)
     force = plant.facts.stages[stage - 1].shown_force
+    if options.torque is not None:
+        force = options.torque / pair.pinion.base_radius
     added = _stress_steps(plant, stage, index, force)
     full = Graph([*graph.needed([f"law_{stage}"]), *added])
     wanted = [one.name for one in added[1:]]
