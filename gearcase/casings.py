@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gearcase.scenes import Scene
+from gearcase.scenes import Scene, loaded_scene
 from gearcase.working import ProgressFunction
 from pipelines.engine.working import Work
 from pipelines.runs.single_results import Casing, build_casing
@@ -35,4 +35,4 @@ def casing(
     >>> print(f"{len(found.frequencies)} modes, the lowest at {found.frequencies[0]:.0f} Hz")
     6 modes, the lowest at 647 Hz
     """
-    return build_casing(scene.loaded, Work(processes=processes, progress=progress), error_check=error_check)
+    return build_casing(loaded_scene(scene), Work(processes=processes, progress=progress), error_check=error_check)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gearcase.scenes import Scene
+from gearcase.scenes import Scene, loaded_scene
 from gearcase.working import ProgressFunction
 from pipelines.engine.working import Work
 from pipelines.runs.single_results import build_pairs
@@ -35,4 +35,4 @@ def laws(
     >>> k.dims, k.units, [str(state) for state in k.state.values]
     (('state', 'cycle'), 'N/m', ['healthy', 'faulty'])
     """
-    return build_pairs(scene.loaded, Work(processes=processes, progress=progress))
+    return build_pairs(loaded_scene(scene), Work(processes=processes, progress=progress))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from gearcase.scenes import Scene
+from gearcase.scenes import Scene, loaded_scene
 from gearcase.working import ProgressFunction
 from mbd.system.linearised import LinearModes
 from pipelines.engine.working import Work
@@ -51,7 +51,7 @@ def modes(
     297.1 Hz, bearings of shaft 2
     """
     work = Work(processes=processes, progress=progress)
-    return build_machine_modes(scene.loaded, work, up_to=up_to, cycle=cycle, speed=speed / 60 * 2 * math.pi)[0]
+    return build_machine_modes(loaded_scene(scene), work, up_to=up_to, cycle=cycle, speed=speed / 60 * 2 * math.pi)[0]
 
 
 def simulate(scene: Scene, *, processes: int | None = None, progress: ProgressFunction | None = None) -> xarray.Dataset:
@@ -73,4 +73,4 @@ def simulate(scene: Scene, *, processes: int | None = None, progress: ProgressFu
     >>> signal.sizes["time"], signal.units
     (1000, 'm/s2')
     """
-    return build_signals(scene.loaded, Work(processes=processes, progress=progress))
+    return build_signals(loaded_scene(scene), Work(processes=processes, progress=progress))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gearcase.scenes import Scene, Settings
+from gearcase.scenes import Scene, Settings, loaded_scene
 from gearcase.working import ProgressFunction
 from pipelines.bars.line_bars import LineBars
 from pipelines.border.errors import WorkError
@@ -62,7 +62,7 @@ def run(
     """
     work = Work(processes=processes, progress=progress)
     options = Options(out=out, with_control=control, both_loads=both_loads, seeds=seeds, work=work)
-    return loaded_run(run_scene(scene.loaded, options).folder)
+    return loaded_run(run_scene(loaded_scene(scene), options).folder)
 
 
 def open_run(name: str | Path) -> xarray.Dataset:
@@ -100,7 +100,7 @@ def diagnose(response: xarray.Dataset, settings: Settings = ()) -> Diagnosis:
     >>> bool(found.lines.detected.sum() > 5)
     True
     """
-    return diagnose_folder(Path(_folder(response.attrs)), settings)
+    return diagnose_folder(Path(_folder(getattr(response, "attrs", {}))), settings)
 
 
 def error_bars(

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from fem.storage import shown_html
+from pipelines.border.errors import InputError
+from pipelines.border.shown import shown_value
 from pipelines.border.toml_text import format_value
 from pipelines.runs.checked import Checked, check_scene
 from pipelines.scene.file import LoadedScene, changed, load_scene, scene_of_tree
@@ -113,6 +115,13 @@ class Scene:
         return shown_html.table(f"{self.name}: {self.title}", ("key", "value"), given)
 
 
+def loaded_scene(scene: Scene) -> LoadedScene:
+    """What a scene holds; InputError for anything else than a `Scene`."""
+    if not isinstance(scene, Scene):
+        raise InputError(f"{shown_value(scene)}: not a scene. Give what gearcase.Scene.from_file or from_dict returns.")
+    return scene.loaded
+
+
 def check(scene: Scene) -> Checked:
     """What follows from a scene before anything is computed: ratios, frequencies, forces; cost of a run; warnings.
 
@@ -125,4 +134,4 @@ def check(scene: Scene) -> Checked:
     >>> print(f"{found.facts.stages[0].mesh_frequency:.1f} Hz, {found.facts.stages[0].mesh_force:.0f} N")
     300.0 Hz, 1061 N
     """
-    return check_scene(scene.loaded)
+    return check_scene(loaded_scene(scene))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gearcase.scenes import Scene
+from gearcase.scenes import Scene, loaded_scene
 from gearcase.working import ProgressFunction
 from pipelines.engine.working import Work
 from pipelines.trade.refinement import RefinementStudy, refine
@@ -42,7 +42,7 @@ def converge(
     >>> found.units["stage 1 stiffness"], found.fineness
     ('N/um', (2.0, 1.0, 0.5))
     """
-    return refine(scene.loaded, over, levels, Work(processes=processes, progress=progress))
+    return refine(loaded_scene(scene), over, levels, Work(processes=processes, progress=progress))
 
 
 def tradeoff(scene: Scene, *, processes: int | None = None, progress: ProgressFunction | None = None) -> Tradeoff:
@@ -65,4 +65,4 @@ def tradeoff(scene: Scene, *, processes: int | None = None, progress: ProgressFu
     >>> found = gearcase.tradeoff(gearcase.Scene.from_file("minimal"))  # doctest: +SKIP
     >>> found.cheapest(error=0.02).choice.name  # doctest: +SKIP
     """
-    return trade(scene.loaded, Work(processes=processes, progress=progress))
+    return trade(loaded_scene(scene), Work(processes=processes, progress=progress))

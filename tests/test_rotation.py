@@ -210,7 +210,7 @@ def test_the_uncertainty_of_the_tracked_speed_is_honest(noise, drift):
 
 def test_noise_alone_has_no_speed():
     noise = np.random.default_rng(3).standard_normal((3, 20_000))
-    with pytest.raises(RotationError, match="no mesh line of stage 1 is clear within 4 % of 25 Hz"):
+    with pytest.raises(RotationError, match="stage 1 has a steady phase at shaft speeds within 4 % of 25 Hz"):
         rotation_of(recording(noise, 5000.0), PAIR)
 
 

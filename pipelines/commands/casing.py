@@ -58,6 +58,8 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
         yield describe(casing.modes)
         yield casing.checkup.report(0)
         yield mode_table(casing.natural, count, casing.bands)
+        if casing.limits is None and casing.mesh is not None:
+            yield "no error bands: set casing.extrapolated = true, or use --preset standard"
         if casing.limits is not None:
             yield band_words(casing.limits, body.stiffness_factor, casing.bands / casing.frequencies)
         if casing.natural.part_names:

@@ -109,8 +109,8 @@ def _casing_mode(graph: Graph, plant: Plant, number: int | str, folder: Path, wo
 
     if "casing mesh" not in graph.steps or "casing modes" not in graph.steps:
         raise InputError(
-            f"--casing-mode: a {plant.models['casing']} casing has no mesh with elastic modes. Set casing.model to "
-            "craig-bampton, and casing.housing to a shape or a mesh."
+            "--casing-mode: the casing has no finite-element mesh with elastic modes. Set casing.model to "
+            "craig-bampton, and casing.housing to a shape, a CAD file or a mesh."
         )
     outcome = work.build(graph, ["casing", "casing modes"])
     sys.stdout.write(_listed(_casing_mode_files(outcome, graph, plant.title, number, folder)))

@@ -127,7 +127,8 @@ def _damaged(path: Path, block: list[tuple[int, str]], layout: Layout) -> InputE
             if not _is_number(cell, "."):
                 what = f'"{shown(cell.strip(), 40)}" is not a number' if cell.strip() else "the cell is empty"
                 column = f", column {shown(name, 40)}" if name else ""
-                return InputError(f"{shown(path)}: line {number}{column}: {what}. Correct or delete that line.")
+                remedy = "Correct the cell; a deleted line would leave a gap in time."
+                return InputError(f"{shown(path)}: line {number}{column}: {what}. {remedy}")
     return None
 
 

@@ -196,7 +196,9 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
 
 def no_full_model(plant: Plant) -> str:
     """Why a casing cannot be compared, or has no field of modes."""
-    return f"a {plant.models['casing']} casing has no full model; choose casing.model craig-bampton"
+    if plant.models["casing"] == "craig-bampton":
+        return "imported matrices have no full model. Set casing.housing to a shape, a CAD file or a mesh"
+    return f'casing.model = "{plant.models["casing"]}" has no full model. Set casing.model = "craig-bampton"'
 
 
 def build_machine_modes(

@@ -93,9 +93,9 @@ def _short_window(
     yield Problem(
         f"diagnosis.windows_s.{name}",
         f"has {held:.1f} revolutions of {_gear(scene)}{cut}; the diagnosis needs {FEWEST_REVOLUTIONS}",
-        f"Set a window of {(FEWEST_REVOLUTIONS + bool(cut)) / frequency:.2f} s or more, or windows_s = {{}} for "
-        "signals "
-        "without diagnosis",
+        f"Set a window of {(FEWEST_REVOLUTIONS + bool(cut)) / frequency:.2f} s or more, or run with --set "
+        "diagnosis.windows_s={} for signals without diagnosis. Windows of an extended scene stay unless one of the "
+        "same name replaces them",
         f"[{window[0]:g}, {window[1]:g}]",
     )
 

@@ -50,7 +50,10 @@ class DampedPartTable(Table):
     def _placed(self) -> DampedPartTable:
         if (self.box_mm is None) != (self.name in KNOWN_PARTS):
             if self.name in KNOWN_PARTS:
-                raise ValueError(f'name = "{self.name}" is found without box_mm. Delete box_mm, or set another name')
+                raise ValueError(
+                    f'name = "{self.name}" is a part of the parametric housing, found without box_mm. For a part in a '
+                    "box set another name"
+                )
             raise ValueError(f'name = "{self.name}" needs box_mm. Set it, or a name of {", ".join(KNOWN_PARTS)}')
         if self.box_mm is not None and not all(a < b for a, b in zip(*self.box_mm, strict=True)):
             raise ValueError(
