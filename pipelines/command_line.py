@@ -10,7 +10,7 @@ import re
 import sys
 from typing import NoReturn
 
-from pipelines.border.argument_types import count, days, mode_number, number, path, picture, positive, tilt
+from pipelines.border.argument_types import count, days, number, path, positive
 from pipelines.command_help import HELP, example_text
 from pipelines.dataset_arguments import dataset_arguments
 from pipelines.finished_arguments import (
@@ -21,6 +21,7 @@ from pipelines.finished_arguments import (
     orders_arguments,
     runs_arguments,
 )
+from pipelines.gear_arguments import gears_arguments, inspect_arguments
 from pipelines.housing_arguments import casing_arguments, housing_arguments
 from pipelines.study_arguments import (
     converge_arguments,
@@ -123,36 +124,6 @@ def _check(sub: argparse.ArgumentParser) -> None:
     json_argument(sub)
 
 
-def _gears(sub: argparse.ArgumentParser) -> None:
-    work_arguments(sub)
-    sub.add_argument(
-        "--torque",
-        metavar="N_M",
-        type=positive,
-        nargs="+",
-        help="torques on the pinion of each pair, N m, as in --torque 50 100 200 (default: of the scene)",
-    )
-    sub.add_argument(
-        "--tilt",
-        metavar="UM",
-        type=tilt,
-        default=0.0,
-        help="misalignment over the face, um (approach at the +y end minus that at the -y end), balanced (the tilt "
-        "that centres the load) or machine (the tilt in the loaded machine); default 0",
-    )
-    sub.add_argument(
-        "--out", metavar="FILE", type=path, help="write the curves over the mesh cycle to this file, .csv or .nc"
-    )
-    sub.add_argument(
-        "--plot",
-        metavar="FILE",
-        type=picture,
-        help="write transmission error (um) over the mesh cycle and its orders, before and after modifications: .png, "
-        ".svg or .pdf (default: none)",
-    )
-    json_argument(sub)
-
-
 def _out(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder (default: ./runs/<scene>/<timestamp>)")
 
@@ -218,39 +189,6 @@ def _modes(sub: argparse.ArgumentParser) -> None:
 def _simulate(sub: argparse.ArgumentParser) -> None:
     work_arguments(sub)
     _out(sub)
-
-
-def _inspect(sub: argparse.ArgumentParser) -> None:
-    work_arguments(sub)
-    sub.add_argument(
-        "--out", metavar="FOLDER", type=path, default=".", help="folder for the pictures (default: the working folder)"
-    )
-    sub.add_argument("--stage", type=count, metavar="N", default=1, help="gear stage to show (default 1)")
-    sub.add_argument(
-        "--torque", metavar="N_M", type=positive, help="torque on the pinion of this stage, N m (default: of the scene)"
-    )
-    sub.add_argument(
-        "--position", type=number, metavar="C", help="show one position, mesh cycles (default: a film over one cycle)"
-    )
-    sub.add_argument(
-        "--frames", type=count, metavar="N", default=17, help="pictures in the film; 1 gives a still (default 17)"
-    )
-    sub.add_argument(
-        "--stress", action="store_true", help="show the von Mises stress of the loaded teeth instead (PNG)"
-    )
-    sub.add_argument(
-        "--mesh",
-        metavar="FILE",
-        type=path,
-        help="write the hexahedral mesh of the loaded teeth instead, .vtu, .inp, .msh or .bdf",
-    )
-    sub.add_argument("--screen", action="store_true", help="open a window with a slider for the position instead")
-    sub.add_argument(
-        "--casing-mode",
-        type=mode_number,
-        metavar="N",
-        help="show natural mode N of the casing instead (PNG, GIF and HTML); all: one PNG of all modes in its band",
-    )
 
 
 def _cache(sub: argparse.ArgumentParser) -> None:
@@ -334,13 +272,13 @@ COMMANDS = (  # in the order a user needs them: name, of the module too; one lin
         "gears",
         "compute mesh stiffness, transmission error and load sharing of each pair",
         "gearcase gears pair --torque 50 100 --plot te.png",
-        _gears,
+        gears_arguments,
     ),
     (
         "inspect",
         "write pictures of gears in mesh and of the casing",
         "gearcase inspect minimal --position 0",
-        _inspect,
+        inspect_arguments,
     ),
     (
         "housing",

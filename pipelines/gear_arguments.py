@@ -1,0 +1,74 @@
+"""Arguments of `gearcase gears` and `gearcase inspect`."""
+
+from __future__ import annotations
+
+import argparse
+
+from pipelines.border.argument_types import count, mode_number, number, path, picture, positive, tilt
+from pipelines.finished_arguments import json_argument
+from pipelines.study_arguments import work_arguments
+
+
+def gears_arguments(sub: argparse.ArgumentParser) -> None:
+    """Of `gearcase gears`."""
+    work_arguments(sub)
+    sub.add_argument(
+        "--torque",
+        metavar="N_M",
+        type=positive,
+        nargs="+",
+        help="torques on the pinion of each pair, N m, as in --torque 50 100 200 (default: of the scene)",
+    )
+    sub.add_argument(
+        "--tilt",
+        metavar="UM",
+        type=tilt,
+        default=0.0,
+        help="misalignment over the face, um (approach at the +y end minus that at the -y end), balanced (the tilt "
+        "that centres the load) or machine (the tilt in the loaded machine); default 0",
+    )
+    sub.add_argument(
+        "--out", metavar="FILE", type=path, help="write the curves over the mesh cycle to this file, .csv or .nc"
+    )
+    sub.add_argument(
+        "--plot",
+        metavar="FILE",
+        type=picture,
+        help="write transmission error (um) over the mesh cycle and its orders, before and after modifications: .png, "
+        ".svg or .pdf (default: none)",
+    )
+    json_argument(sub)
+
+
+def inspect_arguments(sub: argparse.ArgumentParser) -> None:
+    """Of `gearcase inspect`."""
+    work_arguments(sub)
+    sub.add_argument(
+        "--out", metavar="FOLDER", type=path, default=".", help="folder for the pictures (default: the working folder)"
+    )
+    sub.add_argument("--stage", type=count, metavar="N", default=1, help="gear stage to show (default 1)")
+    sub.add_argument(
+        "--torque", metavar="N_M", type=positive, help="torque on the pinion of this stage, N m (default: of the scene)"
+    )
+    sub.add_argument(
+        "--position", type=number, metavar="C", help="show one position, mesh cycles (default: a film over one cycle)"
+    )
+    sub.add_argument(
+        "--frames", type=count, metavar="N", default=17, help="pictures in the film; 1 gives a still (default 17)"
+    )
+    sub.add_argument(
+        "--stress", action="store_true", help="show the von Mises stress of the loaded teeth instead (PNG)"
+    )
+    sub.add_argument(
+        "--mesh",
+        metavar="FILE",
+        type=path,
+        help="write the hexahedral mesh of the loaded teeth instead, .vtu, .inp, .msh or .bdf",
+    )
+    sub.add_argument("--screen", action="store_true", help="open a window with a slider for the position instead")
+    sub.add_argument(
+        "--casing-mode",
+        type=mode_number,
+        metavar="N",
+        help="show natural mode N of the casing instead (PNG, GIF and HTML); all: one PNG of all modes in its band",
+    )
