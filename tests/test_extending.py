@@ -16,13 +16,13 @@ EXAMPLES = dict(part.split("\n", 1) for part in PAGE.split("\n## ")[1:])
 
 
 def blocks(example):
-    """(kind, path, text) of every block: "new" files, "diff" of a file, "holds" to be run."""
+    """(kind, path, text) of every block: "new" files, "diff" of a file, "check" to be run."""
     kind, path = "", ""
     for words, language, text in re.findall(r"(.*?)^```(\w+)\n(.*?)^```\n?", EXAMPLES[example], re.M | re.S):
         if found := re.search(r"^(New file|In) `([\w/.]+)`", words, re.M):
             kind, path = ("new" if found[1] == "New file" else "diff"), found[2]
-        elif "It holds:" in words:
-            kind, path = "holds", ""
+        elif "Check:" in words:
+            kind, path = "check", ""
         assert language == ("diff" if kind == "diff" else "python")
         yield kind, path, text
 
@@ -67,7 +67,7 @@ def test_an_extension_touches_few_files(example, most):
 @pytest.mark.slow
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_what_the_page_says_holds(copy, example):
-    (code,) = [text for kind, _, text in blocks(example) if kind == "holds"]
+    (code,) = [text for kind, _, text in blocks(example) if kind == "check"]
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=copy, env=environment, capture_output=True, text=True, check=False

@@ -166,7 +166,7 @@ def test_damped_parts_of_a_scene_in_si():
         ([{"name": "cover", "loss_factor": 2.0}], "less than 2"),
         (
             [{"name": "feet", "loss_factor": 0.1, "box_mm": [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]]}],
-            "is found without box_mm",
+            "found without box_mm",
         ),
         (
             [{"name": "lid", "loss_factor": 0.1, "box_mm": [[0.0, 0.0, 0.0], [1.0, -1.0, 1.0]]}],

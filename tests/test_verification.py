@@ -166,7 +166,7 @@ def test_a_table_says_what_holds_where_and_why_the_rest_does_not(tmp_path):
         "rope, no losses": FAILS, "constant torque, no losses": FAILS,
         "rope, friction": HOLDS, "constant torque, friction": HOLDS,
     }  # fmt: skip
-    assert any("as lifting run backwards does" in reason for reason in page.reasons(found))
+    assert any("lifting reversed in time" in reason for reason in page.reasons(found).values())
     text, data = page.write(tmp_path / "claims", told, found, {"preset": "standard", "seeds": 3})
     assert "| +3." in text.read_text(encoding="utf-8")
     stored = json.loads(data.read_text(encoding="utf-8"))
@@ -177,14 +177,14 @@ def test_a_table_says_what_holds_where_and_why_the_rest_does_not(tmp_path):
 def test_the_reason_of_a_claim_that_holds_everywhere_is_not_told():
     found = page.verdicts(evidence())
     assert not any(one.verdict == HOLDS for claim, one in _flat(found) if claim.measure == "level")
-    steady = next(claim.reason for claims in CLAIMS.values() for claim in claims if claim.measure == "level")
-    assert any(steady in reason for reason in page.reasons(found))
+    (steady,) = next(claim.reasons for claims in CLAIMS.values() for claim in claims if claim.measure == "level")
+    assert any(steady in reason for reason in page.reasons(found).values())
     firm = judge([9.0, 9.1, 9.2], 0.0)
     held = {
         heading: [(claim, dict.fromkeys(by_condition, firm)) for claim, by_condition in judged]
         for heading, judged in found.items()
     }
-    assert not any(steady in reason for reason in page.reasons(held))
+    assert not any(page.reasons(held).values())
 
 
 def _flat(found):

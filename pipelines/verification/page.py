@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 
 _WORDS = {"static-torque": "constant torque", "none": "no losses"}
 RULE = (
-    "Cells: mean over the seeds of the deviations ± its standard error, dB. A claim holds if the whole 95 % interval "
-    "of the mean reaches its limit. It does not hold if the whole interval stays below. Otherwise it is undecided."
+    "Cells: mean over the seeds of the deviations ± standard error, dB. The 95 % interval of the mean (Student) is "
+    "± 2.8 standard errors for five seeds. A claim holds if the whole interval is at least its limit. It does "
+    "not hold if the whole interval stays below. Otherwise it is undecided."
 )
 
 Verdicts = dict[str, list[tuple[Claim, dict[str, Judgement]]]]
@@ -30,7 +31,7 @@ def stated() -> str:
     for heading, claims in CLAIMS.items():
         rows = tuple((claim.words, claim.measure, f"{claim.least:g}") for claim in claims)
         parts.append(Grid(title=heading, headers=("claim", "measure", "at least, dB"), rows=rows).to_text())
-    return "\n\n".join([*parts, RULE]) + "\n"
+    return "\n\n".join([RULE, *parts]) + "\n"
 
 
 def verdicts(evidence: Evidence) -> Verdicts:
@@ -63,32 +64,33 @@ def grids(found: Verdicts) -> list[Grid]:
             )
             for claim, by_condition in judged
         )
-        out.append(Grid(title=heading, headers=("claim", "at least", *conditions), rows=rows))
+        out.append(Grid(title=heading, headers=("claim", "at least, dB", *conditions), rows=rows))
     return out
 
 
-def reasons(found: Verdicts) -> list[str]:
-    """Why claims do not hold or are undecided: each reason once, with its claims."""
-    claims: dict[str, list[str]] = {}
-    for judged in found.values():
-        for claim, by_condition in judged:
-            if any(one.verdict != HOLDS for one in by_condition.values()):
-                claims.setdefault(claim.reason, []).append(claim.words)
-    told = [f"{'; '.join(words)}: {reason}" for reason, words in claims.items()]
-    return [*(line[:1].upper() + line[1:] for line in told), *(f"{words}: {why}" for words, why in UNTESTED.items())]
+def reasons(found: Verdicts) -> dict[str, str]:
+    """Why claims do not hold or are undecided, by heading: each reason once, "" where all claims hold."""
+    return {
+        heading: " ".join(
+            dict.fromkeys(
+                reason
+                for claim, by_condition in judged
+                if any(one.verdict != HOLDS for one in by_condition.values())
+                for reason in claim.reasons
+            )
+        )
+        for heading, judged in found.items()
+    }
 
 
 def text(found: Verdicts) -> str:
     """Tables and reasons for the terminal."""
-    parts = [grid.to_text() for grid in grids(found)]
-    return "\n\n".join([*parts, RULE, *reasons(found)]) + "\n"
+    return _with_reasons(found, [grid.to_text() for grid in grids(found)])
 
 
 def markdown(found: Verdicts) -> str:
     """Tables and reasons for a page."""
-    parts = [f"**{grid.title}**\n\n{grid.to_markdown()}" for grid in grids(found)]
-    told = "\n".join(f"- {reason}" for reason in reasons(found))
-    return "\n\n".join([*parts, RULE, told]) + "\n"
+    return _with_reasons(found, [f"**{grid.title}**\n\n{grid.to_markdown()}" for grid in grids(found)])
 
 
 def write(folder: Path, evidence: Evidence, found: Verdicts, facts: Mapping[str, Any]) -> tuple[Path, Path]:
@@ -125,6 +127,12 @@ def write(folder: Path, evidence: Evidence, found: Verdicts, facts: Mapping[str,
     }
     data.write_text(json.dumps(told, indent=1), encoding="utf-8")
     return page, data
+
+
+def _with_reasons(found: Verdicts, tables: list[str]) -> str:
+    """How to read the tables, each table with its reasons below, and the claims that no table holds."""
+    parts = [part for both in zip(tables, reasons(found).values(), strict=True) for part in both if part]
+    return "\n\n".join([RULE, *parts, *(f"{words}: {why}" for words, why in UNTESTED.items())]) + "\n"
 
 
 def _conditions(values: xarray.DataArray) -> Iterator[tuple[str, xarray.DataArray]]:
