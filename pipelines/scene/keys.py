@@ -34,6 +34,7 @@ Every key of a scene file, made from the validators by `python -m pipelines.scen
   items from 1.
 - Most tables of models are chosen by their key `model`, and faults by `kind`.
 - `extends = "rig-healthy"` at the top of a file takes over every value of another scene that the file does not give.
+  Tables are merged key by key, so inherited windows stay; a key of the same name replaces the inherited one.
 """
 TOP = "Top level"
 FROM_FILE = "values from a file"
