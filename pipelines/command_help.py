@@ -5,7 +5,9 @@ Lines that are left out of an output are shown as ``...``.
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,6 +22,36 @@ def example_text(example: str, found: CommandHelp) -> str:
     """The example of a command with its output, as it is shown below the options."""
     output = "".join(f"\n  {line}".rstrip() for line in found.output.splitlines())
     return f"example:\n  {example}{output}"
+
+
+def action_parser(
+    actions: Any, command: argparse.ArgumentParser, name: str, words: str, example: str
+) -> argparse.ArgumentParser:
+    """The parser of one action of a command such as `runs`, with its help.
+
+    Parameters
+    ----------
+    actions : what `add_subparsers` of the command returned
+    command : its parser
+    name, words, example : of the action, one line on it, and a command line
+    """
+    found = HELP[f"{command.prog.split()[-1]} {name}"]
+    made: argparse.ArgumentParser = actions.add_parser(
+        name,
+        help=words,
+        description=found.text,
+        epilog=example_text(example, found),
+        formatter_class=command.formatter_class,
+        allow_abbrev=False,
+    )
+    made.add_argument(
+        "-v",
+        "--verbose",
+        action="store_true",
+        default=argparse.SUPPRESS,
+        help="log each step, and print the traceback of an error",
+    )
+    return made
 
 
 HELP = {

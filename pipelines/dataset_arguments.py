@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from pipelines.border.argument_types import count, from_zero, part, path, positive, whole
-from pipelines.command_help import HELP, example_text
+from pipelines.command_help import action_parser
 
 _EXAMPLES = {
     "info": "gearcase dataset info campaigns/plan",
@@ -20,22 +20,8 @@ def dataset_arguments(sub: argparse.ArgumentParser) -> None:
     actions = sub.add_subparsers(dest="action", metavar="ACTION", title="actions", required=True)
 
     def action(name: str, words: str) -> argparse.ArgumentParser:
-        made = actions.add_parser(
-            name,
-            help=words,
-            description=HELP[f"dataset {name}"].text,
-            epilog=example_text(_EXAMPLES[name], HELP[f"dataset {name}"]),
-            formatter_class=sub.formatter_class,
-            allow_abbrev=False,
-        )
+        made = action_parser(actions, sub, name, words, _EXAMPLES[name])
         made.add_argument("folder", metavar="FOLDER", type=path, help="folder of the data set, as in campaigns/plan")
-        made.add_argument(
-            "-v",
-            "--verbose",
-            action="store_true",
-            default=argparse.SUPPRESS,
-            help="log each step, and print the traceback of an error",
-        )
         return made
 
     action("info", "print runs, labels, split and variables")

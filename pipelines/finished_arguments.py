@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from pipelines.border.argument_types import count, days, number, path, positive, several
-from pipelines.command_help import HELP, example_text
+from pipelines.command_help import action_parser
 
 RUN_HELP = "result folder, scene name for its newest result, or number as printed by `gearcase runs`"
 
@@ -108,23 +108,7 @@ def runs_arguments(sub: argparse.ArgumentParser) -> None:
     actions = sub.add_subparsers(dest="action", metavar="ACTION", title="actions (default: list)")
 
     def action(name: str, words: str) -> argparse.ArgumentParser:
-        found = HELP[f"runs {name}"]
-        made = actions.add_parser(
-            name,
-            help=words,
-            description=found.text,
-            epilog=example_text(_EXAMPLES[name], found),
-            formatter_class=sub.formatter_class,
-            allow_abbrev=False,
-        )
-        made.add_argument(
-            "-v",
-            "--verbose",
-            action="store_true",
-            default=argparse.SUPPRESS,
-            help="log each step, and print the traceback of an error",
-        )
-        return made
+        return action_parser(actions, sub, name, words, _EXAMPLES[name])
 
     listing = action("list", "list the runs under ./runs, newest first")
     listing.add_argument("scene", metavar="SCENE", nargs="?", help="list only the runs of this scene")

@@ -214,6 +214,11 @@ def plain(text: str) -> str:
     return text.replace("$", r"\$")
 
 
+def plain_symbols(name: str) -> str:
+    """A label such as "2 f_r" with its subscript, everything else as it is."""
+    return plain(name).replace("f_r", "fᵣ").replace("f_m", "fₘ")
+
+
 def dress(axes: Axes, title: str, x: str, y: str) -> None:
     """Title, labels, grid.
 

@@ -10,7 +10,19 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullLocator
 
-from pipelines.figures.plots import FAULTY, FIRST, HEALTHY, LETTER, MARK, SECOND, dress, fixed_figure, legend, plain
+from pipelines.figures.plots import (
+    FAULTY,
+    FIRST,
+    HEALTHY,
+    LETTER,
+    MARK,
+    SECOND,
+    dress,
+    fixed_figure,
+    legend,
+    plain,
+    plain_symbols,
+)
 from pipelines.signals.lines import LOADS
 from pipelines.signals.pass_lines import HARMONICS, PassLines
 from pipelines.signals.spectrum import Spectrum
@@ -125,7 +137,7 @@ def error_bars_figure(bars: Sequence[LineBar], window: str) -> Figure:
             ends = [[getattr(bars[i], name).low, getattr(bars[i], name).high] for i in shown]
             axes.vlines(places[shown] + shift, *np.array(ends).T, color=colour, lw=4.0, label=f"{name}, 5 to 95 %")
     axes.axhline(0.0, color=MARK, lw=0.8)
-    axes.set_xticks(places, names, rotation=60, ha="right", fontsize=8)
+    axes.set_xticks(places, [plain_symbols(name) for name in names], rotation=60, ha="right", fontsize=8)
     dress(axes, plain(window.capitalize()), "", "dB over the level")
     legend(axes)
     return figure

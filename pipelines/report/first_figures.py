@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipelines.figures.plots import FAULTY, HEALTHY, MARK, dress, fixed_figure, legend, plain
+from pipelines.figures.plots import FAULTY, HEALTHY, MARK, dress, fixed_figure, legend, plain, plain_symbols
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,11 +76,6 @@ def envelope_figure(envelope: Envelope) -> Figure:
     title = f"Envelope, {plain(envelope.band)}"
     _finish(axes, title, plain(envelope.across), envelope.unit, envelope.reference is not None)
     return figure
-
-
-def plain_symbols(name: str) -> str:
-    """A label such as "2 f_r" with its subscript, everything else as it is."""
-    return plain(name).replace("f_r", "fᵣ").replace("f_m", "fₘ")
 
 
 def _draw(axes: Axes, across: np.ndarray, value: np.ndarray, reference: np.ndarray | None) -> None:
