@@ -26,17 +26,17 @@ from fem.casing.uncertain.modal_form import modal_form
 from mbd.output.trajectory import Trajectory
 from pipelines.bars.line_bars import LineBars
 from pipelines.bars.uncertain import uncertain
-from pipelines.engine.step import Graph
+from pipelines.engine.step import Graph, Step
 from pipelines.engine.working import Work
 from pipelines.plant.assembly import assemble_machine, assemble_system
 from pipelines.plant.plant import Plant
-from pipelines.runs.error_bars import bars_step, plant_bars
 from pipelines.scene.file import load_scene
 from pipelines.signals.analysis import analyse
 from pipelines.signals.diagnosis import Diagnosis, diagnose
 from pipelines.signals.response import make_response
-from pipelines.steps.graph import extrapolated_from
+from pipelines.steps.error_bars import plant_bars
 from pipelines.steps.motion import moved
+from pipelines.steps.results import bars_step, casing_taken
 from pipelines.steps.study import plan_study
 
 OUTPUT = Path(__file__).parent / "results" / "error_bars.json"
@@ -86,19 +86,21 @@ class MeshRun:
 
     plant: Plant
     motion: Trajectory
-    taken: Sequence[Any]
+    taken: Mapping[str, Any]
 
 
 def mesh_run(settings: Mapping[str, Any]) -> MeshRun:
     """The rig with a missing tooth in a casing of one mesh."""
     study = plan_study(load_scene("rig-missing-tooth", {**SHORT, **settings}), with_control=False, both_loads=False)
     plant = study.plant
-    coarser = extrapolated_from(study.graph.steps)
-    extrapolated = ("casing modes", *coarser) if coarser else ()
-    names = (*plant.law_names, "casing", *extrapolated)
-    outcome = Work(processes=1).build(study.graph, ["simulate", *names])
-    taken = [outcome.value(name) for name in names]
-    return MeshRun(plant=plant, motion=outcome.value("simulate"), taken=taken)
+    step = Step(
+        name="inputs",
+        kind="inputs",
+        build=plant_bars,
+        takes={"laws": plant.law_names, **casing_taken(study.graph)},
+    )
+    outcome = Work(processes=1).build(study.graph, ["simulate", *step.inputs])
+    return MeshRun(plant=plant, motion=outcome.value("simulate"), taken=step.received(outcome.value))
 
 
 def first_bars() -> tuple[Diagnosis, LineBars]:
@@ -136,14 +138,13 @@ def inside(found: np.ndarray, ends: np.ndarray) -> np.ndarray:
 
 def simulated_draws(first: MeshRun, diagnosis: Diagnosis, bars: LineBars) -> np.ndarray:
     """Levels (draw, line) of drawn casings that are simulated, dB over those of the run."""
-    plant, count = first.plant, len(first.plant.law_names)
-    body, modes, *coarser = first.taken[count:]
-    unknown = uncertain(plant.casing, modes[0], coarser, plant.looked_for.damping_spread)
+    plant, body = first.plant, first.taken["body"]
+    unknown = uncertain(plant.casing, first.taken["modes"][0], first.taken["coarser"], plant.looked_for.damping_spread)
     assert unknown.errors is not None
     form = modal_form(body)
     near = near_modes(form, max(diagnosis.band[1], diagnosis.settings.highest_line))
     draws = drawn_frequencies(form, near, unknown.errors, DRAWS, SEED)
-    machine = assemble_machine(plant.machine, first.taken[:count])
+    machine = assemble_machine(plant.machine, first.taken["laws"])
     own, found = levels(first.motion, plant, diagnosis, bars), []
     for number in range(DRAWS):
         other = drawn_body(body, form, draws, number)
@@ -164,7 +165,7 @@ def main(arguments: Sequence[str]) -> None:
     others = {name: level[name] - level[FIRST] for name in MESHES if name != FIRST}
     own = {}
     for name, run in runs.items():
-        found = plant_bars(run.plant, make_response(run.motion, run.plant.labels), diagnosis, run.taken)
+        found = plant_bars(run.plant, make_response(run.motion, run.plant.labels), diagnosis, **run.taken)
         if name != FINEST and isinstance(found, LineBars) and all(bar.numerical for bar in found.bars):
             own[name] = inside(level[FINEST] - level[name], numerical(found))
     pooled = np.concatenate([inside(drawn, ends), inside(np.array(list(others.values())), ends)])

@@ -10,8 +10,7 @@ from gearcase.working import ProgressFunction
 from pipelines.bars.line_bars import LineBars
 from pipelines.border.errors import WorkError
 from pipelines.engine.working import Work
-from pipelines.runs.diagnosed import diagnose_folder
-from pipelines.runs.error_bars import folder_bars
+from pipelines.runs.diagnosed import diagnose_folder, folder_bars
 from pipelines.runs.run import Options, run_scene
 from pipelines.runs.run_folder import find_run, loaded_run
 from pipelines.signals.diagnosis import Diagnosis

@@ -346,11 +346,17 @@ def test_markup_in_a_title_stays_text(tmp_path):
     from pipelines.figures.plots import dress, new_figure
     from pipelines.report.contents import ReportContents
     from pipelines.report.first_screen import FirstScreen
-    from pipelines.report.report import write_report
+    from pipelines.report.contents import RunCost
+    from pipelines.report.report import report_body, write_report
 
     title = "<script>alert(1)</script> [bold]$\\frac$ & $x"
     first = FirstScreen(sentences=[title], figures=[(title, title)], label=title)
-    page = write_report(tmp_path / "report.html", ReportContents(title=title, first=first, summary={title: title}))
+    page = write_report(
+        tmp_path / "report.html",
+        title,
+        report_body(ReportContents(title=title, first=first, summary={title: title})),
+        RunCost(),
+    )
     for text in (page.read_text(encoding="utf-8"), film_page(title, [], title, [], 40)):
         assert "<script>alert" not in text
         assert "&lt;script&gt;alert" in text

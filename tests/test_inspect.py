@@ -51,7 +51,7 @@ def state_of(pair, record, law, wheel, index=24):
     spec = stress.StressSpec(
         flanks=flanks, model=COARSE, index=index, force=LOAD, pinion_terms=np.zeros(20), wheel_terms=wheel
     )
-    return stress.build(spec, record, (law, law))
+    return stress.build(spec, record=record, laws=(law, law))
 
 
 @pytest.fixture(scope="module", params=[("right", "left"), pytest.param(("left", "right"), marks=pytest.mark.slow)])

@@ -20,7 +20,8 @@ from pipelines.report import pictures
 from pipelines.report.contents import cell, grid
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.page import typeset
-from pipelines.report.report import ReportContents, write_report
+from pipelines.report.contents import ReportContents, RunCost
+from pipelines.report.report import report_body, write_report
 from pipelines.report.thinning import extremes, largest
 from pipelines.signals.diagnosis import DiagnosisSettings, diagnose
 from pipelines.signals.export import ExportError, export
@@ -116,8 +117,12 @@ class Page(HTMLParser):
             self.words.append(data)
 
 
-def written(folder, contents):
-    text = write_report(folder / "report.html", contents).read_text(encoding="utf-8")
+NO_COST = RunCost()
+
+
+def written(folder, contents, cost=NO_COST):
+    path = write_report(folder / "report.html", contents.title, report_body(contents), cost)
+    text = path.read_text(encoding="utf-8")
     return text, Page(text)
 
 
@@ -135,11 +140,13 @@ def full(tmp_path_factory, runs, diagnosis):
         gear_picture=LeftOut(reason=LEFT_OUT),
         runs=runs,
         windows=WINDOWS,
-        steps=({"step": "laws", "seconds": 1.25}, {"step": "run", "seconds": 3.0}),
         energy=({"part": "mesh 1", "residual": 1e-4},),
+    )
+    cost = RunCost(
+        steps=({"step": "laws", "seconds": 1.25}, {"step": "run", "seconds": 3.0}),
         provenance={"gearcase": "0.1.0", "models": {"mesh": "plane"}},
     )
-    return written(tmp_path_factory.mktemp("full"), contents)
+    return written(tmp_path_factory.mktemp("full"), contents, cost)
 
 
 def test_a_report_is_one_sound_file_that_fetches_nothing(full):
@@ -267,8 +274,8 @@ def test_a_report_of_nothing_has_its_title_alone(tmp_path):
 def test_a_table_is_never_wider_than_paper(tmp_path):
     values = {f"{k} Hz": k for k in range(14)}
     gears = [{"stage": 1 + i // 2, "gear": ("pinion", "wheel")[i % 2], **values} for i in range(6)]
-    steps = [{f"column {k}": k for k in range(23)}]
-    _, page = written(tmp_path, ReportContents(title="Wide", gears=gears, steps=steps))
+    steps = [{"seconds": 1.0, **{f"column {k}": k for k in range(21)}}]
+    _, page = written(tmp_path, ReportContents(title="Wide", gears=gears), RunCost(steps=steps))
     assert page.columns == [7, 9, 9, 7]
     words = [word for word in page.words if word.strip()]
     assert words[words.index("stage 1 pinion") + 5] == "stage 3 wheel"
@@ -277,7 +284,7 @@ def test_a_table_is_never_wider_than_paper(tmp_path):
 
 def test_words_of_a_scene_cannot_break_the_page(tmp_path):
     contents = ReportContents(sensor="sensor_3", title='<script>alert("1")</script>', summary={"a<b": "c&d"})
-    text = write_report(tmp_path / "report.html", contents).read_text(encoding="utf-8")
+    text, _ = written(tmp_path, contents)
     assert "<script>alert" not in text
     assert "a&lt;b" in text
     assert typeset("2 f_m - f_r at sensor_3") == "2 <i>f</i><sub>m</sub> - <i>f</i><sub>r</sub> at sensor_3"

@@ -11,9 +11,9 @@ from synthetic import MESH, WHEEL, response
 
 from pipelines.figures.plots import StiffnessPlot
 from pipelines.report import pictures
-from pipelines.report.contents import ReportContents
+from pipelines.report.contents import ReportContents, RunCost
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
-from pipelines.report.report import write_report
+from pipelines.report.report import report_body, write_report
 from pipelines.signals.diagnosis import DiagnosisSettings, diagnose
 
 pytestmark = [
@@ -96,11 +96,14 @@ def report(tmp_path_factory):
         runs=runs,
         windows=windows,
         sensor="sensor_3",
-        steps=[{f"column {k}": 1234.5 for k in range(23)}],
         energy=[{"part": f"mesh {i}", **{f"{k} J": 1.234e-5 for k in range(7)}} for i in range(40)],
+    )
+    cost = RunCost(
+        steps=[{"seconds": 1.5, **{f"column {k}": 1234.5 for k in range(22)}}],
         provenance={"keys": {f"step {i}": "0123456789abcdef" * 2 for i in range(9)}},
     )
-    return write_report(tmp_path_factory.mktemp("report") / "report.html", contents)
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    return write_report(path, contents.title, report_body(contents), cost)
 
 
 def boxes(shown, *selectors):

@@ -56,7 +56,7 @@ def test_a_failing_diagnosis_leaves_the_signals_and_can_be_repeated(here, monkey
 
 
 def test_a_failing_report_leaves_signals_and_diagnosis(here, monkeypatch, capsys):
-    monkeypatch.setattr("pipelines.report.report.write_report", failing)
+    monkeypatch.setattr("pipelines.report.report.report_body", failing)
     assert main(RUN) == 1
     err = capsys.readouterr().err
     folder = run_folder.find_run("mine")

@@ -14,7 +14,8 @@ from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.cli import main
 from pipelines.report.first_screen import FirstScreen
-from pipelines.report.report import ReportContents, write_report
+from pipelines.report.contents import ReportContents
+from pipelines.report.report import report_body
 from pipelines.signals.motion_warnings import gathered, motion_warnings
 
 RAMP = SpeedProfile(times=np.array([0.0, 0.04]), speeds=np.array([0.0, 94.25]))
@@ -102,7 +103,7 @@ def test_a_sound_run_says_nothing(tmp_path, capsys, caplog):
 def test_the_report_says_it_before_all_else(tmp_path):
     first = FirstScreen(sentences=["A tooth is missing."])
     contents = ReportContents(title="A machine", cautions=("The time step is too long.",), first=first)
-    text = write_report(tmp_path / "report.html", contents).read_text(encoding="utf-8")
+    text = report_body(contents)
     assert text.index("Warning: The time step is too long.") < text.index("A tooth is missing.")
 
 

@@ -34,7 +34,7 @@ def make_law(pair):
     return CountedResult({"stiffness": np.array([pair.width, pair.teeth])}, {"factorisations": 2})
 
 
-def make_sum(names, *laws):
+def make_sum(names, laws):
     CALLS.append("sum")
     return {"total": float(sum(law["stiffness"][0] for law in laws)), "names": names}
 
@@ -58,7 +58,7 @@ def make_nothing(message):
     raise ValueError(message)
 
 
-def count_children(_, *slow):
+def count_children(_, slow=()):
     return {"children": [child.pid for child in psutil.Process().children()], "slow": len(slow)}
 
 
@@ -68,7 +68,7 @@ def begin(words, quick):
     raise ValueError(words)
 
 
-def finish(words, *_):
+def finish(words, **_):
     CALLS.append(words)
     return {"calls": list(CALLS)}
 
@@ -82,9 +82,9 @@ def graph(widths=(1.0, 2.0), digits=0, words="total"):
     return Graph(
         [
             *laws,
-            Step(name="sum", kind="sum", build=make_sum, spec="names", takes=tuple(law.name for law in laws)),
-            Step(name="rounded", kind="rounded", build=make_rounded, spec=digits, takes=("sum",)),
-            Step(name="text", kind="text", build=make_text, spec=words, takes=("rounded",)),
+            Step(name="sum", kind="sum", build=make_sum, spec="names", takes={"laws": tuple(law.name for law in laws)}),
+            Step(name="rounded", kind="rounded", build=make_rounded, spec=digits, takes={"total": "sum"}),
+            Step(name="text", kind="text", build=make_text, spec=words, takes={"rounded": "rounded"}),
         ]
     )
 
@@ -240,7 +240,7 @@ def test_long_stages_run_side_by_side(cache):
 
 def test_children_without_further_work_have_ended_when_the_last_long_stage_runs(cache):
     before = [child.pid for child in psutil.Process().children()]  # of earlier tests: a tracker of shared memory
-    last = Step(name="last", kind="last", build=count_children, spec=0, takes=("s0", "s1"), seconds=60.0)
+    last = Step(name="last", kind="last", build=count_children, spec=0, takes={"slow": ("s0", "s1")}, seconds=60.0)
     outcome = run_graph(Graph([*long_graph(2), last]), cache, ["last"], processes=2)
     assert os.getpid() not in {outcome.value(n)["process"] for n in ("s0", "s1")}
     assert set(outcome.value("last")["children"]) <= set(before)
@@ -252,7 +252,7 @@ def test_what_a_step_does_ahead_is_done_beside_others_and_its_failure_is_not_tha
     """It takes what it names alone; in one process there is nobody beside whom it could be done."""
     quick = Step(name="quick", kind="slow", build=make_slowly, spec=0.2)
     last = Step(
-        name="last", kind="last", build=finish, spec="sum", takes=("s0", "s1", "quick"),
+        name="last", kind="last", build=finish, spec="sum", takes={"slow": ("s0", "s1"), "quick": "quick"},
         ahead=begin, ahead_takes=("quick",),
     )  # fmt: skip
     outcome = run_graph(Graph([quick, *long_graph(2, 0.5), last]), cache, ["last"], processes=processes)
@@ -260,17 +260,19 @@ def test_what_a_step_does_ahead_is_done_beside_others_and_its_failure_is_not_tha
     assert begun == CALLS
 
 
-@pytest.mark.parametrize(("processes", "built"), [(2, ["after", "spare"]), (1, [])])
-def test_spare_steps_are_built_here_while_others_are_built_elsewhere_and_may_fail(cache, processes, built):
+def test_short_steps_are_built_here_while_long_ones_are_built_elsewhere_and_their_failure_waits(cache):
     spare = Step(name="spare", kind="slow", build=make_slowly, spec=0.01)
     bad = Step(name="bad", kind="bad", build=make_nothing, spec="no picture")
-    after = Step(name="after", kind="after", build=count_children, takes=("spare",))
-    graph = Graph([*long_graph(2, 1.5), bad, spare, after])
-    outcome = run_graph(graph, cache, ["s0", "s1"], processes=processes, meanwhile=["bad", "spare", "after"])
-    assert sorted(outcome.results.keys() - {"s0", "s1"}) == built
-    if built:
-        assert outcome.value("spare")["process"] == os.getpid()
-        assert len(outcome.value("after")["children"]) >= 2
+    after = Step(name="after", kind="after", build=count_children, takes={"slow": ("spare",)})
+    last = Step(name="last", kind="last", build=count_children, takes={"slow": ("bad",)})
+    graph = Graph([*long_graph(2, 1.5), bad, spare, after, last])
+    with pytest.raises(ValueError, match="no picture"):
+        run_graph(graph, cache, graph.steps, processes=2)
+    assert [status.name for status in explain(graph, cache) if status.action != "reuse"] == ["bad", "last"]
+    outcome = run_graph(graph, cache, ["s0", "s1", "spare", "after"])
+    assert all(record.reused for record in outcome.records)
+    assert outcome.value("spare")["process"] == os.getpid()
+    assert len(outcome.value("after")["children"]) >= 2
 
 
 def test_a_child_that_dies_while_it_waits_for_work_is_replaced(cache):
@@ -312,7 +314,7 @@ def test_a_process_that_dies_is_reported(cache):
 
 def test_a_graph_refuses_wrong_order_and_repeated_names():
     with pytest.raises(ValueError, match="takes 'b'"):
-        Graph([Step(name="a", kind="k", build=make_slowly, takes=("b",))])
+        Graph([Step(name="a", kind="k", build=make_slowly, takes={"b": "b"})])
     with pytest.raises(ValueError, match="given twice"):
         Graph([Step(name="a", kind="k", build=make_slowly)] * 2)
 
@@ -365,6 +367,6 @@ def take_as_is(spec, value):
 
 def test_a_step_may_take_a_part_of_a_large_result(cache):
     large = Step(name="large", kind="large", build=make_large, spec=3.0)
-    small = Step(name="small", kind="small", build=take_as_is, takes=("large",), reads={"large": largest})
+    small = Step(name="small", kind="small", build=take_as_is, takes={"value": "large"}, reads={"value": largest})
     outcome = run_graph(Graph([large, small]), cache, ["small"], processes=1)
     assert outcome.value("small") == {"type": "float64", "value": 3.0}

@@ -181,7 +181,7 @@ def first_layout(plan: Plan, draws: Sequence[Draw], building: Work) -> tuple[Loa
             continue
         check_memory(loaded)
         graph = Graph(plant_steps(plant))
-        building.build(graph, graph.steps["simulate"].takes)
+        building.build(graph, graph.steps["simulate"].inputs)
         given = plant.motion
         few = replace(given, end=_LAYOUT_SAMPLES / given.output_rate)
         motion = moved(Workshop(building.cache).system(plant), few)

@@ -90,7 +90,7 @@ def estimate(plan: Plan, draws: Sequence[Draw]) -> Estimate:
         seconds += motion.seconds
         size += _STORED_SHARE * _SAMPLE_BYTES * motion.samples * _stored_channels(plan, plant, motion.channels)
         graph = Graph(plant_steps(plant))
-        for step in graph.needed(graph.steps["simulate"].takes):
+        for step in graph.needed(graph.steps["simulate"].inputs):
             distinct.setdefault(digest([step.kind, step.spec, [step.code]]), step)
     if not found:
         raise refused[0]
@@ -121,7 +121,7 @@ def _stored_channels(plan: Plan, plant: Plant, channels: int) -> float:
 
 def _stored(step: Step, cache: Cache) -> bool:
     """True if a result that needs no other is stored; one that does is counted as if it were not."""
-    return not step.takes and cache.find(step.kind, step.key({}), thorough=False) is not None
+    return not step.inputs and cache.find(step.kind, step.key({}), thorough=False) is not None
 
 
 def _counted(counts: Counter[str]) -> str:

@@ -48,7 +48,7 @@ def _missing(graph: Graph, cache: Cache, known: Mapping[str, Result]) -> list[tu
     for step in graph:
         if step.name in known:
             contents[step.name] = known[step.name].record.content
-        elif all(name in contents for name in step.takes):
+        elif all(name in contents for name in step.inputs):
             entry = stored(step, cache, contents, thorough=False)
             if entry is None:
                 found.append((step, step.key(contents)))

@@ -36,21 +36,21 @@ class Workshop:
         graph = Graph(plant_steps(plant))
         motion = graph.steps["simulate"]
         spec: MotionSpec = motion.spec
-        contents = self._contents(graph, motion.takes)
-        machine = (spec.machine, spec.recorded, spec.motion.band, contents)
+        contents = self._contents(graph, motion.inputs)
+        machine = (spec.machine, spec.recorded, spec.motion.band, motion.received(contents.__getitem__))
         key = digest(machine)
         if key not in self._systems:
-            body, *laws = (self._values[content] for content in contents)
-            self._systems[key] = assembled(spec, body, laws)
+            taken = motion.received(lambda name: self._values[contents[name]])
+            self._systems[key] = assembled(spec, **taken)
         self._systems.move_to_end(key)
         _shorten(self._systems, _MOST_SYSTEMS)
         return self._systems[key]
 
-    def _contents(self, graph: Graph, wanted: tuple[str, ...]) -> list[str]:
-        """Digests of the wanted results, whose values are at hand then."""
+    def _contents(self, graph: Graph, wanted: tuple[str, ...]) -> dict[str, str]:
+        """Digests of the wanted results by name, whose values are at hand then."""
         known: dict[str, str] = {}
         for step in graph.needed(wanted):
-            if all(name in known for name in step.takes):
+            if all(name in known for name in step.inputs):
                 entry = stored(step, self._cache, known, thorough=False)
                 if entry is not None:
                     known[step.name] = entry.facts["content"]
@@ -59,8 +59,8 @@ class Workshop:
             for name in wanted:
                 known[name] = outcome.results[name].record.content
                 self._values[known[name]] = outcome.value(name)
-        contents = [known[name] for name in wanted]
-        for content in contents:
+        contents = {name: known[name] for name in wanted}
+        for content in contents.values():
             self._values.move_to_end(content)
         _shorten(self._values, max(_MOST_VALUES, len(wanted)))
         return contents

@@ -17,7 +17,7 @@ def main(options: argparse.Namespace) -> int:
 
     graph = plan_study(load_asked(options)).graph
     found = explain(graph, Cache())
-    ends = graph.steps.keys() - {name for step in graph for name in step.takes}
+    ends = graph.steps.keys() - {name for step in graph for name in step.inputs}
     first = all(status.first for status in found if status.name in ends)
     if first:
         sys.stdout.write("First run: the cache holds no results of a similar scene to compare with.\n")

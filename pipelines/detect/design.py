@@ -18,10 +18,10 @@ from pipelines.campaign.plan import Plan, plan_on
 from pipelines.detect.over import Over
 from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.plant.plant import Plant
-from pipelines.runs.judging import known_faults
 from pipelines.scene.file import LoadedScene
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import without_shaft_faults
+from pipelines.steps.verdict import known_faults
 
 STATE, SPECIMEN = "state", "specimen"
 HEALTHY, DAMAGED = "healthy", "damaged"

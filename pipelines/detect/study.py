@@ -21,8 +21,9 @@ from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.features.table import FeatureTable
 from pipelines.orders.kinematics import Kinematics
+from pipelines.orders.plant_kinematics import kinematics_of
 from pipelines.plant.plant import make_drivetrain
-from pipelines.runs.judging import kinematics, known_faults
+from pipelines.steps.verdict import known_faults
 
 Values = tuple[Any, ...]  # of the keys that are varied, in their order
 
@@ -101,8 +102,8 @@ def study(
     for run in runs:
         if not run.healthy:
             train = make_drivetrain(scene_of(plan, run.drawn).scene, plan.name)
-            damages[run.run] = known_faults(train)
-            known.setdefault(run.shared, kinematics(train))
+            damages[run.run] = list(known_faults(train))
+            known.setdefault(run.shared, kinematics_of(train.layout, train.rolling))
     jobs = [
         TableJob(
             folder=folder,

@@ -1,7 +1,7 @@
 """What this process does in threads, while steps are built in processes of their own. Results do not depend on it.
 
-A step can compile its code before its turn, which takes longer than most steps where nothing is compiled yet. Pictures
-are built, which take little of this process: a child draws them.
+A step can compile its code before its turn, which takes longer than most steps where nothing is compiled yet. Short
+steps that no long one waits for are built: pictures, features.
 """
 
 from __future__ import annotations
@@ -86,6 +86,10 @@ class Aside:
     def ready(self) -> bool:
         """Whether a step is built, or failed."""
         return self._step is not None and self._result is not None
+
+    def names(self) -> set[str]:
+        """The name of the step that is being built, if there is one."""
+        return {self._step.name} if self._step else set()
 
     def take(self) -> tuple[Step, Result | Exception]:
         """The step, when it is ready, and its result or what it raised."""

@@ -61,7 +61,8 @@ def build_here(step: Step, key: str, upstream: Mapping[str, Result], cache: Cach
     upstream : results by the names of the steps that it takes
     cache : where the result is stored
     """
-    inputs = [step.reads.get(name, _all)(upstream[name].load()) for name in step.takes]
+    inputs = step.received(lambda name: upstream[name].load())
+    inputs |= {key: read(inputs[key]) for key, read in step.reads.items() if key in inputs}
     if not step.streams:
         return _built(step, key, upstream, cache, inputs)
     with cache.workplace() as folder:
@@ -76,23 +77,19 @@ def build_here(step: Step, key: str, upstream: Mapping[str, Result], cache: Cach
         return result.stored() if result.entry else replace(result, value=result.value.in_memory())
 
 
-def _all(value: Any) -> Any:
-    return value
-
-
 def _built(
-    step: Step, key: str, upstream: Mapping[str, Result], cache: Cache, inputs: list[Any], **place: Path | None
+    step: Step, key: str, upstream: Mapping[str, Result], cache: Cache, inputs: dict[str, Any], **place: Path | None
 ) -> Result:
     start, code = time.perf_counter(), _written(compiled_folder())
     with peak_memory() as peak, counting() as counts:
         try:
-            made = step.build(step.spec, *inputs, **place)
+            made = step.build(step.spec, **inputs, **place)
         except Exception as error:
             error.add_note(f"in step {step.name}")
             raise
     built = made if isinstance(made, CountedResult) else CountedResult(made)
     facts = {
-        **step.facts({name: upstream[name].record.content for name in step.takes}),
+        **step.facts({name: upstream[name].record.content for name in step.inputs}),
         "content": digest(built.value),
         "seconds": round(time.perf_counter() - start, 6),
         "estimate": step.seconds if code == _written(compiled_folder()) else 0.0,  # 0: some of the time was compiling

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from pipelines.border.shown import duration
+from pipelines.engine.build_step import Result
 from pipelines.engine.cache import Cache
 from pipelines.engine.remaining import Remaining, expected
 from pipelines.engine.run_graph import LONG_SECONDS, Observer
-from pipelines.engine.step import Step, StepRecord
+from pipelines.engine.step import Step
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -47,10 +48,10 @@ class Telling:
     def advanced(self, step: Step, share: float) -> None:
         """Nothing: a function is told of whole steps."""
 
-    def finished(self, step: Step, record: StepRecord) -> None:
+    def finished(self, step: Step, result: Result) -> None:
         """A step is done."""
-        state: Literal["built", "reused"] = "reused" if record.reused else "built"
-        self._told(StepProgress(name=step.name, state=state, seconds=record.seconds))
+        state: Literal["built", "reused"] = "reused" if result.record.reused else "built"
+        self._told(StepProgress(name=step.name, state=state, seconds=result.record.seconds))
 
 
 class Logging:
@@ -63,8 +64,9 @@ class Logging:
     def advanced(self, step: Step, share: float) -> None:
         """Nothing."""
 
-    def finished(self, step: Step, record: StepRecord) -> None:
+    def finished(self, step: Step, result: Result) -> None:
         """Logged at INFO."""
+        record = result.record
         verb = "reused" if record.reused else f"built in {record.seconds:.2f} s, {record.peak_bytes / 1e6:.0f} MB"
         facts = {"step": record.name, "key": record.key[:32], "reused": record.reused, "seconds": record.seconds}
         _LOG.info("%s: %s", step.name, verb, extra={"facts": facts})
@@ -84,7 +86,7 @@ class Timing:
         """Pass on, with the time."""
         self._remaining.advanced(step.name, share, self._clock())
 
-    def finished(self, step: Step, record: StepRecord) -> None:
+    def finished(self, step: Step, result: Result) -> None:
         """Pass on, with the time."""
         self._remaining.finished(step.name, self._clock())
 
@@ -109,10 +111,10 @@ class Lines:
         if self._clock() - self._said >= _LINE_SECONDS:
             self._say(f"{step.name}: {100 * share:.0f} %")
 
-    def finished(self, step: Step, record: StepRecord) -> None:
+    def finished(self, step: Step, result: Result) -> None:
         """What was built, and in which time."""
-        if not record.reused:
-            self._say(f"{step.name}: {record.seconds:.1f} s")
+        if not result.record.reused:
+            self._say(f"{step.name}: {result.record.seconds:.1f} s")
 
     def _say(self, what: str) -> None:
         self._said = self._clock()
@@ -139,11 +141,11 @@ class Bar:
         self._working[step.name] = f"{step.name} {100 * share:.0f} %" + ("" if left is None else f", {left:.0f} s left")
         self._show()
 
-    def finished(self, step: Step, record: StepRecord) -> None:
+    def finished(self, step: Step, result: Result) -> None:
         """Count, and print a line for what was built."""
         self._working.pop(step.name, None)
-        if not record.reused:
-            self._progress.console.print(f"{record.name}: {record.seconds:.1f} s", highlight=False, markup=False)
+        if not result.record.reused:
+            self._progress.console.print(f"{step.name}: {result.record.seconds:.1f} s", highlight=False, markup=False)
         self._progress.update(self._task, completed=self._total - self._remaining.count)
         self._show()
 
@@ -167,10 +169,10 @@ class Several:
         for observer in self._observers:
             observer.advanced(step, share)
 
-    def finished(self, step: Step, record: StepRecord) -> None:
+    def finished(self, step: Step, result: Result) -> None:
         """Pass on."""
         for observer in self._observers:
-            observer.finished(step, record)
+            observer.finished(step, result)
 
 
 @contextlib.contextmanager

@@ -146,7 +146,7 @@ def expected(steps: Iterable[Step], cache: Cache) -> list[Task]:
     factors: dict[str, float | None] = {}
     missing: list[Step] = []
     for step in steps:
-        if all(name in contents for name in step.takes):
+        if all(name in contents for name in step.inputs):
             entry = stored(step, cache, contents, thorough=False) or _like(step, cache, contents)
             if entry is not None:
                 contents[step.name] = entry.facts["content"]
@@ -160,7 +160,7 @@ def expected(steps: Iterable[Step], cache: Cache) -> list[Task]:
     tasks: dict[str, Task] = {}
     for step in missing:
         seconds = sum(s for start, s in step.compiles.items() if not any(name.startswith(start) for name in compiled))
-        takes, compiling = step.takes, f"code of {step.kind}"
+        takes, compiling = step.inputs, f"code of {step.kind}"
         if seconds:
             code = Task(
                 name=compiling, kind=compiling, takes=step.ahead_takes, seconds=machine * seconds, compiles=True
@@ -176,7 +176,7 @@ def _like(step: Step, cache: Cache, contents: Mapping[str, str]) -> Entry | None
     """For a step whose spec follows from results: a stored one that took the same."""
     if step.spec is not None:
         return None
-    took = [contents[name] for name in step.takes]
+    took = step.received(contents.__getitem__)
     return next((entry for entry in _newest(cache, step.kind) if entry.facts["takes"] == took), None)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import logging
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -16,7 +15,6 @@ from pipelines.engine.processes import Pool
 from pipelines.engine.share import listening
 from pipelines.engine.step import Graph, Step, StepRecord, stored
 
-_log = logging.getLogger(__name__)
 _HELD_BYTES = 16e6  # a larger result is not held in memory: who needs it reads it from the cache
 LONG_SECONDS = 3.0  # steps expected to take longer may go to a process of their own
 
@@ -30,7 +28,7 @@ class Observer(Protocol):
     def advanced(self, step: Step, share: float) -> None:
         """This share (0 to 1) of a step that tells it is done."""
 
-    def finished(self, step: Step, record: StepRecord) -> None:
+    def finished(self, step: Step, result: Result) -> None:
         """A step is built or taken from the cache."""
 
 
@@ -43,7 +41,7 @@ class Silent:
     def advanced(self, step: Step, share: float) -> None:
         """Nothing."""
 
-    def finished(self, step: Step, record: StepRecord) -> None:
+    def finished(self, step: Step, result: Result) -> None:
         """Nothing."""
 
 
@@ -79,7 +77,6 @@ def run_graph(
     observer: Observer | None = None,
     processes: int | None = None,
     known: Mapping[str, Result] | None = None,
-    meanwhile: Iterable[str] = (),
 ) -> Outcome:
     """Build or reuse the wanted steps and what they take.
 
@@ -90,33 +87,36 @@ def run_graph(
     observer : is told of every step; None: nobody
     processes : long steps built at the same time; default 2, or 1 on a single core
     known : results of steps of this graph that are at hand
-    meanwhile : names of further steps, begun beside the wanted ones while other processes work; one that fails or was
-        not begun is missing in the outcome
 
     Raises
     ------
-    whatever a wanted step raises, with the step's name added; WorkError if a process ends without an answer.
-    Finished steps stay in the cache.
+    whatever a step raises, with the step's name added; WorkError if a process ends without an answer. Finished steps
+    stay in the cache. A short step that fails while long ones are at work does not stop those.
     """
     wanted = set(wanted)
-    every, graph = graph.needed(wanted | set(meanwhile)), graph.needed(wanted)
+    graph = graph.needed(wanted)
     observer = observer or Silent()
     processes = side_by_side(processes)
-    results = {name: result for name, result in (known or {}).items() if name in every.steps}
-    failed: set[str] = set()
+    results = {name: result for name, result in (known or {}).items() if name in graph.steps}
+    errors: list[Exception] = []
     verified: set[str] = set()
     urgency = graph.seconds_to_the_end()  # what the most must wait for starts first
+    awaited = graph.needed(step.name for step in graph if step.seconds >= LONG_SECONDS).steps
     ahead, aside = Ahead(), Aside()
     with one_thread(), Pool() as pool:
         while any(name not in results for name in graph.steps):
-            if aside.ready:
-                failed |= _keep_aside(aside, results, observer)
-            ready = _take_what_is_cached(every, cache, results, wanted, pool.names(), observer)
+            if aside.ready or (not aside.free and not len(pool)):
+                step, made = aside.take()
+                if isinstance(made, Result):
+                    _keep(results, step, made, observer)
+                else:
+                    errors.append(made)
+                    graph = graph.without(step.name)
+                    continue
+            ready = _take_what_is_cached(graph, cache, results, wanted, pool.names() | aside.names(), observer)
             ready = [(step, key) for step, key in ready if not pool.builds(key)]
             if _drop_damaged(ready, cache, results, verified):
                 continue
-            spare = [(step, key) for step, key in ready if step.name not in graph.steps and step.name not in failed]
-            ready = [(step, key) for step, key in ready if step.name in graph.steps]
             long = [(step, key) for step, key in ready if step.seconds >= LONG_SECONDS]
             long.sort(key=lambda one: -urgency[one[0].name])
             if processes > 1 and (len({key for _, key in long}) > 1 or (long and len(pool))):
@@ -127,10 +127,12 @@ def run_graph(
                 ready = [(step, key) for step, key in ready if step.seconds < LONG_SECONDS]
             if len(pool):
                 ahead.start(graph, results)
+                spare = [(step, key) for step, key in ready if step.name not in awaited]
                 if spare and aside.free:
                     step, key = spare[0]
                     observer.started(step)
                     aside.start(step, key, _upstream(step, results), cache)
+                ready = [(step, key) for step, key in ready if step.name in awaited]
             if ready:
                 step, key = ready[0]
                 observer.started(step)
@@ -143,13 +145,13 @@ def run_graph(
                 _keep(results, step, result, observer)
             elif len(pool):
                 for step in graph:
-                    if step.name not in results and step.takes:
+                    if step.name not in results and step.inputs:
                         step.load()  # while the children work
                 for step, result in pool.wait(observer.advanced, lambda: aside.ready):
                     _keep(results, step, result, observer)
-        if not aside.free:
-            _keep_aside(aside, results, observer)
-    return Outcome({name: results[name] for name in every.steps if name in results})
+    if errors:
+        raise errors[0]
+    return Outcome({name: results[name] for name in graph.steps})
 
 
 def side_by_side(processes: int | None) -> int:
@@ -166,9 +168,9 @@ def _take_what_is_cached(
     """
     ready = []
     for step in graph:
-        if step.name in results or step.name in running or any(name not in results for name in step.takes):
+        if step.name in results or step.name in running or any(name not in results for name in step.inputs):
             continue
-        contents = {name: results[name].record.content for name in step.takes}
+        contents = {name: results[name].record.content for name in step.inputs}
         key = step.key(contents)
         same = next((r for r in results.values() if r.record.key == key), None)
         entry = same.entry if same else stored(step, cache, contents, thorough=step.name in wanted)
@@ -185,7 +187,7 @@ def _take_what_is_cached(
 
 def _drop_damaged(ready: list[tuple[Step, str]], cache: Cache, results: dict[str, Result], verified: set[str]) -> bool:
     """Verify stored results before steps read them; True if one was damaged and must be built again."""
-    inputs = dict.fromkeys(name for step, _ in ready for name in step.takes if name not in verified)
+    inputs = dict.fromkeys(name for step, _ in ready for name in step.inputs if name not in verified)
     dropped = False
     for name in inputs:
         record, entry = results[name].record, results[name].entry
@@ -200,21 +202,11 @@ def _drop_damaged(ready: list[tuple[Step, str]], cache: Cache, results: dict[str
 def _keep(results: dict[str, Result], step: Step, result: Result, observer: Observer) -> None:
     large = result.entry is not None and result.entry.bytes > _HELD_BYTES
     results[step.name] = result.stored() if large else result
-    observer.finished(step, result.record)
-
-
-def _keep_aside(aside: Aside, results: dict[str, Result], observer: Observer) -> set[str]:
-    """Keep what the thread has built, waiting for it if need be; the name of the step if it failed."""
-    step, made = aside.take()
-    if isinstance(made, Result):
-        _keep(results, step, made, observer)
-        return set()
-    _log.debug("step %s, built meanwhile: %s", step.name, made)
-    return {step.name}
+    observer.finished(step, results[step.name])
 
 
 def _upstream(step: Step, results: Mapping[str, Result]) -> dict[str, Result]:
-    return {name: results[name] for name in step.takes}
+    return {name: results[name] for name in step.inputs}
 
 
 def _facts_of(record: StepRecord) -> dict[str, Any]:

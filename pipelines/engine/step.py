@@ -1,8 +1,9 @@
 """Steps: what a run consists of, and the keys under which their results are kept.
 
 A step is a function, the part of the plant it reads (handed to it as `spec`, so it cannot read more), and the steps
-whose results it takes. Its key is the hash of the spec, of the CONTENT of what it takes, of its code and of the
-libraries it names. An upstream step that was built again with the same content changes nothing downstream.
+whose results it takes, by the names of its parameters. Its key is the hash of the spec, of the CONTENT of what it
+takes, of its code and of the libraries it names. An upstream step that was built again with the same content changes
+nothing downstream.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import importlib
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,7 +27,7 @@ _FACTS: dict[str, type | tuple[type, ...]] = {
     "peak_bytes": int,
     "ledger": dict,
     "fields": dict,
-    "takes": list,
+    "takes": dict,
     "code": str,
     "libraries": dict,
 }
@@ -34,28 +35,41 @@ _FACTS: dict[str, type | tuple[type, ...]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Step:
-    """One step of a run: ``build(spec, *results of takes)``.
+    """One step of a run: ``build(spec, **results of takes)``.
 
     `kind` names the cache entries; steps of one kind with equal inputs share one entry. `build` is a function of a
-    module (not a lambda), it may return `CountedResult` to report counts. `seconds` is what it is expected to take:
-    long steps that do not wait for each other run side by side. `reads` are functions of a module that take from a
-    large result what the build needs.
+    module (not a lambda), it may return `CountedResult` to report counts. `takes` are the names of other steps by the
+    parameters of `build` that receive their results; several names give a list. `seconds` is what it is expected to
+    take: long steps that do not wait for each other run side by side. `reads` are functions of a module that take from
+    a large result what the build needs.
     """
 
     name: str
     kind: str
     build: Callable[..., Any]
     spec: Any = None
-    takes: tuple[str, ...] = ()
+    takes: Mapping[str, str | Sequence[str]] = field(default_factory=dict)
     modules: tuple[str, ...] = ()  # further modules whose code counts, beyond what `build` imports
     libraries: tuple[str, ...] = ("numpy",)
     seconds: float = 0.1
     streams: bool = False  # `build` takes a `folder` for arrays too large for memory; None where none can be written
-    reads: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)  # by name of what it takes
+    reads: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)  # by parameter
     enough: str = ""  # a number in `spec`: a stored result with a larger one holds all that is asked, and serves
     ahead: Callable[..., None] | None = None  # ``ahead(spec, *results of ahead_takes)``, see `pipelines.engine.ahead`
     ahead_takes: tuple[str, ...] = ()
     compiles: Mapping[str, float] = field(default_factory=dict)  # s to compile, by the beginning of stored code's name
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of all steps whose results it takes."""
+        return _each(self.takes)
+
+    def received(self, value: Callable[[str], Any]) -> dict[str, Any]:
+        """What the parameters of `build` receive; `value` gives the result of a step by its name."""
+        return {
+            key: value(names) if isinstance(names, str) else list(map(value, names))
+            for key, names in self.takes.items()
+        }
 
     @property
     def code(self) -> str:
@@ -74,7 +88,7 @@ class Step:
             "kind": self.kind,
             "fields": flat(self.spec),
             "spec": digest(self.spec),
-            "takes": [contents[name] for name in self.takes],
+            "takes": self.received(contents.__getitem__),
             "code": self.code,
             "libraries": library_versions(*self.libraries),
         }
@@ -134,7 +148,7 @@ class Graph:
     def __init__(self, steps: Iterable[Step]) -> None:
         self.steps: dict[str, Step] = {}
         for step in steps:
-            missing = [name for name in step.takes if name not in self.steps]
+            missing = [name for name in step.inputs if name not in self.steps]
             if missing or step.name in self.steps:
                 wrong = f"takes {missing[0]!r}, which does not stand before it" if missing else "is given twice"
                 raise ValueError(f"step {step.name!r} {wrong}")
@@ -150,8 +164,16 @@ class Graph:
             name = waiting.pop()
             if name not in keep:
                 keep.add(name)
-                waiting.extend(self.steps[name].takes)
+                waiting.extend(self.steps[name].inputs)
         return Graph(step for step in self if step.name in keep)
+
+    def without(self, name: str) -> Graph:
+        """The graph without a step and those that take it, directly or not."""
+        dropped = {name}
+        for step in self:
+            if not dropped.isdisjoint(step.inputs):
+                dropped.add(step.name)
+        return Graph(step for step in self if step.name not in dropped)
 
     def seconds_to_the_end(self) -> dict[str, float]:
         """Expected seconds of every step with the longest chain of steps that follow it."""
@@ -159,7 +181,7 @@ class Graph:
         whole = {}
         for step in reversed(self.steps.values()):
             whole[step.name] = step.seconds + behind[step.name]
-            for name in step.takes:
+            for name in step.inputs:
                 behind[name] = max(behind[name], whole[step.name])
         return whole
 
@@ -197,7 +219,7 @@ def explain(graph: Graph, cache: Cache) -> list[StepStatus]:
     out = []
     planned: dict[str, str] = {}
     for step in graph:
-        waiting = [name for name in step.takes if name not in contents]
+        waiting = [name for name in step.inputs if name not in contents]
         if waiting:
             own = _own_changes(step, cache, contents)
             reason = "; ".join([f"after {', '.join(waiting)}", *([FIRST] if own is None else own)])
@@ -221,7 +243,7 @@ def explain(graph: Graph, cache: Cache) -> list[StepStatus]:
 
 def _own_changes(step: Step, cache: Cache, contents: Mapping[str, str]) -> list[str] | None:
     """Differences to the nearest entry in all but the results that are not known yet; None without one."""
-    known = {name: contents.get(name, "") for name in step.takes}
+    known = {name: contents.get(name, "") for name in step.inputs}
     differences = _nearest(step, cache, step.facts(known))
     return None if differences is None else [d for d in differences if not d.startswith("another")]
 
@@ -248,16 +270,22 @@ def _differences(step: Step, entry: Entry, facts: Mapping[str, Any]) -> list[str
         for path in sorted(before.keys() | after.keys())
         if before.get(path) != after.get(path) or (path in before) != (path in after)
     ]
-    if len(old["takes"]) != len(facts["takes"]) or len(changed) > _comparable(len(after)):
+    were, are = _each(old["takes"]), _each(facts["takes"])
+    if old["takes"].keys() != facts["takes"].keys() or len(were) != len(are) or len(changed) > _comparable(len(after)):
         return None
     out = [f"{path or 'input'} {_change(before, after, path)}" for path in changed]
-    pairs = zip(step.takes, old["takes"], facts["takes"], strict=True)
+    pairs = zip(step.inputs, were, are, strict=True)
     out += [f"another result of {name}" for name, was, now in pairs if was != now]
     if old["code"] != facts["code"]:
         out.append("its code changed")
     versions = facts["libraries"].items()
     out += [f"{lib} {old['libraries'].get(lib)} -> {now}" for lib, now in versions if old["libraries"].get(lib) != now]
     return out
+
+
+def _each(taken: Mapping[str, str | Sequence[str]]) -> tuple[str, ...]:
+    """Names or digests, one after the other."""
+    return tuple(one for ones in taken.values() for one in ([ones] if isinstance(ones, str) else ones))
 
 
 def _comparable(values: int) -> int:

@@ -165,27 +165,6 @@ def waveform_figure(
     return figure
 
 
-def bars_figure(title: str, names: Sequence[str], values: Sequence[float], unit: str) -> Figure:
-    """Horizontal bars with their numbers, the first at the top: seconds per step, energy per part.
-
-    Parameters
-    ----------
-    title : of the figure
-    names, values : of the bars, values in `unit`
-    unit : word at the axis
-    """
-    longest = max(map(len, names), default=0)
-    figure = fixed_figure(1.2 + 0.32 * len(names), left=0.3 + LETTER * longest)
-    axes = figure.subplots()
-    bars = axes.barh(list(names), list(values), color=FIRST)
-    axes.bar_label(bars, labels=[f"{value:.3g}" for value in values], padding=4)
-    axes.invert_yaxis()
-    axes.margins(x=0.12)
-    dress(axes, title, unit, "")
-    axes.grid(visible=False, axis="y")
-    return figure
-
-
 def legend(axes: Axes, letters: float = 9.0) -> None:
     """Legend on the level of the title, to the right: it never hides a curve. `letters` in points."""
     axes.legend(

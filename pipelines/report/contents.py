@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ReportContents:
-    """The parts of a report; each may be left out, and is then not named.
+    """The parts of a report but for its cost; each may be left out, and is then not named.
 
     Tables are rows of named cells (dicts with equal keys, the keys are the headers); numbers are set to four digits.
     `first` is the first screen. `runs` maps a name ("missing tooth", "healthy", ...) to a response, the run of the
@@ -46,10 +46,7 @@ class ReportContents:
     sensor: str = ""  # whose signals are shown
     axis: str = "z"
     settings: DiagnosisSettings | None = None
-    steps: Sequence[Mapping[str, Any]] = ()
     energy: Sequence[Mapping[str, Any]] = ()
-    ledger: Mapping[str, Any] = field(default_factory=dict)
-    provenance: Mapping[str, Any] = field(default_factory=dict)
     cautions: Sequence[str] = ()  # what the motions say about themselves
     warnings: Sequence[str] = ()
 
@@ -61,6 +58,15 @@ class ReportContents:
             return None
         axes = [str(axis) for axis in runs[0].axis.values]
         return self.sensor, self.axis if self.axis in axes else axes[-1]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RunCost:
+    """What a run has cost: rows of its steps, what was computed, and versions and keys."""
+
+    steps: Sequence[Mapping[str, Any]] = ()
+    ledger: Mapping[str, Any] = field(default_factory=dict)
+    provenance: Mapping[str, Any] = field(default_factory=dict)
 
 
 def grid(title: str, rows: Sequence[Mapping[str, Any]]) -> Grid:

@@ -7,21 +7,34 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from pipelines.border.grid import Grid
-from pipelines.figures.plots import bars_figure, drive_figure
+from pipelines.figures.plots import drive_figure
 from pipelines.figures.views import LeftOut
 from pipelines.report import page, spectra
-from pipelines.report.contents import ReportContents, cell, grid, turned
+from pipelines.report.contents import ReportContents, RunCost, cell, grid, turned
 from pipelines.report.first_page import first_screen
 from pipelines.signals.verdict import criterion, directions, sentences, summary_grid
 
-__all__ = ["ReportContents", "write_report"]
 
-
-def write_report(path: Path | str, contents: ReportContents) -> Path:
+def write_report(path: Path | str, title: str, body: str, cost: RunCost) -> Path:
     """Write the report as one HTML file with all pictures inside; returns the path.
 
-    The first screen has the answer; behind it stand the signals, and everything else folded. A section that does not
-    apply to the run is not there.
+    Parameters
+    ----------
+    path, title : of the file
+    body : by `report_body`
+    cost : of the run
+    """
+    last = [("Cost", _cost(cost)), ("Provenance", _provenance(cost))]
+    parts = [body, *(page.section(heading, found) for heading, found in last if found)]
+    path = Path(path)
+    path.write_text(page.document(title, parts), encoding="utf-8")
+    return path
+
+
+def report_body(contents: ReportContents) -> str:
+    """The page but for its cost: the answer on the first screen, then the signals, then everything else, folded.
+
+    A section that does not apply to the run is not there.
     """
     sections: list[tuple[str, Callable[[ReportContents], list[str]]]] = [
         ("Signals and spectra", spectra.signals),
@@ -39,9 +52,7 @@ def write_report(path: Path | str, contents: ReportContents) -> Path:
         ("Stiffness", _stiffness),
         ("Casing", _casing),
         ("Speed", _drive),
-        ("Cost", _cost),
         ("Energy balance", _energy),
-        ("Provenance", _provenance),
     ]
     body = [page.heading(contents.title, 1)]
     body += [page.paragraph(f"Warning: {text}", "caution") for text in contents.cautions]
@@ -49,9 +60,7 @@ def write_report(path: Path | str, contents: ReportContents) -> Path:
     for number, (title, make) in enumerate(sections):
         if parts := make(contents):
             body.append(page.section(title, parts, opened=number == 0))
-    path = Path(path)
-    path.write_text(page.document(contents.title, body), encoding="utf-8")
-    return path
+    return "\n".join(body)
 
 
 def _decided(contents: ReportContents) -> list[str]:
@@ -117,15 +126,13 @@ def _drive(contents: ReportContents) -> list[str]:
     return [page.picture(drive_figure(run, contents.windows), caption)]
 
 
-def _cost(contents: ReportContents) -> list[str]:
-    parts = [page.table(grid("Seconds and memory per step", contents.steps))] if contents.steps else []
-    if contents.ledger:
-        rows = tuple((name.replace("_", " "), cell(value)) for name, value in contents.ledger.items() if value)
-        parts.append(page.table(Grid(title="What was computed", headers=("item", "count"), rows=rows)))
-    seconds = {str(row["step"]): float(row["seconds"]) for row in contents.steps if {"step", "seconds"} <= set(row)}
-    if len(seconds) > 1:
-        figure = bars_figure("Seconds per step", list(seconds), list(seconds.values()), "s")
-        parts.append(page.picture(figure, "Time of each step."))
+def _cost(cost: RunCost) -> list[str]:
+    longest = max((row["seconds"] for row in cost.steps), default=0.0) or 1.0
+    rows = [{**row, "": "█" * round(30 * row["seconds"] / longest)} for row in cost.steps]
+    parts = [page.table(grid("Seconds and memory per step", rows))] if rows else []
+    if cost.ledger:
+        counts = tuple((name.replace("_", " "), cell(value)) for name, value in cost.ledger.items() if value)
+        parts.append(page.table(Grid(title="What was computed", headers=("item", "count"), rows=counts)))
     return parts
 
 
@@ -139,11 +146,11 @@ def _energy(contents: ReportContents) -> list[str]:
     return [page.table(grid("", contents.energy)), page.paragraph(note)]
 
 
-def _provenance(contents: ReportContents) -> list[str]:
-    if not contents.provenance:
+def _provenance(cost: RunCost) -> list[str]:
+    if not cost.provenance:
         return []
-    simple = {k: v for k, v in contents.provenance.items() if not isinstance(v, (Mapping, list, tuple))}
-    nested = {k: v for k, v in contents.provenance.items() if k not in simple}
+    simple = {k: v for k, v in cost.provenance.items() if not isinstance(v, (Mapping, list, tuple))}
+    nested = {k: v for k, v in cost.provenance.items() if k not in simple}
     rows = tuple((name, cell(value)) for name, value in simple.items())
     parts = [page.table(Grid(title="", headers=("", ""), rows=rows))] if rows else []
     for name, value in nested.items():

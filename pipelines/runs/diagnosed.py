@@ -1,15 +1,19 @@
-"""The lines of a fault in a finished run, looked for anew in its files."""
+"""The lines of a fault in a finished run with their error bars, looked for anew in its files."""
 
 from __future__ import annotations
 
 import contextlib
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipelines.border.errors import InputError
+from pipelines.engine.step import Step
 from pipelines.runs import run_folder
 
 if TYPE_CHECKING:
+    from pipelines.bars.line_bars import LineBars
+    from pipelines.engine.working import Work
     from pipelines.scene.file import Settings
     from pipelines.signals.diagnosis import Diagnosis
 
@@ -46,3 +50,32 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
             for name in (run_folder.RESPONSE, run_folder.CONTROL)
         ]
         return diagnoses([CaseSpec(settings=wanted, full=True)], runs)[0]
+
+
+def folder_bars(folder: Path, diagnosis: Diagnosis, settings: Settings, work: Work) -> LineBars | str:
+    """The bars of a diagnosis of a finished run, or why there are none; steps of its casing come from the cache.
+
+    Parameters
+    ----------
+    folder : of the results
+    diagnosis : by `diagnose_folder` with the same settings
+    settings : those of the diagnosis; what they change of the machine is left aside
+    work : what builds the casing again if it is no longer in the cache
+
+    Raises
+    ------
+    SceneError, WorkError : the scene cannot be used any more, or a step failed
+    """
+    from pipelines.runs.single_results import scene_graph
+    from pipelines.scene.file import load_scene
+    from pipelines.steps.error_bars import plant_bars
+    from pipelines.steps.results import casing_taken
+
+    graph, plant = scene_graph(load_scene(folder / run_folder.RESOLVED))  # the casing is that of the run
+    asked = load_scene(folder / run_folder.RESOLVED, settings).scene.diagnosis
+    plant = replace(plant, looked_for=replace(plant.looked_for, damping_spread=asked.damping_spread))
+    taken = {"laws": plant.law_names, **casing_taken(graph)}
+    step = Step(name="error bars", kind="error-bars", build=plant_bars, takes=taken)
+    outcome = work.build(graph, step.inputs)
+    with run_folder.opened_run(folder / run_folder.RESPONSE) as run:
+        return plant_bars(plant, run, diagnosis, **step.received(outcome.value))

@@ -127,7 +127,7 @@ def _stress_steps(plant: Plant, stage: int, index: int, force: float) -> list[St
                 spec=stress.StressSpec(
                     flanks=spec, model=model, index=index, force=force, pinion_terms=pinion, wheel_terms=wheel
                 ),
-                takes=(f"compliance_{stage}", f"law_{stage}"),
+                takes={"record": f"compliance_{stage}", "laws": f"law_{stage}"},
                 libraries=("numpy", "scipy"),
                 seconds=6.0,
             )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -79,7 +79,7 @@ def build_rigid(spec: RigidSpec) -> CountedResult:
     return _built(model.reduce(spec.housing, spec.material))
 
 
-def build_rigid_mesh(spec: RigidMeshSpec, mesh: CasingMesh) -> CountedResult:
+def build_rigid_mesh(spec: RigidMeshSpec, *, mesh: CasingMesh) -> CountedResult:
     """Six coordinates."""
     from fem.casing.reduced.rigid import rigid_from_mesh
 
@@ -94,7 +94,9 @@ def build_rigid_mesh(spec: RigidMeshSpec, mesh: CasingMesh) -> CountedResult:
     )
 
 
-def build_elastic(spec: ElasticSpec, modes: tuple[CasingModes, CheckUp], *coarser: LowestModes) -> CountedResult:
+def build_elastic(
+    spec: ElasticSpec, *, modes: tuple[CasingModes, CheckUp], coarser: Sequence[LowestModes]
+) -> CountedResult:
     """Bearing coordinates and modes; the stiffness is extrapolated where there are coarser meshes."""
     from fem.casing.mesh_error.extrapolation import ExtrapolationError, measured_limits, stiffness_factor
     from fem.casing.reduced.modes import reduced_body

@@ -31,7 +31,7 @@ class CasingErrorSpec:
 
 
 def build(
-    spec: CasingErrorSpec, mesh: CasingMesh, modes: tuple[CasingModes, CheckUp], body: ReducedBody
+    spec: CasingErrorSpec, *, mesh: CasingMesh, modes: tuple[CasingModes, CheckUp], body: ReducedBody
 ) -> ErrorStatement:
     """The error statement; both casings with the stiffness factor of the body.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -56,7 +57,7 @@ def build_coarser(spec: CasingMeshSpec) -> CasingMesh:
         ) from error
 
 
-def build_asked(spec: AskedMeshSpec, trial: LowestModes, *coarser: LowestModes) -> CasingMesh:
+def build_asked(spec: AskedMeshSpec, *, trial: LowestModes, coarser: Sequence[LowestModes]) -> CasingMesh:
     """The mesh whose size was predicted to have the error.
 
     Raises

@@ -24,7 +24,7 @@ class CasingModesSpec:
     model: ElasticCasing
 
 
-def build(spec: CasingModesSpec, mesh: CasingMesh) -> tuple[CasingModes, CheckUp]:
+def build(spec: CasingModesSpec, *, mesh: CasingMesh) -> tuple[CasingModes, CheckUp]:
     """The reduced matrices with their check-up; WorkError names the items of the check-up that fail."""
     modes, found = spec.model.modes(mesh, spec.material)
     if found.failures:

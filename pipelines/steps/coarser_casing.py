@@ -31,7 +31,7 @@ class CoarserSpec:
     quadratic: bool
 
 
-def build(spec: CoarserSpec, mesh: CasingMesh) -> LowestModes:
+def build(spec: CoarserSpec, *, mesh: CasingMesh) -> LowestModes:
     """The lowest modes."""
     from fem.casing.mesh_error.extrapolation import lowest_modes
 

@@ -32,7 +32,7 @@ class DiagnosingSpec:
     labels: tuple[Mapping[str, Any], ...]
 
 
-def build(spec: DiagnosingSpec, *motions: Trajectory) -> dict[str, Any]:
+def build(spec: DiagnosingSpec, *, motions: Sequence[Trajectory]) -> dict[str, Any]:
     """diagnosis.nc, .csv, .json, .md as bytes under "files", the verdict with its tables as text under "words".
 
     A window in which no diagnosis is possible must not cost the signals: its reason is returned under "failure".

@@ -20,7 +20,7 @@ class FeaturesSpec:
     stream: int
 
 
-def build(spec: FeaturesSpec, motion: Trajectory) -> dict[str, Any]:
+def build(spec: FeaturesSpec, *, motion: Trajectory) -> dict[str, Any]:
     """The table of features under "table"; where there are none, None and the reason under "failure"."""
     from pipelines.diagnosis.simulated import run_features
     from pipelines.features.recorded import FeatureError

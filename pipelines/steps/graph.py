@@ -58,7 +58,7 @@ def plant_steps(plant: Plant) -> list[Step]:
             kind="simulate",
             build=motion.build,
             spec=motion.MotionSpec(machine=plant.machine, recorded=plant.recorded, motion=plant.motion),
-            takes=(casing[-1].name, *plant.law_names),
+            takes={"body": casing[-1].name, "laws": plant.law_names},
             modules=("mbd.simulate", METHODS[plant.motion.integrator][0]),
             libraries=_NUMERIC,
             seconds=_motion_seconds(plant),
@@ -103,7 +103,7 @@ def _law_steps(plant: Plant) -> list[Step]:
                     kind="flanks",
                     build=laws.build_modified,
                     spec=added,
-                    takes=(sound, *(step.name for step in surfaces)),
+                    takes={"sound": sound, "surfaces": tuple(step.name for step in surfaces)},
                     libraries=("numpy", "scipy"),
                 )
             )
@@ -178,7 +178,7 @@ def _casing_steps(plant: Plant) -> list[Step]:
             mount_stiffness=part.mount_stiffness,
             damping_ratio=part.damping,
         )
-        takes = ("casing mesh",)
+        takes = {"mesh": "casing mesh"}
         return [mesh, Step(name="casing", kind="casing", build=body.build_rigid_mesh, spec=meshed, takes=takes)]
     interfaces = loaded_axes(plant.machine.bearings)
     model = replace(part.model, interfaces=interfaces, forced=forced_points(plant))
@@ -197,7 +197,7 @@ def _casing_steps(plant: Plant) -> list[Step]:
             kind="casing-modes",
             build=casing_modes.build,
             spec=reduced,
-            takes=("casing mesh",),
+            takes={"mesh": "casing mesh"},
             libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
             seconds=10.0,
             compiles=_CASING_CODE,
@@ -223,7 +223,7 @@ def _elastic_step(plant: Plant, part: ElasticPart | MatricesPart, coarser: Seque
             limit=part.model.limit,
             frequency_error=part.frequency_error,
         ),
-        takes=("casing modes", *coarser),
+        takes={"modes": "casing modes", "coarser": tuple(coarser)},
     )
 
 
@@ -264,7 +264,7 @@ def _asked_steps(
         band=0.0 if limit is None else limit / MODES_OVER_BAND,
     )
     trial, lower = replace(mesh, name=f"{TRIAL} mesh"), f"{QUADRATIC}, trial"
-    takes = (TRIAL, *(coarser or (lower,)))
+    takes = {"trial": TRIAL, "coarser": tuple(coarser) or (lower,)}
     return [
         trial,
         _modes_on(trial, TRIAL, reduced, interfaces),
@@ -297,7 +297,7 @@ def _modes_on(
             joint=reduced.model.joint,
             quadratic=quadratic,
         ),
-        takes=(mesh.name,),
+        takes={"mesh": mesh.name},
         libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
         seconds=0.9 * mesh.seconds,
     )
@@ -320,7 +320,7 @@ def casing_error_step(graph: Graph, band: float) -> Step:
             loss_factors=body.loss_factors,
             mounts=body.mounts,
         ),
-        takes=("casing mesh", "casing modes", "casing"),
+        takes={"mesh": "casing mesh", "modes": "casing modes", "body": "casing"},
         libraries=("numpy", "scipy", "pymetis", "scikit-fem"),
         seconds=40.0,
     )

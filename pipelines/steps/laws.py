@@ -7,7 +7,7 @@ another step condenses, or, for models that have none, of the section with the c
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from fem.contact.faults.changed_law import damaged_law, evenly_damaged_law, modified_law
@@ -25,7 +25,7 @@ def build(spec: LawSpec) -> tuple[MeshLaw, MeshLaw]:
 
 
 def build_modified(
-    spec: FlanksSpec, sound: tuple[MeshLaw, MeshLaw], *surfaces: CrackSurface
+    spec: FlanksSpec, *, sound: tuple[MeshLaw, MeshLaw], surfaces: Sequence[CrackSurface] = ()
 ) -> tuple[MeshLaw, MeshLaw]:
     """The laws of drive and coast flank; `surfaces` are those of the spec, or none."""
     known: dict[str, dict[float, CrackSurface]] = {"pinion": {}, "wheel": {}}

@@ -31,7 +31,7 @@ class MotionSpec:
 
 
 def build(
-    spec: MotionSpec, body: ReducedBody, *laws: tuple[MeshLaw, MeshLaw], folder: Path | None = None
+    spec: MotionSpec, *, body: ReducedBody, laws: Sequence[tuple[MeshLaw, MeshLaw]], folder: Path | None = None
 ) -> CountedResult:
     """The trajectory of the wanted channels, with energy balance and counters.
 
@@ -39,7 +39,7 @@ def build(
     ----------
     spec : the machine, its motion and what is recorded
     body : the reduced casing
-    *laws : of drive and coast flank of every mesh
+    laws : of drive and coast flank of every mesh
     folder : for a file that keeps the values, or None: they stay in memory
 
     Raises

@@ -63,9 +63,9 @@ class PairState:
 
     def with_laws(self, laws: Laws, sound: Laws) -> PairLaws:
         """The same with its mesh laws; `sound` are those of the pair without modifications and faults."""
-        healthy, _ = build_modified(self.flanks, sound)
+        healthy, _ = build_modified(self.flanks, sound=sound)
         involute = PairModifications(misalignment=self.flanks.modifications.misalignment)
-        unmodified, _ = build_modified(replace(self.flanks, modifications=involute), sound)
+        unmodified, _ = build_modified(replace(self.flanks, modifications=involute), sound=sound)
         return PairLaws(**vars(self), drive=laws[0], coast=laws[1], healthy=healthy, unmodified=unmodified)
 
 

@@ -32,14 +32,13 @@ def picture_steps(plant: Plant, names: Iterable[str]) -> list[Step]:
     """The steps of a plant whose other steps have these names."""
     stage = plant.looked_for.stage
     placed = placed_pair(plant, stage)
-    laws = [name for pair in zip(plant.law_names, plant.sound_law_names, strict=True) for name in pair]
     steps = [
         Step(
             name=GEARS,
             kind="gear-picture",
             build=build_gears,
             spec=placed,
-            takes=(plant.sound_law_names[stage - 1],) if needs_law(placed.damage) else (),
+            takes={"laws": plant.sound_law_names[stage - 1]} if needs_law(placed.damage) else {},
             libraries=("numpy", "pyvista"),
             seconds=2.0,
         ),
@@ -48,7 +47,7 @@ def picture_steps(plant: Plant, names: Iterable[str]) -> list[Step]:
             kind="stiffness-curves",
             build=build_curves,
             spec=CurvesSpec(pairs=pair_states(plant), first=stage, names=gear_names(placed)),
-            takes=(GEARS, *laws),
+            takes={"picture": GEARS, "laws": plant.law_names, "sound": plant.sound_law_names},
             libraries=("numpy", "matplotlib"),
         ),
     ]
@@ -59,7 +58,7 @@ def picture_steps(plant: Plant, names: Iterable[str]) -> list[Step]:
                 kind="casing-picture",
                 build=build_casing,
                 spec=CasingPictureSpec(sensors=plant.sensors),
-                takes=("casing mesh",),
+                takes={"mesh": "casing mesh"},
                 libraries=("numpy", "matplotlib", "pyvista"),
                 seconds=2.0,
             )
@@ -67,12 +66,12 @@ def picture_steps(plant: Plant, names: Iterable[str]) -> list[Step]:
     return steps
 
 
-def build_gears(placed: PlacedPair, *sound: Laws) -> CountedResult:
-    """The rendered pair with its first damaged tooth, or why it is left out; `sound` if `needs_law` is true of it."""
+def build_gears(placed: PlacedPair, *, laws: Laws | None = None) -> CountedResult:
+    """The rendered pair with its first damaged tooth, or why it is left out; its sound `laws` if `needs_law`."""
     from pipelines.figures.render import render_gears
     from pipelines.figures.shapes import stage_view
 
-    picture = render_gears(stage_view(placed, sound[0][0] if sound else None))
+    picture = render_gears(stage_view(placed, laws[0] if laws else None))
     return CountedResult(picture, kept=isinstance(picture, Picture))
 
 
@@ -85,18 +84,20 @@ class CurvesSpec:
     names: Mapping[str, str]
 
 
-def build_curves(spec: CurvesSpec, picture: Picture | LeftOut, *laws: Laws) -> CountedResult:
+def build_curves(
+    spec: CurvesSpec, *, picture: Picture | LeftOut, laws: Sequence[Laws], sound: Sequence[Laws]
+) -> CountedResult:
     """Elements of the page: "gears", the picture and its curve or why there is none; "stiffness", the other curves.
 
     Parameters
     ----------
     spec, picture : the pairs, and the rendered gears
-    laws : of each pair the laws with its flanks and faults, and without
+    laws, sound : of each pair, with its flanks and faults, and without
     """
     from pipelines.report import pictures
 
-    states = zip(spec.pairs, laws[::2], laws[1::2], strict=True)
-    curves = stiffness_plots([state.with_laws(own, sound) for state, own, sound in states])
+    states = zip(spec.pairs, laws, sound, strict=True)
+    curves = stiffness_plots([state.with_laws(own, healthy) for state, own, healthy in states])
     first = curves.pop(spec.first - 1)
     if isinstance(picture, LeftOut):
         return CountedResult({"gears": picture, "stiffness": pictures.stiffness([first, *curves])}, kept=False)
@@ -111,7 +112,7 @@ class CasingPictureSpec:
     sensors: tuple[Sensor, ...]
 
 
-def build_casing(spec: CasingPictureSpec, mesh: CasingMesh) -> CountedResult:
+def build_casing(spec: CasingPictureSpec, *, mesh: CasingMesh) -> CountedResult:
     """The casing with its key points as an element of the page, or why it is left out."""
     from pipelines.report import pictures
 

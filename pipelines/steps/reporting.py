@@ -1,4 +1,4 @@
-"""Step `report`: the one HTML file of a run, made of what the other steps returned."""
+"""Step `report`: the page of a run but for its cost, made of what the other steps returned."""
 
 from __future__ import annotations
 
@@ -6,10 +6,8 @@ import contextlib
 import gc
 import json
 import math
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,61 +25,70 @@ if TYPE_CHECKING:
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.modes import CasingModes
+    from mbd.output.trajectory import Trajectory
     from pipelines.bars.line_bars import LineBars
-    from pipelines.diagnosis.verdict import Verdict
+    from pipelines.figures.views import LeftOut
     from pipelines.signals.analysis import DiagnosisSettings
     from pipelines.signals.diagnosis import Diagnosis
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReportSpec:
-    """The plant with what the report says about the run, and how many results of each kind it takes, in this order:
-
-    stiffness curves, casing picture (if `meshed`), casing, modes (if `elastic`), then the motions of all cases.
-    """
+    """The plant with what the report says about the run."""
 
     plant: Plant
-    name: str
     diagnosing: DiagnosingSpec | None
-    meshed: bool
-    elastic: bool
     responses: tuple[str, ...]  # names of the runs shown, the scene's own first
-    steps: tuple[Mapping[str, Any], ...]  # rows of the cost table
-    ledger: Mapping[str, int]
-    provenance: Mapping[str, Any]
     warnings: tuple[str, ...]
-    failure: str = ""  # why no diagnosis was possible
-    verdict: Verdict | None = None  # the blind ranking of components
-    bars: LineBars | str = ""  # of the lines, or why there are none
     baseline: bool = False  # whether the verdict compares with machines of other deviations
 
 
-def build(spec: ReportSpec, *taken: Any) -> CountedResult:
-    """The page as text, and the reasons of pictures that were left out; kept if there are none."""
+def build(
+    spec: ReportSpec,
+    *,
+    motions: Sequence[Trajectory],
+    curves: Mapping[str, Any],
+    body: ReducedBody,
+    casing: str | LeftOut | None = None,
+    modes: CasingSummary | None = None,
+    diagnosis: Mapping[str, Any] | None = None,
+    verdict: Mapping[str, Any] | None = None,
+    bars: LineBars | str = "",
+) -> CountedResult:
+    """The body of the page as text, and the reasons of pictures that were left out; kept if there are none.
+
+    Parameters
+    ----------
+    spec : the plant
+    motions : of all cases, as in `DiagnosingSpec`; of the scene alone without a diagnosis
+    curves, casing : elements of the page, see `pipelines.steps.pictures`
+    body, modes : the reduced casing, and what is said of its modes
+    diagnosis, verdict, bars : results of the steps of these names
+    """
     from pipelines.figures.views import LeftOut
     from pipelines.report.contents import ReportContents
-    from pipelines.report.report import write_report
+    from pipelines.report.report import report_body
     from pipelines.report.run_screen import first_screen
     from pipelines.signals.response import make_response
 
-    plant, (curves, *rest) = spec.plant, taken
-    casing, body, *rest = rest if spec.meshed else (None, *rest)
-    modes, *rest = rest if spec.elastic else (None, *rest)
+    plant = spec.plant
     labelled = spec.diagnosing.labels if spec.diagnosing else (plant.labels,)
-    responses = list(map(make_response, rest, labelled))
-    possible = spec.diagnosing is not None and not spec.failure
+    responses = list(map(make_response, motions, labelled))
+    failure = diagnosis["failure"] if diagnosis else ""
+    possible = spec.diagnosing is not None and not failure
     found = diagnoses(spec.diagnosing.cases, responses) if spec.diagnosing and possible else []
     shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing and possible else []
     asked = plant.looked_for
-    settings, failure = _settings(plant, found, responses[0], spec.failure)
-    runs = _runs(spec, responses)
+    settings, failure = _settings(plant, found, responses[0], failure)
+    runs = dict(zip(spec.responses, responses, strict=False))
+    ranked = verdict["verdict"] if verdict else None
     contents = ReportContents(
         title=plant.title,
-        first=first_screen(plant, settings, found, list(runs.values()), failure, spec.verdict, spec.baseline),
+        first=first_screen(plant, settings, found, list(runs.values()), failure, ranked, spec.baseline),
         summary=_summary(plant),
         diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
         seeds=[d for d, full in zip(found, shown, strict=True) if not full],
-        bars=spec.bars,
+        bars=bars if found else "",
         gears=gear_rows(plant),
         rolling=rolling_rows(plant),
         shafts=shaft_rows(plant),
@@ -94,17 +101,14 @@ def build(spec: ReportSpec, *taken: Any) -> CountedResult:
         sensor=asked.sensor,
         axis=asked.axis,
         settings=settings,
-        steps=spec.steps,
         energy=energy_rows(responses[0]),
-        ledger=spec.ledger,
-        provenance=spec.provenance,
         cautions=gathered(told(response.attrs) for response in responses),
         warnings=spec.warnings,
     )
-    with tempfile.TemporaryDirectory() as folder, _collector_paused():
-        page = write_report(Path(folder) / "report.html", contents).read_text(encoding="utf-8")
+    with _collector_paused():
+        page = report_body(contents)
     left_out = [p.reason for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
-    return CountedResult({"page": page, "left_out": left_out}, kept=not left_out)
+    return CountedResult({"body": page, "left_out": left_out}, kept=not left_out)
 
 
 @contextlib.contextmanager
@@ -117,10 +121,6 @@ def _collector_paused() -> Iterator[None]:
     finally:
         if enabled:
             gc.enable()
-
-
-def _runs(spec: ReportSpec, responses: Sequence[xarray.Dataset]) -> dict[str, xarray.Dataset]:
-    return dict(zip(spec.responses, responses, strict=False))
 
 
 def _settings(

@@ -47,7 +47,7 @@ def build_compliance(spec: ComplianceSpec) -> ContactCompliance:
     return spec.model.compliance(spec.pair)
 
 
-def build(spec: StressSpec, record: ContactCompliance, laws: tuple[MeshLaw, MeshLaw]) -> LoadedTeeth:
+def build(spec: StressSpec, *, record: ContactCompliance, laws: tuple[MeshLaw, MeshLaw]) -> LoadedTeeth:
     """Contact at the force, then displacement and stress of the teeth of all pairs near the mesh.
 
     Raises

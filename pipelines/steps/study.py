@@ -158,7 +158,7 @@ def add_steps(steps: list[Step], new: list[Step], prefix: str) -> dict[str, str]
     known = {_identity(step): step.name for step in steps}
     renamed: dict[str, str] = {}
     for step in new:
-        moved = replace(step, takes=tuple(renamed[name] for name in step.takes))
+        moved = replace(step, takes=step.received(renamed.__getitem__))
         same = known.get(_identity(moved))
         renamed[step.name] = same or f"{prefix}{step.name}"
         if same is None:
@@ -167,4 +167,4 @@ def add_steps(steps: list[Step], new: list[Step], prefix: str) -> dict[str, str]
 
 
 def _identity(step: Step) -> tuple:
-    return step.kind, step.build, digest(step.spec), step.takes
+    return step.kind, step.build, digest(step.spec), digest(step.takes)

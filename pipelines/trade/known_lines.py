@@ -7,8 +7,8 @@ from statistics import median
 from pipelines.bars.line_bars import LineBars
 from pipelines.engine.step import Graph
 from pipelines.engine.working import Work
-from pipelines.runs.error_bars import bars_step, casing_steps
 from pipelines.scene.file import LoadedScene
+from pipelines.steps.results import bars_step, casing_taken
 from pipelines.steps.study import plan_study
 
 
@@ -25,7 +25,7 @@ def known_lines(loaded: LoadedScene, work: Work) -> str:
     study = plan_study(loaded, both_loads=False)
     if study.control is None or study.plant.diagnosis is None:
         return ""
-    if len(casing_steps(study.graph)) == 1:
+    if len(casing_taken(study.graph)) == 1:
         return (
             "How well the lines of the fault are known is not: the error of the casing's mesh is measured with "
             "casing.extrapolated = true alone."

@@ -24,8 +24,7 @@ def main(options: argparse.Namespace) -> int:
         return 0
     from pipelines.bars.words import bars_words
     from pipelines.engine.working import Work
-    from pipelines.runs.diagnosed import diagnose_folder
-    from pipelines.runs.error_bars import folder_bars
+    from pipelines.runs.diagnosed import diagnose_folder, folder_bars
     from pipelines.signals.export import diagnosis_facts
     from pipelines.steps.diagnosing import words
 

@@ -1,0 +1,95 @@
+"""Step `error bars`: those of the lines of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pipelines.bars.line_bars import LineBars
+from pipelines.plant.plant import Plant
+
+if TYPE_CHECKING:
+    import xarray
+
+    from fem.casing.mesh_error.extrapolation import LowestModes
+    from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.checkup import CheckUp
+    from fem.casing.reduced.modes import CasingModes
+    from mbd.output.trajectory import Trajectory
+    from pipelines.plant.assembly import Laws
+    from pipelines.signals.diagnosis import Diagnosis
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BarsSpec:
+    """The plants of the diagnosed run and of its control."""
+
+    plant: Plant
+    control: Plant
+
+
+def build(
+    spec: BarsSpec,
+    *,
+    motion: Trajectory,
+    control: Trajectory,
+    laws: Sequence[Laws],
+    body: ReducedBody,
+    modes: tuple[CasingModes, CheckUp] | None = None,
+    coarser: Sequence[LowestModes] = (),
+) -> LineBars | str:
+    """The bars, or in a sentence why there are none.
+
+    Parameters
+    ----------
+    spec : the plants
+    motion, control : of the diagnosed run and of its control
+    laws, body : of the mesh of every stage, and the reduced casing
+    modes, coarser : of the casing and of coarser meshes, where its stiffness is extrapolated
+    """
+    from pipelines.signals.analysis import DiagnosisError
+    from pipelines.signals.diagnosis import diagnose
+    from pipelines.signals.response import make_response
+    from pipelines.signals.spectrum import SpectrumError
+
+    settings = spec.plant.diagnosis
+    assert settings is not None, "there was something to diagnose"
+    run, healthy = make_response(motion, spec.plant.labels), make_response(control, spec.control.labels)
+    try:
+        found = diagnose(run, healthy, settings)
+    except (DiagnosisError, SpectrumError) as error:
+        return f"No error bars without a diagnosis: {error}"
+    return plant_bars(spec.plant, run, found, laws=laws, body=body, modes=modes, coarser=coarser)
+
+
+def plant_bars(
+    plant: Plant,
+    run: xarray.Dataset,
+    diagnosis: Diagnosis,
+    *,
+    laws: Sequence[Laws],
+    body: ReducedBody,
+    modes: tuple[CasingModes, CheckUp] | None = None,
+    coarser: Sequence[LowestModes] = (),
+) -> LineBars | str:
+    """The bars of a run of a plant, or why there are none.
+
+    Parameters
+    ----------
+    plant, run, diagnosis : the plant, its signals and their lines
+    laws, body, modes, coarser : as in `build`
+    """
+    from mbd.parts.checks import EquilibriumError, MachineError
+    from pipelines.bars.made import BarsError, line_bars
+    from pipelines.bars.uncertain import uncertain
+    from pipelines.plant.assembly import assemble_machine, assemble_system
+
+    unknown = uncertain(
+        plant.casing, None if modes is None else modes[0], list(coarser), plant.looked_for.damping_spread
+    )
+    try:
+        system = assemble_system(assemble_machine(plant.machine, laws), body, plant.recorded, plant.motion.band)
+        return line_bars(run, diagnosis, system, unknown)
+    except (BarsError, MachineError, EquilibriumError) as error:
+        return f"No error bars. {error}"

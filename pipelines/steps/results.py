@@ -1,0 +1,140 @@
+"""The steps that follow the motions of a study: features, verdict, diagnosis, error bars, pictures and the report."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pipelines.engine.step import Graph, Step
+from pipelines.steps import diagnosing, features, reporting, verdict
+from pipelines.steps import error_bars as bars
+from pipelines.steps.graph import extrapolated_from
+from pipelines.steps.pictures import CASING, CURVES, picture_steps
+
+if TYPE_CHECKING:
+    from pipelines.scene.file import LoadedScene
+    from pipelines.steps.study import Study
+
+_NUMERIC = ("numpy", "scipy")
+VERDICT, DIAGNOSIS, BARS, REPORT = "verdict", "diagnose", "error bars", "report"
+
+
+def result_steps(loaded: LoadedScene, study: Study) -> list[Step]:
+    """All of them that apply to the study of a loaded scene, in order."""
+    steps = [*picture_steps(study.plant, study.graph.steps), *verdict_steps(study)]
+    compared = diagnosis_step(study)
+    steps += [compared, bars_step(study)] if compared else []
+    return [*steps, _report_step(loaded, study, {step.name: step for step in [*study.graph, *steps]})]
+
+
+def verdict_steps(study: Study) -> list[Step]:
+    """Features of the scene's motion and of the healthy ones (the baseline, else the control), then the verdict.
+
+    None without a healthy motion. The exact control stands for healthy only where nothing better was asked for: it has
+    the same deviations.
+    """
+    from pipelines.diagnosis.simulated import FeatureSettings
+    from pipelines.orders.plant_kinematics import kinematics_of
+
+    first, plant = study.cases[0], study.plant
+    healthy = [(one.plant, one.motion) for one in study.baseline]
+    if not healthy and first.control is not None and first.healthy is not None:
+        healthy = [(first.control, first.healthy)]
+    if not healthy or not plant.looked_for.possible:
+        return []
+    kinematics = kinematics_of(plant.layout, plant.rolling)
+    settings = FeatureSettings(kinematics=kinematics, windows=plant.looked_for.windows)
+    own, *others = [
+        Step(
+            name=f"features {motion}",
+            kind="features",
+            build=features.build,
+            spec=features.FeaturesSpec(settings=settings, labels=one.labels, stream=stream),
+            takes={"motion": motion},
+            libraries=_NUMERIC,
+            seconds=1.0,
+        )
+        for one, motion, stream in [(plant, first.faulty, 1), *((one, motion, 0) for one, motion in healthy)]
+    ]
+    spec = verdict.VerdictSpec(kinematics=kinematics, faulty=verdict.known_faults(plant), exact=not study.baseline)
+    takes = {"own": own.name, "healthy": tuple(step.name for step in others)}
+    judging = Step(name=VERDICT, kind="verdict", build=verdict.build, spec=spec, takes=takes, libraries=_NUMERIC)
+    return [own, *others, judging]
+
+
+def diagnosis_step(study: Study) -> Step | None:
+    """All cases against their controls; None without a control, a fault to look for, windows or sensors."""
+    cases, motions, labels = [], [], []
+    for number, case in enumerate(study.cases):
+        settings = case.plant.diagnosis
+        if settings is None or case.healthy is None or case.control is None:
+            return None
+        cases.append(diagnosing.CaseSpec(settings=settings, full=number == 0 or case.label == "torque"))
+        motions += [case.faulty, case.healthy]
+        labels += [case.plant.labels, case.control.labels]
+    return Step(
+        name=DIAGNOSIS,
+        kind="diagnose",
+        build=diagnosing.build,
+        spec=diagnosing.DiagnosingSpec(cases=tuple(cases), labels=tuple(labels)),
+        takes={"motions": tuple(motions)},
+        libraries=_NUMERIC,
+    )
+
+
+def bars_step(study: Study) -> Step:
+    """The error bars of the lines of the first case of a study that has a control."""
+    case, laws = study.cases[0], study.plant.law_names
+    assert case.control is not None, "a diagnosis has one"
+    assert case.healthy is not None, "a diagnosis has one"
+    return Step(
+        name=BARS,
+        kind="error-bars",
+        build=bars.build,
+        spec=bars.BarsSpec(plant=case.plant, control=case.control),
+        takes={"motion": case.faulty, "control": case.healthy, "laws": laws, **casing_taken(study.graph)},
+        libraries=_NUMERIC,
+        seconds=3.0,
+    )
+
+
+def casing_taken(graph: Graph) -> dict[str, str | tuple[str, ...]]:
+    """What error bars take of the casing: the reduced body, and modes of its meshes if it is extrapolated."""
+    coarser = extrapolated_from(graph.steps)
+    return {"body": "casing", **({"modes": "casing modes", "coarser": coarser} if coarser else {})}
+
+
+def _report_step(loaded: LoadedScene, study: Study, known: dict[str, Step]) -> Step:
+    from pipelines.plant.checks.design_warnings import design_warnings
+    from pipelines.scene.file import control_differences
+
+    plant, compared = study.plant, known.get(DIAGNOSIS)
+    kinds = [*(fault.kind for fault in plant.faults), *("bearing-spall" for _ in plant.spalls)]
+    kinds += [*(fault.kind for fault in plant.shaft_faults), "healthy"]
+    unlike = [] if study.control is None else control_differences(loaded, study.control)
+    optional = {
+        "casing": CASING, "modes": "casing modes", "diagnosis": DIAGNOSIS, "verdict": VERDICT, "bars": BARS,
+    }  # fmt: skip
+    return Step(
+        name=REPORT,
+        kind="report",
+        build=reporting.build,
+        spec=reporting.ReportSpec(
+            plant=plant,
+            diagnosing=compared.spec if compared else None,
+            responses=(kinds[0].replace("-", " "), "healthy") if compared else (kinds[0].replace("-", " "),),
+            baseline=bool(study.baseline),
+            warnings=(
+                *design_warnings(loaded.scene, plant.layout),
+                *(f"the control differs in more than the fault: {line}" for line in unlike),
+            ),
+        ),
+        takes={
+            "motions": compared.takes["motions"] if compared else (study.cases[0].faulty,),
+            "curves": CURVES,
+            "body": "casing",
+            **{key: name for key, name in optional.items() if name in known},
+        },
+        reads={"modes": reporting.casing_summary},
+        libraries=("numpy", "matplotlib"),
+        seconds=1.5,
+    )
