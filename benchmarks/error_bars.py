@@ -34,7 +34,7 @@ from pipelines.scene.file import load_scene
 from pipelines.signals.analysis import analyse
 from pipelines.signals.diagnosis import Diagnosis, diagnose
 from pipelines.signals.response import make_response
-from pipelines.steps.error_bars import plant_bars
+from pipelines.steps.error_bars import machine_bars
 from pipelines.steps.motion import moved
 from pipelines.steps.results import bars_step, casing_taken
 from pipelines.steps.study import plan_study
@@ -96,7 +96,7 @@ def mesh_run(settings: Mapping[str, Any]) -> MeshRun:
     step = Step(
         name="inputs",
         kind="inputs",
-        build=plant_bars,
+        build=machine_bars,
         takes={"laws": plant.law_names, **casing_taken(study.graph)},
     )
     outcome = Work(processes=1).build(study.graph, ["simulate", *step.inputs])
@@ -165,7 +165,7 @@ def main(arguments: Sequence[str]) -> None:
     others = {name: level[name] - level[FIRST] for name in MESHES if name != FIRST}
     own = {}
     for name, run in runs.items():
-        found = plant_bars(run.plant, make_response(run.motion, run.plant.labels), diagnosis, **run.taken)
+        found = machine_bars(run.plant, make_response(run.motion, run.plant.labels), diagnosis, **run.taken)
         if name != FINEST and isinstance(found, LineBars) and all(bar.numerical for bar in found.bars):
             own[name] = inside(level[FINEST] - level[name], numerical(found))
     pooled = np.concatenate([inside(drawn, ends), inside(np.array(list(others.values())), ends)])

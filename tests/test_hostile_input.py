@@ -344,9 +344,8 @@ def test_markup_in_a_title_stays_text(tmp_path):
     from pipelines.figures.callouts import plain
     from pipelines.figures.film import film_page
     from pipelines.figures.plots import dress, new_figure
-    from pipelines.report.contents import ReportContents
+    from pipelines.report.contents import ReportContents, RunCost
     from pipelines.report.first_screen import FirstScreen
-    from pipelines.report.contents import RunCost
     from pipelines.report.report import report_body, write_report
 
     title = "<script>alert(1)</script> [bold]$\\frac$ & $x"

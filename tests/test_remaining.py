@@ -9,6 +9,7 @@ import pytest
 
 from pipelines.border.shown import duration
 from pipelines.commands import run
+from pipelines.engine.build_step import Result
 from pipelines.engine.cache import Cache
 from pipelines.engine.progress import Lines, Several, Timing
 from pipelines.engine.remaining import Remaining, Task, expected
@@ -121,8 +122,8 @@ def test_lines_for_a_pipe():
     observer.started(steps["casing"])
     observer.started(steps["law_1"])
     now[0] = 102.0
-    observer.finished(steps["law_1"], record("law_1", 2.0))
-    observer.finished(steps["law_2"], record("law_2", 2.0, reused=True))
+    observer.finished(steps["law_1"], Result(record("law_1", 2.0), None))
+    observer.finished(steps["law_2"], Result(record("law_2", 2.0, reused=True), None))
     observer.advanced(steps["casing"], 0.2)  # not again so soon
     now[0] = 113.0
     observer.advanced(steps["casing"], 0.9)

@@ -45,9 +45,8 @@ BENCH = [
     "# Casing",
     "# Speed",
     "figure: Speeds of the motors and the first shaft.",
-    "# Cost",
-    "figure: Time of each step.",
     "# Energy balance",
+    "# Cost",
     "# Provenance",
 ]
 DAMAGED = [
@@ -74,9 +73,8 @@ DAMAGED = [
     "figure: The casing with its points on the ground (yellow), bearings (red) and sensors (green).",
     "# Speed",
     "figure: Speeds of the motors and the first shaft.",
-    "# Cost",
-    "figure: Time of each step.",
     "# Energy balance",
+    "# Cost",
     "# Provenance",
 ]
 

@@ -13,8 +13,8 @@ from mbd.simulate import Settings, simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.cli import main
-from pipelines.report.first_screen import FirstScreen
 from pipelines.report.contents import ReportContents
+from pipelines.report.first_screen import FirstScreen
 from pipelines.report.report import report_body
 from pipelines.signals.motion_warnings import gathered, motion_warnings
 

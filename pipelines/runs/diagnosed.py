@@ -68,14 +68,14 @@ def folder_bars(folder: Path, diagnosis: Diagnosis, settings: Settings, work: Wo
     """
     from pipelines.runs.single_results import scene_graph
     from pipelines.scene.file import load_scene
-    from pipelines.steps.error_bars import plant_bars
+    from pipelines.steps.error_bars import machine_bars
     from pipelines.steps.results import casing_taken
 
     graph, plant = scene_graph(load_scene(folder / run_folder.RESOLVED))  # the casing is that of the run
     asked = load_scene(folder / run_folder.RESOLVED, settings).scene.diagnosis
     plant = replace(plant, looked_for=replace(plant.looked_for, damping_spread=asked.damping_spread))
     taken = {"laws": plant.law_names, **casing_taken(graph)}
-    step = Step(name="error bars", kind="error-bars", build=plant_bars, takes=taken)
+    step = Step(name="error bars", kind="error-bars", build=machine_bars, takes=taken)
     outcome = work.build(graph, step.inputs)
     with run_folder.opened_run(folder / run_folder.RESPONSE) as run:
-        return plant_bars(plant, run, diagnosis, **step.received(outcome.value))
+        return machine_bars(plant, run, diagnosis, **step.received(outcome.value))

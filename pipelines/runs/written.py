@@ -31,13 +31,13 @@ WRITERS = ("h5py", "h5netcdf", "xarray")  # of the signals
 
 
 class Written:
-    """An observer that passes on what it is told, and writes what is finished into a folder.
+    """An observer of a run that writes what is finished into a folder.
 
     Parameters
     ----------
     folder : that exists
     loaded, study : the scene, and what is run of it
-    observer : is told of every step
+    observer : of the same run, which every event is passed to
     """
 
     def __init__(self, folder: Path, loaded: LoadedScene, study: Study, observer: Observer) -> None:
@@ -54,7 +54,7 @@ class Written:
 
     @property
     def words(self) -> str:
-        """What diagnosis and verdict say; the verdict first where it compares with other machines."""
+        """The texts of diagnosis and verdict; the verdict first where it compares with other machines."""
         order = (VERDICT, DIAGNOSIS) if self._study.baseline else (DIAGNOSIS, VERDICT)
         return "\n".join(self._words[name] for name in order if name in self._words)
 
@@ -129,7 +129,7 @@ class Written:
 
 
 def provenance(name: str, plant: Plant, outcome: Outcome) -> dict[str, Any]:
-    """Versions of what the steps say they use, models and keys: the same for the same result; `name` of the scene."""
+    """Versions of the libraries, models and keys: the same for the same result; `name` of the scene."""
     used = {library: version for record in outcome.records for library, version in record.libraries.items()}
     return {
         "scene": name,

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BarsSpec:
-    """The plants of the diagnosed run and of its control."""
+    """The machines of the diagnosed run and of its control."""
 
     plant: Plant
     control: Plant
@@ -39,11 +39,11 @@ def build(
     modes: tuple[CasingModes, CheckUp] | None = None,
     coarser: Sequence[LowestModes] = (),
 ) -> LineBars | str:
-    """The bars, or in a sentence why there are none.
+    """The error bars, or in a sentence why there are none.
 
     Parameters
     ----------
-    spec : the plants
+    spec : the machines
     motion, control : of the diagnosed run and of its control
     laws, body : of the mesh of every stage, and the reduced casing
     modes, coarser : of the casing and of coarser meshes, where its stiffness is extrapolated
@@ -60,11 +60,11 @@ def build(
         found = diagnose(run, healthy, settings)
     except (DiagnosisError, SpectrumError) as error:
         return f"No error bars without a diagnosis: {error}"
-    return plant_bars(spec.plant, run, found, laws=laws, body=body, modes=modes, coarser=coarser)
+    return machine_bars(spec.plant, run, found, laws=laws, body=body, modes=modes, coarser=coarser)
 
 
-def plant_bars(
-    plant: Plant,
+def machine_bars(
+    machine: Plant,
     run: xarray.Dataset,
     diagnosis: Diagnosis,
     *,
@@ -73,11 +73,11 @@ def plant_bars(
     modes: tuple[CasingModes, CheckUp] | None = None,
     coarser: Sequence[LowestModes] = (),
 ) -> LineBars | str:
-    """The bars of a run of a plant, or why there are none.
+    """The error bars of a run of a machine, or why there are none.
 
     Parameters
     ----------
-    plant, run, diagnosis : the plant, its signals and their lines
+    machine, run, diagnosis : the machine, its signals and their lines
     laws, body, modes, coarser : as in `build`
     """
     from mbd.parts.checks import EquilibriumError, MachineError
@@ -86,10 +86,10 @@ def plant_bars(
     from pipelines.plant.assembly import assemble_machine, assemble_system
 
     unknown = uncertain(
-        plant.casing, None if modes is None else modes[0], list(coarser), plant.looked_for.damping_spread
+        machine.casing, None if modes is None else modes[0], list(coarser), machine.looked_for.damping_spread
     )
     try:
-        system = assemble_system(assemble_machine(plant.machine, laws), body, plant.recorded, plant.motion.band)
+        system = assemble_system(assemble_machine(machine.machine, laws), body, machine.recorded, machine.motion.band)
         return line_bars(run, diagnosis, system, unknown)
     except (BarsError, MachineError, EquilibriumError) as error:
         return f"No error bars. {error}"

@@ -29,7 +29,7 @@ def result_steps(loaded: LoadedScene, study: Study) -> list[Step]:
 def verdict_steps(study: Study) -> list[Step]:
     """Features of the scene's motion and of the healthy ones (the baseline, else the control), then the verdict.
 
-    None without a healthy motion. The exact control stands for healthy only where nothing better was asked for: it has
+    None without a healthy motion. The exact control stands for healthy only without a baseline: it has
     the same deviations.
     """
     from pipelines.diagnosis.simulated import FeatureSettings

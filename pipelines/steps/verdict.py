@@ -15,7 +15,7 @@ STRIKES = {"outer-ring": "BPFO", "inner-ring": "BPFI", "element": "2 BSF"}
 
 @dataclass(frozen=True, kw_only=True)
 class VerdictSpec:
-    """The machine, its `known_faults`, and whether the healthy run is the exact control, which is said."""
+    """The machine, its `known_faults`, and whether the healthy run is the exact control, which its text states."""
 
     kinematics: Kinematics
     faulty: tuple[tuple[str, int | None], ...]
