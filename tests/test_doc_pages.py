@@ -10,8 +10,9 @@ import pytest
 from benchmarks import page
 from benchmarks.__main__ import RESULTS
 from benchmarks.modules import modules
+from fem.contact.models.registry import MODELS as MESHES
 from mbd.integrators.methods import METHODS
-from pipelines.scene.tables import bearings, casing, gears, losses, motion, shafts
+from pipelines.scene.tables import bearings, casing, losses, motion, shafts
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 
@@ -21,7 +22,7 @@ def choices(table, field="model"):
 
 
 MODELS = [
-    *(choices(t)[0] for t in (gears.IsoMesh, gears.EnergyMesh, gears.PlaneMesh, gears.SolidMesh)),
+    *MESHES,
     *(choices(t)[0] for t in (casing.NoCasingTable, casing.RigidCasingTable, casing.StaticCasingTable)),
     *(choices(t)[0] for t in (casing.CraigBamptonCasingTable, motion.StaticTorqueTable, motion.RopeTable)),
     *(choices(t)[0] for t in (bearings.RigidBearings, bearings.LinearBearings, bearings.HertzBearings)),

@@ -9,7 +9,7 @@ from benchmarks.gear_pairs import gear_pair
 from fem.casing.models.registry import CASINGS, elastic_casing
 from fem.contact.faults.registry import FAULTS, tooth_fault
 from fem.contact.frame import ModelError
-from fem.contact.models.registry import MODELS, mesh_model
+from fem.contact.models.registry import MODELS, loaded_model, mesh_model
 from fem.elements.solid_elements import CHOICES
 from fem.gears.rack import GeometryError
 from mbd.integrators.methods import METHODS, make_integrator
@@ -62,16 +62,14 @@ def test_every_scene_table_has_a_model_and_every_model_a_table():
 
 @pytest.mark.parametrize("name", MESHES)
 def test_a_model_takes_all_that_its_table_lets_through(name):
-    table = MESHES[name]()
-    options = table.model_dump(exclude={"model"})
-    assert mesh_model(name, line_load=0.0, **options).slices == table.slices
+    assert MESHES[name]().made() == mesh_model(name)()
     for key, bound in extremes(MESHES[name]):
-        mesh_model(name, line_load=1e5, **(options | {key: bound}))
+        assert getattr(loaded_model(MESHES[name](**{key: bound}).made(), 1e5), key) == bound
 
 
 @pytest.mark.parametrize("name", MODELS)
 def test_the_laws_of_both_flanks_carry_the_name_of_their_model(name):
-    model = mesh_model(name, line_load=1e5, slices=5)
+    model = loaded_model(mesh_model(name)(slices=5), 1e5)
     model.check(PAIR)
     if model.seconds == 0.0:
         assert [(law.model, law.flank) for law in model.laws(PAIR)] == [(name, "drive"), (name, "coast")]
@@ -79,7 +77,7 @@ def test_the_laws_of_both_flanks_carry_the_name_of_their_model(name):
 
 def test_an_unknown_name_is_refused_with_those_that_are_known():
     with pytest.raises(ModelError, match="'shell' is unknown; known: iso, energy, plane, solid"):
-        mesh_model("shell", line_load=0.0)
+        mesh_model("shell")
     with pytest.raises(GeometryError, match="'bent-tooth' is unknown; known: missing-tooth"):
         tooth_fault("bent-tooth")
     with pytest.raises(ValueError, match="'euler' is unknown; known: exponential, trapezoidal"):
@@ -136,7 +134,7 @@ def test_a_fault_adds_compliance_and_gaps_that_are_not_negative(kind):
     }[kind]
     fault = tooth_fault(kind, **options)
     fault.check(PAIR.wheel)
-    law = mesh_model("iso", line_load=0.0, slices=6).laws(PAIR)[0]
+    law = mesh_model("iso")(slices=6).laws(PAIR)[0]
     compliance, gap = fault.compliance(law, PAIR, "wheel"), fault.gap(law, PAIR, "wheel")
     assert compliance.shape == (6, law.compliance.size)
     assert (compliance >= 0.0).all()

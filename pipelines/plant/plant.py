@@ -12,7 +12,7 @@ from typing import Any
 
 from fem.casing.geometry.dimensions import Sensor
 from fem.contact.models.mesh_model import LawSpec
-from fem.contact.models.registry import mesh_model
+from fem.contact.models.registry import loaded_model
 from pipelines.plant.bearings import BearingFault, RollingBearing, bearing_faults, bearing_points, rolling_bearings
 from pipelines.plant.casing import CasingPart, casing
 from pipelines.plant.facts import Facts, derive, stage_facts
@@ -155,7 +155,7 @@ def law_specs(scene: Scene, layout: Layout) -> list[LawSpec]:
     return [
         LawSpec(
             pair=replace(pair, backlash_allowance=0.0),
-            mesh=mesh_model(stage.mesh.model, line_load=load, **stage.mesh.model_dump(exclude={"model"})),
+            mesh=loaded_model(stage.mesh.made(), load),
         )
         for stage, pair, load in zip(scene.stages, layout.pairs, loads, strict=True)
     ]

@@ -38,11 +38,13 @@ from fem.contact.frame import FLANKS, ModelError, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
 from fem.contact.wheels.cantilever import beam_contour, cantilever
+from fem.contact.wheels.plane_section import POSITIONS
 from fem.elements.materials import Material
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.path import contact_window, path_points
 from fem.gears.profile import flank_at_roll
+from fem.options import option
 
 logger = logging.getLogger(__name__)
 
@@ -128,21 +130,20 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
 
 @dataclass(frozen=True, kw_only=True)
 class Energy(MeshModel):
-    """Potential-energy method as a mesh law, for comparison with the literature.
+    """Mesh stiffness by the potential-energy method, to compare with literature. Takes milliseconds.
 
     slices over the face; positions: grid points per base pitch; largest_gap: no-load gap up to which tip-edge contact
     is followed, in m_n.
     """
 
     model: Literal["energy"] = "energy"
-    positions: int = 64
+    positions: int = option(64, **POSITIONS)
     largest_gap: float = 0.05
 
     def __post_init__(self) -> None:
-        for name, low, high in (("slices", 1, 1000), ("positions", 16, 1024), ("largest_gap", 0.001, 0.08)):
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise ModelError(f"model energy: {name} is {value!r}; give a value in [{low}, {high}]")
+        super().__post_init__()
+        if not 0.001 <= self.largest_gap <= 0.08:
+            raise ModelError(f"model energy: largest_gap is {self.largest_gap!r}; give a value in [0.001, 0.08]")
 
     def pair_compliance(self, pair: GearPair, pinion_radius: np.ndarray, wheel_radius: np.ndarray) -> np.ndarray:
         """Compliance (position,) of a single pair per unit face width (m2/N) at the contact radii (m)."""

@@ -7,9 +7,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
+from fem.contact.frame import ModelError
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications
+from fem.options import check_options, option
 
 if TYPE_CHECKING:
     from fem.contact.wheels.crack_surface import CrackSurfaceSpec
@@ -27,7 +29,10 @@ class MeshModel(ABC):
     seconds: ClassVar[float] = 0.0
     libraries: ClassVar[tuple[str, ...]] = ("numpy", "scipy")
     places_webs: ClassVar[bool] = False
-    slices: int = 15
+    slices: int = option(15, ge=1, le=101, text="number of slices along the face")
+
+    def __post_init__(self) -> None:
+        check_options(self, ModelError)
 
     @abstractmethod
     def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:

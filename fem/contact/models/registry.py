@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
 
 from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model import MeshModel
@@ -17,14 +16,14 @@ MODELS = {
 }
 
 
-def mesh_model(name: str, *, line_load: float, **options: Any) -> MeshModel:
-    """The model of that name with its options; `line_load` (N/m, 0 for none) is given to models that ask for it.
+def mesh_model(name: str) -> type[MeshModel]:
+    """The class of that name. ModelError if there is none."""
+    found: type[MeshModel] = named_class(MODELS, name, "mesh model", ModelError)
+    return found
 
-    Raises
-    ------
-    ModelError : no such model, or an option outside its range
-    """
-    made: type[MeshModel] = named_class(MODELS, name, "mesh model", ModelError)
-    if any(field.name == "line_load" for field in dataclasses.fields(made)):
-        options["line_load"] = line_load or None
-    return made(**options)
+
+def loaded_model(model: MeshModel, line_load: float) -> MeshModel:
+    """The model at a line load (N/m, 0 for none), where it has a field for it."""
+    if any(field.name == "line_load" for field in dataclasses.fields(model)):
+        return dataclasses.replace(model, line_load=line_load or None)  # type: ignore[call-arg]
+    return model

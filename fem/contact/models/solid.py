@@ -15,16 +15,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from fem.contact.frame import ModelError
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
-from fem.contact.models.solid_condensation import condense
-from fem.contact.wheels.compliance import ContactCompliance, contact_compliance
-from fem.contact.wheels.crack_surface import CrackSurfaceSpec
 from fem.contact.wheels.plane_section import PlaneSection
 from fem.gears.geometry import GearPair
+from fem.options import option
+
+if TYPE_CHECKING:
+    from fem.contact.wheels.compliance import ContactCompliance
+    from fem.contact.wheels.crack_surface import CrackSurfaceSpec
 
 SECTION = 0.25  # section refinement against that of `sector_mesh`: 0.2 m_n along the flank
 PATCH = 0.2  # half-width of the patches, in m_n
@@ -34,7 +36,7 @@ MOST_ALONG = 16  # elements of a crack surface along the face, times the refinem
 
 @dataclass(frozen=True, kw_only=True)
 class Solid(MeshModel):
-    """3-D FE of both toothed wheels and contact along the whole face.
+    """Mesh stiffness by 3-D finite elements of both gears, contact along the face. Takes up to a minute a pair.
 
     Parameters
     ----------
@@ -49,17 +51,15 @@ class Solid(MeshModel):
     libraries: ClassVar[tuple[str, ...]] = ("numpy", "scipy", "scikit-fem")
     places_webs: ClassVar[bool] = True
     model: Literal["solid"] = "solid"
-    slices: int = 31
-    refinement: float = 1.0
-    positions: int = 32
+    slices: int = option(31, ge=3, le=101, text="number of slices along the face")
+    refinement: float = option(1.0, ge=0.6, le=3, text="factor that divides all element sizes")
+    positions: int = option(32, ge=8, le=512, text="mesh positions per base pitch that are solved")
     largest_gap: float = 0.05
 
     def __post_init__(self) -> None:
-        limits = {"slices": (3, 101), "refinement": (0.6, 3.0), "positions": (8, 512), "largest_gap": (0.001, 0.08)}
-        for name, (low, high) in limits.items():
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise ModelError(f"model solid: {name} is {value!r}; give a value in [{low}, {high}]")
+        super().__post_init__()
+        if not 0.001 <= self.largest_gap <= 0.08:
+            raise ModelError(f"model solid: largest_gap is {self.largest_gap!r}; give a value in [0.001, 0.08]")
 
     def axial_elements(self, pair: GearPair) -> int:
         """Elements along the face: 8, and more where one would be longer than 1.25 m_n; times the refinement."""
@@ -68,6 +68,8 @@ class Solid(MeshModel):
 
     def crack_surface(self, pair: GearPair, gear: str, angle: float) -> CrackSurfaceSpec:
         """The surface in space, with as many elements along the face as the model has, up to `MOST_ALONG`."""
+        from fem.contact.wheels.crack_surface import CrackSurfaceSpec
+
         most = math.ceil(self.refinement * MOST_ALONG)
         return CrackSurfaceSpec(
             gear=getattr(pair, gear),
@@ -91,11 +93,15 @@ class Solid(MeshModel):
 
     def law(self, pair: GearPair, flank: str) -> MeshLaw:
         """The law of one flank, "drive" or "coast"."""
+        from fem.contact.models.solid_condensation import condense
+
         record = self.compliance(pair, flank, PLACES)
         return condense(record, pair, flank, self.plane, self.model, self.slices)
 
     def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
         """The laws of drive and coast flank, condensed (`solid_condensation`) from one compliance if it serves both."""
+        from fem.contact.models.solid_condensation import condense
+
         drive = self.compliance(pair, "drive", PLACES)
         coast = drive if drive.flank == 0 else self.compliance(pair, "coast", PLACES)
         return (
@@ -108,6 +114,8 @@ class Solid(MeshModel):
 
         places : along the face; as many as slices unless given
         """
+        from fem.contact.wheels.compliance import contact_compliance
+
         return contact_compliance(
             pair,
             1 if flank == "drive" else -1,

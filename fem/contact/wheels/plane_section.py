@@ -28,16 +28,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem.contact.frame import ModelError
-from fem.contact.wheels.ring import FlankCompliance, flank_compliance
 from fem.gears.geometry import GearPair
 from fem.gears.path import PathPoints, contact_window, path_points
-from fem.gears.sector import sector_mesh
+from fem.options import check_options, option
 from fem.storage.ledger import count
 
+if TYPE_CHECKING:
+    from fem.contact.wheels.ring import FlankCompliance
+
+POSITIONS: Any = {"ge": 16, "le": 1024, "text": "mesh positions per base pitch at which stiffness is tabulated"}
 BRIDGE = 2.05  # pitches: with a tooth missing, the pairs before and after it then take over from each other
 
 
@@ -68,20 +72,15 @@ class PlaneSection:
     largest_gap : no-load gap up to which tip-edge contact is followed, in m_n; stay above the largest delta
     """
 
-    refinement: float = 1.0
+    refinement: float = option(1.0, ge=0.5, le=8, text="factor that divides all element sizes of the tooth sector")
     patch: float = 0.08
-    positions: int = 64
+    positions: int = option(64, **POSITIONS)
     tip_rounding: float = 0.05
     largest_gap: float = 0.05
 
     def __post_init__(self) -> None:
-        limits = {
-            "refinement": (0.5, 8.0),
-            "patch": (0.02, 0.2),
-            "positions": (16, 1024),
-            "tip_rounding": (0.001, 0.5),
-            "largest_gap": (0.001, 0.08),
-        }
+        check_options(self, PlaneError)
+        limits = {"patch": (0.02, 0.2), "tip_rounding": (0.001, 0.5), "largest_gap": (0.001, 0.08)}
         for name, (low, high) in limits.items():
             value = getattr(self, name)
             if not low <= value <= high:
@@ -150,6 +149,9 @@ class PlaneSection:
     def rings(self, pair: GearPair, reach: int) -> tuple[FlankCompliance, FlankCompliance]:
         """Flank compliances of pinion and wheel."""
         from threadpoolctl import threadpool_limits
+
+        from fem.contact.wheels.ring import flank_compliance
+        from fem.gears.sector import sector_mesh
 
         out = []
         with threadpool_limits(1):  # the matrices are small: more threads only wait for one another

@@ -2,54 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
+from fem.contact.models.plane import Plane
+from fem.contact.models.registry import MODELS, mesh_model
 from pipelines.scene.tables.base import Flag, Number, Positive, Table, Whole
+from pipelines.scene.tables.derived import choice, table
 from pipelines.scene.tables.gear_details import GearTable, MisalignmentTable
 
-
-class IsoMesh(Table):
-    """Mesh stiffness by ISO 6336-1: mean by formula, variation by contact line length. Takes milliseconds."""
-
-    model: Literal["iso"] = "iso"
-    slices: Annotated[Whole, Field(ge=1, le=101, description="number of slices along the face")] = 15
-
-
-class EnergyMesh(Table):
-    """Mesh stiffness by the potential-energy method, to compare with literature. Takes milliseconds."""
-
-    model: Literal["energy"] = "energy"
-    slices: Annotated[Whole, Field(ge=1, le=101, description="number of slices along the face")] = 15
-    positions: Annotated[
-        Whole, Field(ge=16, le=1024, description="mesh positions per base pitch at which stiffness is tabulated")
-    ] = 64
-
-
-class PlaneMesh(Table):
-    """Mesh stiffness by plane finite elements of both gears, in slices along the face. Takes seconds."""
-
-    model: Literal["plane"] = "plane"
-    slices: Annotated[Whole, Field(ge=1, le=101, description="number of slices along the face")] = 15
-    refinement: Annotated[
-        Number, Field(ge=0.5, le=8, description="factor that divides all element sizes of the tooth sector")
-    ] = 1.0
-    positions: Annotated[
-        Whole, Field(ge=16, le=1024, description="mesh positions per base pitch at which stiffness is tabulated")
-    ] = 64
-
-
-class SolidMesh(Table):
-    """Mesh stiffness by 3-D finite elements of both gears, contact along the face. Takes up to a minute a pair."""
-
-    model: Literal["solid"] = "solid"
-    slices: Annotated[Whole, Field(ge=3, le=101, description="number of slices along the face")] = 31
-    refinement: Annotated[Number, Field(ge=0.6, le=3, description="factor that divides all element sizes")] = 1.0
-    positions: Annotated[Whole, Field(ge=8, le=512, description="mesh positions per base pitch that are solved")] = 32
-
-
-MeshModel = Annotated[IsoMesh | EnergyMesh | PlaneMesh | SolidMesh, Field(discriminator="model")]
+if TYPE_CHECKING:
+    MeshModel = Any
+else:
+    MeshModel = choice(map(mesh_model, MODELS))
 
 
 class StageTable(Table):
@@ -120,7 +86,7 @@ class StageTable(Table):
     mesh_damping_time_us: Annotated[
         Number, Field(ge=0, le=1000, description="tau_m: damping over stiffness of the mesh")
     ] = 1.8
-    mesh: Annotated[MeshModel, Field(description="model of the mesh stiffness")] = PlaneMesh()
+    mesh: Annotated[MeshModel, Field(description="model of the mesh stiffness")] = table(Plane)()
 
 
 class DeviationTable(Table):

@@ -1,0 +1,74 @@
+"""Options: fields of frozen dataclasses that a scene gives, with unit, range and text. Each is defined once, here.
+
+A field holds the value in SI; a scene gives it in the unit of the option, which is the end of its key: `depth` with the
+unit mm is "depth_mm". Limits are in that unit. Keys, conversion, validation, schema and documentation of a scene are
+derived by `pipelines.scene.tables.derived`. This module imports nothing but the standard library.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator
+from dataclasses import MISSING, dataclass
+from typing import Any
+
+# divisors are exact integers, so that 4 um is the double nearest to 4e-6
+_OVER = {"mm": 1000, "um": 1_000_000, "us": 1_000_000, "mrad": 1000, "mPa s": 1000, "g mm": 1_000_000}
+_TIMES = {"N/um": 1e6, "GPa": 1e9, "deg": math.radians(1.0), "rpm": math.tau / 60}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Option:
+    """What a scene may give for a field: `text` describes it, `key` replaces the name of the field in it."""
+
+    text: str
+    unit: str = ""
+    key: str = ""
+    ge: float | None = None
+    gt: float | None = None
+    le: float | None = None
+    lt: float | None = None
+
+    def si(self, value: float) -> float:
+        """A value in the unit of the option, in SI."""
+        if self.unit == "deg":
+            return math.radians(value)
+        return value / _OVER[self.unit] if self.unit in _OVER else value * _TIMES.get(self.unit, 1)
+
+    @property
+    def range(self) -> str:
+        """The limits in words, in the unit of the option."""
+        low = f"at least {self.ge:g}" if self.ge is not None else f"above {self.gt:g}" if self.gt is not None else ""
+        high = f"at most {self.le:g}" if self.le is not None else f"below {self.lt:g}" if self.lt is not None else ""
+        return " and ".join(filter(None, (low, high))) + (f" {self.unit}" if self.unit else "")
+
+    def holds(self, value: float) -> bool:
+        """Whether a value in SI is inside the limits."""
+        return (
+            math.isfinite(value)
+            and (self.ge is None or value >= self.si(self.ge))
+            and (self.gt is None or value > self.si(self.gt))
+            and (self.le is None or value <= self.si(self.le))
+            and (self.lt is None or value < self.si(self.lt))
+        )
+
+
+def option(default: Any = MISSING, *, text: str, unit: str = "", key: str = "", **limits: float) -> Any:
+    """A field of a dataclass that a scene may give; arguments as those of `Option`, `default` in SI."""
+    given = Option(text=text, unit=unit, key=key, **limits)
+    return dataclasses.field(default=default, metadata={"option": given})
+
+
+def options_of(owner: Any) -> Iterator[tuple[dataclasses.Field, Option]]:
+    """The fields of a dataclass, or of one of its objects, that are options."""
+    return ((field, field.metadata["option"]) for field in dataclasses.fields(owner) if "option" in field.metadata)
+
+
+def check_options(owner: Any, error: type[Exception]) -> None:
+    """Raise an error that names the first option of a dataclass object outside its limits; None is inside."""
+    for field, one in options_of(owner):
+        value = getattr(owner, field.name)
+        for number in value if isinstance(value, tuple) else (value,):
+            if isinstance(number, int | float) and not one.holds(number):
+                raise error(f"{type(owner).__name__}: {field.name} = {number!r}: must be {one.range}")
