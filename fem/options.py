@@ -8,7 +8,9 @@ derived by `pipelines.scene.tables.derived`. This module imports nothing but the
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
+import typing
 from collections.abc import Iterator
 from dataclasses import MISSING, dataclass
 from typing import Any
@@ -29,6 +31,7 @@ class Option:
     gt: float | None = None
     le: float | None = None
     lt: float | None = None
+    most: int | None = None  # items of a tuple
 
     def si(self, value: float) -> float:
         """A value in the unit of the option, in SI."""
@@ -36,12 +39,18 @@ class Option:
             return math.radians(value)
         return value / _OVER[self.unit] if self.unit in _OVER else value * _TIMES.get(self.unit, 1)
 
+    def given(self, value: float) -> float:
+        """A value in SI in the unit of the option, as a user would write it."""
+        return float(f"{value / self.si(1.0):.12g}") if self.unit else value
+
     @property
     def range(self) -> str:
         """The limits in words, in the unit of the option."""
-        low = f"at least {self.ge:g}" if self.ge is not None else f"above {self.gt:g}" if self.gt is not None else ""
-        high = f"at most {self.le:g}" if self.le is not None else f"below {self.lt:g}" if self.lt is not None else ""
-        return " and ".join(filter(None, (low, high))) + (f" {self.unit}" if self.unit else "")
+        bounds = {"at least": self.ge, "above": self.gt, "at most": self.le, "below": self.lt}
+        words = " and ".join(f"{name} {bound:g}" for name, bound in bounds.items() if bound is not None)
+        if self.ge is not None and self.le is not None:
+            words = f"{self.ge:g} to {self.le:g}"
+        return f"{words or 'a finite number'} {self.unit}".rstrip()
 
     def holds(self, value: float) -> bool:
         """Whether a value in SI is inside the limits."""
@@ -54,7 +63,7 @@ class Option:
         )
 
 
-def option(default: Any = MISSING, *, text: str, unit: str = "", key: str = "", **limits: float) -> Any:
+def option(default: Any = MISSING, *, text: str, unit: str = "", key: str = "", **limits: Any) -> Any:
     """A field of a dataclass that a scene may give; arguments as those of `Option`, `default` in SI."""
     given = Option(text=text, unit=unit, key=key, **limits)
     return dataclasses.field(default=default, metadata={"option": given})
@@ -66,9 +75,20 @@ def options_of(owner: Any) -> Iterator[tuple[dataclasses.Field, Option]]:
 
 
 def check_options(owner: Any, error: type[Exception]) -> None:
-    """Raise an error that names the first option of a dataclass object outside its limits; None is inside."""
+    """Raise an error that names the first option outside its limits or choices; None is inside."""
     for field, one in options_of(owner):
-        value = getattr(owner, field.name)
+        value, choices = getattr(owner, field.name), _choices(owner.__class__).get(field.name, ())
+        if choices and value not in choices:
+            words = ", ".join(map(repr, choices))
+            raise error(f"{type(owner).__name__}: {field.name} = {value!r}: must be one of {words}")
         for number in value if isinstance(value, tuple) else (value,):
             if isinstance(number, int | float) and not one.holds(number):
-                raise error(f"{type(owner).__name__}: {field.name} = {number!r}: must be {one.range}")
+                given = f"{one.given(number):g} {one.unit}".rstrip()
+                raise error(f"{type(owner).__name__}: {field.name} = {given}: must be {one.range}")
+
+
+@functools.cache
+def _choices(owner: type) -> dict[str, tuple[Any, ...]]:
+    """The values of the fields that have a `Literal` type."""
+    hints = typing.get_type_hints(owner).items()
+    return {name: typing.get_args(hint) for name, hint in hints if typing.get_origin(hint) is typing.Literal}

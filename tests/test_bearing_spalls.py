@@ -306,7 +306,7 @@ def test_slip_does_not_depend_on_the_time_step():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: spall("cage"), "known: outer-ring"),
+        (lambda: spall("cage"), "must be one of 'outer-ring'"),
         (lambda: spall(width=0.0), "width"),
         (lambda: spall(depth=-1e-6), "depth"),
         (lambda: FaultyContacts(contacts=RollingContacts(elements=BALLS), spalls=(spall(width=0.1),)), "a quarter"),

@@ -13,7 +13,8 @@ from benchmarks.cracked_teeth import CASES, places
 from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.faults.changed_law import damaged_law
-from fem.contact.faults.cracked_tooth import CrackedTooth, crack_compliance
+from fem.contact.faults.cracked_section import crack_compliance
+from fem.contact.faults.cracked_tooth import CrackedTooth
 from fem.contact.frame import law_points
 from fem.contact.models.plane import Plane
 from fem.contact.models.solid import Solid

@@ -14,7 +14,8 @@ from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.faults.changed_law import damaged_law
 from fem.contact.faults.chipped_tooth import ChippedTooth
-from fem.contact.faults.cracked_tooth import CrackedTooth, crack_compliance
+from fem.contact.faults.cracked_section import crack_compliance
+from fem.contact.faults.cracked_tooth import CrackedTooth
 from fem.contact.faults.worn_tooth import WornTooth
 from fem.contact.frame import law_points
 from fem.contact.models.plane import Plane
@@ -224,18 +225,29 @@ def test_where_lines_overlap_a_missing_tooth_opens_no_gap():
     ("fault", "message"),
     [
         (CrackedTooth(depth=4e-3), "of the tooth root thickness"),
-        (CrackedTooth(depth=1e-3, angle=math.radians(20)), r"angle_deg = .* Set 40 to 90"),
         (CrackedTooth(depth=1e-3, extent=13e-3), "extent"),
         (ChippedTooth(extent=13e-3, depth=1e-3), "the face width"),
         (ChippedTooth(extent=3e-3, depth=5e-3), "the tooth height"),
-        (ChippedTooth(extent=3e-3, depth=1e-3, end="left"), "choose one of -y"),
         (WornTooth(depth=1e-3), "0.2 modules"),
         (WornTooth(depth=1e-5, place="root"), "width_mm is the width of local wear. Set it"),
     ],
 )
-def test_impossible_damage_is_refused(fault, message):
+def test_damage_that_does_not_fit_is_refused(fault, message):
     with pytest.raises(GeometryError, match=message):
         fault.check(PAIR.pinion)
+
+
+@pytest.mark.parametrize(
+    ("fault", "given", "message"),
+    [
+        (CrackedTooth, {"depth": 1e-3, "angle": math.radians(20)}, "angle = 20 deg: must be 40 to 90 deg"),
+        (ChippedTooth, {"extent": 3e-3, "depth": 1e-3, "end": "left"}, "end = 'left': must be one of '-y', '\\+y'"),
+        (WornTooth, {"depth": 0.0}, "depth = 0 um: must be above 0 um"),
+    ],
+)
+def test_a_value_outside_the_range_of_its_option_is_refused(fault, given, message):
+    with pytest.raises(GeometryError, match=message):
+        fault(**given)
 
 
 def test_a_crack_towards_a_thin_rim_is_refused():

@@ -20,6 +20,7 @@ ONLY_IN = {  # package: modules or packages that may import it
 }
 MBD_TAKES = {
     "fem.contact.law",
+    "fem.options",
     "fem.numerics.compiled",
     "fem.numerics.root",
     "fem.contact.evaluation.evaluator",

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.gear_pairs import gear_pair
 from fem.casing.models.registry import CASINGS, elastic_casing
-from fem.contact.faults.registry import FAULTS, tooth_fault
+from fem.contact.faults.registry import FAULTS, fault_class
 from fem.contact.frame import ModelError
 from fem.contact.models.registry import MODELS, loaded_model, mesh_model
 from fem.elements.solid_elements import CHOICES
@@ -16,10 +16,9 @@ from mbd.integrators.methods import METHODS, make_integrator
 from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules
 from pipelines.plant.plant import make_plant
-from pipelines.plant.units import si_options
 from pipelines.scene.file import load_scene
 from pipelines.scene.tables.casing import FlexibleBase
-from pipelines.scene.tables.faults import FaultBase, FaultTable, WornToothTable
+from pipelines.scene.tables.faults import FaultTable
 from pipelines.scene.tables.gears import MeshModel
 from pipelines.scene.tables.motion import SimulationTable
 from pipelines.steps.graph import plant_steps
@@ -79,7 +78,7 @@ def test_an_unknown_name_is_refused_with_those_that_are_known():
     with pytest.raises(ModelError, match="'shell' is unknown; known: iso, energy, plane, solid"):
         mesh_model("shell")
     with pytest.raises(GeometryError, match="'bent-tooth' is unknown; known: missing-tooth"):
-        tooth_fault("bent-tooth")
+        fault_class("bent-tooth")
     with pytest.raises(ValueError, match="'euler' is unknown; known: exponential, trapezoidal"):
         make_integrator("euler", None, 1e-5)
 
@@ -109,17 +108,12 @@ def test_the_key_of_a_motion_takes_the_code_of_its_own_integrator_alone(name):
 
 
 def test_units_are_the_ends_of_keys():
-    worn = WornToothTable(kind="worn-tooth", stage=1, gear="wheel", tooth=3, depth_um=4.0, place="pitch", width_mm=2.0)
-    options = si_options(worn, without=FaultBase)
-    assert {key: options[key] for key in ("depth", "place", "width")} == {
-        "depth": 4e-6,
-        "place": "pitch",
-        "width": 2e-3,
-    }
-    profile = WornToothTable(
-        kind="worn-tooth", stage=1, gear="wheel", tooth=3, depth_um=4.0, place="profile", diameters_mm=(39.0, 41.0)
-    )
-    assert si_options(profile, without=FaultBase)["diameters"] == (0.039, 0.041)
+    tables_of = tables(FaultTable, "kind")
+    common = {"kind": "worn-tooth", "stage": 1, "gear": "wheel", "tooth": 3, "depth_um": 4.0}
+    worn = tables_of["worn-tooth"](**common, place="pitch", width_mm=2.0).made()
+    assert (worn.depth, worn.place, worn.width) == (4e-6, "pitch", 2e-3)
+    profile = tables_of["worn-tooth"](**common, place="profile", diameters_mm=(39.0, 41.0)).made()
+    assert profile.diameters == (0.039, 0.041)
 
 
 @pytest.mark.parametrize("kind", FAULTS)
@@ -132,7 +126,7 @@ def test_a_fault_adds_compliance_and_gaps_that_are_not_negative(kind):
         "pitted-tooth": {"height": 1e-3, "density": 0.1, "pit": 3e-4},
         "worn-tooth": {"depth": 5e-6},
     }[kind]
-    fault = tooth_fault(kind, **options)
+    fault = fault_class(kind)(**options)
     fault.check(PAIR.wheel)
     law = mesh_model("iso")(slices=6).laws(PAIR)[0]
     compliance, gap = fault.compliance(law, PAIR, "wheel"), fault.gap(law, PAIR, "wheel")

@@ -161,8 +161,6 @@ def test_worn_profiles_are_what_the_table_says(laws):
         (SpalledTooth(height=1e-3, length=13e-3, depth=1e-4), "the face width"),
         (SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, position=7e-3), "Set position_mm between"),
         (SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, diameter=60e-3), "is not on the flank"),
-        (SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, flank="left"), "choose 'drive' or 'coast'"),
-        (PittedTooth(height=1e-3, density=0.6, pit=1e-4), "density"),
         (PittedTooth(height=1e-3, density=0.2, pit=0.8e-3), "half the pitted area"),
         (PittedTooth(height=1e-3, density=0.3, pit=5e-6), "pits, more than"),
         (WornTooth(depth=1e-5, place="profile", diameters=(0.04, 0.039), parts=(0.0, 1.0)), "must rise"),
@@ -174,6 +172,13 @@ def test_worn_profiles_are_what_the_table_says(laws):
 def test_impossible_flank_damage_is_refused(fault, message):
     with pytest.raises(GeometryError, match=message):
         fault.check(SPUR.pinion)
+
+
+def test_values_outside_the_range_of_an_option_are_refused():
+    with pytest.raises(GeometryError, match="flank = 'left': must be one of 'drive', 'coast'"):
+        SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, flank="left")
+    with pytest.raises(GeometryError, match=r"density = 0.6: must be above 0 and at most 0.3"):
+        PittedTooth(height=1e-3, density=0.6, pit=1e-4)
 
 
 SCENE_SPALL = {

@@ -25,7 +25,8 @@ import numpy as np
 
 from fem.numerics.compiled import inner
 from mbd.bearing_faults.cage_slip import CageSlip, lag_at
-from mbd.bearing_faults.spall import SURFACES, Spall, check_apart, drop_at, race_radius
+from mbd.bearing_faults.spall import SURFACES, Spall, check_apart, race_radius
+from mbd.bearing_faults.spall_drop import drop_at
 from mbd.elements.element import ENERGY, FROZEN_ENERGY, WIDTH, Answer, Element, Motion, call_rule, rule
 from mbd.forces.rolling_bearing import COUNT, FIRST, RATE, START, RollingContacts
 from mbd.parts.bearings import BearingSpec

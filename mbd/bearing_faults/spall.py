@@ -1,22 +1,4 @@
-"""Spall: a pit in a race or in an element of a rolling bearing, and the path of an element over it.
-
-The element, a circle of radius r in the rolling plane, turns about the edge of the spall as it comes in and goes out:
-its centre follows a circular arc about that edge, tangent to its path on the sound race. At the distance s from the
-nearer edge, measured along the chord, it has come closer to the race by
-
-    drop = min(depth, r - sqrt(r^2 - s^2) -+ (rho - sqrt(rho^2 - s^2))),
-
-with the radius rho of the race in the rolling plane, minus for the outer race, which is hollow, plus for the inner one.
-At most it is the sagitta of the element across the chord of the spall, measured from the race. The same holds for a
-spall in the element, whose two edges roll over the race. A deep spall is left with a corner at its middle, where the
-element goes over from one edge to the other; a shallow one lets it roll along the bottom.
-
-References
-----------
-Sawalhi & Randall (2008), Mech. Syst. Signal Process. 22, 1924-1951, part I (depth of a local fault over its angle);
-Sawalhi & Randall (2011), Mech. Syst. Signal Process. 25, 846-870 (entry on an arc, impact where the element meets the
-other edge).
-"""
+"""Spall: a pit in a race or in an element of a rolling bearing; its path is in `mbd.bearing_faults.spall_drop`."""
 
 from __future__ import annotations
 
@@ -25,35 +7,33 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
-from fem.numerics.compiled import inner
-from mbd.parts.checks import MachineError, finite, positive
+from fem.options import check_options, option
+from mbd.parts.checks import MachineError
 from mbd.parts.rolling_elements import RollingElements
 
 SURFACES = ("outer-ring", "inner-ring", "element")
-STEEP = 0.9  # of the element's radius: further from the edge every spall of `DEEPEST` is at its bottom
 DEEPEST = 0.1  # of the element's diameter
 WIDEST = 0.25  # of the circumference
 
 
 @dataclass(frozen=True, kw_only=True)
 class Spall:
-    """A pit as wide across as the contact, ``width`` (m) along the surface in the rolling direction, ``depth`` (m).
+    """A spall of a raceway or rolling element of a bearing of model hertz, across its whole contact width."""
 
-    ``angle`` (rad) of its middle at t = 0: on a ring from x towards z, on an element from the place that touches the
-    outer ring, in the sense in which it rolls. Of the elements the first one has it, at the cage's start.
-    """
-
-    on: Literal["outer-ring", "inner-ring", "element"]
-    width: float
-    depth: float
-    angle: float = 0.0
+    on: Literal["outer-ring", "inner-ring", "element"] = option(text="damaged part; element: the first rolling element")
+    width: float = option(unit="mm", gt=0, text="size along the surface in the rolling direction")
+    depth: float = option(unit="um", gt=0, text="largest depth below the surface")
+    angle: float = option(
+        0.0,
+        unit="deg",
+        ge=-360,
+        le=360,
+        text="angle of its centre at t = 0: on a ring from +x towards +z; on an element from the contact with the "
+        "outer race, in the sense in which the element rolls",
+    )
 
     def __post_init__(self) -> None:
-        if self.on not in SURFACES:
-            raise MachineError(f"spall: on {self.on!r} is unknown; known: {', '.join(SURFACES)}.")
-        positive("spall width", self.width)
-        positive("spall depth", self.depth)
-        finite("spall angle", self.angle)
+        check_options(self, MachineError)
 
     def check(self, elements: RollingElements) -> None:
         """Raise MachineError for a spall that does not fit into the bearing."""
@@ -88,6 +68,8 @@ class Spall:
         place : m, positive or negative
         race : that a spall in the element rolls over, "outer-ring" or "inner-ring"; of no effect for a ring
         """
+        from mbd.bearing_faults.spall_drop import drop_at
+
         own = race if self.on == "element" else self.on
         shape = self.width, self.depth, self.surface(elements)
         return float(drop_at(place, *shape, elements.diameter / 2, race_radius(elements, own)))
@@ -111,29 +93,3 @@ def check_apart(spalls: Iterable[Spall], elements: RollingElements) -> None:
                     f"two spalls on the {one.place} overlap: the angle between their centres is "
                     f"{math.degrees(abs(turn)):.4g} deg. Set one wider spall, or correct angle_deg."
                 )
-
-
-@inner()
-def drop_at(place, width, depth, surface, element, race):
-    """Drop (m) of an element over a spall.
-
-    Parameters
-    ----------
-    place : m, of the contact along the surface, from the middle of the spall
-    width, depth : m, of the spall
-    surface : m, radius of the surface that has it
-    element, race : m, radii of the element and of the race, the latter negative where it bulges
-    """
-    inside = 0.5 * width - abs(place)
-    if inside <= 0.0:
-        return 0.0
-    across = surface * math.sin(inside / surface)
-    if across >= STEEP * element:
-        return depth
-    return min(depth, _sagitta(element, across) - _sagitta(race, across))
-
-
-@inner()
-def _sagitta(radius, across):
-    """r - sqrt(r^2 - s^2) without cancellation; negative with the radius."""
-    return across * across / (radius + math.copysign(math.sqrt(radius * radius - across * across), radius))

@@ -18,7 +18,6 @@ from mbd.parts.rolling_catalogue import by_designation
 from mbd.parts.rolling_elements import RollingElements
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.bearings import BearingModel, HertzBearings, LinearBearings, RigidBearings
-from pipelines.scene.tables.faults import BearingSpallTable
 from pipelines.scene.tables.shafts import ShaftTable
 
 if TYPE_CHECKING:
@@ -105,16 +104,7 @@ def numbered_bearing_faults(scene: Scene) -> Iterator[tuple[int, BearingFault]]:
         shaft, place = fault.shaft - 1, fault.bearing - 1
         table = bearing_table(scene.shafts[shaft], scene.bearings, place)
         slip = table.cage_slip if isinstance(table, HertzBearings) else 0.0
-        yield number, BearingFault(bearing=names[shaft, place], shaft=shaft, spall=_spall(fault), slip=slip)
-
-
-def _spall(table: BearingSpallTable) -> Spall:
-    return Spall(
-        on=table.on,
-        width=table.width_mm / 1000,
-        depth=table.depth_um / 1_000_000,
-        angle=math.radians(table.angle_deg),
-    )
+        yield number, BearingFault(bearing=names[shaft, place], shaft=shaft, spall=fault.made(), slip=slip)
 
 
 def with_bearing_faults(scene: Scene, specs: Sequence[BearingSpec]) -> tuple[BearingSpec, ...]:

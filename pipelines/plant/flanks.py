@@ -9,15 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
-from fem.contact.faults.registry import tooth_fault
 from fem.contact.faults.tooth_fault import ToothFault
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import EndRelief, FlankModifications, Misalignment, PairModifications, Relief
 from fem.gears.prescribed import Eccentricity, PrescribedDeviations, ToothError, Wave
 from pipelines.plant.flanks_spec import FlanksSpec
-from pipelines.plant.units import si_options
-from pipelines.scene.tables.faults import FaultBase, FaultTable
+from pipelines.scene.tables.faults import FaultTable
 from pipelines.scene.tables.gear_details import EndReliefTable, GearTable, ReliefTable
 from pipelines.scene.tables.gears import StageTable
 
@@ -167,12 +166,13 @@ def tooth_faults(tables: Iterable[FaultTable], senses: Sequence[int]) -> tuple[F
 
 def damage(fault: FaultTable, sense: int) -> ToothFault:
     """The fault in SI; its end of the face, or its place on it, is that of the mesh law."""
-    options = si_options(fault, without=FaultBase)
-    if sense < 0 and "end" in options:
-        options["end"] = {"-y": "+y", "+y": "-y"}[options["end"]]
-    if sense < 0 and "position" in options:
-        options["position"] = -options["position"]
-    return tooth_fault(fault.kind, **options)
+    found: ToothFault = fault.made()
+    turned: dict[str, Any] = {}
+    if sense < 0 and hasattr(found, "end"):
+        turned["end"] = {"-y": "+y", "+y": "-y"}[found.end]
+    if sense < 0 and hasattr(found, "position"):
+        turned["position"] = -found.position
+    return replace(found, **turned)
 
 
 def damaged_teeth(faults: Iterable[Fault], stage: int, gear: str) -> dict[int, tuple[ToothFault, ...]]:

@@ -6,33 +6,31 @@ Slices are whole: the extent along the face is rounded to slices, an error of ha
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from fem.contact.faults.tooth_fault import ToothFault, check_end, from_end, lost_share
+from fem.contact.faults.tooth_fault import END, ToothFault, from_end, lost_share
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.path import path_points
 from fem.gears.rack import require
+from fem.options import option
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChippedTooth(ToothFault):
-    """A piece broken off a tooth: `depth` from the tip (m) over `extent` of the face (m) from one end.
+    """A piece is broken off a tooth at the tip, from one end of the face."""
 
-    corner: the depth falls evenly to nothing over the extent (a broken tip corner); otherwise it is the same over it.
-    """
-
-    extent: float
-    depth: float
-    end: str = "+y"
-    corner: bool = False
+    extent: float = option(unit="mm", gt=0, text="length of the piece along the face")
+    depth: float = option(unit="mm", gt=0, text="height of the piece below the tip circle")
+    corner: bool = option(False, text="true: a tip corner, the depth falls to zero over the extent")
+    end: Literal["-y", "+y"] = option("+y", text=END)
 
     def check(self, gear: Gear) -> None:
         """Raises GeometryError for a chip that does not fit on the tooth."""
         label = f"chipped tooth of gear z={gear.teeth}"
-        check_end(label, self.end)
         require(
             0.0 < self.extent <= gear.face_width,
             f"{label}: extent_mm = {1000 * self.extent:.4g} is more than the face width. Set at most "

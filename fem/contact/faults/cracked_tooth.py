@@ -7,29 +7,25 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from fem.contact.faults.crack_modes import crack_modes
-from fem.contact.faults.cracked_beam import cracked_beam_compliance
-from fem.contact.faults.tooth_fault import ToothFault, check_end, from_end
+from fem.contact.faults.tooth_fault import END, ToothFault, from_end
 from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
-from fem.contact.wheels.crack_surface import DEEPEST, CrackSurface
-from fem.contact.wheels.ring import FlankCompliance, changed_tooth, flank_loads, reduce_sector, ring_response
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
-from fem.gears.path import PathPoints
 from fem.gears.rack import require
-from fem.gears.sector import Slit, root_chord, sector_mesh
-from fem.storage.ledger import count
+from fem.options import option
 
-ANGLES = (math.radians(40.0), math.radians(90.0))
+if TYPE_CHECKING:
+    from fem.contact.wheels.crack_surface import CrackSurface
 
 
 @dataclass(frozen=True, kw_only=True)
 class CrackedTooth(ToothFault):
-    """A crack in the root fillet of one flank: `depth` (m) along it, `angle` to the tooth's centre line (rad).
+    """A crack in the root fillet. It is open while the tooth is loaded on the cracked side.
 
     The depth goes evenly over to `far_depth` (m) at the far end of the extent, None: the same depth. 0: a crack across
     a corner.
@@ -39,25 +35,36 @@ class CrackedTooth(ToothFault):
     the mouth. Under load on the other flank the crack is pressed shut and does nothing.
     """
 
-    depth: float
-    far_depth: float | None = None
-    angle: float = math.radians(70.0)
-    extent: float | None = None
-    end: str = "+y"
-    flank: str = "drive"
+    depth: float = option(
+        unit="mm",
+        gt=0,
+        text="length of the crack in the transverse section, at the end of the face where it starts",
+    )
+    far_depth: float | None = option(
+        None,
+        unit="mm",
+        ge=0,
+        text="the same at the far end of the extent; 0: a crack across a corner; without it: as depth_mm",
+    )
+    angle: float = option(
+        math.radians(70.0),
+        unit="deg",
+        ge=40,
+        le=90,
+        text="angle between crack and tooth centre line; 90: straight across the tooth, smaller: into the rim",
+    )
+    extent: float | None = option(
+        None, unit="mm", gt=0, text="length of the crack along the face; without it: whole face"
+    )
+    end: Literal["-y", "+y"] = option("+y", text=END)
+    flank: Literal["drive", "coast"] = option("drive", text="side of the tooth where the crack starts")
 
     def check(self, gear: Gear) -> None:
         """Raises GeometryError for a crack that is none or nearly cuts the tooth or the rim off."""
+        from fem.contact.wheels.crack_surface import DEEPEST
+        from fem.gears.sector import root_chord
+
         label = f"cracked tooth of gear z={gear.teeth}"
-        check_end(label, self.end)
-        require(self.flank in ("drive", "coast"), f"{label}: flank is {self.flank!r}; choose 'drive' or 'coast'")
-        low, high = ANGLES
-        require(
-            low - 1e-9 <= self.angle <= high + 1e-9,
-            f"{label}: angle_deg = {math.degrees(self.angle):.4g} is outside the limits. Set {math.degrees(low):.0f} "
-            "to "
-            f"{math.degrees(high):.0f}",
-        )
         radius, chord = root_chord(gear)
         require(
             0.0 < self.depth <= DEEPEST * chord,
@@ -108,6 +115,9 @@ class CrackedTooth(ToothFault):
         """
         added = super().compliance(law, pair, gear)
         if self.flank == law.flank:
+            from fem.contact.faults.cracked_beam import cracked_beam_compliance
+            from fem.contact.faults.cracked_section import crack_compliance
+
             points = law_points(law, pair)
             plane = cracked_beam_compliance if law.model == "energy" else crack_compliance
             depths = self.depth_at(law.face_coordinate, pair.face_width)
@@ -129,49 +139,10 @@ class CrackedTooth(ToothFault):
         """
         if self.flank != law.flank:
             return super().modes(law, pair, gear, surface)
+        from fem.contact.faults.crack_modes import crack_modes
+
         face = pair.face_width
         return crack_modes(law, pair, gear, lambda y: self.depth_at(y, face), self.reach(face), surface)
 
     def movement(self, pair: GearPair, approach: float, *, alone: bool) -> None:
         """Not estimated: it depends on the depth far from evenly."""
-
-
-def crack_compliance(
-    pair: GearPair,
-    gear: str,
-    depth: float,
-    angle: float,
-    points: PathPoints,
-    refinement: float = 1.0,
-    patch: float = 0.08,
-) -> np.ndarray:
-    """Compliance (position,), m2/N, that a root crack adds at the contact points, per unit face width.
-
-    Difference between a ring with the cracked tooth and the sound ring, both of the plane model and on one mesh, so
-    that it vanishes with the crack.
-
-    Parameters
-    ----------
-    pair : the gears in mesh
-    gear : "pinion" or "wheel"
-    depth, angle : of the crack, m and rad
-    points : contact points (position,), on the flank of its mouth
-    refinement : of the section mesh, see `fem.gears.sector.sector_mesh`
-    patch : half-width of the loads in m_n, which cancels
-    """
-    from threadpoolctl import threadpool_limits
-
-    own, material = getattr(pair, gear), getattr(pair, f"{gear}_material")
-    young, poisson = material.elastic_modulus, material.poisson_ratio
-    mesh = sector_mesh(own, refinement, Slit(depth=depth, angle=angle))
-    whole = mesh.closed()
-    count("gear_meshes")
-    with threadpool_limits(1):
-        sound = reduce_sector(whole, young, poisson, flank_loads(whole))
-        split = reduce_sector(mesh, young, poisson, flank_loads(mesh))
-        added = changed_tooth(sound, split) - ring_response(sound, 0)[0]
-    ring = FlankCompliance(arc=mesh.flank_arc, tip_arc=mesh.tip_arc, matrix={0: added})
-    radius = points.pinion_radius if gear == "pinion" else points.wheel_radius
-    centre = (radius**2 - own.base_radius**2).clip(0.0) / (2 * own.base_radius)
-    weight, _ = ring.patches(centre, patch * own.normal_module)
-    return np.maximum(np.einsum("pi,ij,pj->p", weight, added, weight), 0.0)

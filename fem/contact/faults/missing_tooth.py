@@ -11,7 +11,10 @@ from fem.contact.faults.tooth_fault import ToothFault
 
 @dataclass(frozen=True, kw_only=True)
 class MissingTooth(ToothFault):
-    """A clearance that nothing bridges; the law of the pair stays."""
+    """A tooth broken off at the root.
+
+    It is a clearance that nothing bridges; the law of the pair stays.
+    """
 
     changes_flank: ClassVar[bool] = False
     clearance: ClassVar[float] = math.inf

@@ -16,18 +16,33 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from fem.contact.faults.face_parts import FaceParts, gap_on_slices
+from fem.contact.faults.tooth_fault import ToothFault
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.path import edge_gap, path_points
 from fem.gears.rack import require
+from fem.options import option
 
 DEEPEST = 0.5  # modules
 SHAPES = ("ellipse", "rectangle")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlankDamage(ToothFault):
+    """Where damage lies on a flank."""
+
+    height: float = option(unit="mm", gt=0, text="size of the damage along the flank, from root to tip")
+    diameter: float | None = option(
+        None, unit="mm", gt=0, text="diameter at its centre; without it: the reference circle"
+    )
+    position: float = option(0.0, unit="mm", text="y of its centre from the middle of the face")
+    flank: Literal["drive", "coast"] = option("drive", text="damaged flank of the tooth")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,12 +14,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.contact.faults.patches import DEEPEST, Patch, arc_at, patches_gap, radius_at
-from fem.contact.faults.tooth_fault import ToothFault, lost_share
+from fem.contact.faults.patches import DEEPEST, FlankDamage, Patch, arc_at, patches_gap, radius_at
+from fem.contact.faults.tooth_fault import lost_share
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.rack import require
+from fem.options import option
 
 DENSEST = 0.3  # part of the area: discs drawn one after the other do not fill it much further
 MOST_PITS = 2000
@@ -27,27 +28,17 @@ _TRIES = 200  # for a place of one pit
 
 
 @dataclass(frozen=True, kw_only=True)
-class PittedTooth(ToothFault):
-    """Pits on an area of `height` along the flank and `length` along the face (m; length None: the whole face).
+class PittedTooth(FlankDamage):
+    """Many round pits on an area of a flank, at random places."""
 
-    density : part of the area that they cover
-    pit : median of their diameters, m
-    spread : factor of one standard deviation of the logarithm of the diameter, >= 1
-    depth_part : depth of every pit in parts of its diameter
-    diameter, position, flank : of the area, as those of a spall
-    seed : of the random numbers
-    """
-
-    height: float
-    density: float
-    pit: float
-    spread: float = 1.4
-    depth_part: float = 0.25
-    length: float | None = None
-    diameter: float | None = None
-    position: float = 0.0
-    flank: str = "drive"
-    seed: int = 1
+    length: float | None = option(
+        None, unit="mm", gt=0, text="size of the pitted area along the face; without it: whole face"
+    )
+    density: float = option(gt=0, le=DENSEST, text="share of the area that pits cover")
+    pit: float = option(unit="mm", gt=0, text="median diameter of the pits")
+    spread: float = option(1.4, ge=1, le=3, text="geometric standard deviation of the log-normal diameters")
+    depth_part: float = option(0.25, gt=0, le=1, text="depth of a pit over its diameter")
+    seed: int = option(1, ge=0, le=2**31, text="seed of the random places and diameters")
 
     def area(self, gear: Gear) -> Patch:
         """The pitted area as a patch; its depth is that of the median pit."""
@@ -63,17 +54,7 @@ class PittedTooth(ToothFault):
     def check(self, gear: Gear) -> None:
         """Raises GeometryError for an area that is not on the flank, or pits that it cannot hold."""
         label = f"pitted tooth of gear z={gear.teeth}"
-        require(self.flank in ("drive", "coast"), f"{label}: flank is {self.flank!r}; choose 'drive' or 'coast'")
         self.area(gear).check(label, gear)
-        for name, value, low, high in (
-            ("density", self.density, 0.0, DENSEST),
-            ("spread", self.spread, 1.0, 3.0),
-            ("depth_part", self.depth_part, 0.0, 1.0),
-        ):
-            require(
-                low <= value <= high and value > 0.0,
-                f"{label}: {name} = {value:.4g} is outside the limits. Set a value above 0, {low:g} to {high:g}",
-            )
         largest = min(self.area(gear).height, self.area(gear).length) / 2
         require(
             0.0 < self.pit <= largest,

@@ -3,34 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from fem.contact.faults.patches import Patch, patches_gap
-from fem.contact.faults.tooth_fault import ToothFault, lost_share
+from fem.contact.faults.patches import FlankDamage, Patch, patches_gap
+from fem.contact.faults.tooth_fault import lost_share
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
-from fem.gears.rack import require
+from fem.options import option
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpalledTooth(ToothFault):
-    """A spall of `height` along the flank, `length` along the face and `depth` (m), cut off where it leaves the flank.
+class SpalledTooth(FlankDamage):
+    """A spall of a flank; the mating tooth bridges it on its edge.
 
-    diameter : of its middle (m), None: the reference circle
-    position : of its middle from mid face (m)
-    shape : "ellipse" or "rectangle"
-    flank : "drive" or "coast"
+    It is cut off where it leaves the flank.
     """
 
-    height: float
-    length: float
-    depth: float
-    diameter: float | None = None
-    position: float = 0.0
-    shape: str = "ellipse"
-    flank: str = "drive"
+    length: float = option(unit="mm", gt=0, text="size of the spall along the face; it ends at the ends of the face")
+    depth: float = option(unit="um", gt=0, text="depth of the spall below the flank")
+    shape: Literal["ellipse", "rectangle"] = option("ellipse", text="outline of the spall")
 
     def patch(self, gear: Gear) -> Patch:
         """The patch on the flank of a gear."""
@@ -46,7 +40,6 @@ class SpalledTooth(ToothFault):
     def check(self, gear: Gear) -> None:
         """Raises GeometryError for a spall that is not on the flank."""
         label = f"spalled tooth of gear z={gear.teeth}"
-        require(self.flank in ("drive", "coast"), f"{label}: flank is {self.flank!r}; choose 'drive' or 'coast'")
         self.patch(gear).check(label, gear)
 
     def gap(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:

@@ -13,12 +13,13 @@ import numpy as np
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
-from fem.gears.rack import require
+from fem.gears.rack import GeometryError
+from fem.options import check_options
 
 if TYPE_CHECKING:
     from fem.contact.wheels.crack_surface import CrackSurface
 
-ENDS = ("-y", "+y")
+END = "end of the face where the damage starts"  # text of an option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +32,9 @@ class ToothFault:
 
     changes_flank: ClassVar[bool] = True
     clearance: ClassVar[float] = 0.0
+
+    def __post_init__(self) -> None:
+        check_options(self, GeometryError)
 
     def check(self, gear: Gear) -> None:
         """Raises GeometryError for a fault that does not fit on the tooth."""
@@ -75,8 +79,3 @@ def lost_share(pair: GearPair) -> float:
 def from_end(face: np.ndarray, face_width: float, end: str) -> np.ndarray:
     """Distance (slice,) of the face coordinates from an end of the face."""
     return face_width / 2 - face if end == "+y" else face_width / 2 + face
-
-
-def check_end(label: str, end: str) -> None:
-    """Raises GeometryError for an end that is none."""
-    require(end in ENDS, f"{label}: end is {end!r}; choose one of {', '.join(ENDS)}")

@@ -4,24 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
 from fem.contact.faults.face_parts import FaceParts, gap_on_slices
-from fem.contact.faults.tooth_fault import ToothFault, check_end, from_end
+from fem.contact.faults.tooth_fault import END, ToothFault, from_end
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.path import path_points
 from fem.gears.rack import require
+from fem.options import option
 
 DEEPEST = 0.2  # modules
-PLACES = ("flank", "pitch", "root", "profile")
 
 
 @dataclass(frozen=True, kw_only=True)
 class WornTooth(ToothFault):
-    """Material worn off both flanks: `depth` (m, normal to the flank) at the worst place.
+    """Wear of both flanks of one tooth, or of all teeth.
 
     place "flank": even over the whole flank. "pitch" (pitch point) or "root" (lower end of the active profile): a
     cosine bell that has fallen to nothing at the roll length `width` / 2 (m) to either side. "profile": `parts` of the
@@ -30,14 +31,24 @@ class WornTooth(ToothFault):
     fading : the wear falls evenly to nothing over the extent; otherwise it is the same over it
     """
 
-    depth: float
-    place: str = "flank"
-    width: float | None = None
-    diameters: tuple[float, ...] = ()
-    parts: tuple[float, ...] = ()
-    extent: float | None = None
-    end: str = "+y"
-    fading: bool = False
+    depth: float = option(unit="um", gt=0, text="largest depth of wear, normal to the flank")
+    place: Literal["flank", "pitch", "root", "profile"] = option(
+        "flank",
+        text="flank: even over the flank; pitch, root: local there; profile: by diameters_mm and parts",
+    )
+    width: float | None = option(
+        None, unit="mm", gt=0, text='roll length of local wear; for place = "pitch" and "root" only'
+    )
+    diameters: tuple[float, ...] = option((), unit="mm", gt=0, most=1000, text="diameters of a profile, rising")
+    parts: tuple[float, ...] = option((), ge=0, le=1, most=1000, text="wear at these diameters over depth_um")
+    extent: float | None = option(
+        None,
+        unit="mm",
+        gt=0,
+        text="length of the wear along the face, for one tooth only; without it: whole face",
+    )
+    end: Literal["-y", "+y"] = option("+y", text=END)
+    fading: bool = option(False, text="true: the wear falls to zero over the extent")
 
     def check(self, gear: Gear) -> None:
         """Raises GeometryError for wear that is none or eats the tooth up."""
@@ -47,7 +58,6 @@ class WornTooth(ToothFault):
             0.0 < self.depth <= limit,
             f"{label}: depth_um = {1e6 * self.depth:.4g} is more than {DEEPEST} modules. Set at most {1e6 * limit:.4g}",
         )
-        require(self.place in PLACES, f"{label}: place is {self.place!r}; choose one of {', '.join(PLACES)}")
         local = self.place in ("pitch", "root")
         require(
             (self.width is not None) == local and (self.width is None or self.width > 0.0),
@@ -61,11 +71,9 @@ class WornTooth(ToothFault):
             + ("Set two or more of both, as many" if table else 'Delete them, or set place = "profile"'),
         )
         require(
-            all(low < high for low, high in pairwise(self.diameters))
-            and all(0.0 <= part <= 1.0 for part in self.parts),
-            f"{label}: diameters_mm of a profile must rise, and parts must be between 0 and 1. Correct them",
+            all(low < high for low, high in pairwise(self.diameters)),
+            f"{label}: diameters_mm of a profile must rise. Correct them",
         )
-        check_end(label, self.end)
         require(
             self.extent is None or 0.0 < self.extent <= gear.face_width,
             f"{label}: extent_mm = {1000 * (self.extent or 0.0):.4g} is more than the face width. Set at most "

@@ -14,7 +14,7 @@ from pipelines.plant.flanks import GEARS, damage, prescribed_deviations
 from pipelines.plant.layout import Layout
 from pipelines.plant.plant import law_specs
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.faults import FaultTable, SpalledToothTable
+from pipelines.scene.tables.faults import FaultTable
 
 if TYPE_CHECKING:
     from pipelines.plant.facts import StageFacts
@@ -122,7 +122,7 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
     for number, fault in scene.tooth_faults.items():
         stage, pair = scene.stages[fault.stage - 1], layout.pairs[fault.stage - 1]
         width = pair.face_width / stage.mesh.slices
-        key = "length_mm" if isinstance(fault, SpalledToothTable) else "extent_mm"
+        key = "length_mm" if fault.kind == "spalled-tooth" else "extent_mm"
         extent = getattr(fault, key, None)
         if extent is not None and extent / 1000 < 2 * width:
             yield (

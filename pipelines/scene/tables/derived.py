@@ -8,7 +8,7 @@ import operator
 import types
 import typing
 from collections.abc import Iterable
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, create_model
 
@@ -22,40 +22,42 @@ _SUFFIXES = {"N/um": "N_per_um", "N m/rad": "N_m_per_rad"}  # where it is not th
 class DerivedTable(Table):
     """A table whose keys are the options of a class."""
 
+    made_of: ClassVar[type]
+
     def made(self, **others: Any) -> Any:
-        """An object of the class in SI, with fields that are no options of a scene."""
-        made = _MADE[type(self)]
-        values = {field.name: _converted(getattr(self, _key(field.name, one)), one) for field, one in options_of(made)}
-        return made(**values, **others)
+        """An object of the class in SI, with values for further fields."""
+        given = {field.name: _si(getattr(self, _key(field.name, one)), one) for field, one in options_of(self.made_of)}
+        return self.made_of(**given, **others)
 
 
-_MADE: dict[type[DerivedTable], type] = {}
+def table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[str, str]) -> Any:
+    """The table class of a dataclass: the keys of a base class, and its options.
 
-
-@functools.cache
-def table(made: type, name: str = "") -> Any:
-    """The table class of a dataclass: its options as keys, and its field `model` or `kind`, if it has one, as tag."""
-    hints = typing.get_type_hints(made)
-    keys: dict[str, Any] = {}
-    for field in dataclasses.fields(made):
-        if field.name in ("model", "kind") and typing.get_origin(hints[field.name]) is typing.Literal:
-            keys[field.name] = (hints[field.name], field.default)
-    for field, one in options_of(made):
-        limits = {bound: getattr(one, bound) for bound in ("ge", "gt", "le", "lt") if getattr(one, bound) is not None}
-        annotation: Any = Annotated[_strict(hints[field.name]), Field(description=one.text, **limits)]
+    Parameters
+    ----------
+    made_of : the dataclass; its field `model`, if there is one, chooses the table
+    base : of the table, with keys of the scene alone
+    **tag : instead, the key that chooses the table, with its value and its text
+    """
+    hints = typing.get_type_hints(made_of)
+    keys: dict[str, Any] = {
+        key: (Annotated[Literal[value], Field(description=text)], ...) for key, (value, text) in tag.items()
+    }
+    if typing.get_origin(hints.get("model")) is Literal:
+        keys["model"] = (hints["model"], typing.get_args(hints["model"])[0])
+    for field, one in options_of(made_of):
+        annotation: Any = Annotated[_strict(hints[field.name], one), Field(description=one.text, max_length=one.most)]
         default = ... if field.default is dataclasses.MISSING else _given(field.default, one)
         keys[_key(field.name, one)] = (annotation, default)
-    doc = (made.__doc__ or "").split("\n\n")[0]
-    found = create_model(name or made.__name__, __base__=DerivedTable, __doc__=doc, **keys)
-    _MADE[found] = made
-    return found
+    doc = (made_of.__doc__ or "").split("\n\n")[0]
+    made = create_model(made_of.__name__, __base__=base, __doc__=doc, **keys)
+    made.made_of = made_of
+    return made
 
 
-def choice(classes: Iterable[type]) -> Any:
-    """The tables of several dataclasses, of which the field `model` or `kind` chooses one."""
-    tables = [table(one) for one in classes]
-    tag = "model" if "model" in tables[0].model_fields else "kind"
-    return Annotated[functools.reduce(operator.or_, tables), Field(discriminator=tag)]
+def choice(tables: Iterable[Any], key: str) -> Any:
+    """Several tables, of which a key chooses one."""
+    return Annotated[functools.reduce(operator.or_, tables), Field(discriminator=key)]
 
 
 def _key(name: str, one: Option) -> str:
@@ -63,23 +65,26 @@ def _key(name: str, one: Option) -> str:
     return one.key or (f"{name}_{suffix}" if suffix else name)
 
 
-def _strict(annotation: Any) -> Any:
-    """A type whose numbers are taken as written: text is no number, true is not 1."""
-    if annotation in _STRICT:
-        return _STRICT[annotation]
-    inner: tuple[Any, ...] = tuple(one if one is ... else _strict(one) for one in typing.get_args(annotation))
+def _strict(annotation: Any, one: Option) -> Any:
+    """A type whose numbers have limits and are taken as written: text is no number, true is not 1."""
+    if annotation in (float, int):
+        limits = {bound: getattr(one, bound) for bound in ("ge", "gt", "le", "lt") if getattr(one, bound) is not None}
+        return Annotated[_STRICT[annotation], Field(**limits)] if limits else _STRICT[annotation]
+    if annotation is bool:
+        return Flag
+    inner: tuple[Any, ...] = tuple(part if part is ... else _strict(part, one) for part in typing.get_args(annotation))
     origin = typing.get_origin(annotation)
-    if not inner or origin is typing.Literal:
+    if not inner or origin is Literal:
         return annotation
     if origin in (typing.Union, types.UnionType):
         return functools.reduce(operator.or_, inner)
     return origin[inner]
 
 
-def _converted(value: Any, one: Option) -> Any:
+def _si(value: Any, one: Option) -> Any:
     """A value of a table in SI."""
     if isinstance(value, tuple):
-        return tuple(_converted(item, one) for item in value)
+        return tuple(_si(item, one) for item in value)
     if isinstance(value, DerivedTable):
         return value.made()
     return one.si(value) if one.unit and value is not None else value
@@ -89,6 +94,4 @@ def _given(value: Any, one: Option) -> Any:
     """A default in SI in the unit of a table, the number that a user would write."""
     if isinstance(value, tuple):
         return tuple(_given(item, one) for item in value)
-    if not one.unit or not isinstance(value, int | float):
-        return value
-    return float(f"{value / one.si(1.0):.12g}")
+    return one.given(value) if one.unit and value is not None else value

@@ -15,7 +15,7 @@ from pipelines.scene.tables.gear_details import GearTable, MisalignmentTable
 if TYPE_CHECKING:
     MeshModel = Any
 else:
-    MeshModel = choice(map(mesh_model, MODELS))
+    MeshModel = choice((table(mesh_model(name)) for name in MODELS), "model")
 
 
 class StageTable(Table):
