@@ -1,4 +1,4 @@
-"""Compliance that a crack in the root adds, by finite elements of the section between the ring with the slit and the healthy one."""
+"""Compliance that a crack in the root adds: finite elements of the section with the slit, less those without."""
 
 from __future__ import annotations
 
