@@ -26,7 +26,7 @@ MODELS = [
     *(choices(t)[0] for t in (casing.NoCasingTable, casing.RigidCasingTable, casing.StaticCasingTable)),
     *(choices(t)[0] for t in (casing.CraigBamptonCasingTable, motion.StaticTorqueTable, motion.RopeTable)),
     *(choices(t)[0] for t in (bearings.RigidBearings, bearings.LinearBearings, bearings.HertzBearings)),
-    *(choices(t)[0] for t in (losses.NoLosses, losses.EfficiencyLosses, losses.CoulombLosses)),
+    *(choices(t)[0] for t in typing.get_args(typing.get_args(losses.LossModel)[0])),
     *choices(motion.RopePendulumTable),
     *choices(shafts.ShaftModel),
     *choices(motion.SimulationTable, "integrator"),

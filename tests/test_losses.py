@@ -44,7 +44,7 @@ def test_tooth_friction_costs_what_the_sliding_says():
     mu = 0.06
     for cycle in (0.1, 0.45, 0.8):
         machine = train(1, load="rope", stage={"start": cycle})
-        machine = dataclasses.replace(machine, losses=Coulomb(tooth_friction=mu))
+        machine = dataclasses.replace(machine, losses=Coulomb(tooth_friction=mu, bearing_friction=0.0))
         mesh, none = machine.meshes[0], dataclasses.replace(machine, losses=NoLosses())
         state = held(machine, SPEED)
         arms = sliding_shares(mesh.drive, state.mesh_force[0])[1]
@@ -124,7 +124,7 @@ def test_the_brake_takes_part_of_a_swing_at_standstill_only():
         (lambda: Efficiency(mesh_efficiency=0.3), "above 0.5"),
         (lambda: Coulomb(tooth_friction=-0.1), "tooth_friction"),
         (lambda: Coulomb(tooth_friction=math.inf), "tooth_friction"),
-        (lambda: Coulomb(tooth_friction=2.0), "friction above 1"),
+        (lambda: Coulomb(tooth_friction=2.0), "tooth_friction = 2: must be 0 to 0.5"),
         (lambda: Brake(shaft="shaft_1", y=0.0, torque=-1.0), "brake torque"),
     ],
 )

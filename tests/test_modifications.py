@@ -225,7 +225,7 @@ def test_what_does_not_fit_on_the_flank_is_refused(modifications, message):
 
 @pytest.mark.parametrize("start", [{}, {"length": 1e-3, "diameter": 40e-3}])
 def test_a_relief_needs_one_start(start):
-    with pytest.raises(GeometryError, match="either as length"):
+    with pytest.raises(GeometryError, match="either length_mm or diameter_mm"):
         Relief(amount=1e-5, **start)
 
 

@@ -20,12 +20,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
+from typing import Literal
 
 import numpy as np
 
 from fem.gears.geometry import Gear, GearPair
 from fem.gears.path import PathPoints
-from fem.gears.rack import require
+from fem.gears.rack import GeometryError, require
+from fem.options import check_options, option
 
 SHAPES = {"linear": 1, "parabolic": 2}
 _WORDS = {  # of a user, by name
@@ -42,34 +44,32 @@ LARGEST_PART = 0.1  # modules; a larger amount is a mistake of units
 
 @dataclass(frozen=True, kw_only=True)
 class Relief:
-    """Tip or root relief: amount C (m), start by roll length from the end of the active profile or by diameter (m)."""
+    """Tip or root relief. Its start is given either by length_mm or by diameter_mm."""
 
-    amount: float
-    length: float | None = None
-    diameter: float | None = None
-    shape: str = "linear"
+    amount: float = option(unit="um", ge=0, le=1000, text="material removed at the end of the active profile")
+    length: float | None = option(None, unit="mm", gt=0, text="roll length from that end along the line of action")
+    diameter: float | None = option(None, unit="mm", gt=0, text="diameter where the relief starts")
+    shape: Literal["linear", "parabolic"] = option("linear", text="how the relief grows from its start")
 
     def __post_init__(self) -> None:
-        require(self.amount >= 0.0, f"relief: amount is {self.amount!r} m; give a value >= 0")
-        require(self.shape in SHAPES, f"relief: shape is {self.shape!r}; choose one of {', '.join(SHAPES)}")
+        check_options(self, GeometryError)
         require(
             (self.length is None) != (self.diameter is None),
-            "relief: give its start either as length (roll length from the end of the active profile) or as diameter",
+            "a relief needs one start, either length_mm or diameter_mm. "
+            + ("Set one" if self.length is None else "Delete one"),
         )
 
 
 @dataclass(frozen=True, kw_only=True)
 class EndRelief:
-    """Relief of one end of the face: amount C (m) at the end, over `length` (m) of the face."""
+    """Relief of one end of the face."""
 
-    amount: float
-    length: float
-    shape: str = "linear"
+    amount: float = option(unit="um", ge=0, le=1000, text="material removed at the end of the face")
+    length: float = option(unit="mm", gt=0, text="length of the relief along the face")
+    shape: Literal["linear", "parabolic"] = option("linear", text="how the relief grows from its start")
 
     def __post_init__(self) -> None:
-        require(self.amount >= 0.0, f"end relief: amount is {self.amount!r} m; give a value >= 0")
-        require(self.length > 0.0, f"end relief: length is {self.length!r} m; give a value > 0")
-        require(self.shape in SHAPES, f"end relief: shape is {self.shape!r}; choose one of {', '.join(SHAPES)}")
+        check_options(self, GeometryError)
 
 
 @dataclass(frozen=True, kw_only=True)

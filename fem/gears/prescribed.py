@@ -24,12 +24,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.rack import require
+from fem.options import option
 
 FLANKS = ("drive", "coast")
 LARGEST_PART = 0.1  # modules; a larger deviation is a mistake of units
@@ -37,30 +39,58 @@ LARGEST_PART = 0.1  # modules; a larger deviation is a mistake of units
 
 @dataclass(frozen=True, kw_only=True)
 class Eccentricity:
-    """Distance (m) of the axis of the teeth from the axis of rotation, and its direction (rad) from tooth 0."""
+    """Distance of the axis of the teeth from the axis of rotation, and its direction from tooth 0."""
 
-    amount: float = 0.0
-    angle: float = 0.0
+    amount: float = option(
+        0.0,
+        unit="um",
+        key="eccentricity_um",
+        ge=0,
+        le=5000,
+        text="eccentricity of the teeth from the axis of rotation, half the run-out",
+    )
+    angle: float = option(
+        0.0,
+        unit="deg",
+        key="eccentricity_angle_deg",
+        ge=-360,
+        le=360,
+        text="angle from tooth 0 to the eccentricity, positive in the sense of rotation of the gear",
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Wave:
-    """Deviation (m) that runs `order` times in a revolution of the gear, on one flank or (None) on both."""
+    """Waviness of the flanks along the circumference: ghost orders."""
 
-    order: int
-    amplitude: float
-    phase: float = 0.0
-    flank: str | None = None
+    order: int = option(ge=1, le=100_000, text="number of waves around the circumference")
+    amplitude: float = option(unit="um", ge=0, le=1000, text="half the height from trough to crest")
+    phase: float = option(
+        0.0, unit="deg", ge=-360, le=360, text="phase where tooth 0 touches at the pitch point; 0: a crest"
+    )
+    flank: Literal["drive", "coast", "both"] = option("both", text="flanks that have the waves")
 
 
 @dataclass(frozen=True, kw_only=True)
 class ToothError:
-    """Errors (m) of one tooth on one flank: index along the reference circle, and profile slope f_Halpha."""
+    """Deviations of one flank of one tooth."""
 
-    tooth: int
-    pitch: float = 0.0
-    profile_slope: float = 0.0
-    flank: str = "drive"
+    tooth: int = option(ge=0, text="number of the tooth; tooth 0 touches at the pitch point at mesh cycle c = 0")
+    flank: Literal["drive", "coast"] = option("drive", text="flank of the tooth")
+    pitch: float = option(
+        0.0,
+        unit="um",
+        ge=-1000,
+        le=1000,
+        text="pitch deviation along the reference circle; positive: more material",
+    )
+    profile_slope: float = option(
+        0.0,
+        unit="um",
+        ge=-1000,
+        le=1000,
+        text="profile slope deviation f_Halpha over the active profile; positive: more material towards the tip",
+    )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -147,7 +177,7 @@ def rotation_waves(pair: GearPair, gear: str, flank: str, given: PrescribedDevia
         turned = given.eccentricity.angle + ahead * (pair.working_pressure_angle + math.pi / 2)
         yield 1, given.eccentricity.amount * np.exp(1j * turned)
     for wave in given.waves:
-        if wave.flank in (None, flank):
+        if wave.flank in ("both", flank):
             yield wave.order, -wave.amplitude * np.exp(1j * wave.phase)
 
 

@@ -4,22 +4,29 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
-from mbd.parts.checks import positive
+from fem.options import check_options, option
+from mbd.parts.checks import MachineError, positive
 
 
 @dataclass(frozen=True, kw_only=True)
 class Film:
-    """Dynamic ``viscosity`` (Pa s), ``roughness`` (m) below which no film gets thinner, ``radius`` (m) of the cylinder
-    that stands for both flanks at the pitch point, ``length`` (m) of the contact lines together."""
+    """Squeeze film of oil between approaching flanks, in all meshes.
 
-    viscosity: float
-    roughness: float
+    ``radius`` (m) of the cylinder that stands for both flanks at the pitch point, ``length`` (m) of the contact lines
+    together; no film gets thinner than the ``roughness``.
+    """
+
+    model: Literal["squeeze"] = "squeeze"
+    viscosity: float = option(0.05, unit="mPa s", gt=0, le=1e5, text="dynamic viscosity at the temperature of the oil")
+    roughness: float = option(1e-6, unit="um", ge=0.05, le=100, text="least film thickness")
     radius: float
     length: float
 
     def __post_init__(self) -> None:
-        for name in ("viscosity", "roughness", "radius", "length"):
+        check_options(self, MachineError)
+        for name in ("radius", "length"):
             positive(f"film {name}", getattr(self, name))
 
     @property

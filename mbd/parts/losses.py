@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from fem.options import check_options, option
 from mbd.elements.component import Component, Place
 from mbd.parts.checks import MachineError, not_negative
 
@@ -26,36 +27,34 @@ class Losses:
 
 @dataclass(frozen=True, kw_only=True)
 class NoLosses(Losses):
-    """Nothing is lost in meshes and bearings."""
+    """Meshes and bearings without friction."""
 
     model: Literal["none"] = "none"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Efficiency(Losses):
-    """Every mesh passes on the share ``mesh_efficiency`` of the power that enters it."""
+    """Every mesh passes on the given share of its input power."""
 
-    mesh_efficiency: float
     model: Literal["efficiency"] = "efficiency"
+    mesh_efficiency: float = option(0.99, gt=0.5, le=1, text="output power over input power of every mesh")
 
     def __post_init__(self) -> None:
-        if not 0.5 < self.mesh_efficiency <= 1.0:
-            raise MachineError(f"losses: mesh_efficiency {self.mesh_efficiency!r} must be above 0.5 and at most 1.")
+        check_options(self, MachineError)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Coulomb(Losses):
-    """Sliding friction of the teeth and drag of the bearings, as shares of the normal loads."""
+    """Sliding friction of the teeth, which reverses at the pitch point, and drag torque of the bearings."""
 
-    tooth_friction: float
-    bearing_friction: float = 0.0
     model: Literal["coulomb"] = "coulomb"
+    tooth_friction: float = option(0.05, ge=0, le=0.5, text="coefficient of friction of a tooth pair")
+    bearing_friction: float = option(
+        0.0015, ge=0, le=0.1, text="coefficient of friction of the bearings, at half the shaft diameter"
+    )
 
     def __post_init__(self) -> None:
-        not_negative("losses tooth_friction", self.tooth_friction)
-        not_negative("losses bearing_friction", self.bearing_friction)
-        if max(self.tooth_friction, self.bearing_friction) > 1.0:
-            raise MachineError("losses: friction above 1 is no sliding friction of steel.")
+        check_options(self, MachineError)
 
 
 @dataclass(frozen=True, kw_only=True)

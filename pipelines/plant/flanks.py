@@ -6,18 +6,17 @@ the driving gear in lifting, so where its lifting sense is -1 the ends change pl
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from fem.contact.faults.tooth_fault import ToothFault
 from fem.gears.geometry import GearPair
-from fem.gears.modifications import EndRelief, FlankModifications, Misalignment, PairModifications, Relief
-from fem.gears.prescribed import Eccentricity, PrescribedDeviations, ToothError, Wave
+from fem.gears.modifications import FlankModifications, Misalignment, PairModifications
+from fem.gears.prescribed import PrescribedDeviations
 from pipelines.plant.flanks_spec import FlanksSpec
 from pipelines.scene.tables.faults import FaultTable
-from pipelines.scene.tables.gear_details import EndReliefTable, GearTable, ReliefTable
+from pipelines.scene.tables.gear_details import GearTable
 from pipelines.scene.tables.gears import StageTable
 
 GEARS = ("pinion", "wheel")
@@ -76,12 +75,12 @@ def _gear_flanks(table: GearTable, sense: int) -> FlankModifications:
     if sense < 0:
         low, high = high, low
     return FlankModifications(
-        tip_relief=_relief(table.tip_relief),
-        root_relief=_relief(table.root_relief),
+        tip_relief=table.tip_relief and table.tip_relief.made(),
+        root_relief=table.root_relief and table.root_relief.made(),
         profile_crowning=table.profile_crowning_um / 1_000_000,
         lead_crowning=table.lead_crowning_um / 1_000_000,
-        end_relief_low=_end_relief(low),
-        end_relief_high=_end_relief(high),
+        end_relief_low=low and low.made(),
+        end_relief_high=high and high.made(),
         helix_slope=sense * table.helix_slope_um / 1_000_000,
     )
 
@@ -108,46 +107,11 @@ def prescribed_deviations(stage: StageTable, number: int, gear: str, sense: int)
 
         measured = measured_flanks(table.flanks.file, f"stages.{number}.{gear}.deviations.flanks", sense)
     return PrescribedDeviations(
-        eccentricity=Eccentricity(
-            amount=table.eccentricity_um / 1_000_000, angle=math.radians(table.eccentricity_angle_deg)
-        ),
-        waves=tuple(
-            Wave(
-                order=wave.order,
-                amplitude=wave.amplitude_um / 1_000_000,
-                phase=math.radians(wave.phase_deg),
-                flank=None if wave.flank == "both" else wave.flank,
-            )
-            for wave in table.waves
-        ),
-        teeth=tuple(
-            ToothError(
-                tooth=error.tooth,
-                pitch=error.pitch_um / 1_000_000,
-                profile_slope=error.profile_slope_um / 1_000_000,
-                flank=error.flank,
-            )
-            for error in table.teeth
-        ),
+        eccentricity=table.made(),
+        waves=tuple(wave.made() for wave in table.waves),
+        teeth=tuple(error.made() for error in table.teeth),
         measured=measured,
     )
-
-
-def _relief(table: ReliefTable | None) -> Relief | None:
-    if table is None:
-        return None
-    return Relief(
-        amount=table.amount_um / 1_000_000,
-        length=None if table.length_mm is None else table.length_mm / 1000,
-        diameter=None if table.diameter_mm is None else table.diameter_mm / 1000,
-        shape=table.shape,
-    )
-
-
-def _end_relief(table: EndReliefTable | None) -> EndRelief | None:
-    if table is None:
-        return None
-    return EndRelief(amount=table.amount_um / 1_000_000, length=table.length_mm / 1000, shape=table.shape)
 
 
 def tooth_faults(tables: Iterable[FaultTable], senses: Sequence[int]) -> tuple[Fault, ...]:

@@ -11,7 +11,7 @@ from fem.gears.prescribed import PrescribedDeviations
 from mbd.coordinates.probe import Probe
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.film import Film
-from mbd.parts.losses import Brake, Coulomb, Efficiency, Losses, NoLosses
+from mbd.parts.losses import Brake
 from mbd.parts.shafts import Disk, Section, ShaftSpec
 from pipelines.plant.bearings import bearing_specs, with_bearing_faults
 from pipelines.plant.flanks import GEARS, Fault, damaged_teeth, prescribed_deviations
@@ -22,7 +22,7 @@ from pipelines.plant.torques.hoist import drums
 from pipelines.plant.torques.loads import hanging_load, load_places, torque_load
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.gears import DeviationTable
-from pipelines.scene.tables.losses import CoulombLosses, EfficiencyLosses, FilmModel, LossModel, SqueezeFilm
+from pipelines.scene.tables.losses import FilmModel
 from pipelines.scene.tables.motion import LoadBase, SpeedDrive
 from pipelines.scene.tables.shafts import CouplingTable
 
@@ -208,26 +208,14 @@ def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[
 
 def film_spec(table: FilmModel, pair: GearPair) -> Film | None:
     """The film between the flanks of a pair: curvature at the pitch point, mean length of the contact lines."""
-    if not isinstance(table, SqueezeFilm):
-        return None
     slope = math.tan(pair.working_pressure_angle)
     pinion, wheel = pair.pinion.base_radius * slope, pair.wheel.base_radius * slope
     lead = math.cos(pair.base_helix_angle)
-    return Film(
-        viscosity=table.viscosity_mPa_s / 1000,
-        roughness=table.roughness_um / 1_000_000,
+    found: Film | None = table.made(
         radius=pinion * wheel / (pinion + wheel) / lead,
         length=pair.transverse_contact_ratio * pair.face_width / lead,
     )
-
-
-def losses_spec(table: LossModel) -> Losses:
-    """Losses of meshes and bearings."""
-    if isinstance(table, EfficiencyLosses):
-        return Efficiency(mesh_efficiency=table.mesh_efficiency)
-    if isinstance(table, CoulombLosses):
-        return Coulomb(tooth_friction=table.tooth_friction, bearing_friction=table.bearing_friction)
-    return NoLosses()
+    return found
 
 
 def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> MachineParts:
@@ -251,7 +239,7 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> Mach
             *(table.spec(number) for number, table in enumerate(scene.forces, 1)),
             *(force for number, table in enumerate(scene.disks, 1) for force in table.unbalances(number)),
         ),
-        losses=losses_spec(scene.losses),
+        losses=scene.losses.made(),
         brake=Brake(shaft=driven, y=ends[0], torque=brake) if brake else None,
         gyroscopic=scene.shaft_model.gyroscopic,
         probes=tuple(

@@ -11,6 +11,7 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
+from mbd.parts.losses import NoLosses
 from pipelines.border.shown import shown_value
 from pipelines.scene.tables.analysis import DiagnosisTable
 from pipelines.scene.tables.base import MaterialTable, Table
@@ -20,11 +21,12 @@ from pipelines.scene.tables.casing import (
     FlexibleBase,
     SensorTable,
 )
+from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.faults import AnyFaultTable, BearingSpallTable, FaultBase, FaultTable
 from pipelines.scene.tables.forces import CasingForceTable, ForceModel, PlacedTable
 from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.housing import HousingTable
-from pipelines.scene.tables.losses import FilmModel, LossModel, NoFilm, NoLosses
+from pipelines.scene.tables.losses import FilmModel, LossModel, NoFilm
 from pipelines.scene.tables.motion import DriveModel, LoadModel, SimulationTable
 from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ProbeTable, ShaftModel, ShaftTable
 from pipelines.scene.train import stage_shafts
@@ -64,7 +66,7 @@ class Scene(Table):
     sensors: Annotated[tuple[SensorTable, ...], Field(max_length=1000, description="accelerometers on the casing")] = ()
     drive: Annotated[DriveModel, Field(description="the drive; default model: speed")]
     load: Annotated[LoadModel, Field(description="what the machine drives")]
-    losses: Annotated[LossModel, Field(description="friction")] = NoLosses()
+    losses: Annotated[LossModel, Field(description="friction")] = table(NoLosses)()
     film: Annotated[FilmModel, Field(description="oil film between the flanks")] = NoFilm()
     simulation: Annotated[SimulationTable, Field(description="time integration and output")]
     diagnosis: Annotated[DiagnosisTable, Field(description="what is diagnosed in the signals")] = DiagnosisTable()

@@ -23,7 +23,7 @@ from pipelines.plant.bearings import (
 )
 from pipelines.plant.checks.held_shafts import unheld
 from pipelines.plant.layout import Layout
-from pipelines.plant.machine import losses_spec, shaft_specs
+from pipelines.plant.machine import shaft_specs
 from pipelines.plant.plant import law_specs
 from pipelines.plant.torques.drives import motor_places, motor_torques, speed_profile
 from pipelines.plant.torques.loads import hanging_load, load_places, torque_load
@@ -41,10 +41,6 @@ def bad_machine(scene: Scene, layout: Layout) -> Iterator[Problem]:
     if not stations:
         yield from _bad_shafts(scene, layout)
     yield from _bad_load(scene, layout)
-    try:
-        losses_spec(scene.losses)
-    except MachineError as error:
-        yield Problem("losses", str(error))
     if not bearings:
         yield from unheld(scene, layout)
         yield from _bad_spalls(scene)

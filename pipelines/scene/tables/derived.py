@@ -8,9 +8,9 @@ import operator
 import types
 import typing
 from collections.abc import Iterable
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, create_model
+from pydantic import Field, create_model, model_validator
 
 from fem.options import Option, options_of
 from pipelines.scene.tables.base import Flag, Number, Table, Whole
@@ -23,6 +23,14 @@ class DerivedTable(Table):
     """A table whose keys are the options of a class."""
 
     made_of: ClassVar[type]
+    alone: ClassVar[bool]  # whether the options are all that an object needs
+
+    @model_validator(mode="after")
+    def _makes_an_object(self) -> Self:
+        """What an object refuses when it is made is a problem of the table."""
+        if self.alone:
+            self.made()
+        return self
 
     def made(self, **others: Any) -> Any:
         """An object of the class in SI, with values for further fields."""
@@ -30,6 +38,7 @@ class DerivedTable(Table):
         return self.made_of(**given, **others)
 
 
+@functools.cache
 def table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[str, str]) -> Any:
     """The table class of a dataclass: the keys of a base class, and its options.
 
@@ -52,6 +61,9 @@ def table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[s
     doc = (made_of.__doc__ or "").split("\n\n")[0]
     made = create_model(made_of.__name__, __base__=base, __doc__=doc, **keys)
     made.made_of = made_of
+    made.alone = all(
+        "option" in f.metadata or f.default is not dataclasses.MISSING for f in dataclasses.fields(made_of)
+    )
     return made
 
 

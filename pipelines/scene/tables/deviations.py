@@ -2,44 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, model_validator
 
-from pipelines.scene.tables.base import NotNegative, Number, Table, Whole
+from fem.gears.prescribed import Eccentricity, ToothError, Wave
+from pipelines.scene.tables.base import Table
+from pipelines.scene.tables.derived import table
 
-Flank = Annotated[Literal["drive", "coast"], Field(description="flank of the tooth")]
-Deviation = Annotated[Number, Field(ge=-1000, le=1000)]
-
-
-class WaveTable(Table):
-    """Waviness of the flanks along the circumference: ghost orders."""
-
-    order: Annotated[Whole, Field(ge=1, le=100_000, description="number of waves around the circumference")]
-    amplitude_um: Annotated[NotNegative, Field(le=1000, description="half the height from trough to crest")]
-    phase_deg: Annotated[
-        Number, Field(ge=-360, le=360, description="phase where tooth 0 touches at the pitch point; 0: a crest")
-    ] = 0.0
-    flank: Annotated[Literal["drive", "coast", "both"], Field(description="flanks that have the waves")] = "both"
-
-
-class ToothErrorTable(Table):
-    """Deviations of one flank of one tooth."""
-
-    tooth: Annotated[
-        Whole, Field(ge=0, description="number of the tooth; tooth 0 touches at the pitch point at mesh cycle c = 0")
-    ]
-    flank: Flank = "drive"
-    pitch_um: Annotated[
-        Deviation, Field(description="pitch deviation along the reference circle; positive: more material")
-    ] = 0.0
-    profile_slope_um: Annotated[
-        Deviation,
-        Field(
-            description="profile slope deviation f_Halpha over the active profile; positive: more material "
-            "towards the tip"
-        ),
-    ] = 0.0
+EccentricTable: Any = table(Eccentricity)
+if TYPE_CHECKING:
+    WaveTable = Any
+    ToothErrorTable = Any
+else:
+    WaveTable = table(Wave)
+    ToothErrorTable = table(ToothError)
 
 
 class MeasuredFlanksTable(Table):
@@ -50,20 +27,9 @@ class MeasuredFlanksTable(Table):
     ]
 
 
-class GearDeviationsTable(Table):
+class GearDeviationsTable(EccentricTable):
     """Given deviations of a gear, added to those of deviations.seed; none with deviations.enabled = false."""
 
-    eccentricity_um: Annotated[
-        NotNegative, Field(le=5000, description="eccentricity of the teeth from the axis of rotation, half the run-out")
-    ] = 0.0
-    eccentricity_angle_deg: Annotated[
-        Number,
-        Field(
-            ge=-360,
-            le=360,
-            description="angle from tooth 0 to the eccentricity, positive in the sense of rotation of the gear",
-        ),
-    ] = 0.0
     waves: Annotated[tuple[WaveTable, ...], Field(max_length=100, description="waviness")] = ()
     teeth: Annotated[tuple[ToothErrorTable, ...], Field(max_length=1000, description="deviations of single teeth")] = ()
     flanks: Annotated[MeasuredFlanksTable | None, Field(description="measured flanks")] = None

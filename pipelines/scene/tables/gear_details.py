@@ -2,43 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
+from fem.gears.modifications import EndRelief, Relief
 from pipelines.scene.tables.base import NotNegative, Number, Positive, Table
+from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.deviations import GearDeviationsTable
 
-Shape = Annotated[Literal["linear", "parabolic"], Field(description="how the relief grows from its start")]
 Micrometres = Annotated[Number, Field(ge=-1000, le=1000)]
 
 
-class ReliefTable(Table):
-    """Tip or root relief. Its start is given either by length_mm or by diameter_mm."""
-
-    amount_um: Annotated[NotNegative, Field(le=1000, description="material removed at the end of the active profile")]
-    length_mm: Annotated[Positive | None, Field(description="roll length from that end along the line of action")] = (
-        None
-    )
-    diameter_mm: Annotated[Positive | None, Field(description="diameter where the relief starts")] = None
-    shape: Shape = "linear"
-
-    @model_validator(mode="after")
-    def _one_start(self) -> ReliefTable:
-        if (self.length_mm is None) == (self.diameter_mm is None):
-            raise ValueError(
-                "needs one start, either length_mm or diameter_mm. "
-                + ("Set one" if self.length_mm is None else "Delete one")
-            )
-        return self
-
-
-class EndReliefTable(Table):
-    """Relief of one end of the face."""
-
-    amount_um: Annotated[NotNegative, Field(le=1000, description="material removed at the end of the face")]
-    length_mm: Annotated[Positive, Field(description="length of the relief along the face")]
-    shape: Shape = "linear"
+if TYPE_CHECKING:
+    ReliefTable = Any
+    EndReliefTable = Any
+else:
+    ReliefTable = table(Relief)
+    EndReliefTable = table(EndRelief)
 
 
 class GearTable(Table):
