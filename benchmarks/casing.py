@@ -87,8 +87,8 @@ def modes(folder: Path) -> list[dict[str, Any]]:
     return [
         {"step": "assembly, clamping, factorisation, constraint modes", "solver": result.solver, **grounding},
         {"step": "fixed-interface modes, their count, inertia correction", "size": size, "solver": "", **reducing},
-        {"step": "check-up", "size": f"{len(checked.failures)} of 14 items fail", "solver": "", **checking},
-        {"step": "damping and recovery rows", "size": f"{len(box.sensors)} sensors", "solver": "", **recovering},
+        {"step": "checks of the reduced body", "size": f"{len(checked.failures)} of 14 fail", "solver": "", **checking},
+        {"step": "damping, sensors", "size": f"{len(box.sensors)} sensors", "solver": "", **recovering},
     ]
 
 
@@ -101,4 +101,4 @@ def static(folder: Path) -> list[dict[str, Any]]:
     seconds, body = timed(lambda: model.body(model.modes(found, iron)[0], box.sensors), repeats=1)
     keep(folder, "static", body)
     size = f"{len(body.coordinate_names)} coordinates"
-    return [{"step": "model static, all but the mesh", "size": size, "solver": "", **seconds}]
+    return [{"step": "model `static`, all but the mesh", "size": size, "solver": "", **seconds}]
