@@ -8,11 +8,12 @@ from typing import Any
 import scipy.sparse as sp
 
 from benchmarks.clock import timed
-from benchmarks.rig import casing_model, casing_parts, keep, kept, read
+from benchmarks.rig import casing_parts, keep, kept, read
 from fem.casing.edges.added import added_functions
 from fem.casing.meshing.mesh import CasingMesh
-from fem.casing.meshing.source import mesh_geometry
+from fem.casing.models.casing import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
+from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.casing.reduced.checkup import check_up
@@ -22,18 +23,18 @@ from fem.casing.reduced.modes import casing_modes
 from fem.elements.materials import Material
 from fem.elements.solids import assemble
 from fem.numerics.linear_solver import cholmod_available, factorize
-from pipelines.plant.casing import ElasticPart
 
 SHIFT = 4e7  # 1/s2: K + SHIFT M of the free body is definite and has the pattern of K
 
 
 def mesh(folder: Path) -> list[dict[str, Any]]:
     """Geometry and elements, as the scene has them."""
-    part = read().casing
-    assert isinstance(part, ElasticPart)
-    seconds, found = timed(lambda: mesh_geometry(part.geometry, part.sizes, part.element))
+    plant = read()
+    assert isinstance(plant.casing, ElasticCasing)
+    meshing = plant.casing.meshed(plant.structure).stage
+    seconds, found = timed(meshing.build)
     keep(folder, "mesh", found)
-    size = f"{len(found.nodes)} nodes, {len(found.elements)} elements {part.element}"
+    size = f"{len(found.nodes)} nodes, {len(found.elements)} elements {plant.casing.element}"
     return [{"step": "mesh", "size": size, "solver": "", **seconds}]
 
 
@@ -72,7 +73,7 @@ def modes(folder: Path) -> list[dict[str, Any]]:
     """Craig-Bampton reduction at the shipped band, and its check-up; keeps the body."""
     plant = read()
     found, (box, iron) = kept(folder, "mesh"), casing_parts(plant)
-    model = casing_model(plant)
+    model = plant.casing
     assert isinstance(model, CraigBamptonCasing)
     grounding, casing = timed(lambda: ground_casing(found, iron), repeats=1)
     limit = MODES_OVER_BAND * model.band
@@ -81,7 +82,8 @@ def modes(folder: Path) -> list[dict[str, Any]]:
     )
     checking, checked = timed(lambda: check_up(casing, reduction), repeats=1)
     result = casing_modes(casing, reduction, model="craig-bampton", band_limit=limit)
-    recovering, body = timed(lambda: model.body(result, box.sensors))
+    recovery = model.recovery(plant.structure)
+    recovering, body = timed(lambda: recovery.build(modes=(result, checked)))
     keep(folder, "craig-bampton", body)
     size = f"{counted} modes to {limit:.0f} Hz, {len(result.mass)} coordinates"
     return [
@@ -96,9 +98,11 @@ def static(folder: Path) -> list[dict[str, Any]]:
     """Static condensation, check-up included; keeps the body."""
     plant = read(casing__model="static")
     found, (box, iron) = kept(folder, "mesh"), casing_parts(plant)
-    model = casing_model(plant)
+    model = plant.casing
     assert isinstance(model, StaticCasing)
-    seconds, body = timed(lambda: model.body(model.modes(found, iron)[0], box.sensors), repeats=1)
+    structure = Structure(housing=box, material=iron)
+    reduction, recovery = model.reduction(structure), model.recovery(structure)
+    seconds, body = timed(lambda: recovery.build(modes=reduction.build(mesh=found)), repeats=1)
     keep(folder, "static", body)
     size = f"{len(body.coordinate_names)} coordinates"
     return [{"step": "model `static`, all but the mesh", "size": size, "solver": "", **seconds}]

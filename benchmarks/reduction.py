@@ -59,9 +59,13 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
 
     from benchmarks.clock import peak_megabytes
     from benchmarks.rig import casing_parts, read
+    from fem.casing.meshing.sizes import Sizes
+    from fem.casing.meshing.source import mesh_geometry
+    from fem.casing.models.casing import Structure
     from fem.casing.models.craig_bampton import CraigBamptonCasing
     from fem.casing.reduced.body import MODES_OVER_BAND
     from fem.casing.reduced.checkup import check_up
+    from fem.casing.reduced.grounded import ground_casing
     from fem.casing.reduced.halves import reduced_and_counted
     from fem.casing.reduced.modes import casing_modes
 
@@ -76,10 +80,14 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
 
     with threadpool_limits(1):
         box, iron = casing_parts(read())
-        model = CraigBamptonCasing(element_size=element_size / 1000, band=band, solver=solver)  # type: ignore[arg-type]
+        sizes = Sizes(element=element_size / 1000)
+        recovery = CraigBamptonCasing(band=band).recovery(Structure(housing=box))
         limit = MODES_OVER_BAND * band
-        mesh = step("geometry and mesh", lambda: model.mesh(box))
-        casing = step("assembly, factorisation, constraint modes", lambda: model.casing(mesh, iron))
+        mesh = step("geometry and mesh", lambda: mesh_geometry(box, sizes))
+        casing = step(
+            "assembly, factorisation, constraint modes",
+            lambda: ground_casing(mesh, iron, solver=solver),  # type: ignore[arg-type]
+        )
         reduction, counted = step(
             "fixed-interface modes and their count, inertia correction",
             lambda: reduced_and_counted(casing.interface, lambda: (casing.K_free, casing.M_free), highest=limit),
@@ -89,7 +97,7 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
             lambda: casing_modes(casing, reduction, model="craig-bampton", band_limit=limit, counted=counted),
         )
         checked = step("check-up", lambda: check_up(casing, reduction))
-        step("reduced body with nine sensors", lambda: model.body(modes, box.sensors))
+        step("reduced body with nine sensors", lambda: recovery.build(modes=(modes, checked)))
     return {
         "element_size_mm": element_size,
         "band_Hz": band,

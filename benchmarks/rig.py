@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import pickle
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from fem.casing.geometry.housing import Housing
-from fem.casing.models.elastic_casing import ElasticCasing
-from fem.casing.models.no_casing import NoCasing
-from fem.casing.models.rigid_casing import RigidCasing
+from fem.casing.models.stage import body_of
 from fem.casing.reduced.body import ReducedBody
 from fem.contact.law import MeshLaw
 from fem.contact.models.plane import Plane
@@ -18,7 +15,6 @@ from fem.elements.materials import Material
 from fem.gears.geometry import GearPair
 from mbd.system.system import System
 from pipelines.plant.assembly import assemble_machine, assemble_system
-from pipelines.plant.casing import ElasticPart
 from pipelines.plant.plant import Plant, make_plant
 from pipelines.scene.file import load_scene
 
@@ -53,26 +49,15 @@ def plane_law(pair: GearPair, slices: int = 15, refinement: float = 1.0) -> Laws
 
 def casing_parts(plant: Plant) -> tuple[Housing, Material]:
     """Housing with its sensors, and its material."""
-    assert plant.casing is not None
-    box = plant.casing.geometry
+    box, material = plant.structure.housing, plant.structure.material
     assert isinstance(box, Housing)
-    return box, plant.casing.material
-
-
-def casing_model(plant: Plant) -> RigidCasing | ElasticCasing:
-    """The model of a plant with a housing."""
-    part = plant.casing
-    assert part is not None
-    if not isinstance(part, ElasticPart):
-        return RigidCasing(mount_stiffness=part.mount_stiffness, damping_ratio=part.damping)
-    return replace(part.model, element_size=part.sizes.element, damping=part.damping)
+    assert material is not None
+    return box, material
 
 
 def casing_body(plant: Plant) -> ReducedBody:
     """The casing of a plant by its model."""
-    if plant.casing is None:
-        return NoCasing().reduce({f"bearing_{n}": point for n, point in enumerate(plant.bearing_points, 1)})
-    return casing_model(plant).reduce(*casing_parts(plant))
+    return body_of(plant.casing.stages(plant.structure))
 
 
 def system(plant: Plant, laws: list[Laws], body: ReducedBody) -> System:

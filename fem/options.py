@@ -31,7 +31,9 @@ class Option:
     gt: float | None = None
     le: float | None = None
     lt: float | None = None
-    most: int | None = None  # items of a tuple
+    least: int | None = None  # items of a tuple
+    most: int | None = None
+    pattern: str | None = None  # of a text, a regular expression
 
     def si(self, value: float) -> float:
         """A value in the unit of the option, in SI."""

@@ -185,7 +185,7 @@ def test_the_block_of_a_file_makes_the_scene_fit(tmp_path, monkeypatch, capsys):
     assert block in told
     assert re.search(r"# sensor sensor_3 is \d+ mm away from the housing \(limit 50 mm\): set position_mm = \[", block)
     (tmp_path / "mine.toml").write_text(f'extends = "minimal"\n{block}', encoding="utf-8")
-    assert check_scene(load_scene("mine.toml")).plant.casing.geometry.is_step
+    assert check_scene(load_scene("mine.toml")).plant.structure.housing.is_step
     page = (tmp_path / "found" / "box.html").read_text(encoding="utf-8")
     assert "bearing_1" in page
     assert (tmp_path / "found" / "box.png").stat().st_size > 10_000

@@ -12,6 +12,7 @@ from housings import housing_for_shafts, small_housing
 from fem.casing.geometry.dimensions import HousingError, Sensor
 from fem.casing.meshing.mesh import CasingMesh, MeshError
 from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.models.casing import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.models.no_casing import NoCasing
 from fem.casing.models.rigid_casing import RigidCasing
@@ -165,7 +166,7 @@ def test_check_up_finds_a_wrong_reduction(casing, reduction):
 
 
 def test_reduced_body_has_interface_and_recovered_rows(small, modes):
-    body = CraigBamptonCasing(band=BAND).body(modes, small.sensors)
+    body = CraigBamptonCasing(band=BAND).recovery(Structure(housing=small)).build(modes=(modes, None))
     assert body.coordinate_names[:6] == tuple(f"bearing_1:{a}" for a in ("ux", "uy", "uz", "rx", "rz")) + (
         "bearing_2:ux",
     )
@@ -203,10 +204,10 @@ def test_a_sensor_away_from_the_casing_is_refused(modes):
 
 
 def test_model_none_has_rows_without_coordinates(small):
-    body = NoCasing().reduce(small)
+    body = NoCasing().reduce(bearings={bore.name: small.bore_centre(bore) for bore in small.bores})
     assert body.rows.shape == (20, 0)
     assert body.row("bearing_4:rz").size == 0
-    assert NoCasing().reduce({"bearing_1": (0.0, -0.1, 0.0)}).point_names == ("bearing_1",)
+    assert NoCasing().reduce(bearings={"bearing_1": (0.0, -0.1, 0.0)}).point_names == ("bearing_1",)
 
 
 def test_model_rigid_moves_as_one_body(small):
@@ -226,10 +227,10 @@ def test_model_rigid_moves_as_one_body(small):
 
 
 def test_model_static_has_only_interface_coordinates(mesh, casing, small):
-    model = StaticCasing(element_size=0.04)
-    modes, check = model.modes(mesh, CAST_IRON)
+    model, structure = StaticCasing(), Structure(housing=small.with_sensors("sensor_3"), material=CAST_IRON)
+    modes, check = model.reduction(structure).build(mesh=mesh)
     assert check.failures == ()
-    body = model.body(modes, small.with_sensors("sensor_3").sensors)
+    body = model.recovery(structure).build(modes=(modes, check))
     assert body.model == "static"
     assert body.mass.shape == (20, 20)
     assert la.inv(body.stiffness) == pytest.approx(la.inv(casing.interface.stiffness), rel=1e-9)
@@ -256,7 +257,7 @@ def test_stiffer_material_scales_frequencies(mesh):
 @pytest.mark.slow
 def test_rig_housing_passes_its_check_up(rig):
     model = CraigBamptonCasing(band=2000.0, element_size=0.03)
-    casing = ground_casing(model.mesh(rig), CAST_IRON)
+    casing = ground_casing(model.meshed(Structure(housing=rig)).stage.build(), CAST_IRON)
     reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, highest=3000.0)
     found = check_up(casing, reduction, full_band=2000.0)
     assert found.failures == ()

@@ -23,8 +23,7 @@ def choices(table, field="model"):
 
 MODELS = [
     *MESHES,
-    *(choices(t)[0] for t in (casing.NoCasingTable, casing.RigidCasingTable, casing.StaticCasingTable)),
-    *(choices(t)[0] for t in (casing.CraigBamptonCasingTable, motion.StaticTorqueTable, motion.RopeTable)),
+    *(choices(t)[0] for t in (*casing.CASING_TABLES, motion.StaticTorqueTable, motion.RopeTable)),
     *(choices(t)[0] for t in (bearings.RigidBearings, bearings.LinearBearings, bearings.HertzBearings)),
     *(choices(t)[0] for t in typing.get_args(typing.get_args(losses.LossModel)[0])),
     *choices(motion.RopePendulumTable),

@@ -123,7 +123,7 @@ def test_forces_of_a_scene_in_si_and_the_casing_that_bears_them():
     assert (on_shaft.shaft, on_shaft.y, on_shaft.axis) == ("shaft_2", 0.01, "x")
     np.testing.assert_array_equal(on_shaft.force.levels, [0.0, 20.0])
     modes = next(step for step in plant_steps(plant) if step.name == "casing modes")
-    assert [(point.sensor.name, point.axes) for point in modes.spec.model.forced] == [("sensor_3", ("uz",))]
+    assert [(point.sensor.name, point.axes) for point in modes.spec.forced] == [("sensor_3", ("uz",))]
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from fem.casing.meshing.mesh import MeshError
 from fem.casing.meshing.mesh_file import read_mesh_file, write_fields
 from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.source import mesh_geometry
+from fem.casing.models.casing import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.reduced.attachment import nearest_surface_point
 from fem.elements.facets import corner_triangles, outer_facets, surface_weights
@@ -56,7 +57,7 @@ def housing(path, seat=SEAT, **more):
 
 
 def frequencies(mesh):
-    modes, found = CraigBamptonCasing(band=8000.0).modes(mesh, CAST_IRON)
+    modes, found = CraigBamptonCasing(band=8000.0).reduction(Structure(material=CAST_IRON)).build(mesh=mesh)
     assert not found.failures
     return modes.fixed_frequencies[:6]
 

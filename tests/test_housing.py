@@ -15,9 +15,9 @@ from fem.casing.meshing.mesh import MeshError
 from fem.casing.meshing.mesher import mesh_housing, session
 from fem.casing.meshing.sizes import Sizes, bending_wavelength
 from fem.casing.meshing.solid import build_solid
+from fem.casing.models.casing import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
-from fem.casing.models.rigid_casing import RigidCasing
-from fem.casing.reduced.rigid import housing_mass
+from fem.casing.reduced.rigid import housing_mass, rigid_body
 from fem.elements.materials import CAST_IRON, Material
 from fem.elements.solids import mass_properties
 
@@ -178,7 +178,7 @@ def test_a_housing_with_everything_on_is_meshed(small):
     meshed = mass_properties(mesh.nodes, mesh.elements, 1.0)[0]
     assert meshed == pytest.approx(volume(housing), rel=5e-3)  # coarse: fillets are met in flat facets
     with pytest.raises(ValueError, match="need the mesh"):
-        RigidCasing().reduce(housing, CAST_IRON)
+        rigid_body(housing, density=CAST_IRON.density, mount_stiffness=2e8)
 
 
 @pytest.mark.slow
@@ -188,7 +188,8 @@ def test_a_housing_with_everything_on_is_reduced_and_stiffer():
     first = []
     for housing in (plain, replace(full, walls=plain.walls, feet=plain.feet)):
         model = CraigBamptonCasing(band=800.0, element_size=0.03)
-        modes, check = model.modes(model.mesh(housing), CAST_IRON)
+        structure = Structure(housing=housing, material=CAST_IRON)
+        modes, check = model.reduction(structure).build(mesh=model.meshed(structure).stage.build())
         assert check.failures == ()
         first.append(modes.fixed_frequencies[0])
     assert first[1] > 1.02 * first[0]

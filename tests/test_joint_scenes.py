@@ -29,13 +29,17 @@ ELASTIC = {"casing.model": "static", "casing.element_size_mm": 60.0}
 FLANGE = ELASTIC | {"casing.housing.flange": {"width_mm": 20.0, "height_mm": 24.0}}
 
 
-def casing_of(settings, **joint):
-    return make_plant(load_scene("minimal", settings | {"casing.housing.joint": joint}).scene).casing
+def plant_of(settings, **joint):
+    return make_plant(load_scene("minimal", settings | {"casing.housing.joint": joint}).scene)
+
+
+def joint_of(settings, **joint):
+    return plant_of(settings, **joint).structure.joint
 
 
 def test_bolts_stand_along_the_flange_at_corners_and_beside_bosses():
     """Flange 20 mm wide around 260 x 160 mm; bosses of 65 and 80 mm at x = 0 and 76.68, head of an M10 14.63 mm."""
-    joint = casing_of(FLANGE, bolt="M10", pitch_mm=70.0).model.joint
+    joint = joint_of(FLANGE, bolt="M10", pitch_mm=70.0)
     assert (joint.plane.through[2], joint.bolt.clamped, joint.bolt.tapped) == (0.0, (0.012, 0.012), False)
     x, y, z = 1000 * np.array(joint.places).T
     assert (z == 0).all()
@@ -47,20 +51,20 @@ def test_bolts_stand_along_the_flange_at_corners_and_beside_bosses():
 
 
 def test_without_a_flange_bolts_go_through_the_cover_into_the_walls():
-    part = casing_of(ELASTIC, bolt="M6", pitch_mm=100.0, positions_mm=[[60.0, 0.0]])
-    joint = part.model.joint
+    structure = plant_of(ELASTIC, bolt="M6", pitch_mm=100.0, positions_mm=[[60.0, 0.0]]).structure
+    joint = structure.joint
     assert joint.plane.through[2] == pytest.approx(0.07)
     assert (joint.bolt.tapped, joint.bolt.length) == (True, pytest.approx(0.010))
     assert joint.places[0] == (0.06, 0.0, pytest.approx(0.07))
     x, y, _ = 1000 * np.array(joint.places[1:]).T
     assert (np.isin(abs(y), [75.0]) | np.isin(x, [-65.0, 185.0])).all()  # the middle of walls of 10 mm
-    assert part.geometry.bolted
+    assert structure.housing.bolted
 
 
 def test_stiffness_and_rings_of_a_scene_in_si():
-    given = casing_of(FLANGE, bolt="M10", pitch_mm=70.0, stiffness_N_per_um=[500.0, 300.0]).model.joint
+    given = joint_of(FLANGE, bolt="M10", pitch_mm=70.0, stiffness_N_per_um=[500.0, 300.0])
     assert given.stiffness_in(CAST_IRON) == (5e8, 3e8)
-    wide = casing_of(FLANGE, bolt="M10", pitch_mm=70.0, outer_diameter_mm=20.0).model.joint
+    wide = joint_of(FLANGE, bolt="M10", pitch_mm=70.0, outer_diameter_mm=20.0)
     assert wide.bolt.contact_diameter == 0.020
 
 
@@ -75,7 +79,7 @@ def test_stiffness_and_rings_of_a_scene_in_si():
 )
 def test_joints_that_do_not_fit_are_refused(joint, message):
     with pytest.raises(SceneError, match=message):
-        casing_of(FLANGE, **joint)
+        plant_of(FLANGE, **joint)
 
 
 def test_damped_joints_need_bolts():
@@ -105,9 +109,9 @@ def test_a_bolted_scene_is_built_with_its_damping():
 )
 def test_a_bolted_cover_of_a_plain_box(element):
     """Hexahedra have the underside of the cover as one of their planes; tetrahedra are made on both sides of it."""
-    part = casing_of(ELASTIC | {"casing.element": element}, bolt="M6", pitch_mm=60.0)
-    mesh = mesh_geometry(replace(part.geometry, sensors=()), part.sizes, part.element)
-    glued, bolted = (frequencies(mesh, joint) for joint in (None, part.model.joint))
+    plant = plant_of(ELASTIC | {"casing.element": element}, bolt="M6", pitch_mm=60.0)
+    mesh = plant.casing.meshed(plant.structure).stage.build()
+    glued, bolted = (frequencies(mesh, joint) for joint in (None, plant.structure.joint))
     assert (bolted < glued).all()
     assert (bolted > 0.4 * glued).all()
 
@@ -154,7 +158,7 @@ def test_a_joint_across_a_plane_of_a_file_in_si():
         "tapped": True, "positions_mm": [[100.0, 50.0, 12.0], [-100.0, 50.0, 10.0]],
     }  # fmt: skip
     loaded = load_scene("rig-step", {"casing.housing.joint": joint})
-    found = make_plant(loaded.scene).casing.model.joint
+    found = make_plant(loaded.scene).structure.joint
     assert found.plane == Plane(through=(0.0, 0.0, 0.01), normal=(0.0, 0.0, 1.0))
     assert found.places == ((0.1, 0.05, 0.01), (-0.1, 0.05, 0.01))
     assert (found.bolt.length, found.bolt.tapped) == (0.015, True)

@@ -14,6 +14,7 @@ from fem.casing.meshing.locate import ByBox, ByCylinder, ByGroup
 from fem.casing.meshing.mesh_file import read_quietly
 from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.source import mesh_geometry
+from fem.casing.models.casing import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.survey.read import survey
 from fem.elements.division import divided
@@ -192,7 +193,7 @@ def plate(path, **changes):
 
 
 def frequencies(mesh):
-    modes, found = CraigBamptonCasing(band=30000.0).modes(mesh, CAST_IRON)
+    modes, found = CraigBamptonCasing(band=30000.0).reduction(Structure(material=CAST_IRON)).build(mesh=mesh)
     assert not found.failures
     return modes.fixed_frequencies[:6]
 

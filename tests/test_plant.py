@@ -62,7 +62,7 @@ def test_behind_the_plant_only_what_makes_other_scenes_names_the_class():
     assert naming == {"steps/study.py", "trade/axes.py", "trade/choices.py"}
 
 
-@pytest.mark.parametrize("step", ["laws", "stress", "casing_mesh", "casing_modes", "motion"])
+@pytest.mark.parametrize("step", ["laws", "stress", "casing", "motion"])
 def test_a_result_hangs_on_no_code_that_reads_scenes(step):
     found = reachable(f"pipelines.steps.{step}")
     assert [name for name in found if name.startswith(("pipelines.scene", "pipelines.plant.plant"))] == []

@@ -50,7 +50,6 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "pipelines.scene",
     "pipelines.signals",
     "pipelines.plant.torques",
-    "pipelines.plant.casing_parts",
     "pipelines.plant",
     "pipelines.plant.checks",
     "pipelines.rexs",

@@ -17,8 +17,8 @@ from fem.casing.meshing.sizes import Sizes
 from fem.casing.meshing.solid import build_solid
 from fem.casing.meshing.source import Geometry
 from fem.casing.meshing.step_file import read_step
+from fem.casing.models.elastic_casing import ElasticCasing
 from fem.elements.materials import CAST_IRON, STEEL, Material
-from pipelines.plant.casing import ElasticPart
 from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.presets import preset_on
@@ -256,14 +256,15 @@ def _bores(axes: dict[float, tuple[float, float]], length: float) -> tuple[Bore,
 
 
 def _shipped(scene: str, reference_size: float, levels: int = 1) -> Case:
-    part = make_plant(preset_on(load_scene(scene, {"casing.extrapolated": True}), "standard").scene).casing
-    assert isinstance(part, ElasticPart), f"the casing of {scene} has no finite elements"
+    plant = make_plant(preset_on(load_scene(scene, {"casing.extrapolated": True}), "standard").scene)
+    casing, structure = plant.casing, plant.structure
+    assert isinstance(casing, ElasticCasing), f"the casing of {scene} has no finite elements"
     return Case(
         name=scene,
-        geometry=part.geometry,
-        material=part.material,
-        sizes=part.sizes,
-        element=part.element,
+        geometry=structure.housing,  # type: ignore[arg-type]
+        material=structure.material,  # type: ignore[arg-type]
+        sizes=casing.sizes(structure),
+        element=casing.element,
         reference_size=reference_size,
         reference_levels=levels,
     )

@@ -93,7 +93,9 @@ def _exponential_step() -> Values:
 def _ramp() -> tuple[np.ndarray, np.ndarray]:
     """Time and rope force over weight of a hoist that its motor ramps up."""
     machine = hoist(speed=RISE, tau=RAMP, start=START)
-    system = assemble(machine, NoCasing().reduce({b.name: (0.0, b.y, 0.0) for b in machine.bearings}), ("rope:force",))
+    system = assemble(
+        machine, NoCasing().reduce(bearings={b.name: (0.0, b.y, 0.0) for b in machine.bearings}), ("rope:force",)
+    )
     result = simulate(system, Settings(end=0.5, output_rate=2000.0, step=5e-5))
     return result.time, result.channel("rope:force") / WEIGHT
 

@@ -17,9 +17,11 @@ import numpy as np
 
 from benchmarks.clock import conditions, timed
 from benchmarks.peers import ccx, output
-from benchmarks.rig import casing_model, casing_parts, read
+from benchmarks.rig import casing_parts, read
 from fem.casing.meshing.mesh import CasingMesh
-from fem.casing.models.craig_bampton import CraigBamptonCasing
+from fem.casing.meshing.sizes import Sizes
+from fem.casing.meshing.source import mesh_geometry
+from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.reduction import Reduction, reduce_body
 from fem.elements.materials import Material
@@ -60,11 +62,8 @@ def measure(element_size: float | None = None) -> dict[str, Any]:
     """Frequencies and seconds of both."""
     plant = read()
     box, iron = casing_parts(plant)
-    model = casing_model(plant)
-    assert isinstance(model, CraigBamptonCasing)
-    if element_size is not None:
-        model = replace(model, element_size=element_size)
-    mesh = straightened(model.mesh(box))
+    assert isinstance(plant.casing, ElasticCasing)
+    mesh = straightened(mesh_geometry(box, Sizes(element=element_size or plant.casing.element_size)))
     taken, reduction = timed(lambda: ours(mesh, iron), repeats=1)
     with tempfile.TemporaryDirectory(prefix="gearcase-calculix-") as folder:
         path = Path(folder) / "casing.inp"

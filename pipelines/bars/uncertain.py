@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fem.casing.mesh_error.extrapolation import RIGID_MOTIONS, LowestModes, measured_limits
+from fem.casing.models.casing import Casing
 from fem.casing.reduced.modes import CasingModes
 from fem.casing.uncertain.frequency_errors import FrequencyErrors, frequency_errors
-from pipelines.plant.casing import CasingPart, ElasticPart, MatricesPart
-
-EXTRAPOLATE = "set casing.extrapolated = true, which computes further meshes, and run the scene again"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -27,13 +25,13 @@ class Uncertain:
 
 
 def uncertain(
-    part: CasingPart | None, modes: CasingModes | None, coarser: Sequence[LowestModes], damping_spread: float
+    casing: Casing, modes: CasingModes | None, coarser: Sequence[LowestModes], damping_spread: float
 ) -> Uncertain:
     """What is not known well.
 
     Parameters
     ----------
-    part : the casing of a plant
+    casing : model of the casing
     modes, coarser : of an extrapolated casing, on its own mesh and on the coarser ones
     damping_spread : of the damping ratios
     """
@@ -41,9 +39,4 @@ def uncertain(
         first = RIGID_MOTIONS if modes.ground == "springs" else 0
         errors = frequency_errors(measured_limits(modes, coarser), first)
         return Uncertain(errors=errors, damping_spread=damping_spread, remedy="")
-    remedy = 'it has no finite elements; set casing.model = "craig-bampton"'
-    if isinstance(part, ElasticPart):
-        remedy = EXTRAPOLATE
-    elif isinstance(part, MatricesPart):
-        remedy = "the matrices come from another program"
-    return Uncertain(errors=None, damping_spread=damping_spread, remedy=remedy)
+    return Uncertain(errors=None, damping_spread=damping_spread, remedy=casing.remedy)

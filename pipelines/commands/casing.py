@@ -25,14 +25,14 @@ def main(options: argparse.Namespace) -> int:
     from pipelines.engine.working import Work
     from pipelines.housings.responses import checked_names
     from pipelines.runs.casing_export import checked_target, write_casing
-    from pipelines.runs.single_results import build_casing, no_full_model, scene_graph
+    from pipelines.runs.single_results import build_casing, scene_graph
     from pipelines.scene.presets import load_asked
 
     targets = [checked_target(name) for name in options.export]
     loaded = load_asked(options)
     graph, plant = scene_graph(loaded)
     if "casing mesh" not in graph.steps and any(t.suffix == ".vtu" for t in targets):
-        raise InputError(no_full_model(plant))
+        raise InputError(plant.casing.no_full_model)
     if options.response:
         if plant.models["casing"] == "none":
             raise InputError("--response: casing.model = 'none' has no motion. Set casing.model to craig-bampton.")

@@ -85,9 +85,7 @@ def mode_table(title: str, modes: LinearModes) -> Grid:
 def notes(plant: Plant, modes: LinearModes, up_to: float) -> list[str]:
     """What the table was made with, and what bounds it."""
     from fem.casing.reduced.body import MODES_OVER_BAND
-    from pipelines.plant.casing import ElasticPart
 
-    casing = plant.casing
     found = [
         f"{name.replace('_', ' ')}: force {force:.4g} N, tangent stiffness {stiffness / 1e6:.4g} N/um"
         for name, force, stiffness in zip(modes.mesh_names, modes.mesh_forces, modes.mesh_stiffness, strict=True)
@@ -98,7 +96,7 @@ def notes(plant: Plant, modes: LinearModes, up_to: float) -> list[str]:
     ]
     if modes.overdamped:
         found.append(f"{modes.overdamped} overdamped motions do not oscillate and are not listed.")
-    limit = casing.model.limit if isinstance(casing, ElasticPart) else None
+    limit = plant.casing.limit
     if limit is not None and limit / MODES_OVER_BAND < up_to:
         found.append(
             f"The casing is resolved to {limit / MODES_OVER_BAND:g} Hz; modes above that are only indicative. "

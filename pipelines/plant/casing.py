@@ -1,203 +1,89 @@
-"""The casing of a scene, in SI: its housing, how it is meshed, what holds it, how it is reduced."""
+"""The casing of a scene, in SI: its model, and the structure that the model reduces."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
+from fem.casing.geometry.dimensions import Sensor
 from fem.casing.geometry.housing import Housing
-from fem.casing.meshing.sizes import Sizes, bending_wavelength
 from fem.casing.meshing.source import Geometry
-from fem.casing.models.registry import elastic_casing
-from fem.elements.materials import Material
+from fem.casing.models.casing import Casing, Structure
+from fem.casing.models.registry import casing_class
+from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.bearings import bearing_points
 from pipelines.plant.housing import housing
 from pipelines.plant.layout import Layout, material
-from pipelines.plant.units import si_options
+from pipelines.plant.parts import MachineParts
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.casing import (
-    CraigBamptonCasingTable,
-    ElasticBase,
-    FlexibleBase,
-    NoCasingTable,
-    RigidCasingTable,
-    StaticCasingTable,
-    percent,
-)
-from pipelines.scene.tables.housing import ImportedTable, MatricesHousingTable
+from pipelines.scene.tables.casing import ElasticBase, FlexibleBase
+from pipelines.scene.tables.housing import MatricesHousingTable
 
 if TYPE_CHECKING:
-    from fem.casing.foreign.casing import ForeignHousing
-    from fem.casing.models.elastic_casing import ElasticCasing
-    from fem.casing.reduced.damping import DampingRatio
-
-_NOT_REDUCED = ("model", "frequency_error", "elements_per_wavelength")  # keys of a model's table: of its body, its mesh
+    from fem.casing.reduced.grounded import ForcedPoint
 
 
-@dataclass(frozen=True, kw_only=True)
-class RigidBox:
-    """A plain box as a rigid casing on its mounts (N/m each); formulas give its mass."""
-
-    geometry: Housing
-    material: Material
-    mount_stiffness: float
-    damping: DampingRatio
-
-
-@dataclass(frozen=True, kw_only=True)
-class RigidMeshed:
-    """A rigid casing on its mounts (N/m each) whose mass comes from a mesh of it."""
-
-    geometry: Geometry
-    material: Material
-    sizes: Sizes
-    element: str
-    mount_stiffness: float
-    damping: DampingRatio
-
-
-@dataclass(frozen=True, kw_only=True)
-class ElasticPart:
-    """A casing of finite elements, reduced by its `model`.
-
-    `loss_factors` of the parts that have their own; `mounts` in N/m, a row for all feet or one per foot, None on fixed
-    ground. `error`: median band of the frequencies that the mesh is made for, None where its size is given.
-    """
-
-    model: ElasticCasing
-    geometry: Geometry
-    material: Material
-    sizes: Sizes
-    element: str
-    damping: DampingRatio
-    loss_factors: Mapping[str, float]
-    mounts: tuple[tuple[float, float, float], ...] | None
-    frequency_error: float | None
-    extrapolated: bool
-    error: float | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class MatricesPart:
-    """A casing of matrices of another program, reduced by its `model`; `mounts` as those of `ElasticPart`."""
-
-    model: ElasticCasing
-    geometry: ForeignHousing
-    damping: DampingRatio
-    loss_factors: Mapping[str, float]
-    mounts: tuple[tuple[float, float, float], ...] | None
-    frequency_error: float | None
-
-
-CasingPart = RigidBox | RigidMeshed | ElasticPart | MatricesPart
-
-
-def casing(scene: Scene, layout: Layout, source: str) -> CasingPart | None:
-    """The casing with its sensors; None where the bearings stand on the ground. SceneError if it does not fit."""
-    table = scene.casing
-    if isinstance(table, NoCasingTable):
-        return None
-    if isinstance(table.housing, MatricesHousingTable):
-        assert not isinstance(table, RigidCasingTable), "its table refuses matrices"
-        return _of_matrices(table, table.housing, scene, layout, source)
-    box = housing(table.housing, scene.sensors, layout, bearing_points(scene.shafts, layout), source)
-    iron = material("casing", table.material)
-    if isinstance(table, RigidCasingTable):
-        mount = table.mount_stiffness_N_per_um * 1e6
-        if isinstance(box, Housing) and box.plain:
-            return RigidBox(geometry=box, material=iron, mount_stiffness=mount, damping=table.damping_ratio)
-        sizes = element_sizes(table, box, iron, source)
-        return RigidMeshed(
-            geometry=box,
-            material=iron,
-            sizes=sizes,
-            element=table.element,
-            mount_stiffness=mount,
-            damping=table.damping_ratio,
-        )
-    from pipelines.plant.casing_parts.damped import loss_factors, regions  # late, like all that only elastic ones need
-    from pipelines.plant.casing_parts.joint import bolted_joint
-
-    return ElasticPart(
-        model=elastic_casing(
-            table.model,
-            ground=table.ground,
-            attachment=table.attachment,
-            regions=regions(table, box),
-            joint=bolted_joint(table.housing.joint, box, source),
-            **_options(table),
-        ),
-        geometry=box,
-        material=iron,
-        sizes=element_sizes(table, box, iron, source),
-        element=table.element,
-        damping=table.damping_ratio,
-        loss_factors=loss_factors(table),
-        mounts=_mounts(table),
-        frequency_error=getattr(table, "frequency_error", None),
-        extrapolated=table.extrapolated or table.error is not None,
-        error=None if table.error is None else percent(table.error),
-    )
-
-
-def _mounts(table: ElasticBase) -> tuple[tuple[float, float, float], ...] | None:
-    if table.ground == "fixed":
-        return None
-    return tuple((x * 1e6, y * 1e6, z * 1e6) for x, y, z in table.mounts_N_per_um)
-
-
-def _of_matrices(
-    table: StaticCasingTable | CraigBamptonCasingTable,
-    matrices: MatricesHousingTable,
-    scene: Scene,
-    layout: Layout,
-    source: str,
-) -> MatricesPart:
-    from pipelines.plant.casing_parts.damped import loss_factors
-    from pipelines.plant.foreign_housing import foreign_housing
-
-    return MatricesPart(
-        model=elastic_casing(table.model, ground=table.ground, attachment=table.attachment, **_options(table)),
-        geometry=foreign_housing(matrices, scene.sensors, bearing_points(scene.shafts, layout), source),
-        damping=table.damping_ratio,
-        loss_factors=loss_factors(table),
-        mounts=_mounts(table),
-        frequency_error=getattr(table, "frequency_error", None),
-    )
-
-
-def _options(table: ElasticBase) -> dict[str, Any]:
-    """The options that a casing model has of its own; what is no option of the reduction is read elsewhere."""
-    return {key: value for key, value in si_options(table, without=ElasticBase).items() if key not in _NOT_REDUCED}
-
-
-def element_sizes(table: FlexibleBase, box: Geometry, iron: Material, source: str) -> Sizes:
-    """Element sizes of a casing; at most a share of the bending wavelength of its thinnest wall where that is asked.
+def casing(scene: Scene, layout: Layout, machine: MachineParts, source: str) -> tuple[Casing, Structure]:
+    """The model with its options, and what it reduces, with the sensors on it. SceneError if it does not fit.
 
     Parameters
     ----------
-    table, box, iron : the table of the casing, its housing and its material
+    scene, layout, machine : the scene, where its shafts are, and the machine that the casing carries
     source : of the scene, for messages
+    """
+    table, points = scene.casing, bearing_points(scene.shafts, layout)
+    model: Casing = table.made()
+    if not isinstance(table, FlexibleBase):
+        return model, Structure(bearings={f"bearing_{number}": point for number, point in enumerate(points, 1)})
+    if isinstance(table.housing, MatricesHousingTable):
+        from pipelines.plant.foreign_housing import foreign_housing
+
+        model = casing_class("matrices")(of=model)
+        found = Structure(housing=foreign_housing(table.housing, scene.sensors, points, source))
+    else:
+        found = shaped(table, housing(table.housing, scene.sensors, layout, points, source), source)
+    loads, forced = loaded_axes(machine.bearings), forced_points(machine, found.sensors)
+    return model, replace(found, interfaces=loads, forced=forced)
+
+
+def shaped(table: FlexibleBase, made: Geometry, source: str) -> Structure:
+    """A housing with its material and its bolts, without loads.
 
     Raises
     ------
-    SceneError : the share is asked for, but the thickness of the wall is not known
+    SceneError : bolts that do not fit, elements by the wavelength in a wall whose thickness is not known
     """
-    size = table.element_size_mm / 1000
-    if isinstance(table, CraigBamptonCasingTable) and table.elements_per_wavelength is not None:
-        if isinstance(box, Housing):
-            wall = box.thinnest_wall
-        elif isinstance(table.housing, ImportedTable) and table.housing.wall_thickness_mm is not None:
-            wall = table.housing.wall_thickness_mm / 1000
-        else:
-            problem = "is needed for casing.elements_per_wavelength of a housing from a file"
-            raise SceneError(
-                source,
-                [Problem("casing.housing.wall_thickness_mm", problem, "Set the thickness of its thinnest wall.")],
-            )
-        size = min(size, bending_wavelength(iron, wall, table.band_Hz) / table.elements_per_wavelength)
-    local = (table.bore_element_size_mm, table.foot_element_size_mm)
-    bore, foot = (None if one is None else one / 1000 for one in local)
-    return Sizes(element=size, bore=bore, foot=foot)
+    wall = getattr(table.housing, "wall_thickness_mm", None)
+    thinnest = made.thinnest_wall if isinstance(made, Housing) else None if wall is None else wall / 1000
+    if thinnest is None and getattr(table, "elements_per_wavelength", None) is not None:
+        problem = "is needed for casing.elements_per_wavelength of a housing from a file"
+        raise SceneError(
+            source, [Problem("casing.housing.wall_thickness_mm", problem, "Set the thickness of its thinnest wall.")]
+        )
+    joint, bolts = None, getattr(table.housing, "joint", None)
+    if isinstance(table, ElasticBase) and bolts is not None:
+        from pipelines.plant.joint import bolted_joint  # late, like all that only elastic ones need
+
+        joint = bolted_joint(bolts, made, source)
+    return Structure(housing=made, material=material("casing", table.material), joint=joint, wall=thinnest)
+
+
+def forced_points(machine: MachineParts, sensors: Sequence[Sensor]) -> tuple[ForcedPoint, ...]:
+    """Sensors that bear outside forces, with the axes along which they do."""
+    pulled = {row for force in machine.forces for row in force.casing_rows}
+    if not pulled:
+        return ()
+    from fem.casing.reduced.grounded import GROUND_AXES, ForcedPoint
+
+    points = ((s, tuple(axis for axis in GROUND_AXES if f"{s.name}:{axis}" in pulled)) for s in sensors)
+    return tuple(ForcedPoint(sensor=sensor, axes=axes) for sensor, axes in points if axes)
+
+
+def loaded_axes(bearings: Iterable[BearingSpec]) -> dict[str, tuple[str, ...]]:
+    """Axes along which every bearing loads the casing; an axis without stiffness needs no interface."""
+    return {
+        spec.name: tuple(axis for axis, k in zip(BEARING_AXES, spec.stiffness, strict=True) if k > 0.0)
+        for spec in bearings
+    }

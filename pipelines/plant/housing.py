@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from fem.casing.geometry.dimensions import Bore, HousingError, Sensor
-from fem.casing.geometry.features import Feet, Fillets, Flange, Ribs, Walls
+from fem.casing.geometry.features import Feet, Fillets, Walls
 from fem.casing.geometry.housing import Housing
 from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
 from fem.casing.meshing.locate import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint, Locator, Point
@@ -17,7 +17,7 @@ from pipelines.border.errors import InputError, Problem, SceneError
 from pipelines.plant.layout import Layout
 from pipelines.scene.shipped_files import find_file
 from pipelines.scene.tables.casing import SensorTable
-from pipelines.scene.tables.housing import FlangeTable, GroundTable, HousingTable, ImportedTable, RibTable, SeatTable
+from pipelines.scene.tables.housing import GroundTable, HousingTable, ImportedTable, SeatTable
 
 END_DISTANCE = 0.05  # from the end of the box to the outer feet, in lengths of the box
 _SKEW = 1e-3  # largest cosine between two axes of a sensor or a file, which are then made orthogonal
@@ -121,24 +121,10 @@ def _parametric(table: HousingTable, layout: Layout, placed: tuple[Sensor, ...])
             floor=_optional(table.floor_thickness_mm),
             cover=_optional(table.cover_thickness_mm),
         ),
-        flange=None if table.flange is None else _flange(table.flange),
-        ribs=None if table.ribs is None else _ribs(table.ribs),
+        flange=table.flange and table.flange.made(),
+        ribs=table.ribs and table.ribs.made(),
         fillets=Fillets(foot=table.foot_fillet_mm / 1000, inner=table.inner_fillet_mm / 1000),
         bolted=table.joint is not None,
-    )
-
-
-def _flange(table: FlangeTable) -> Flange:
-    return Flange(split=table.split_plane_mm / 1000, width=table.width_mm / 1000, height=table.height_mm / 1000)
-
-
-def _ribs(table: RibTable) -> Ribs:
-    return Ribs(
-        thickness=table.thickness_mm / 1000,
-        height=table.height_mm / 1000,
-        per_boss=table.per_boss,
-        end_wall=table.end_wall,
-        cover=table.cover,
     )
 
 

@@ -22,8 +22,7 @@ def main(arguments: list[str]) -> int:
 
     name, target, *settings = arguments
     scene = load_scene(name, settings).scene
-    casing = make_plant(scene).casing
-    made = None if casing is None else casing.geometry
+    made = make_plant(scene).structure.housing
     if not isinstance(made, Housing):
         raise InputError(f"{name}: has no parametric housing. Set a scene whose casing.housing.model is parametric.")
     write_step(made, Path(target))

@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from fem.casing.geometry.dimensions import Sensor
+from fem.casing.models.casing import Casing, Structure
 from fem.contact.models.mesh_model import LawSpec
 from fem.contact.models.registry import loaded_model
 from pipelines.plant.bearings import BearingFault, RollingBearing, bearing_faults, bearing_points, rolling_bearings
-from pipelines.plant.casing import CasingPart, casing
+from pipelines.plant.casing import casing
 from pipelines.plant.facts import Facts, derive, stage_facts
 from pipelines.plant.flanks import Fault, flanks_spec, tooth_faults
 from pipelines.plant.flanks_spec import FlanksSpec
@@ -26,7 +27,7 @@ from pipelines.plant.torques.hoist import Hoist, hoist
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import ShaftFault, shaft_faults
 from pipelines.scene.tables.analysis import DiagnosisTable
-from pipelines.scene.tables.casing import NoCasingTable, SensorTable
+from pipelines.scene.tables.casing import FlexibleBase, SensorTable
 from pipelines.scene.tables.motion import DriveModel, SimulationTable, SpeedDrive
 from pipelines.signals.analysis import DiagnosisSettings
 
@@ -98,14 +99,15 @@ class Drivetrain:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Plant(Drivetrain):
-    """The drivetrain in its casing, with the sensors on it; `casing` is None where the bearings stand on the ground."""
+    """The drivetrain in its casing: the model of the casing, and the structure that it reduces, with the sensors."""
 
-    casing: CasingPart | None
+    casing: Casing
+    structure: Structure
 
     @property
     def sensors(self) -> tuple[Sensor, ...]:
         """The accelerometers on the casing."""
-        return () if self.casing is None else self.casing.geometry.sensors
+        return self.structure.sensors
 
 
 def make_plant(scene: Scene, source: str = "scene", layout: Layout | None = None) -> Plant:
@@ -117,7 +119,9 @@ def make_plant(scene: Scene, source: str = "scene", layout: Layout | None = None
     MachineError : a part of the machine refuses its values
     """
     layout = layout or lay_out(scene, source)
-    return Plant(**vars(make_drivetrain(scene, source, layout)), casing=casing(scene, layout, source))
+    drivetrain = make_drivetrain(scene, source, layout)
+    model, structure = casing(scene, layout, drivetrain.machine, source)
+    return Plant(**vars(drivetrain), casing=model, structure=structure)
 
 
 def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None = None) -> Drivetrain:
@@ -142,7 +146,8 @@ def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None =
         shaft_faults=shaft_faults(scene),
         bearing_points=bearing_points(scene.shafts, layout),
         recorded=Recorded(
-            sensors=tuple(sensor.name for sensor in scene.sensors), journals=isinstance(scene.casing, NoCasingTable)
+            sensors=tuple(sensor.name for sensor in scene.sensors),
+            journals=not isinstance(scene.casing, FlexibleBase),
         ),
         motion=motion_settings(scene.simulation),
         looked_for=looked_for(scene.diagnosis, scene.sensors, scene.drive),

@@ -81,8 +81,6 @@ def check_scene(loaded: LoadedScene) -> Checked:
 
 
 def _lines(plant: Plant, control: str) -> Iterator[str]:
-    from pipelines.plant.casing import ElasticPart
-
     facts = plant.facts
     yield plant.title
     yield f"  motor speed {facts.motor_speed * 30 / math.pi:.4g} rpm, total ratio {facts.total_ratio:.4f}"
@@ -110,10 +108,10 @@ def _lines(plant: Plant, control: str) -> Iterator[str]:
     models = [f"mesh {'/'.join(dict.fromkeys(chosen['mesh']))}"]
     models += [f"casing {chosen['casing']}", f"shafts {chosen['shaft_model']}", f"load {chosen['load']}"]
     yield f"  models: {', '.join(models)}, integrator {chosen['integrator']}"
-    if isinstance(plant.casing, ElasticPart) and plant.casing.model.joint is not None:
-        from pipelines.plant.casing_parts.joint import joint_words
+    if plant.structure.joint is not None and plant.structure.material is not None:
+        from pipelines.plant.joint import joint_words
 
-        yield f"  joint: {joint_words(plant.casing.model.joint, plant.casing.material)}"
+        yield f"  joint: {joint_words(plant.structure.joint, plant.structure.material)}"
     if plant.rolling:
         from pipelines.plant.looked_for import pass_rates
 

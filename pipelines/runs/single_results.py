@@ -135,22 +135,22 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
     InputError : an error check of a casing that has no full model
     """
     from pipelines.engine.step import Graph
-    from pipelines.plant.casing import ElasticPart, MatricesPart
-    from pipelines.plant.casing_parts.joint import joint_words
-    from pipelines.steps.graph import casing_error_step, extrapolated_from
+    from pipelines.plant.joint import joint_words
+    from pipelines.steps.graph import casing_step
 
     graph, plant = scene_graph(loaded)
-    limit = plant.casing.model.limit if isinstance(plant.casing, ElasticPart | MatricesPart) else None
+    structure, limit = plant.structure, plant.casing.limit
     band = STATIC_BAND if limit is None else limit / MODES_OVER_BAND
     elastic = "casing modes" in graph.steps
     meshed = elastic and "casing mesh" in graph.steps
-    coarser = extrapolated_from(graph.steps)
+    coarser = graph.steps["casing"].takes.get("coarser", ())
     wanted = ["casing", *(["casing mesh"] if meshed else []), *(["casing modes"] if elastic else [])]
     wanted += coarser
     if error_check:
-        if not meshed:
-            raise InputError(no_full_model(plant))
-        graph = Graph([*graph, casing_error_step(graph, band)])
+        check = plant.casing.error_check(structure, band)
+        if check is None:
+            raise InputError(plant.casing.no_full_model)
+        graph = Graph([*graph, casing_step(check)])
         wanted.append("casing error")
     outcome = work.build(graph, wanted)
     body, modes, checkup, natural, limits = outcome.value("casing"), None, None, None, None
@@ -170,15 +170,15 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
             limits = measured_limits(modes, [outcome.value(name) for name in coarser])
     mesh = outcome.value("casing mesh") if meshed else None
     words = ""
-    if mesh is not None and isinstance(plant.casing, ElasticPart) and plant.casing.model.joint is not None:
+    if mesh is not None and structure.joint is not None and structure.material is not None:
         from fem.casing.parts.bolted_joint import contact_areas
         from fem.casing.parts.split import split_mesh
 
-        joint = plant.casing.model.joint
+        joint = structure.joint
         split = split_mesh(mesh, joint.plane)
         mesh, shares = split.mesh, contact_areas(joint, split) / joint.bolt.contact_area
         low, high = (f"{100 * min(share, 1.0):.0f} %" for share in (shares.min(), shares.max()))
-        words = f"{joint_words(joint, plant.casing.material)}; in contact on {low} to {high} of their rings"
+        words = f"{joint_words(joint, structure.material)}; in contact on {low} to {high} of their rings"
     return Casing(
         body=body,
         mesh=mesh,
@@ -192,13 +192,6 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         records=tuple(record for record in outcome.records if "casing" in record.name),
         band=band,
     )
-
-
-def no_full_model(plant: Plant) -> str:
-    """Why a casing cannot be compared, or has no field of modes."""
-    if plant.models["casing"] == "craig-bampton":
-        return "imported matrices have no full model. Set casing.housing to a shape, a CAD file or a mesh"
-    return f'casing.model = "{plant.models["casing"]}" has no full model. Set casing.model = "craig-bampton"'
 
 
 def build_machine_modes(

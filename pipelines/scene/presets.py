@@ -103,7 +103,7 @@ _BAND = "casing.band_Hz"
 
 def preset_settings(scene: Scene, preset: str) -> Settings:
     """The values a preset sets, by path."""
-    from pipelines.scene.tables.casing import CraigBamptonCasingTable, ElasticBase
+    from pipelines.scene.tables.casing import ElasticBase
 
     level = LEVELS[preset]
     settings: Settings = {"simulation.step_us": level.step_us}
@@ -112,8 +112,8 @@ def preset_settings(scene: Scene, preset: str) -> Settings:
         settings[f"stages.{number}.mesh"] = {"model": "solid", "refinement": level.refinement, "slices": slices}
     if isinstance(scene.casing, ElasticBase):
         settings |= _casing_mesh(scene, scene.casing, level)
-    if isinstance(scene.casing, CraigBamptonCasingTable):
-        settings[_BAND] = scene.casing.band_Hz * level.band
+    if (band := getattr(scene.casing, "band_Hz", None)) is not None:
+        settings[_BAND] = band * level.band
     return settings
 
 

@@ -73,7 +73,7 @@ def compiled_ahead(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
     for drive, _ in laws:
         LawEvaluator(drive).evaluate(0.0, 0.0)
     machine = assemble_machine(spec.machine, laws)
-    system = assemble(machine, NoCasing().reduce({one.name: (0.0, 0.0, 0.0) for one in machine.bearings}), ())
+    system = assemble(machine, NoCasing().reduce(bearings={one.name: (0.0, 0.0, 0.0) for one in machine.bearings}), ())
     given = spec.motion
     end = _SAMPLES_AHEAD / given.output_rate
     simulate(system, Settings(end=end, output_rate=given.output_rate, step=given.step, integrator=given.integrator))

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from pipelines.engine.step import Graph, Step
 from pipelines.steps import diagnosing, features, reporting, verdict
 from pipelines.steps import error_bars as bars
-from pipelines.steps.graph import extrapolated_from
 from pipelines.steps.pictures import CASING, CURVES, picture_steps
 
 if TYPE_CHECKING:
@@ -99,7 +98,7 @@ def bars_step(study: Study) -> Step:
 
 def casing_taken(graph: Graph) -> dict[str, str | tuple[str, ...]]:
     """What error bars take of the casing: the reduced body, and modes of its meshes if it is extrapolated."""
-    coarser = extrapolated_from(graph.steps)
+    coarser = tuple(graph.steps["casing"].takes.get("coarser", ()))
     return {"body": "casing", **({"modes": "casing modes", "coarser": coarser} if coarser else {})}
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from pipelines.scene.presets import PRESETS, preset_settings
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.casing import CraigBamptonCasingTable, NoCasingTable, RigidCasingTable
+from pipelines.scene.tables.casing import ElasticBase
 
 Settings = dict[str, object]
 
@@ -70,7 +70,7 @@ def _single(scene: Scene, best: Settings) -> Iterator[tuple[str, str, Settings]]
     for label, table in MESHES.items():
         yield "mesh law", label, {f"stages.{n}.mesh": table for n in stages}
     casing = scene.casing
-    if isinstance(casing, CraigBamptonCasingTable):
+    if casing.model == "craig-bampton":
         element = str(best.get("casing.element", casing.element))
         for size, band in CASINGS:
             length, highest = casing.element_size_mm * size, casing.band_Hz * band
@@ -82,7 +82,7 @@ def _single(scene: Scene, best: Settings) -> Iterator[tuple[str, str, Settings]]
         label = "not extrapolated" if extrapolated else "extrapolated"
         yield "casing", label, {"casing.extrapolated": not extrapolated}
         yield "casing", "static", {"casing.model": "static", "casing.element_size_mm": casing.element_size_mm}
-    if not isinstance(casing, NoCasingTable | RigidCasingTable):
+    if isinstance(casing, ElasticBase):
         yield "casing", "rigid", {"casing.model": "rigid"}
     if scene.shaft_model.model == "timoshenko":
         length = scene.shaft_model.element_length_mm

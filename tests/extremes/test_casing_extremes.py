@@ -9,6 +9,7 @@ from housings import small_housing
 
 from fem.casing.geometry.dimensions import HousingError, Sensor
 from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.models.casing import Structure
 from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.accuracy import reduced_response
 from fem.casing.reduced.grounded import ground_casing
@@ -120,7 +121,8 @@ def test_thin_thick_and_long_housings_are_meshed_with_the_right_mass(change, siz
 @EXTREMES
 def test_thin_thick_and_long_housings_pass_the_check_up(change, size):
     model = StaticCasing(element_size=size)
-    modes, check = model.modes(model.mesh(small_housing(**change)), material())
+    structure = Structure(housing=small_housing(**change), material=material())
+    modes, check = model.reduction(structure).build(mesh=model.meshed(structure).stage.build())
     assert check.failures == ()
     assert (la.eigvalsh(modes.stiffness) > 0.0).all()
 

@@ -16,9 +16,10 @@ import scipy.sparse as sp
 from fem.casing.foreign.body import ForeignBody, ForeignError
 from fem.casing.foreign.checks import ForeignCheck, check_foreign, rigid_motion
 from fem.casing.foreign.files import MatrixFiles, read_body
-from fem.casing.foreign.reduce import Coupling, Point, ReducedForeign, reduce_foreign
+from fem.casing.foreign.reduce import Point, ReducedForeign, reduce_foreign
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.parts.feet import clamped_reactions, foot_sums
+from fem.casing.parts.names import Attachment
 from fem.casing.reduced.checkup import CheckUp
 from fem.casing.reduced.grounded import GROUND_AXES
 from fem.casing.reduced.modes import CasingModes
@@ -62,7 +63,7 @@ def foreign_casing(
     model: str,
     interfaces: Mapping[str, Sequence[str]],
     ground: str,
-    attachment: Coupling,
+    attachment: Attachment,
     limit: float | None,
 ) -> tuple[CasingModes, CheckUp]:
     """The reduced casing with its check-up.

@@ -12,17 +12,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import scipy.sparse as sp
 
 from fem.casing.foreign.body import ForeignBody, ForeignError
 from fem.casing.foreign.checks import rigid_motion
+from fem.casing.parts.names import Attachment
 from fem.casing.reduced.attachment import AXES
 from fem.casing.reduced.reduction import Interface, Reduction, held_interface, reduce_body
 
-Coupling = Literal["mean", "rigid"]
 _WELL = 1e10  # largest condition of the inertia of a point's nodes
 
 
@@ -33,7 +32,7 @@ class Point:
     nodes: tuple[int, ...]
     place: tuple[float, float, float] | None = None
     axes: tuple[str, ...] = AXES
-    coupling: Coupling = "mean"
+    coupling: Attachment = "mean"
 
 
 @dataclass(frozen=True, eq=False)

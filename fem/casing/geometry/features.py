@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fem.options import option
+
+LARGEST = 1e5  # mm; beyond it products of lengths lose all digits
+
 
 @dataclass(frozen=True, kw_only=True)
 class Walls:
@@ -35,30 +39,37 @@ class Feet:
 
 @dataclass(frozen=True, kw_only=True)
 class Flange:
-    """A rim around the outside of the walls at the split plane; the cover is bonded to the lower part over it.
+    """The flange at the split plane, over which the cover is bonded or bolted to the lower part.
 
     Unless the cover is bolted on (`Dimensions.bolted`), both are one body, as if their joint were closed everywhere.
     Around the bearing bosses the rim is interrupted.
     """
 
-    split: float  # z of the split plane
-    width: float  # beyond the outer faces of the walls
-    height: float  # of both halves together
+    split: float = option(
+        0.0,
+        unit="mm",
+        key="split_plane_mm",
+        ge=-LARGEST,
+        le=LARGEST,
+        text="z of the split plane; shaft 1 is at z = 0",
+    )
+    width: float = option(unit="mm", gt=0, le=LARGEST, text="width beyond the outer faces of the walls")
+    height: float = option(unit="mm", gt=0, le=LARGEST, text="of both halves together")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ribs:
-    """Plates on the outside of the walls, all of one thickness and standing out by one height.
+    """Ribs on the outside of the housing, all of one thickness and height.
 
     Below every boss `per_boss` vertical ribs reach from the underside of the floor up to the boss; each end wall has
     `end_wall` vertical ribs over its height, the cover has `cover` ribs across its width, evenly spread.
     """
 
-    thickness: float
-    height: float
-    per_boss: int = 0
-    end_wall: int = 0
-    cover: int = 0
+    thickness: float = option(unit="mm", gt=0, le=LARGEST, text="thickness of the plates")
+    height: float = option(unit="mm", gt=0, le=LARGEST, text="height of the ribs over their wall")
+    per_boss: int = option(0, ge=0, le=3, text="number of vertical ribs from the floor to each boss")
+    end_wall: int = option(0, ge=0, le=20, text="number of vertical ribs on each of the two end walls")
+    cover: int = option(0, ge=0, le=20, text="number of ribs across the cover")
 
 
 @dataclass(frozen=True, kw_only=True)

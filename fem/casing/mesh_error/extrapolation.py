@@ -24,8 +24,9 @@ from fem.casing.mesh_error.pairing import counterparts, sample_nodes
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.meshing.sizes import Sizes
 from fem.casing.parts.bolted_joint import BoltedJoint
+from fem.casing.parts.names import Attachment, Ground
 from fem.casing.reduced.body import MODES_OVER_BAND
-from fem.casing.reduced.grounded import Attachment, Ground, ground_casing
+from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.halves import lowest
 from fem.casing.reduced.modes import CasingModes
 from fem.casing.reduced.reduction import reduce_body

@@ -2,47 +2,92 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar, Literal
 
-from threadpoolctl import threadpool_limits
-
-from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.models.casing import Structure
 from fem.casing.models.elastic_casing import ElasticCasing
-from fem.casing.reduced.body import MODES_OVER_BAND
-from fem.casing.reduced.checkup import CheckUp, check_up
-from fem.casing.reduced.halves import reduced_and_counted
-from fem.casing.reduced.modes import CasingModes, casing_modes
-from fem.elements.materials import Material
+from fem.casing.models.holding import CasingReduction
+from fem.casing.models.recovery import Recovery
+from fem.casing.parts.names import MODES_OVER_BAND
+from fem.options import option
+
+if TYPE_CHECKING:
+    from fem.casing.meshing.sizes import Sizes
+    from fem.casing.reduced.grounded import GroundedCasing
+    from fem.casing.reduced.modes import CasingModes
+    from fem.casing.reduced.reduction import Reduction
+
+
+@dataclass(frozen=True, kw_only=True)
+class CraigBamptonReduction(CasingReduction):
+    """Constraint modes and every fixed-interface mode to 1.5 times `band` (Hz). A higher band serves a lower one."""
+
+    enough: ClassVar[str] = "band"
+    static: ClassVar[bool] = False
+    band: float
+
+    def reduced(self, casing: GroundedCasing) -> tuple[CasingModes, Reduction]:
+        """All modes below the limit, their number checked by the law of inertia."""
+        from fem.casing.reduced.halves import reduced_and_counted
+        from fem.casing.reduced.modes import casing_modes
+
+        limit = MODES_OVER_BAND * self.band
+        reduction, counted = reduced_and_counted(
+            casing.interface, lambda: (casing.K_free, casing.M_free), highest=limit, enrich=True
+        )
+        return casing_modes(casing, reduction, model="craig-bampton", band_limit=limit, counted=counted), reduction
 
 
 @dataclass(frozen=True, kw_only=True)
 class CraigBamptonCasing(ElasticCasing):
-    """Finite elements reduced to the bearing points and every fixed-interface mode to 1.5 times `band`."""
+    """Finite elements reduced to the bearing points and the fixed-interface modes (Craig-Bampton)."""
 
     model: Literal["craig-bampton"] = "craig-bampton"
-    band: float = 5000.0  # Hz
-    inertia_correction: bool = True
+    added_modes: ClassVar[int] = 280
+    band: float = option(
+        5000.0,
+        unit="Hz",
+        gt=0,
+        le=20000,
+        text="highest frequency of interest; modes up to 1.5 times this frequency are kept",
+    )
+    frequency_error: float | None = option(
+        None,
+        gt=0,
+        lt=0.1,
+        text="largest relative change of a frequency of the band by leaving out modes; without it: no mode is left out",
+    )
+    elements_per_wavelength: float | None = option(
+        None,
+        gt=0,
+        text="least elements per bending wavelength of the thinnest wall at band_Hz; reduces the element size where "
+        "needed",
+    )
 
     @property
     def limit(self) -> float:
         """Frequency (Hz) up to which modes are kept."""
         return MODES_OVER_BAND * self.band
 
-    def modes(self, mesh: CasingMesh, material: Material) -> tuple[CasingModes, CheckUp]:
-        """Second stage: factorise and reduce.
+    def sizes(self, structure: Structure) -> Sizes:
+        """Edge lengths of the elements, at most a share of the bending wavelength of the thinnest wall."""
+        from fem.casing.meshing.sizes import bending_wavelength
 
-        Raises
-        ------
-        EigenError : the modes found are not as many as the law of inertia counts
-        """
-        with threadpool_limits(1):  # the heavy steps run in two halves side by side
-            casing = self.casing(mesh, material)
-            reduction, counted = reduced_and_counted(
-                casing.interface,
-                lambda: (casing.K_free, casing.M_free),
-                highest=self.limit,
-                enrich=self.inertia_correction,
-            )
-            result = casing_modes(casing, reduction, model=self.model, band_limit=self.limit, counted=counted)
-            return result, check_up(casing, reduction)
+        given = super().sizes(structure)
+        if self.elements_per_wavelength is None:
+            return given
+        assert structure.wall is not None, "the wavelength depends on it"
+        assert structure.material is not None, "the wavelength depends on it"
+        length = bending_wavelength(structure.material, structure.wall, self.band) / self.elements_per_wavelength
+        return replace(given, element=min(given.element, length))
+
+    def reduction(self, structure: Structure) -> CraigBamptonReduction:
+        """All modes below the limit."""
+        return CraigBamptonReduction(
+            held=self.held(structure), regions=self.regions(structure), forced=structure.forced, band=self.band
+        )
+
+    def recovery(self, structure: Structure) -> Recovery:
+        """What is added to the modes, and which of them are left out."""
+        return replace(super().recovery(structure), frequency_error=self.frequency_error)

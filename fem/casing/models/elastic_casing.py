@@ -1,78 +1,170 @@
-"""What the casing models with finite elements share: mesh, modes with their check-up, body."""
+"""What the casing models with finite elements share."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
 
-from fem.casing.geometry.dimensions import Sensor
-from fem.casing.geometry.housing import Housing
-from fem.casing.meshing.mesh import CasingMesh
-from fem.casing.meshing.sizes import Sizes
-from fem.casing.meshing.source import mesh_geometry
-from fem.casing.parts.bolted_joint import BoltedJoint
-from fem.casing.parts.regions import Region
-from fem.casing.reduced.body import ReducedBody
-from fem.casing.reduced.checkup import CheckUp
-from fem.casing.reduced.damping import DampingRatio
-from fem.casing.reduced.grounded import Attachment, ForcedPoint, Ground, GroundedCasing, ground_casing
-from fem.casing.reduced.modes import CasingModes, Mounts, reduced_body
-from fem.elements.materials import Material
-from fem.numerics.linear_solver import Solver
+from fem.casing.models.casing import HousingCasing, Structure
+from fem.casing.models.damped_part import DampedPart
+from fem.casing.models.holding import CasingReduction, ErrorCheck, Holding
+from fem.casing.models.meshing import Meshing, SizedMeshing
+from fem.casing.models.recovery import Recovery
+from fem.casing.models.stage import BODY, MESH, MODES, PlannedStage
+from fem.casing.parts.names import MODES_OVER_BAND, MOUNTS, Attachment, Ground
+from fem.elements.solid_elements import SOLIDS
+from fem.options import option
+
+if TYPE_CHECKING:
+    from fem.casing.parts.regions import Region
+
+TRIAL = "trial casing"  # modes that the element size is predicted from
+COARSER = ("coarser casing", "coarsest casing")  # modes that a casing is extrapolated from: with larger elements, or
+QUADRATIC = "quadratic casing"  # with quadratic displacements on the mesh of cubic elements
+MOST_ERROR = 0.05  # that can be asked of frequencies
+NOT_EXTRAPOLATED = {  # elements whose error is not estimated, and what to take instead
+    "tetrahedron-4": "tetrahedron-10",
+    "hexahedron-20": "hexahedron-32",
+    "hexahedron-27": "hexahedron-32",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
-class ElasticCasing(ABC):
-    """What the casing models with finite elements share: they go through steps that can be stored one by one.
+class ElasticCasing(HousingCasing):
+    """A casing of finite elements."""
 
-    `limit` (Hz): modes up to it are kept, None where a model has none.
-    """
+    remedy: ClassVar[str] = "set casing.extrapolated = true, which computes further meshes, and run the scene again"
+    ground: Ground = option(
+        "fixed", text="fixed: the undersides of the feet are held; springs: each foot stands on a mount"
+    )
+    mounts: tuple[tuple[float, float, float], ...] = option(
+        ((2e8, 2e8, 2e8),),
+        unit="N/um",
+        gt=0,
+        le=1e7,
+        least=1,
+        text='stiffnesses along x, y and z with ground = "springs": one row for all mounts, or one per foot',
+    )
+    attachment: Attachment = option(
+        "mean", text="how bearing and mount points follow their faces: mean motion (RBE3) or rigid (RBE2)"
+    )
+    damped_parts: tuple[DampedPart, ...] = option(
+        (),
+        text="parts with a separate loss factor, weighted by strain energy; damping_ratio is that of the rest",
+    )
+    extrapolated: bool = option(
+        False,
+        text="true: stiffness extrapolated to zero element size. With tetrahedron-20 and hexahedron-32 from quadratic "
+        "displacements on the same mesh, with tetrahedron-10 from two coarser meshes",
+    )
+    error: str | None = option(
+        None,
+        pattern=r"^[0-9]+(\.[0-9]+)? ?%$",
+        text='target error of the frequencies, e.g. "0.2%": all element sizes are reduced until half of the modes '
+        "meet it, and the stiffness is extrapolated; without it: sizes as given",
+    )
 
-    model: str
-
-    element_size: float = 0.022  # m
-    ground: Ground = "fixed"
-    attachment: Attachment = "mean"
-    interfaces: Mapping[str, Sequence[str]] | None = None  # bearing -> axes that carry loads; all by default
-    forced: tuple[ForcedPoint, ...] = ()  # surface points that bear outside forces
-    mounts: Mounts | None = None  # stiffness of the feet, if the ground is "springs"
-    damping: DampingRatio = 0.01
-    regions: tuple[Region, ...] = ()  # parts whose strain energy is told from that of the rest
-    joint: BoltedJoint | None = None  # bolts between two halves; None: one body
-    solver: Solver = "auto"
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.error is not None and not 0.0 < self.target_error <= MOST_ERROR:
+            raise ValueError(f'error = "{self.error}" must be above 0 and at most {100 * MOST_ERROR:g} %. Correct it')
+        for key, asked in (("error", self.error is not None), ("extrapolated", self.extrapolated)):
+            if asked and self.element in NOT_EXTRAPOLATED:
+                raise ValueError(
+                    f"{key}: the discretisation error of {self.element} is not estimated. Set element = "
+                    f'"{NOT_EXTRAPOLATED[self.element]}", or delete {key}'
+                )
+        names = [part.name for part in self.damped_parts]
+        if repeated := sorted({name for name in names if names.count(name) > 1}):
+            raise ValueError(f"damped_parts: {repeated[0]} occurs {names.count(repeated[0])} times. Delete all but one")
+        if MOUNTS in names and self.ground != "springs":
+            raise ValueError(
+                'damped_parts: a casing with ground = "fixed" has no mounts. Set ground = "springs", or delete the '
+                "part mounts"
+            )
 
     @property
-    def limit(self) -> float | None:
-        """Frequency (Hz) up to which modes are kept."""
-        return None
+    def target_error(self) -> float:
+        """Median band of the frequencies that the mesh is made for; 0.0 where its size is given."""
+        return 0.0 if self.error is None else float(self.error.removesuffix("%")) / 100.0
 
-    def mesh(self, housing: Housing) -> CasingMesh:
-        """First stage: geometry to ten-node tetrahedra."""
-        return mesh_geometry(housing, Sizes(element=self.element_size))
-
-    def casing(self, mesh: CasingMesh, material: Material) -> GroundedCasing:
-        """The meshed casing in its ground, factorised."""
-        return ground_casing(
-            mesh,
-            material,
-            interfaces=self.interfaces,
-            forced=self.forced,
-            ground=self.ground,
-            attachment=self.attachment,
-            regions=self.regions,
-            joint=self.joint,
-            solver=self.solver,
+    def stages(self, structure: Structure) -> tuple[PlannedStage, ...]:
+        """Mesh, modes and body; those that it is extrapolated from, and that its size follows from, where asked."""
+        first, reduction = self.meshed(structure), self.reduction(structure)
+        extrapolated = self.extrapolated or self.error is not None
+        cubic = SOLIDS[self.element].degree == 3
+        coarser: list[PlannedStage] = []
+        if extrapolated and not cubic:
+            assert isinstance(first.stage, Meshing)
+            for name, larger in zip(COARSER, first.stage.coarser(), strict=True):
+                ratio = larger.sizes.element / first.stage.sizes.element
+                mesh = PlannedStage(name=f"{name} mesh", stage=larger, seconds=first.seconds / ratio**2)
+                coarser += [mesh, reduction.lowest(name, mesh)]
+        names = tuple(stage.name for stage in coarser[1::2])
+        sized = [] if self.error is None else self._sized(first, reduction, names)
+        lower = [reduction.lowest(QUADRATIC, first, quadratic=True)] if extrapolated and cubic else []
+        return (
+            *([] if sized else [first]),
+            *coarser,
+            *sized,
+            *lower,
+            PlannedStage(name=MODES, stage=reduction, takes={"mesh": MESH}, seconds=10.0),
+            self.recovered(structure, names or tuple(stage.name for stage in lower)),
         )
 
+    def _sized(self, first: PlannedStage, reduction: CasingReduction, coarser: tuple[str, ...]) -> list[PlannedStage]:
+        """The mesh with the largest elements, its lowest modes, and the mesh whose size follows from them.
+
+        Without `coarser` stages it follows from quadratic displacements on the first mesh.
+        """
+        trial, lower = replace(first, name=f"{TRIAL} mesh"), f"{QUADRATIC}, trial"
+        band = 0.0 if self.limit is None else self.limit / MODES_OVER_BAND
+        stage = SizedMeshing(**vars(first.stage), error=self.target_error, band=band)
+        return [
+            trial,
+            reduction.lowest(TRIAL, trial),
+            *([] if coarser else [reduction.lowest(lower, trial, quadratic=True)]),
+            replace(first, stage=stage, takes={"trial": TRIAL, "coarser": coarser or (lower,)}),
+        ]
+
+    def held(self, structure: Structure) -> Holding:
+        """The casing as its ground and its bearings hold it."""
+        assert structure.material is not None, "elements need a material"
+        return Holding(
+            material=structure.material,
+            interfaces=structure.interfaces,
+            ground=self.ground,
+            attachment=self.attachment,
+            joint=structure.joint,
+        )
+
+    def regions(self, structure: Structure) -> tuple[Region, ...]:
+        """Boxes of the damped parts that are made of elements."""
+        found = (part.region(structure.housing) for part in self.damped_parts)
+        return tuple(region for region in found if region is not None)
+
     @abstractmethod
-    def modes(self, mesh: CasingMesh, material: Material) -> tuple[CasingModes, CheckUp]:
-        """Second stage: factorise and reduce; the check-up tells whether the result can be trusted."""
+    def reduction(self, structure: Structure) -> CasingReduction:
+        """The stage that makes the modes of a mesh."""
 
-    def body(self, modes: CasingModes, sensors: Sequence[Sensor] = ()) -> ReducedBody:
-        """Last stage: mounts, damping and the rows of the sensors asked."""
-        return reduced_body(modes, sensors=sensors, damping=self.damping, mounts=self.mounts, limit=self.limit)
+    def recovered(self, structure: Structure, coarser: tuple[str, ...] = ()) -> PlannedStage:
+        """The stage that makes the body, of modes and of those of `coarser` stages."""
+        return PlannedStage(name=BODY, stage=self.recovery(structure), takes={"modes": MODES, "coarser": coarser})
 
-    def reduce(self, housing: Housing, material: Material) -> ReducedBody:
-        """All stages."""
-        return self.body(self.modes(self.mesh(housing), material)[0], housing.sensors)
+    def recovery(self, structure: Structure) -> Recovery:
+        """What is added to the modes."""
+        return Recovery(
+            sensors=structure.sensors,
+            damping=self.damping_ratio,
+            loss_factors={part.name: part.loss_factor for part in self.damped_parts},
+            mounts=self.mounts if self.ground == "springs" else None,
+            limit=self.limit,
+        )
+
+    def error_check(self, structure: Structure, band: float) -> PlannedStage:
+        """The comparison with the full model up to a band (Hz)."""
+        stage = ErrorCheck(reduction=self.reduction(structure), recovery=self.recovery(structure), band=band)
+        takes: Mapping[str, str | tuple[str, ...]] = {"mesh": MESH, "modes": MODES, "body": BODY}
+        return PlannedStage(name="casing error", stage=stage, takes=takes, seconds=40.0)

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
-from fem.casing.geometry.housing import Housing
-from fem.casing.reduced.body import ReducedBody
-from fem.casing.reduced.modes import grounded_body
-from fem.elements.materials import Material
+from fem.casing.models.casing import Casing, Structure
+from fem.casing.models.recovery import BearingsOnGround
+from fem.casing.models.stage import BODY, PlannedStage
 
 
 @dataclass(frozen=True, kw_only=True)
-class NoCasing:
-    """Bearings to ground."""
+class NoCasing(Casing):
+    """Bearings are held by the ground. The channels are bearing forces and shaft motion, without sensors."""
 
     model: Literal["none"] = "none"
+    added_modes: ClassVar[int] = 0
 
-    def reduce(self, housing: Housing | Mapping[str, Sequence[float]], material: Material | None = None) -> ReducedBody:
-        """A body without coordinates. Instead of a housing, bearing points {name: (x, y, z)} (m) will do."""
-        if isinstance(housing, Housing):
-            return grounded_body({bore.name: tuple(housing.bore_centre(bore)) for bore in housing.bores})
-        return grounded_body(housing)
+    def stages(self, structure: Structure) -> tuple[PlannedStage, ...]:
+        """The body alone."""
+        return (PlannedStage(name=BODY, stage=BearingsOnGround(bearings=structure.bearings)),)

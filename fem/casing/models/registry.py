@@ -1,26 +1,20 @@
-"""CASINGS: the elastic casing models by name."""
+"""CASINGS: the casing models by name."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fem.named_classes import named_class
 
-if TYPE_CHECKING:
-    from fem.casing.models.elastic_casing import ElasticCasing
-
 CASINGS = {
+    "none": ("fem.casing.models.no_casing", "NoCasing"),
+    "rigid": ("fem.casing.models.rigid_casing", "RigidCasing"),
     "static": ("fem.casing.models.static_casing", "StaticCasing"),
     "craig-bampton": ("fem.casing.models.craig_bampton", "CraigBamptonCasing"),
+    "matrices": ("fem.casing.models.matrices_casing", "MatricesCasing"),  # imported, reduced as one of those above
 }
 
 
-def elastic_casing(name: str, **options: Any) -> ElasticCasing:
-    """The model of that name with its options.
-
-    Raises
-    ------
-    ValueError : no such model
-    """
-    made: ElasticCasing = named_class(CASINGS, name, "casing model", ValueError)(**options)
-    return made
+def casing_class(name: str) -> Any:
+    """The model of that name. ValueError if there is none."""
+    return named_class(CASINGS, name, "casing model", ValueError)

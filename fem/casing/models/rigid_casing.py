@@ -3,29 +3,45 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
-from fem.casing.geometry.housing import Housing
-from fem.casing.reduced.body import ReducedBody
-from fem.casing.reduced.damping import DampingRatio
-from fem.casing.reduced.rigid import rigid_body
-from fem.elements.materials import Material
+from fem.casing.models.casing import HousingCasing, Structure
+from fem.casing.models.recovery import RigidRecovery
+from fem.casing.models.stage import BODY, MESH, PlannedStage
+from fem.options import option
+
+if TYPE_CHECKING:
+    from fem.casing.geometry.housing import Housing
 
 
 @dataclass(frozen=True, kw_only=True)
-class RigidCasing:
-    """A rigid body on one spring per foot."""
+class RigidCasing(HousingCasing):
+    """A rigid body on mounts, one per foot: 6 coordinates and no finite elements."""
 
     model: Literal["rigid"] = "rigid"
-    mount_stiffness: float = 2e8  # N/m of each foot, in x, y and z
-    damping_ratio: DampingRatio = 0.01
+    added_modes: ClassVar[int] = 6
+    mount_stiffness: float = option(2e8, unit="N/um", gt=0, le=1e7, text="stiffness of each mount along x, y and z")
 
-    def reduce(self, housing: Housing, material: Material) -> ReducedBody:
-        """Six coordinates; mass and inertia from the volumes of the housing."""
-        return rigid_body(
-            housing,
+    def needs_mesh(self, structure: Structure) -> bool:
+        """Of a plain box formulas give mass and key points."""
+        return self._box(structure) is None
+
+    def _box(self, structure: Structure) -> Housing | None:
+        from fem.casing.geometry.housing import Housing
+
+        return structure.housing if isinstance(structure.housing, Housing) and structure.housing.plain else None
+
+    def stages(self, structure: Structure) -> tuple[PlannedStage, ...]:
+        """The body; of a housing that is no plain box after its mesh, which gives mass and key points."""
+        box, material = self._box(structure), structure.material
+        assert material is not None, "the mass needs a density"
+        body = RigidRecovery(
+            housing=box,
+            sensors=structure.sensors,
             density=material.density,
             mount_stiffness=self.mount_stiffness,
             damping_ratio=self.damping_ratio,
-            sensors=housing.sensors,
         )
+        if box is not None:
+            return (PlannedStage(name=BODY, stage=body),)
+        return self.meshed(structure), PlannedStage(name=BODY, stage=body, takes={"mesh": MESH})

@@ -3,27 +3,40 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
-from threadpoolctl import threadpool_limits
-
-from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.models.casing import Structure
 from fem.casing.models.elastic_casing import ElasticCasing
-from fem.casing.reduced.checkup import CheckUp, check_up
-from fem.casing.reduced.modes import CasingModes, casing_modes
-from fem.casing.reduced.reduction import reduce_body
-from fem.elements.materials import Material
+from fem.casing.models.holding import CasingReduction
+
+if TYPE_CHECKING:
+    from fem.casing.reduced.grounded import GroundedCasing
+    from fem.casing.reduced.modes import CasingModes
+    from fem.casing.reduced.reduction import Reduction
+
+
+@dataclass(frozen=True, kw_only=True)
+class StaticReduction(CasingReduction):
+    """Static condensation to the bearing points; its inertia is right only far below resonance."""
+
+    static: ClassVar[bool] = True
+
+    def reduced(self, casing: GroundedCasing) -> tuple[CasingModes, Reduction]:
+        """Constraint modes alone."""
+        from fem.casing.reduced.modes import casing_modes
+        from fem.casing.reduced.reduction import reduce_body
+
+        reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=0, enrich=False)
+        return casing_modes(casing, reduction, model="static", band_limit=0.0), reduction
 
 
 @dataclass(frozen=True, kw_only=True)
 class StaticCasing(ElasticCasing):
-    """Finite elements condensed statically to the bearing points; its inertia is right only far below resonance."""
+    """Finite elements condensed statically (Guyan) to the bearing points."""
 
     model: Literal["static"] = "static"
+    added_modes: ClassVar[int] = 40
 
-    def modes(self, mesh: CasingMesh, material: Material) -> tuple[CasingModes, CheckUp]:
-        """Second stage: factorise and condense."""
-        with threadpool_limits(1):  # the heavy steps run in two halves side by side
-            casing = self.casing(mesh, material)
-            reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=0, enrich=False)
-            return casing_modes(casing, reduction, model=self.model, band_limit=0.0), check_up(casing, reduction)
+    def reduction(self, structure: Structure) -> StaticReduction:
+        """Static condensation."""
+        return StaticReduction(held=self.held(structure), regions=self.regions(structure), forced=structure.forced)

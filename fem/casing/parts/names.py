@@ -1,6 +1,15 @@
-"""Names of parts of a casing that have no elements, and the largest loss factor of a part."""
+"""Names, choices and limits of casings that their options and their computation share."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+Ground = Literal["fixed", "springs"]
+Attachment = Literal["mean", "rigid"]
+DampingRatio = float | Sequence[Sequence[float]]  # zeta, or rows (Hz, zeta) with rising frequencies
+MODES_OVER_BAND = 1.5  # fixed-interface modes are kept to this multiple of the wanted band
+COVER, FEET = "cover", "feet"
 
 MOUNTS = "mounts"  # springs under the feet
 JOINTS = "joints"  # bolts between two halves

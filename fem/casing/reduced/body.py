@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.casing.parts.names import MODES_OVER_BAND as MODES_OVER_BAND
 from fem.storage.records import Record, array, names, scalar, text
 
 BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")  # of a bearing; the rotation ry about the shaft is free
-MODES_OVER_BAND = 1.5  # fixed-interface modes are kept to this multiple of the wanted band
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -18,9 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.linalg as la
 
-from fem.casing.parts.names import LARGEST_LOSS_FACTOR
-
-DampingRatio = float | Sequence[Sequence[float]]  # zeta, or rows (Hz, zeta) with rising frequencies
+from fem.casing.parts.names import LARGEST_LOSS_FACTOR, DampingRatio
 
 
 def damping_ratios(damping: DampingRatio, frequencies: np.ndarray) -> np.ndarray:

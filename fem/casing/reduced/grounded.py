@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import scipy.sparse as sp
@@ -21,7 +20,7 @@ from fem.casing.edges.added import added_functions
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.meshing.mesh import CasingMesh
 from fem.casing.parts.bolted_joint import BoltedJoint, joint_stiffness
-from fem.casing.parts.names import JOINTS
+from fem.casing.parts.names import JOINTS, Attachment, Ground
 from fem.casing.parts.regions import Region, elements_inside, stiffness_of
 from fem.casing.parts.split import split_mesh
 from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
@@ -35,9 +34,6 @@ from fem.numerics.linear_solver import Solver
 from fem.numerics.memory import give_back
 
 GROUND_AXES = ("ux", "uy", "uz")
-
-Ground = Literal["fixed", "springs"]
-Attachment = Literal["mean", "rigid"]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,10 +17,10 @@ import scipy.linalg as la
 
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.parts.feet import clamped_reactions, foot_sums
-from fem.casing.parts.names import MOUNTS
+from fem.casing.parts.names import MOUNTS, DampingRatio
 from fem.casing.reduced.attachment import nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES, ReducedBody
-from fem.casing.reduced.damping import DampingRatio, energy_shares, modal_damping
+from fem.casing.reduced.damping import energy_shares, modal_damping
 from fem.casing.reduced.grounded import GROUND_AXES, GroundedCasing
 from fem.casing.reduced.reduction import Reduction
 from fem.casing.reduced.truncation import ModeSet, fewest_modes, kept

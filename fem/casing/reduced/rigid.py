@@ -15,9 +15,10 @@ import numpy as np
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.geometry.housing import Housing
 from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.parts.names import DampingRatio
 from fem.casing.reduced.attachment import AXES, nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES, ReducedBody
-from fem.casing.reduced.damping import DampingRatio, modal_damping
+from fem.casing.reduced.damping import modal_damping
 from fem.elements.solids import mass_properties, rigid_body_modes
 
 

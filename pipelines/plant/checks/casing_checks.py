@@ -18,10 +18,10 @@ from fem.casing.meshing.source import Geometry
 from mbd.coordinates.layout import BEARING_PLACE_TOLERANCE
 from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.bearings import bearing_names, bearing_points
-from pipelines.plant.casing import element_sizes
-from pipelines.plant.layout import Layout, material
+from pipelines.plant.casing import shaped
+from pipelines.plant.layout import Layout
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.casing import FlexibleBase, RigidCasingTable
+from pipelines.scene.tables.casing import FlexibleBase
 from pipelines.scene.tables.housing import ImportedTable
 
 MOST_ELEMENTS = 1_500_000  # quadratic tetrahedra, 2 million nodes: about 60 GB to factorise
@@ -49,16 +49,15 @@ def bad_casing(scene: Scene, layout: Layout, made: Geometry, source: str) -> Ite
         yield from cheap
         if not cheap:
             yield from _seats_in_file(scene, layout, made)
-    if isinstance(table, RigidCasingTable) and isinstance(made, Housing) and made.plain:
-        return  # no mesh
     try:
-        sizes = element_sizes(table, made, material("casing", table.material), source)
+        structure, casing = shaped(table, made, source), table.made()
     except SceneError as error:
         yield from error.problems
         return
-    if isinstance(made, Housing):
+    if isinstance(made, Housing) and casing.needs_mesh(structure):
         from fem.casing.meshing.mesher import check_element_size
 
+        sizes = casing.sizes(structure)
         try:
             check_element_size(made, sizes.element)
         except MeshError as error:

@@ -127,7 +127,7 @@ def _modes(scene: Scene) -> float:
         stretch = shaft.sections[-1].end_mm - shaft.sections[0].start_mm
         nodes += min(333.0, stretch / length) + len(shaft.sections) + len(shaft.bearing_positions_mm) + 2
     per_node = 3.0 if scene.shaft_model.model == "timoshenko" else 1.0  # half of the bending modes lie above the band
-    return per_node * nodes + scene.casing.modes
+    return per_node * nodes + scene.casing.made_of.added_modes
 
 
 def _channels(scene: Scene) -> int:

@@ -22,6 +22,11 @@ _SUFFIXES = {"N/um": "N_per_um", "N m/rad": "N_m_per_rad"}  # where it is not th
 class DerivedTable(Table):
     """A table whose keys are the options of a class."""
 
+    if typing.TYPE_CHECKING:
+
+        def __getattr__(self, key: str) -> Any:
+            """The value of an option."""
+
     made_of: ClassVar[type]
     alone: ClassVar[bool]  # whether the options are all that an object needs
 
@@ -48,14 +53,15 @@ def table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[s
     base : of the table, with keys of the scene alone
     **tag : instead, the key that chooses the table, with its value and its text
     """
-    hints = typing.get_type_hints(made_of)
+    hints = typing.get_type_hints(made_of, include_extras=True)
     keys: dict[str, Any] = {
         key: (Annotated[Literal[value], Field(description=text)], ...) for key, (value, text) in tag.items()
     }
     if typing.get_origin(hints.get("model")) is Literal:
         keys["model"] = (hints["model"], typing.get_args(hints["model"])[0])
     for field, one in options_of(made_of):
-        annotation: Any = Annotated[_strict(hints[field.name], one), Field(description=one.text, max_length=one.most)]
+        given = Field(description=one.text, min_length=one.least, max_length=one.most, pattern=one.pattern)
+        annotation: Any = Annotated[_strict(hints[field.name], one), given]
         default = ... if field.default is dataclasses.MISSING else _given(field.default, one)
         keys[_key(field.name, one)] = (annotation, default)
     doc = (made_of.__doc__ or "").split("\n\n")[0]
@@ -84,6 +90,10 @@ def _strict(annotation: Any, one: Option) -> Any:
         return Annotated[_STRICT[annotation], Field(**limits)] if limits else _STRICT[annotation]
     if annotation is bool:
         return Flag
+    if isinstance(annotation, type) and dataclasses.is_dataclass(annotation):
+        return table(annotation)
+    if typing.get_origin(annotation) is Annotated:  # a number with limits of its own
+        return _strict(annotation.__origin__, *annotation.__metadata__)
     inner: tuple[Any, ...] = tuple(part if part is ... else _strict(part, one) for part in typing.get_args(annotation))
     origin = typing.get_origin(annotation)
     if not inner or origin is Literal:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from fem.casing.geometry.features import LARGEST, Flange, Ribs
 from fem.casing.parts.bolts import Size
 from pipelines.scene.tables.base import Flag, Number, Positive, Table, Whole
+from pipelines.scene.tables.derived import table
 
 Vector = tuple[Number, Number, Number]
 Axes = tuple[Vector, Vector, Vector]
 Unit = Literal["m", "cm", "mm", "um", "inch"]
-LARGEST = 1e5  # mm; beyond it products of lengths lose all digits
 Length = Annotated[Number, Field(gt=0, le=LARGEST)]
 Depth = Annotated[Number, Field(ge=0, le=LARGEST)]
 Place = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
@@ -22,24 +23,11 @@ Stiffness = Annotated[Number, Field(gt=0, le=1e9)]
 OptionalWall = Annotated[Length | None, Field(description="thickness where it differs from wall_thickness_mm")]
 
 
-class RibTable(Table):
-    """Ribs on the outside of the housing, all of one thickness and height."""
-
-    thickness_mm: Annotated[Length, Field(description="thickness of the plates")]
-    height_mm: Annotated[Length, Field(description="height of the ribs over their wall")]
-    per_boss: Annotated[Whole, Field(ge=0, le=3, description="number of vertical ribs from the floor to each boss")] = 0
-    end_wall: Annotated[
-        Whole, Field(ge=0, le=20, description="number of vertical ribs on each of the two end walls")
-    ] = 0
-    cover: Annotated[Whole, Field(ge=0, le=20, description="number of ribs across the cover")] = 0
-
-
-class FlangeTable(Table):
-    """The flange at the split plane, over which the cover is bonded or bolted to the lower part."""
-
-    split_plane_mm: Annotated[Place, Field(description="z of the split plane; shaft 1 is at z = 0")] = 0.0
-    width_mm: Annotated[Length, Field(description="width beyond the outer faces of the walls")]
-    height_mm: Annotated[Length, Field(description="of both halves together")]
+if TYPE_CHECKING:
+    RibTable = Any
+    FlangeTable = Any
+else:
+    RibTable, FlangeTable = table(Ribs), table(Flange)
 
 
 class JointTable(Table):

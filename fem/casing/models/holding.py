@@ -1,0 +1,140 @@
+"""Stage `casing modes` and those like it: a meshed casing in its ground, factorised and reduced."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from fem.casing.models.stage import CasingError, PlannedStage, Stage
+
+if TYPE_CHECKING:
+    from fem.casing.mesh_error.extrapolation import LowestModes
+    from fem.casing.meshing.mesh import CasingMesh
+    from fem.casing.models.recovery import Recovery
+    from fem.casing.parts.bolted_joint import BoltedJoint
+    from fem.casing.parts.names import Attachment, Ground
+    from fem.casing.parts.regions import Region
+    from fem.casing.reduced.accuracy import ErrorStatement
+    from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.checkup import CheckUp
+    from fem.casing.reduced.grounded import ForcedPoint, GroundedCasing
+    from fem.casing.reduced.modes import CasingModes
+    from fem.casing.reduced.reduction import Reduction
+    from fem.elements.materials import Material
+
+_SPARSE = ("numpy", "scipy", "pymetis", "scikit-fem")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Holding:
+    """How a meshed casing is held: `interfaces` are the axes along which every bearing loads it, all by default."""
+
+    material: Material
+    interfaces: Mapping[str, Sequence[str]] | None
+    ground: Ground
+    attachment: Attachment
+    joint: BoltedJoint | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class CasingReduction(Stage):
+    """Factorise and reduce. `regions` are parts whose stiffness is known separately, `forced` points bear forces."""
+
+    kind: ClassVar[str] = "casing-modes"
+    libraries: ClassVar[tuple[str, ...]] = _SPARSE
+    compiles: ClassVar[Mapping[str, float]] = {"fem.numerics.multifrontal.": 5.0}
+    static: ClassVar[bool]  # inertia is condensed, too
+    held: Holding
+    regions: tuple[Region, ...]
+    forced: tuple[ForcedPoint, ...]
+
+    def casing(self, mesh: CasingMesh) -> GroundedCasing:
+        """The meshed casing in its ground, factorised."""
+        from fem.casing.reduced.grounded import ground_casing
+
+        return ground_casing(mesh, forced=self.forced, regions=self.regions, **vars(self.held))
+
+    def build(self, *args: Any, mesh: CasingMesh, **taken: Any) -> tuple[CasingModes, CheckUp]:
+        """The reduced matrices with their check-up.
+
+        Raises
+        ------
+        CasingError : items of the check-up fail
+        EigenError : the modes found are not as many as the law of inertia counts
+        """
+        from threadpoolctl import threadpool_limits
+
+        from fem.casing.reduced.checkup import check_up
+
+        with threadpool_limits(1):  # the heavy steps run in two halves side by side
+            casing = self.casing(mesh)
+            modes, reduction = self.reduced(casing)
+            found = check_up(casing, reduction)
+        if found.failures:
+            raise CasingError(
+                f"casing: the check-up of the reduced body fails in {', '.join(found.failures)}. Use a finer "
+                f"casing.element_size_mm, or another casing model.\n{found.report(0)}"
+            )
+        return modes, found
+
+    @abstractmethod
+    def reduced(self, casing: GroundedCasing) -> tuple[CasingModes, Reduction]:
+        """What is stored of a reduction, and the reduction."""
+
+    def lowest(self, name: str, mesh: PlannedStage, *, quadratic: bool = False) -> PlannedStage:
+        """The stage of this name with the lowest modes on a mesh."""
+        stage = LowestReduction(held=self.held, static=self.static, quadratic=quadratic)
+        return PlannedStage(name=name, stage=stage, takes={"mesh": mesh.name}, seconds=0.9 * mesh.seconds)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LowestReduction(Stage):
+    """Natural modes to extrapolate a casing from; `quadratic`: without the cubic displacements of the elements."""
+
+    kind: ClassVar[str] = "casing-coarser"
+    libraries: ClassVar[tuple[str, ...]] = _SPARSE
+    held: Holding
+    static: bool
+    quadratic: bool
+
+    def build(self, *args: Any, mesh: CasingMesh, **taken: Any) -> LowestModes:
+        """The lowest modes."""
+        from fem.casing.mesh_error.extrapolation import lowest_modes
+
+        return lowest_modes(replace(mesh, cubic=0) if self.quadratic else mesh, static=self.static, **vars(self.held))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ErrorCheck(Stage):
+    """A reduced casing against the full model up to a band (Hz), both with the stiffness factor of the body."""
+
+    kind: ClassVar[str] = "casing-error"
+    libraries: ClassVar[tuple[str, ...]] = _SPARSE
+    reduction: CasingReduction
+    recovery: Recovery
+    band: float
+
+    def build(
+        self, *args: Any, mesh: CasingMesh, modes: tuple[CasingModes, CheckUp], body: ReducedBody, **taken: Any
+    ) -> ErrorStatement:
+        """The error statement.
+
+        Parameters
+        ----------
+        mesh, modes, body : results of the other stages
+        """
+        from fem.casing.reduced.accuracy import state_error
+
+        held, recovery = self.reduction.held, self.recovery
+        iron = replace(held.material, elastic_modulus=body.stiffness_factor * held.material.elastic_modulus)
+        return state_error(
+            replace(self.reduction, held=replace(held, material=iron)).casing(mesh),
+            body,
+            band=self.band,
+            sensors=recovery.sensors,
+            damping=recovery.damping,
+            loss_factors=recovery.loss_factors,
+            springs=modes[0].springs(recovery.mounts),
+        )

@@ -1,0 +1,93 @@
+"""A casing of matrices that another program made, reduced as one of the models with finite elements does."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from fem.casing.models.casing import Casing, Structure
+from fem.casing.models.elastic_casing import ElasticCasing
+from fem.casing.models.stage import MODES, CasingError, CasingInputError, PlannedStage, Stage
+
+if TYPE_CHECKING:
+    from fem.casing.foreign.casing import ForeignHousing
+    from fem.casing.parts.names import Attachment, Ground
+    from fem.casing.reduced.checkup import CheckUp
+    from fem.casing.reduced.grounded import ForcedPoint
+    from fem.casing.reduced.modes import CasingModes
+
+
+@dataclass(frozen=True, kw_only=True)
+class MatricesReduction(Stage):
+    """Imported matrices, and how they are reduced; `limit` (Hz) of the modes, None for static condensation."""
+
+    kind: ClassVar[str] = "casing-matrices"
+    libraries: ClassVar[tuple[str, ...]] = ("numpy", "scipy", "pyyeti")
+    housing: ForeignHousing
+    model: str
+    interfaces: Mapping[str, Sequence[str]]
+    forced: tuple[ForcedPoint, ...]
+    ground: Ground
+    attachment: Attachment
+    limit: float | None
+
+    def build(self, *args: Any, **taken: Any) -> tuple[CasingModes, CheckUp]:
+        """The reduced matrices with their check-up.
+
+        Raises
+        ------
+        CasingInputError : the matrices cannot be used
+        CasingError : the reduction fails
+        """
+        from fem.casing.foreign.body import ForeignError
+        from fem.casing.foreign.casing import foreign_casing
+        from fem.casing.reduced.reduction import ReductionError
+        from fem.numerics.linear_solver import SingularMatrixError
+
+        if self.forced:
+            raise CasingInputError(
+                "excitations of the model casing-force need a meshed casing, not matrices. Leave them out."
+            )
+        try:
+            return foreign_casing(**{key: value for key, value in vars(self).items() if key != "forced"})
+        except ForeignError as error:
+            raise CasingInputError(str(error)) from error
+        except (ReductionError, SingularMatrixError) as error:
+            raise CasingError(f"casing of matrices: {error}") from error
+
+
+@dataclass(frozen=True, kw_only=True)
+class MatricesCasing(Casing):
+    """Imported matrices in place of finite elements, reduced with the options `of` a model."""
+
+    of: ElasticCasing
+    remedy: ClassVar[str] = "the matrices come from another program"
+
+    @property
+    def model(self) -> str:  # type: ignore[override]
+        """That of its options."""
+        return self.of.model
+
+    @property
+    def limit(self) -> float | None:
+        """Frequency (Hz) up to which modes are kept."""
+        return self.of.limit
+
+    @property
+    def no_full_model(self) -> str:
+        """Why there is no `error_check`."""
+        return "imported matrices have no full model. Set casing.housing to a shape, a CAD file or a mesh"
+
+    def stages(self, structure: Structure) -> tuple[PlannedStage, ...]:
+        """Modes and body."""
+        modes = MatricesReduction(
+            housing=structure.bare,
+            model=self.of.model,
+            interfaces=structure.interfaces or {},
+            forced=structure.forced,
+            ground=self.of.ground,
+            attachment=self.of.attachment,
+            limit=self.limit,
+        )
+        return PlannedStage(name=MODES, stage=modes, seconds=10.0), self.of.recovered(structure)

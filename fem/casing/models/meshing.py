@@ -1,0 +1,96 @@
+"""Stage `casing mesh`: solid elements of a housing. Sensors do not enter here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from fem.casing.models.stage import CasingError, Stage
+
+if TYPE_CHECKING:
+    from fem.casing.mesh_error.extrapolation import LowestModes
+    from fem.casing.meshing.mesh import CasingMesh
+    from fem.casing.meshing.sizes import Sizes
+    from fem.casing.meshing.source import Geometry
+
+
+@dataclass(frozen=True, kw_only=True)
+class Meshing(Stage):
+    """A housing without sensors, the edge lengths of its elements and their kind."""
+
+    kind: ClassVar[str] = "casing-mesh"
+    libraries: ClassVar[tuple[str, ...]] = ("numpy", "gmsh", "meshio", "scikit-fem")
+    housing: Geometry
+    sizes: Sizes
+    element: str
+
+    def build(self, *args: Any, **taken: Any) -> CasingMesh:
+        """The mesh."""
+        return self.with_sizes(self.sizes)
+
+    def with_sizes(self, sizes: Sizes) -> CasingMesh:
+        """The mesh with other edge lengths."""
+        from fem.casing.meshing.source import mesh_geometry
+
+        return mesh_geometry(self.housing, sizes, self.element)
+
+    def coarser(self) -> Iterator[CoarserMeshing]:
+        """Meshes with larger elements, by which the errors of this one are estimated."""
+        from fem.casing.mesh_error.extrapolation import coarser_sizes
+
+        return (CoarserMeshing(**{**vars(self), "sizes": sizes}) for sizes in coarser_sizes(self.sizes))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoarserMeshing(Meshing):
+    """A mesh by which the error of a finer one is estimated."""
+
+    def build(self, *args: Any, **taken: Any) -> CasingMesh:
+        """The mesh. CasingError if elements as large as that make none."""
+        from fem.casing.meshing.mesh import MeshError
+
+        try:
+            return super().build()
+        except MeshError as error:
+            raise CasingError(
+                "casing: its error is estimated with a coarser mesh of "
+                f"{1000 * self.sizes.element:.3g} mm, which fails: {error}. Set a smaller casing.element_size_mm, or "
+                "remove casing.extrapolated and casing.error from the scene"
+            ) from error
+
+
+@dataclass(frozen=True, kw_only=True)
+class SizedMeshing(Meshing):
+    """A mesh whose size follows from the target `error` of the frequencies up to `band` (Hz, 0: of all modes).
+
+    `sizes` are the largest lengths.
+    """
+
+    kind: ClassVar[str] = "casing-asked-mesh"
+    error: float
+    band: float
+
+    def build(self, *args: Any, trial: LowestModes, coarser: Sequence[LowestModes], **taken: Any) -> CasingMesh:
+        """The mesh.
+
+        Parameters
+        ----------
+        trial, coarser : modes on the mesh with the largest lengths, and on those that its error is estimated by
+
+        Raises
+        ------
+        CasingError : no size has the error, or the mesh would be too large
+        """
+        from fem.casing.mesh_error.extrapolation import ExtrapolationError, limits_from
+        from fem.casing.mesh_error.frequency_limits import LEAST_MODES
+        from fem.casing.mesh_error.wanted_size import wanted_factor
+
+        count = int((trial.frequencies <= self.band).sum()) if self.band else len(trial.frequencies)
+        inside = slice(max(count, 2 * LEAST_MODES))
+        try:
+            limits = limits_from(trial.frequencies[inside], trial.shapes[:, inside], trial.element_size, coarser)
+            factor = wanted_factor(limits, self.error, trial, coarser[0])
+        except ExtrapolationError as error:
+            raise CasingError(str(error)) from error
+        return self.with_sizes(self.sizes.times(factor))
