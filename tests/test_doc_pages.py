@@ -12,7 +12,8 @@ from benchmarks.__main__ import RESULTS
 from benchmarks.modules import modules
 from fem.contact.models.registry import MODELS as MESHES
 from mbd.integrators.methods import METHODS
-from pipelines.scene.tables import bearings, casing, losses, motion, shafts
+from mbd.parts.bearing_models import BEARINGS
+from pipelines.scene.tables import casing, losses, motion, shafts
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 
@@ -25,7 +26,7 @@ MODELS = [
     *MESHES,
     *(choices(t)[0] for t in (casing.NoCasingTable, casing.RigidCasingTable, casing.StaticCasingTable)),
     *(choices(t)[0] for t in (casing.CraigBamptonCasingTable, motion.StaticTorqueTable, motion.RopeTable)),
-    *(choices(t)[0] for t in (bearings.RigidBearings, bearings.LinearBearings, bearings.HertzBearings)),
+    *BEARINGS,
     *(choices(t)[0] for t in typing.get_args(typing.get_args(losses.LossModel)[0])),
     *choices(motion.RopePendulumTable),
     *choices(shafts.ShaftModel),

@@ -15,7 +15,6 @@ from pipelines.plant.layout import Layout
 from pipelines.plant.torques.drives import motor_places, motor_torques
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
-from pipelines.scene.tables.bearings import HertzBearings
 from pipelines.scene.tables.motion import LoadBase
 
 HARMONICS = 5  # of the fastest mesh that a good record holds
@@ -76,7 +75,7 @@ def _fits(scene: Scene, layout: Layout) -> Iterator[str]:
     """Shafts that are thicker than the bore of a bearing or gear on them."""
     for _, shaft, place in bearing_names(scene.shafts):
         table = bearing_table(scene.shafts[shaft], scene.bearings, place)
-        if isinstance(table, HertzBearings) and table.designation is not None:
+        if table.model == "hertz" and table.designation is not None:
             y, bore = scene.shafts[shaft].bearing_positions_mm[place], 1000 * bore_of(table.designation)
             # at a shoulder the bearing is on the thinner side
             sections = [(n, s) for n, s in enumerate(scene.shafts[shaft].sections, 1) if s.start_mm <= y <= s.end_mm]
