@@ -139,12 +139,12 @@ def loop_table(rows: list[dict[str, Any]]) -> str:
     cells = [
         [
             r["scene"], str(r["coordinates"]), str(r["modes"]), f"{r['step_us']:.3g}",
-            f"{r['iterations_per_step']:.2f}", f"{r['microseconds_per_step']:.0f}", f"{r['seconds_per_second']:.2f} ({r['cpu_per_second']:.2f})",
-            f"{r['assembly_s'] + r['setup_s']:.2f}", str(r["calls"]),
+            f"{r['iterations_per_step']:.2f}", f"{r['microseconds_per_step']:.0f}",
+            f"{r['seconds_per_second']:.2f} ({r['cpu_per_second']:.2f})", f"{r['assembly_s'] + r['setup_s']:.2f}", str(r["calls"]),
         ]
         for r in rows
     ]  # fmt: skip
-    headers = ("scene", "coordinates", "modes kept", "time step, µs", "iterations per step",
+    headers = ("scene", "coordinates", "modes kept", "step size, µs", "iterations per step",
                "time per step, µs", "time per second of motion, s", "set-up, s", "calls")  # fmt: skip
     return markdown(headers, cells)
 

@@ -55,8 +55,8 @@ def contact_table(found: Found) -> str:
         )
     headers = ("mesh cycle", "state", "CalculiX, µm (elements along the face)", "extrapolated, µm", "time, s", *names)
     lead = (
-        f"Approach of stage 1 of the rig at {found['force_N']:.0f} N: CalculiX with both wheels in space ("
-        f"{found['element']}, penalty {found['penalty_N_per_mm3']:.0e} N/mm³), and deviations of the models of gearcase."
+        f"Approach of stage 1 of the rig at {found['force_N']:.0f} N: CalculiX with both wheels in space "
+        f"({found['element']}, penalty {found['penalty_N_per_mm3']:.0e} N/mm³), and deviations of gearcase's models."
     )
     return f"{lead}\n\n{markdown(headers, rows)}"
 
