@@ -140,7 +140,8 @@ def loop_table(rows: list[dict[str, Any]]) -> str:
         [
             r["scene"], str(r["coordinates"]), str(r["modes"]), f"{r['step_us']:.3g}",
             f"{r['iterations_per_step']:.2f}", f"{r['microseconds_per_step']:.0f}",
-            f"{r['seconds_per_second']:.2f} ({r['cpu_per_second']:.2f})", f"{r['assembly_s'] + r['setup_s']:.2f}", str(r["calls"]),
+            f"{r['seconds_per_second']:.2f} ({r['cpu_per_second']:.2f})", f"{r['assembly_s'] + r['setup_s']:.2f}",
+            str(r["calls"]),
         ]
         for r in rows
     ]  # fmt: skip
