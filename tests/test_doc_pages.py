@@ -11,8 +11,8 @@ from benchmarks import page
 from benchmarks.__main__ import RESULTS
 from benchmarks.modules import modules
 from fem.contact.models.registry import MODELS as MESHES
+from mbd.forces.bearing_models import BEARINGS
 from mbd.integrators.methods import METHODS
-from mbd.parts.bearing_models import BEARINGS
 from pipelines.scene.tables import casing, losses, motion, shafts
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"

@@ -11,7 +11,7 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from mbd.parts.bearing_models import LinearBearings
+from mbd.forces.bearing_models import LinearBearings
 from mbd.parts.losses import NoLosses
 from pipelines.border.shown import shown_value
 from pipelines.scene.tables.analysis import DiagnosisTable

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from mbd.parts.bearing_models import BEARINGS, bearing_model
+from mbd.forces.bearing_models import BEARINGS, bearing_model
 from pipelines.scene.tables.derived import choice, table
 
 if TYPE_CHECKING:

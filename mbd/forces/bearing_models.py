@@ -13,9 +13,9 @@ from mbd.parts.rolling_catalogue import by_designation
 from mbd.parts.rolling_elements import RollingElements
 
 BEARINGS = {
-    "rigid": ("mbd.parts.bearing_models", "RigidBearings"),
-    "linear": ("mbd.parts.bearing_models", "LinearBearings"),
-    "hertz": ("mbd.parts.bearing_models", "HertzBearings"),
+    "rigid": ("mbd.forces.bearing_models", "RigidBearings"),
+    "linear": ("mbd.forces.bearing_models", "LinearBearings"),
+    "hertz": ("mbd.forces.bearing_models", "HertzBearings"),
 }
 Support = Literal["casing", "ground"]
 
