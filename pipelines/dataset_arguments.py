@@ -57,7 +57,12 @@ def _export(sub: argparse.ArgumentParser) -> None:
         "--label", metavar="LABEL", nargs="+", default=[], help="labels to write, as in healthy (default: all)"
     )
     sub.add_argument("--sensors", metavar="NAME", nargs="+", default=[], help="sensors to write (default: all)")
-    sub.add_argument("--seconds", metavar="T", type=positive, help="length of a piece, s (default: the whole run)")
+    sub.add_argument(
+        "--start", type=from_zero, metavar="T", default=0.0, help="ignore the signals before this time, s (default 0)"
+    )
+    sub.add_argument(
+        "--seconds", metavar="T", type=positive, help="length of a piece, s (default: the whole run after --start)"
+    )
     sub.add_argument(
         "--overlap",
         metavar="S",

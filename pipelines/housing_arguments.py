@@ -102,7 +102,13 @@ def casing_arguments(sub: argparse.ArgumentParser) -> None:
         nargs="+",
         default=[],
         help="frequency responses, m/s2/N: the first POINT with an axis is excited, as in bearing_1:z, further POINTs "
-        "respond (default: all sensors); writes CSV and PNG into the working folder",
+        "respond (default: all sensors); writes CSV and PNG",
+    )
+    sub.add_argument(
+        "--out",
+        metavar="FOLDER",
+        type=path,
+        help="folder for the frequency responses of --response (default: the working folder)",
     )
     sub.add_argument("--modes", metavar="N", type=count, default=20, help="number of modes in the table (default 20)")
     json_argument(sub)

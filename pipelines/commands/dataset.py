@@ -47,6 +47,7 @@ def _export(options: argparse.Namespace) -> int:
         splits=tuple(options.split),
         labels=tuple(options.label),
         sensors=tuple(options.sensors),
+        start=options.start,
         seconds=options.seconds,
         overlap=options.overlap,
         noise_m_s2=options.noise,

@@ -101,7 +101,7 @@ def machine_states(loaded: LoadedScene, work: Work) -> list[MeshState]:
         if force <= 0.0:
             raise InputError(
                 f"--tilt machine: the drive flank of stage {number} carries {force:.4g} N at the start of the motion. "
-                "Set --torque and --tilt to numbers."
+                "Set a load in the scene, such as load.torque_N_m, or set --torque and --tilt to numbers."
             )
         found.append(MeshState(force=float(force), tilt=float(rows[system.at(flank_name(mesh.name, 0)).start + 1])))
     return found

@@ -47,6 +47,7 @@ class Casing:
     records: tuple[StepRecord, ...]  # seconds and memory of its steps
     band: float  # Hz
     participation: np.ndarray | None = None  # T^T M R (coordinate, 6) about the centre of gravity, of an elastic casing
+    requested_error: float | None = None  # of half of its frequencies, for which the element size was chosen
     joint: str = ""  # what holds its halves together; the mesh is then the one cut in two
 
     @property
@@ -189,6 +190,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         checkup=checkup,
         limits=limits,
         error=outcome.value("casing error") if error_check else None,
+        requested_error=plant.casing.error if isinstance(plant.casing, ElasticPart) else None,
         records=tuple(record for record in outcome.records if "casing" in record.name),
         band=band,
     )
