@@ -2,9 +2,8 @@
 A user-defined mesh model
 =========================
 
-A mesh model is a frozen dataclass with a method `laws`, which returns tables over the path of contact. The model of
-this example reads the stiffness of a tooth pair from a measured curve. docs/extending.md shows how a scene file can
-use a model.
+A mesh model is a frozen dataclass with a method `laws`, which returns tables over the path of contact. This example
+takes the stiffness of a tooth pair from a measured curve. docs/extending.md shows how to add a model to scene files.
 """
 
 from dataclasses import dataclass, replace
@@ -53,8 +52,7 @@ axes.set(xlabel="mesh cycles", ylabel="tangent stiffness, N/um", ylim=(0, None))
 axes.legend()
 
 # %%
-# Check: the mean mesh stiffness equals the integral of the measured curve over the path of contact in pitches, times
-# the face width. The ratio of both is 1:
+# The mean mesh stiffness must equal the integral of the measured curve over its pitches, times the face width:
 
 area = trapezoid(model.stiffness, model.places) * found.pair.transverse_contact_ratio * found.pair.face_width
 ratio = float(measured.curve().tangent.mean()) / area
