@@ -52,7 +52,7 @@ axes.set(xlabel="mesh cycles", ylabel="tangent stiffness, N/um", ylim=(0, None))
 axes.legend()
 
 # %%
-# The mean mesh stiffness must equal the integral of the measured curve over its pitches, times the face width:
+# The mean mesh stiffness must equal the area under the measured curve, with lengths in pitches, times the face width:
 
 area = trapezoid(model.stiffness, model.places) * found.pair.transverse_contact_ratio * found.pair.face_width
 ratio = float(measured.curve().tangent.mean()) / area
