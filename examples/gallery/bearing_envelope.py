@@ -22,8 +22,7 @@ scene = gearcase.Scene.from_file("minimal").changed(
 signal = gearcase.simulate(scene).acceleration.sel(sensor="sensor_3", axis="z", time=slice(0.15, None))
 
 # %%
-# The signal is filtered by a band-pass around natural frequencies of the machine. Then the spectrum of its envelope
-# is computed:
+# Band-pass filter around natural frequencies of the machine, then the spectrum of the envelope:
 
 rate = 1 / float(signal.time[1] - signal.time[0])
 band = sosfiltfilt(butter(4, (1000, 4000), "bandpass", fs=rate, output="sos"), signal.values)
@@ -43,7 +42,7 @@ highest = float(lines.sel(frequency=slice(5, 280)).max())  # the mesh line at 30
 axes.set(xlabel="frequency, Hz", ylabel="envelope of the acceleration, m/s2", xlim=(5, 280), ylim=(0, 1.1 * highest))
 
 # %%
-# Frequency of the highest line between 30 and 80 Hz, and the expected frequency:
+# The highest line between 30 and 80 Hz:
 
 low = lines.sel(frequency=slice(30, 80))
 found = float(low.frequency[int(np.argmax(low.values))])
