@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+from collections.abc import Iterable
 from typing import NoReturn
 
 from pipelines.border.argument_types import count, days, number, path, positive
@@ -19,6 +20,7 @@ from pipelines.finished_arguments import (
     export_arguments,
     json_argument,
     orders_arguments,
+    quiet_argument,
     runs_arguments,
 )
 from pipelines.gear_arguments import gears_arguments, inspect_arguments
@@ -67,7 +69,7 @@ class Parser(argparse.ArgumentParser):
             tail = f"...{tail[-_MESSAGE_END:]}"
         self.print_usage(sys.stderr)
         help_of = f"{self.prog} COMMAND" if self.prog == "gearcase" else self.prog
-        hint = f"{_nearest(message)}Help: {help_of} --help"
+        hint = f"{_nearest(message, self._option_string_actions)}Help: {help_of} --help"
         self.exit(2, f"{self.prog}: error: {shown(head)}{shown(tail)}".rstrip(".") + f". {hint}\n")
 
 
@@ -77,14 +79,17 @@ def command_parser(top: argparse.ArgumentParser, command: str | None) -> argpars
     return top if command is None else next(choices)[command]
 
 
-def _nearest(message: str) -> str:
-    """What was probably meant by a word that is not among the choices, as a sentence, or ""."""
-    found = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
-    if found is None:
-        return ""
+def _nearest(message: str, options: Iterable[str]) -> str:
+    """What was probably meant by a word that is not among the choices or options, as a sentence, or ""."""
     from pipelines.border.shown import nearest_name
 
-    name = nearest_name(found[1], re.findall(r"[\w-]+", found[2]))
+    choice = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
+    option = re.search(r"unrecognized arguments: (--[\w-]+)", message)
+    name = ""
+    if choice is not None:
+        name = nearest_name(choice[1], re.findall(r"[\w-]+", choice[2]))
+    elif option is not None:
+        name = nearest_name(option[1], [one for one in options if one.startswith("--")])
     return f"Did you mean {name}? " if name else ""
 
 
@@ -232,7 +237,7 @@ def _campaign(sub: argparse.ArgumentParser) -> None:
     )
     where.add_argument("--cluster", action="store_true", help="start a local Dask scheduler with a dashboard")
     sub.add_argument("--retry-failed", action="store_true", help="simulate failed runs again")
-    sub.add_argument("-q", "--quiet", action="store_true", help="print no progress")
+    quiet_argument(sub)
 
 
 FINISHED = (

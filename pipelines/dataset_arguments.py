@@ -6,6 +6,7 @@ import argparse
 
 from pipelines.border.argument_types import count, from_zero, part, path, positive, whole
 from pipelines.command_help import action_parser
+from pipelines.finished_arguments import quiet_argument
 
 _EXAMPLES = {
     "info": "gearcase dataset info campaigns/plan",
@@ -25,7 +26,7 @@ def dataset_arguments(sub: argparse.ArgumentParser) -> None:
         return made
 
     action("info", "print runs, labels, split and variables")
-    action("check", "check that signals, labels and table agree")
+    quiet_argument(action("check", "check that signals, labels and table agree"))
     features = action("features", "compute the features of every run")
     features.add_argument(
         "--start", type=from_zero, metavar="T", default=0.0, help="ignore the signals before this time, s (default 0)"
@@ -36,6 +37,7 @@ def dataset_arguments(sub: argparse.ArgumentParser) -> None:
     features.add_argument(
         "--processes", type=count, metavar="N", help="runs processed at the same time (default: number of cores)"
     )
+    quiet_argument(features)
     _export(action("export", "write runs or pieces of them with labels, for NumPy, MATLAB and others"))
 
 

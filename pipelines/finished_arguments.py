@@ -23,6 +23,11 @@ def json_argument(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--json", action="store_true", help="print the results as JSON, for programs")
 
 
+def quiet_argument(sub: argparse.ArgumentParser) -> None:
+    """--quiet."""
+    sub.add_argument("-q", "--quiet", action="store_true", help="print results, warnings and errors only")
+
+
 def diagnose_arguments(sub: argparse.ArgumentParser) -> None:
     """A recording, its machine, healthy ones."""
     sub.add_argument(
@@ -164,4 +169,4 @@ def orders_arguments(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument("--campbell", action="store_true", help="add a Campbell diagram: natural frequencies over speed")
     sub.add_argument("--out", metavar="FOLDER", type=path, help="folder for the pictures (default: the result folder)")
-    sub.add_argument("-q", "--quiet", action="store_true", help="print no progress")
+    quiet_argument(sub)

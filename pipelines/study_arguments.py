@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from pipelines.border.argument_types import count, from_zero, path, picture, seconds, several, share
+from pipelines.finished_arguments import quiet_argument
 from pipelines.scene.presets import PRESETS
 from pipelines.trade.axes import AXES
 
@@ -23,15 +24,15 @@ def scene_arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--preset",
         choices=PRESETS,
-        help="mesh sizes, slices and time step; --set overrides it (default: the settings of the scene)",
+        help="set of mesh sizes, slices and time step; --set overrides it (default: the settings of the scene)",
     )
+    quiet_argument(sub)
 
 
 def work_arguments(sub: argparse.ArgumentParser) -> None:
     """A scene, and how its steps are built."""
     scene_arguments(sub)
     sub.add_argument("--processes", type=count, metavar="N", help="number of processes for long steps (default 2)")
-    sub.add_argument("-q", "--quiet", action="store_true", help="print no progress")
 
 
 def converge_arguments(sub: argparse.ArgumentParser) -> None:
@@ -107,7 +108,7 @@ def verify_arguments(sub: argparse.ArgumentParser) -> None:
         "--out", metavar="FOLDER", type=path, help="folder for claims.md and claims.json (default: print only)"
     )
     sub.add_argument("--processes", type=count, metavar="N", help="number of processes for long steps (default 2)")
-    sub.add_argument("-q", "--quiet", action="store_true", help="print no progress")
+    quiet_argument(sub)
 
 
 def detect_arguments(sub: argparse.ArgumentParser) -> None:
@@ -148,4 +149,3 @@ def detect_arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--processes", type=count, metavar="N", help="scenes simulated at the same time (default: number of cores)"
     )
-    sub.add_argument("-q", "--quiet", action="store_true", help="print no progress")

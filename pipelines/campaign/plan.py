@@ -33,6 +33,7 @@ from pipelines.campaign.variables import ListTable, Variable
 from pipelines.dataset.labels import COLUMNS
 from pipelines.scene.file import LoadedScene, Source, find_source, load_scene, parse, validate
 from pipelines.scene.merge import Merged, Whole, leaves
+from pipelines.scene.other_files import SCENE_KEYS
 from pipelines.scene.presets import preset_on
 from pipelines.scene.shipped_files import anchored
 from pipelines.scene.tables.base import Number, Table
@@ -203,9 +204,15 @@ def load_plan(file: str | Path) -> Plan:
     """
     name = str(file)
     if not name.endswith(".toml"):
-        raise InputError(f"{name}: a plan is a file that ends in .toml. Give such a file; docs/campaigns.md shows one.")
+        raise InputError(f"{name}: the plan of a campaign must end in .toml. docs/campaigns.md shows one.")
     source = find_source(name)
-    table, _ = validate(Merged(anchored(parse(source), source.folder)), PlanTable, source.shown)
+    tree = parse(source)
+    if any(key in tree for key in SCENE_KEYS):
+        raise InputError(
+            f"{source.shown}: this is a scene, and the plan of a campaign is needed. Write a plan that names the "
+            "scene, as docs/campaigns.md shows."
+        )
+    table, _ = validate(Merged(anchored(tree, source.folder)), PlanTable, source.shown)
     return Plan(name=source.name, text=source.text, table=table, tree=_base_tree(source, table))
 
 

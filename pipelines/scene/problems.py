@@ -110,7 +110,12 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
     if kind in _LIMITS:
         words, name = _LIMITS[kind]
         limit = _number(context[name])
-        return Problem(where, f"must be {words} {limit}{unit.removeprefix(' in')}", "Correct the value.", written)
+        return Problem(
+            where,
+            f"must be {words} {limit}{unit.removeprefix(' in')}",
+            _other_unit(key, value) or "Correct the value.",
+            written,
+        )
     if kind in ("literal_error", "union_tag_invalid", "enum"):
         if kind == "union_tag_invalid":
             where, value, written = f"{where}.{_tag_key(context)}", context["tag"], _shown(context["tag"])
@@ -161,6 +166,10 @@ _LIMITS = {
     "less_than_equal": ("at most", "le"),
     "multiple_of": ("a multiple of", "multiple_of"),
 }
+_USUAL = {  # by the unit of a key: its other units, factors, and the usual values
+    "GPa": ((("MPa", 1e-3), ("Pa", 1e-9)), 1.0, 2000.0),
+    "kg/m3": ((("g/cm3", 1e3), ("t/mm3", 1e12)), 500.0, 25e3),
+}
 _TABLE = ("must be a table", "Write [name] and its keys below, or name = { key = value }.")
 _LIST = ("must be a list", "Write it as [first, second].")
 _KINDS = {
@@ -175,6 +184,16 @@ _KINDS = {
     "string_too_long": ("is too long", "Shorten it."),
     "string_too_short": ("must not be empty", "Give some text."),
 }
+
+
+def _other_unit(key: str, value: Any) -> str:
+    """The unit in which a value out of range would be usual, as a remedy, or ""."""
+    unit = unit_of(key)
+    others, low, high = _USUAL.get(unit, ((), 0.0, 0.0))
+    for other, factor in others:
+        if isinstance(value, int | float) and low <= value * factor <= high:
+            return f"Convert it if it is in {other}: {value:g} {other} = {value * factor:g} {unit}."
+    return ""
 
 
 def _tag_key(context: Mapping[str, Any]) -> str:

@@ -148,7 +148,9 @@ class RopeTable(LoadBase):
     channels: ClassVar[int] = 3
     model: Literal["rope"] = "rope"
     rope_diameter_mm: Annotated[Number, Field(gt=0, description="nominal diameter")] = 10.0
-    rope_modulus_GPa: Annotated[Number, Field(gt=0, description="elastic modulus on the metallic area")] = 100.0
+    rope_modulus_GPa: Annotated[Number, Field(gt=0, le=2000, description="elastic modulus on the metallic area")] = (
+        100.0
+    )
     rope_fill_factor: Annotated[Number, Field(gt=0, le=1, description="metallic area over the area of the circle")] = (
         0.455
     )
