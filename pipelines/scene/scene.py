@@ -37,7 +37,7 @@ class Scene(Table):
     control: Annotated[
         str | None,
         Field(
-            description="healthy control, which a faulty run is compared with: a shipped scene, a path that ends "
+            description="healthy control, with which the run is compared: a shipped scene, a path that ends "
             'in .toml, or "without-faults": this scene without its faults'
         ),
     ] = None
