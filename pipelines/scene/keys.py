@@ -26,7 +26,8 @@ from pipelines.scene.tables.samples import ColumnTable
 
 HEAD = """# Scene keys
 
-This page lists every key of a scene file. It is made from the program: `python -m pipelines.scene.keys docs/scene-keys.md`.
+This page lists every key of a scene file. It is made from the program by
+`python -m pipelines.scene.keys docs/scene-keys.md`.
 
 - The suffix of a key is its unit: `face_width_mm`, `speeds_rpm`, `torque_N_m`. Without a suffix a number has no unit.
 - "Without it" means: if the scene does not give the key. "Empty" means: the list `[]`.

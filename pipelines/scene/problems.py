@@ -44,7 +44,21 @@ def problems_of(error: ValidationError, model: type[BaseModel], tree: Mapping[st
     for item in items[:_MOST_WORDED]:
         own = getattr(item.get("ctx", {}).get("error"), "problems", None)
         out.update(dict.fromkeys(own or _own_words(item, model, tree, paths)))
-    return list(out), max(0, len(items) - _MOST_WORDED)
+    return _joined(out), max(0, len(items) - _MOST_WORDED)
+
+
+def _joined(found: Iterable[Problem]) -> list[Problem]:
+    """The problems, with one for a value that is neither the number nor the list that its key takes."""
+    out: list[Problem] = []
+    for one in found:
+        before = out[-1] if out else None
+        same = before is not None and (before.path, before.shown) == (one.path, one.shown)
+        if before is not None and same and before.message.startswith("must be a number") and one.message == _LIST[0]:
+            message = before.message.replace("must be a number", "must be a number or a list of numbers", 1)
+            out[-1] = Problem(one.path, message, before.remedy, one.shown)
+        else:
+            out.append(one)
+    return out
 
 
 def _counts_others(item: Any) -> bool:
@@ -102,7 +116,7 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         return Problem(
             where.rpartition(".")[0],
             "has too few values",
-            "Give all values; docs/scene-keys.md lists them.",
+            f"Give all of them{_meaning(path[:-1], model, tree)}.",
             _shown(value),
         )
     if kind == "missing":
@@ -269,6 +283,12 @@ def _example(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, A
     described, table = _described(path, model, tree)
     meaning = f": {described}" if described else ""
     return f"the table [{'.'.join(path)}]{meaning}" if table else f"{path[-1]} = ...{meaning or _unit(path[-1])}"
+
+
+def _meaning(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> str:
+    """Description of the key at a path behind a colon, or ""."""
+    described = _described(path, model, tree)[0]
+    return f": {described}" if described else ""
 
 
 def _described(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[str, bool]:
