@@ -17,12 +17,20 @@ _RECORDING = "Give the signals that gearcase.open_recording, simulate, run or op
 _SIGNAL = "Give one over time, such as recording.acceleration.sel(time=slice(0.5, 1.5))."
 
 
-def refusal(argument: str, value: Any, wanted: str, remedy: str) -> InputError:
-    """The error for a value of another type, such as ``recording = 3: must be an xarray.Dataset. Give ...``."""
+def refusal(argument: str, value: Any, expected: str, remedy: str) -> InputError:
+    """The error for a value of another type, such as ``recording = 3: must be an xarray.Dataset. Give ...``.
+
+    Parameters
+    ----------
+    argument : its name
+    value : what was given
+    expected : what it must be, as "an xarray.Dataset"
+    remedy : a sentence on what to do
+    """
     plain = value is None or isinstance(value, str | int | float)
     head = f"{argument} = {'None' if value is None else shown_value(value)}" if plain else argument
     kind = "" if plain else f"is of type {shown(type(value).__name__)}, and "
-    return InputError(f"{head}: {kind}must be {wanted}. {remedy}")
+    return InputError(f"{head}: {kind}must be {expected}. {remedy}")
 
 
 def checked_recording(argument: str, value: Any, remedy: str = _RECORDING) -> xarray.Dataset:

@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Literal
 
 from pipelines.border.errors import InputError, Problem, SceneError
+from pipelines.border.other_files import SCENE_KEYS
 from pipelines.border.shown import shown
 from pipelines.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 from pipelines.recordings.machine_table import BearingTable, ChannelName, MachineTable
 from pipelines.recordings.units import plain_units
-from pipelines.scene.other_files import SCENE_KEYS
 
 
 @dataclass(frozen=True, kw_only=True)
