@@ -79,7 +79,7 @@ def order_waterfall(
     rising = np.concatenate([[True], np.diff(np.maximum.accumulate(turned)) > 0.0])[: len(turned)]
     turned, sample = turned[rising], np.arange(len(angle))[moving][rising]
     if not len(turned):
-        raise OrderError("no shaft turns: a run at rest has no orders.")
+        raise OrderError("no shaft turns, and a run at rest has no orders. Use a run in which the shafts turn.")
     if turned[-1] < revolutions:
         raise OrderError(
             f"{shaft} makes {turned[-1]:.3g} revolutions, and a window takes {revolutions}. Reduce --revolutions, or "
