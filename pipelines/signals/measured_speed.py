@@ -54,7 +54,8 @@ def at_measured_speed(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset
                 f"window {piece.window!r}: {settings.shaft} turns at {piece.speed / (2 * math.pi):.5g} Hz in the mean "
                 f"and its angle deviates by up to {off:.3g} rad from an even rotation at {speed / (2 * math.pi):.5g} "
                 "Hz, the mean of all windows and both runs. The highest line, of the order "
-                f"{settings.highest_order:.4g}, allows {limit:.3g} rad. Choose a later or shorter window, in which the speed has settled."
+                f"{settings.highest_order:.4g}, allows {limit:.3g} rad. "
+                "Choose a later or shorter window, in which the speed has settled."
             )
     return _scaled(settings, speed / (2 * math.pi) / settings.revolution_frequency)
 
