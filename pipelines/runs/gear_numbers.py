@@ -279,7 +279,7 @@ def checked_curve_file(name: str) -> Path:
     """The path of a file of curves; InputError for an ending that is not known."""
     path = writable_file(name)
     if path.suffix.lower() not in FORMATS:
-        raise InputError(f"--out {shown(name)}: the ending must be one of {', '.join(FORMATS)}")
+        raise InputError(f"--out {shown(name)}: the ending must be one of {', '.join(FORMATS)}. Correct the file name.")
     return path
 
 

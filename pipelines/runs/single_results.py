@@ -90,7 +90,7 @@ class Casing:
         if self.modes is None or self.natural is None or not len(self.modes.nodes):
             raise InputError('casing: no mode shapes without finite elements. Set casing.model = "craig-bampton".')
         if not 0 <= mode < len(self.natural.frequencies):
-            raise InputError(f"mode {mode}: the casing has the modes 0 to {len(self.natural.frequencies) - 1}.")
+            raise InputError(f"mode {mode}: there is no such mode. Set 0 to {len(self.natural.frequencies) - 1}.")
         return mode_shapes(self.modes, self.natural, [mode])[0]
 
     def _repr_html_(self) -> str:

@@ -127,7 +127,7 @@ def modes_of_common_order(sizes: Sequence[float], levels: Sequence[Measured], la
     from fem.casing.mesh_error.pairing import counterparts
 
     if len(levels) < 3:
-        raise ConvergenceError(f"{len(levels)} levels; give three or more")
+        raise ConvergenceError(f"{len(levels)} levels. Set three or more")
     shapes = _shapes(levels)
     number = np.array([counterparts(shapes[0], other) for other in shapes])
     kept = np.asarray((number >= 0).all(axis=0))

@@ -34,7 +34,9 @@ class LinearBearings(Table):
     tilt_stiffness_N_m_per_rad: Annotated[
         Number, Field(ge=0, le=1e9, description="tilting stiffness about x and z")
     ] = 1.0e4
-    damping_time_us: Annotated[Number, Field(ge=0, le=1e4, description="damping matrix over stiffness matrix")] = 5.0
+    damping_time_us: Annotated[
+        Number, Field(ge=0, le=1e4, description="damping matrix divided by stiffness matrix")
+    ] = 5.0
 
 
 class HertzBearings(Table):
@@ -76,7 +78,7 @@ class HertzBearings(Table):
             ge=-1000, le=1000, description="axial displacement of the inner ring relative to the outer one at assembly"
         ),
     ] = 0.0
-    damping_time_us: Annotated[Number, Field(ge=0, le=1e4, description="damping over tangent stiffness")] = 5.0
+    damping_time_us: Annotated[Number, Field(ge=0, le=1e4, description="damping divided by tangent stiffness")] = 5.0
     cage_start_deg: Annotated[
         Number, Field(ge=-360, le=360, description="angle of the first rolling element at t = 0")
     ] = 0.0
@@ -85,8 +87,8 @@ class HertzBearings(Table):
         Field(
             ge=0,
             le=0.05,
-            description="standard deviation of the slip of the cage over its speed, sampled at every element "
-            "passage with deviations.seed; 0: no slip",
+            description="standard deviation of the cage slip as a share of the cage speed; a new "
+            "random value from deviations.seed at every passage of an element; 0: no slip",
         ),
     ] = 0.0
 

@@ -18,7 +18,8 @@ class WaveTable(Table):
     order: Annotated[Whole, Field(ge=1, le=100_000, description="number of waves around the circumference")]
     amplitude_um: Annotated[NotNegative, Field(le=1000, description="half the height from trough to crest")]
     phase_deg: Annotated[
-        Number, Field(ge=-360, le=360, description="phase where tooth 0 touches at the pitch point; 0: a crest")
+        Number,
+        Field(ge=-360, le=360, description="phase of the waves where tooth 0 touches at the pitch point; 0: a crest"),
     ] = 0.0
     flank: Annotated[Literal["drive", "coast", "both"], Field(description="flanks that have the waves")] = "both"
 

@@ -49,7 +49,8 @@ class CrackedToothTable(FaultBase):
         Number | None,
         Field(
             ge=0,
-            description="the same at the far end of the extent; 0: a crack across a corner; without it: as depth_mm",
+            description="length of the crack at the far end of extent_mm; 0: a crack across a corner;"
+            " without it: depth_mm",
         ),
     ] = None
     angle_deg: Annotated[
@@ -84,7 +85,7 @@ class SpalledToothTable(FlankDamageBase):
 
     kind: Annotated[Literal["spalled-tooth"], Field(description="what is wrong with the tooth")]
     length_mm: Annotated[
-        Positive, Field(description="size of the spall along the face; it ends at the ends of the face")
+        Positive, Field(description="size of the spall along the face; what is beyond the end of the face is left out")
     ]
     depth_um: Annotated[Positive, Field(description="depth of the spall below the flank")]
     shape: Annotated[Literal["ellipse", "rectangle"], Field(description="outline of the spall")] = "ellipse"
@@ -102,7 +103,7 @@ class PittedToothTable(FlankDamageBase):
     spread: Annotated[
         Number, Field(ge=1, le=3, description="geometric standard deviation of the log-normal diameters")
     ] = 1.4
-    depth_part: Annotated[Number, Field(gt=0, le=1, description="depth of a pit over its diameter")] = 0.25
+    depth_part: Annotated[Number, Field(gt=0, le=1, description="depth of a pit divided by its diameter")] = 0.25
     seed: Annotated[Whole, Field(ge=0, le=2**31, description="seed of the random places and diameters")] = 1
 
 
@@ -114,17 +115,21 @@ class WornToothTable(FaultBase):
     depth_um: Annotated[Positive, Field(description="largest depth of wear, normal to the flank")]
     place: Annotated[
         Literal["flank", "pitch", "root", "profile"],
-        Field(description="flank: even over the flank; pitch, root: local there; profile: by diameters_mm and parts"),
+        Field(
+            description="place of the wear; flank: evenly on the whole flank; pitch or root: locally "
+            "at the pitch point or root; profile: by diameters_mm and parts"
+        ),
     ] = "flank"
     width_mm: Annotated[
-        Positive | None, Field(description='roll length of local wear; for place = "pitch" and "root" only')
+        Positive | None,
+        Field(description='length of local wear along the line of action; for place = "pitch" and "root" only'),
     ] = None
     diameters_mm: Annotated[
         tuple[Positive, ...], Field(max_length=1000, description="diameters of a profile, rising")
     ] = ()
     parts: Annotated[
         tuple[Annotated[Number, Field(ge=0, le=1)], ...],
-        Field(max_length=1000, description="wear at these diameters over depth_um"),
+        Field(max_length=1000, description="wear at these diameters as a share of depth_um"),
     ] = ()
     extent_mm: Annotated[
         Positive | None,

@@ -17,9 +17,9 @@ class ReliefTable(Table):
     """Tip or root relief. Its start is given either by length_mm or by diameter_mm."""
 
     amount_um: Annotated[NotNegative, Field(le=1000, description="material removed at the end of the active profile")]
-    length_mm: Annotated[Positive | None, Field(description="roll length from that end along the line of action")] = (
-        None
-    )
+    length_mm: Annotated[
+        Positive | None, Field(description="length of the relief along the line of action, from that end")
+    ] = None
     diameter_mm: Annotated[Positive | None, Field(description="diameter where the relief starts")] = None
     shape: Shape = "linear"
 
@@ -89,8 +89,8 @@ class GearTable(Table):
     helix_slope_um: Annotated[
         Micrometres,
         Field(
-            description="helix slope modification: removed at the +y end of the drive flank, added there on the "
-            "coast flank"
+            description="helix slope modification: material removed at the +y end of the drive flank,"
+            " and added there on the coast flank"
         ),
     ] = 0.0
     deviations: Annotated[GearDeviationsTable, Field(description="deviations that are given instead of sampled")] = (

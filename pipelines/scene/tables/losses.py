@@ -20,7 +20,7 @@ class EfficiencyLosses(Table):
 
     model: Literal["efficiency"] = "efficiency"
     mesh_efficiency: Annotated[
-        Number, Field(gt=0.5, le=1, description="output power over input power of every mesh")
+        Number, Field(gt=0.5, le=1, description="output power divided by input power of every mesh")
     ] = 0.99
 
 
