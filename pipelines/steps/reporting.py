@@ -149,21 +149,23 @@ def _summary(plant: Plant) -> dict[str, Any]:
         "total ratio": facts.total_ratio,
         "torque at the input": f"{facts.input_torque:.4g} N m",
         f"torque at the {'load' if plant.hoist is None else 'drums'}": f"{facts.output_torque:.4g} N m",
-        "mesh stiffness": ", ".join(models["mesh"]),
-        "casing": models["casing"],
-        "shafts": models["shaft_model"],
-        "load": models["load"],
+        "model of the mesh stiffness, by stage": ", ".join(models["mesh"]),
+        "model of the casing": models["casing"],
+        "model of the shafts": models["shaft_model"],
+        "model of the load": models["load"],
         **hoist,
         "faults": ", ".join(plant.fault_words) or "none",
-        "deviations": "none" if labels["seed"] == "none" else f"grade {labels['iso_grade']}, seed {labels['seed']}",
-        "integrator": models["integrator"],
+        "tooth deviations": "none"
+        if labels["seed"] == "none"
+        else f"ISO 1328-1 class {labels['iso_grade']}, seed {labels['seed']} of the random numbers",
+        "time integration": models["integrator"],
     }
 
 
 def _hoist_summary(hoist: Hoist, rope_frequency: float | None) -> dict[str, str]:
     return {
-        "container": f"{hoist.mass:g} kg",
-        "rope mode at the start": f"{rope_frequency:.3g} Hz" if rope_frequency else "no rope",
+        "mass of the container": f"{hoist.mass:g} kg",
+        "natural frequency on the rope at the start": f"{rope_frequency:.3g} Hz" if rope_frequency else "no rope",
     }
 
 
@@ -232,20 +234,24 @@ def casing_summary(result: tuple[CasingModes, CheckUp]) -> CasingSummary:
 
 def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = [
-        {"what": "model", "value": body.model},
-        {"what": "coordinates", "value": len(body.coordinate_names)},
+        {"property": "model", "value": body.model},
+        {"property": "coordinates", "value": len(body.coordinate_names)},
     ]
     if modes is not None:
         check = modes.checkup
-        extrapolated = [{"what": "stiffness, extrapolated", "value": f"times {body.stiffness_factor:.4f}"}]
+        factor = f"{body.stiffness_factor:.4f}"
+        extrapolated = [{"property": "factor on the stiffness, extrapolated to zero element size", "value": factor}]
         first = check.frequencies[:6] * math.sqrt(body.stiffness_factor)
         rows += [
-            {"what": "unknowns of the mesh", "value": modes.unknowns},
-            {"what": "solver", "value": modes.solver},
-            {"what": "mass kg", "value": check.mass},
-            {"what": "first grounded modes Hz", "value": ", ".join(f"{f:.1f}" for f in first)},
+            {"property": "unknowns of the finite-element mesh", "value": modes.unknowns},
+            {"property": "solver", "value": modes.solver},
+            {"property": "mass, kg", "value": check.mass},
+            {
+                "property": "first natural frequencies on its feet, Hz",
+                "value": ", ".join(f"{f:.1f}" for f in first),
+            },
             *(extrapolated if body.stiffness_factor != 1.0 else []),
-            {"what": "check-up", "value": f"all {len(check.limit_names)} items within their limits"},
+            {"property": "checks of the reduced model", "value": f"all {len(check.limit_names)} passed"},
         ]
     return rows
 
