@@ -79,8 +79,8 @@ def _what_was_run(contents: ReportContents) -> list[str]:
 
 def _gears(contents: ReportContents) -> list[str]:
     note = (
-        "Symbols of ISO 21771-1 and ISO 6336-1. f_m and f_r at the highest speed. F_bt: force on the transverse line "
-        "of action at the load of the scene. F_t/b: tangential force per face width."
+        "Symbols of ISO 21771-1 and ISO 6336-1. Frequencies at the highest speed, forces at the load of the scene. The "
+        "line load is the tangential force per face width."
     )
     parts = []
     if contents.gears:
@@ -111,9 +111,8 @@ def _stiffness(contents: ReportContents) -> list[str]:
 
 def _casing(contents: ReportContents) -> list[str]:
     note = (
-        "Coordinates: degrees of freedom of the reduced model, of all bearings, feet, sensors and modes. The checks "
-        "compare it with the finite-element model: symmetry, rigid-body motions, mass, inertia and reactions. gearcase "
-        "casing SCENE prints each of them."
+        "Coordinates: degrees of freedom of the reduced model. The checks compare it with the finite-element model: "
+        "symmetry, rigid-body motions, mass, inertia and reactions. gearcase casing SCENE prints each of them."
     )
     parts = [page.table(grid("", contents.casing_rows)), page.note(note)] if contents.casing_rows else []
     return parts + _picture(contents.casing_picture)
@@ -161,8 +160,8 @@ def _energy(contents: ReportContents) -> list[str]:
         return []
     note = (
         "Energies over the whole simulation, in joule. Stored: change of the stored energy. Parametric: work of "
-        "springs whose stiffness changes in time. Residual: received plus parametric minus dissipated minus stored; it is "
-        "0 except for numerical errors. Scale: the energy with which the residual is compared. The total includes the "
+        "springs whose stiffness changes in time. Residual: received plus parametric minus dissipated minus stored; 0 "
+        "except for numerical errors. Scale: the energy with which the residual is compared. The total includes the "
         "rotation of the shafts."
     )
     return [page.table(grid("", contents.energy)), page.note(note)]

@@ -94,7 +94,7 @@ def _ranking_note(verdict: Verdict) -> str:
     else:
         texts.append("p-value: chance of such an increase in a healthy machine, corrected for the number of features.")
     if any(finding.alike for finding in verdict.findings):
-        texts.append("Components with the same orders cannot be distinguished.")
+        texts.append("Components with the same orders, or integer multiples of them, cannot be distinguished.")
     return " ".join(texts)
 
 

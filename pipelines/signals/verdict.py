@@ -65,9 +65,9 @@ def criterion(diagnosis: Diagnosis) -> str:
     required += [pass_lines.criterion()] * bool(settings.passes) + [shaft_lines.criterion()] * bool(settings.turning)
     return (
         f"A line is detected if it is at least {settings.difference_limit:g} dB over the same line of the healthy "
-        f"control and at least {settings.floor_limit:g} dB over its floor. A case is one window of the signal with one "
-        f"load and one set of deviations. In a case, {', and '.join(required)}. A fault with fewer detected lines is "
-        "partly detected."
+        f"control and at least {settings.floor_limit:g} dB over its floor, the median of the bins between the orders. A "
+        "case is one window of the signal with one load and one set of deviations. "
+        f"In a case, {', and '.join(required)}. A fault with fewer detected lines is partly detected."
     )
 
 
@@ -299,7 +299,7 @@ def _control(lines: LineTable, limit: float) -> str:
 def _rope(rope: float, lines: LineTable, f_r: float) -> str:
     counted = lines.without_mesh()
     near = list(dict.fromkeys(abs(int(k)) for k in counted.order[counted.near_rope == 1]))
-    text = f"The rope mode lies at {rope:.2f} Hz ({rope / f_r:.2f} f_r)"
+    text = f"The natural frequency of the container on its rope is {rope:.2f} Hz ({rope / f_r:.2f} f_r)"
     if near:
         return f"{text}, on the lines of order {', '.join(map(str, near))}, which it can raise without a fault."
     return f"{text}. It coincides with none of these lines."

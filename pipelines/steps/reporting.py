@@ -178,20 +178,22 @@ def gear_rows(plant: Plant) -> list[dict[str, Any]]:
                 {
                     "stage": number,
                     "gear": name,
-                    "z": gear.teeth,
-                    "m_n mm": gear.normal_module * 1000,
-                    "beta deg": math.degrees(gear.helix_angle),
-                    "b mm": gear.face_width * 1000,
-                    "x": gear.profile_shift,
-                    "d mm": gear.reference_radius * 2000,
-                    "d_a mm": gear.tip_radius * 2000,
-                    "bore mm": gear.bore_radius * 2000,
-                    "eps_alpha": stage.transverse_contact_ratio,
-                    "eps_beta": stage.overlap_ratio,
-                    "f_m Hz": stage.mesh_frequency,
-                    "f_r Hz": stage.pinion_frequency if name == "pinion" else stage.wheel_frequency,
-                    "F_bt N": stage.mesh_force,
-                    "F_t/b N/mm": stage.line_load / 1000,
+                    "teeth z": gear.teeth,
+                    "normal module m_n mm": gear.normal_module * 1000,
+                    "helix angle deg": math.degrees(gear.helix_angle),
+                    "face width b mm": gear.face_width * 1000,
+                    "profile shift x": gear.profile_shift,
+                    "reference diameter d mm": gear.reference_radius * 2000,
+                    "tip diameter d_a mm": gear.tip_radius * 2000,
+                    "bore diameter mm": gear.bore_radius * 2000,
+                    "transverse contact ratio": stage.transverse_contact_ratio,
+                    "overlap ratio": stage.overlap_ratio,
+                    "mesh frequency f_m Hz": stage.mesh_frequency,
+                    "revolution frequency f_r Hz": stage.pinion_frequency
+                    if name == "pinion"
+                    else stage.wheel_frequency,
+                    "force on the line of action N": stage.mesh_force,
+                    "line load F_t/b N/mm": stage.line_load / 1000,
                 }
             )
     return rows
