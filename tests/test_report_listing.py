@@ -42,7 +42,8 @@ BENCH = [
     "# Levels",
     "# What was run",
     "# Gears",
-    "figure: The gear pair and its secant stiffness from bore to bore. One mesh cycle is the passage of one tooth pair.",
+    "figure: The gear pair and its secant stiffness from bore to bore. One mesh cycle is the passage of one "
+    "tooth pair.",
     "# Casing",
     "# Speed",
     "figure: Speeds of the motors and the first shaft. Shaded: the windows of the diagnosis.",
@@ -74,7 +75,8 @@ DAMAGED = [
     "# All lines",
     "# What was run",
     "# Gears",
-    "figure: The gear pair and its secant stiffness from bore to bore. One mesh cycle is the passage of one tooth pair.",
+    "figure: The gear pair and its secant stiffness from bore to bore. One mesh cycle is the passage of one "
+    "tooth pair.",
     "# Casing",
     "figure: The casing with its feet (yellow), bearings (red) and sensors (green).",
     "# Speed",

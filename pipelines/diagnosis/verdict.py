@@ -71,9 +71,15 @@ class Verdict:
         """The component that stands out most."""
         return self.findings[0]
 
+    def __repr__(self) -> str:
+        return f"<Verdict: {self._words()}; first {self.first.component}, {decibels(self.first.rise)} dB>"
+
+    def _words(self) -> str:
+        alarm = {True: "alarm", False: "no alarm", None: "baseline too small for an alarm"}[self.alarm]
+        return f"{alarm}, against {self.healthy} healthy recording{'' if self.healthy == 1 else 's'}"
+
     def _repr_html_(self) -> str:
         """The findings as a table, for a notebook."""
-        alarm = {True: "alarm", False: "no alarm", None: "baseline too small for an alarm"}[self.alarm]
         rows = [
             (
                 found.component,
@@ -85,7 +91,7 @@ class Verdict:
             for found in (*self.findings, self.whole)
         ]
         head = ("component", "increase, dB", "p-value", "tooth", "same orders as")
-        return shown_html.table(f"{alarm}, against {self.healthy} healthy recordings", head, rows)
+        return shown_html.table(self._words(), head, rows)
 
     @property
     def false_alarm_interval(self) -> tuple[float, float]:

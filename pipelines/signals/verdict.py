@@ -65,8 +65,8 @@ def criterion(diagnosis: Diagnosis) -> str:
     required += [pass_lines.criterion()] * bool(settings.passes) + [shaft_lines.criterion()] * bool(settings.turning)
     return (
         f"A line is detected if it is at least {settings.difference_limit:g} dB over the same line of the healthy "
-        f"control and at least {settings.floor_limit:g} dB over its floor, the median of the bins between the orders. A "
-        "case is one window of the signal with one load and one set of deviations. "
+        f"control and at least {settings.floor_limit:g} dB over its floor, the median of the bins between the orders. "
+        "A case is one window of the signal with one load and one set of deviations. "
         f"In a case, {', and '.join(required)}. A fault with fewer detected lines is partly detected."
     )
 
