@@ -28,14 +28,19 @@ def gears_arguments(sub: argparse.ArgumentParser) -> None:
         "that centres the load) or machine (the tilt in the loaded machine); default 0",
     )
     sub.add_argument(
-        "--out", metavar="FILE", type=path, help="write the curves over the mesh cycle to this file, .csv or .nc"
+        "--out",
+        metavar="FILE",
+        type=path,
+        help="write the curves to this file, .csv or .nc: a row for each state and position; position 0 is contact of "
+        "the tooth at the pitch point; stiffness, transmission error at the force and without load (no_load_error), "
+        "tilt; load share and largest Hertz pressure of each tooth pair, +0 that of the tooth, +1 the next one",
     )
     sub.add_argument(
         "--plot",
         metavar="FILE",
         type=picture,
-        help="write transmission error (um) over the mesh cycle and its orders, before and after modifications: .png, "
-        ".svg or .pdf (default: none)",
+        help="write transmission error (um) over the mesh cycle and its orders, before and after modifications, and "
+        "while damaged teeth pass: .png, .svg or .pdf (default: none)",
     )
     json_argument(sub)
 
