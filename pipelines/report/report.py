@@ -175,5 +175,8 @@ def _provenance(contents: ReportContents) -> list[str]:
     rows = tuple((name, cell(value)) for name, value in simple.items())
     parts = [page.table(Grid(title="", headers=("", ""), rows=rows))] if rows else []
     for name, value in nested.items():
-        parts.append(page.folded(name, page.preformatted(json.dumps(value, indent=1, default=str, ensure_ascii=False))))
+        title = "keys of the results in the cache" if name == "keys" else name
+        parts.append(
+            page.folded(title, page.preformatted(json.dumps(value, indent=1, default=str, ensure_ascii=False)))
+        )
     return parts

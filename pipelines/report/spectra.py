@@ -115,6 +115,7 @@ def error_bars(contents: ReportContents) -> list[str]:
             "are not clearly over their floor are left out."
         )
         parts += [page.picture(error_bars_figure(bars, window), caption), page.table(bars_grid(bars, window))]
+        parts += [page.note("Detected lines are shaded.")] if any(bar.detected for bar in bars) else []
     return [*parts, *map(page.paragraph, contents.bars.notes)]
 
 
