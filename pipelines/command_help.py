@@ -117,7 +117,7 @@ run  scene                 folder     age   MB  differs in               verdict
     "runs compare": CommandHelp(
         text="Print the verdicts, the settings that differ and the sensor levels of several runs in one table.",
         output="""\
-Runs side by side; all other settings are the same
+Runs side by side; all other settings are the same. rms: all axes of a sensor, over the whole run
                     run 1: minimal  run 5: minimal
 ------------------  --------------  --------------
 ...

@@ -28,14 +28,19 @@ def gears_arguments(sub: argparse.ArgumentParser) -> None:
         "balanced: the misalignment that centres the load; or machine: that in the loaded machine (default 0)",
     )
     sub.add_argument(
-        "--out", metavar="FILE", type=path, help="write the curves over the mesh cycle to this file, .csv or .nc"
+        "--out",
+        metavar="FILE",
+        type=path,
+        help="write the curves to this file, .csv or .nc: a row for each state and position; position 0 is contact of "
+        "the tooth at the pitch point; stiffness, transmission error at the force and without load (no_load_error), "
+        "tilt; load share and largest Hertz pressure of each tooth pair, +0 that of the tooth, +1 the next one",
     )
     sub.add_argument(
         "--plot",
         metavar="FILE",
         type=picture,
-        help="plot the transmission error over the mesh cycle and its orders, with and without flank modifications, to "
-        "this file: .png, .svg or .pdf",
+        help="plot the transmission error over the mesh cycle and its orders, with and without modifications, and "
+        "while damaged teeth are in mesh, to this file: .png, .svg or .pdf",
     )
     json_argument(sub)
 

@@ -87,8 +87,9 @@ def verdict_words(verdict: Verdict, plant: Drivetrain, exact: bool) -> str:
     parts = [text(verdict).rstrip()]
     if exact:
         parts.append(
-            "The healthy recording is the same machine without the fault, which exists in simulation only: these rises "
-            "are the effect of the fault. Set --baseline 8 to compare with healthy machines of other deviations."
+            "The healthy recording is the control: the same machine without the fault, which only a simulation has. "
+            "The increases are the effect of the fault. Set --baseline 8 to compare with healthy machines of other "
+            "deviations."
         )
     parts.append(confirmed(verdict, known_faults(plant)))
     return "\n\n".join(filter(None, parts)) + "\n"

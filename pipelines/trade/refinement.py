@@ -35,6 +35,9 @@ class RefinementStudy:
         """Number of the level that the scene itself asks for."""
         return self.fineness.index(1.0)
 
+    def __repr__(self) -> str:
+        return f"<RefinementStudy: {self.axis}, {len(self.levels)} levels, {len(self.quantities)} quantities>"
+
     def _repr_html_(self) -> str:
         """Every quantity with its limit and the error of the setting in use, for a notebook."""
         at = self.in_use
