@@ -102,7 +102,7 @@ def casing_arguments(sub: argparse.ArgumentParser) -> None:
         metavar="POINT",
         nargs="+",
         default=[],
-        help="write frequency responses (m/s2/N, CSV and PNG). The force acts at the first POINT in the given axis, as in "
+        help="write frequency responses (m/s2/N, CSV and PNG). The force acts at the first POINT in its axis, as in "
         "bearing_1:z; the others respond (default: all sensors)",
     )
     sub.add_argument(
