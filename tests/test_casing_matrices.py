@@ -220,7 +220,7 @@ def _all_axes(figure):
     ("names", "message"),
     [
         (["bearing_9:z"], r"bearing_9:z: no such point. Choose one of bearing_1, sensor_1"),
-        (["bearing_1"], r"bearing_1: add the axis :x, :y or :z, as in bearing_1:z"),
+        (["bearing_1"], r"bearing_1: add the axis :x, :y or :z after the name of the point, as in bearing_1:z"),
         (["bearing_1:z", "sensor_1:q"], r"sensor_1:q: add the axis"),
     ],
 )

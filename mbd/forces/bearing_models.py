@@ -75,7 +75,7 @@ class LinearBearings(BearingModel):
     )
     axial_stiffness: float = option(5e7, unit="N/um", ge=0.01, le=1e6, text="stiffness along the shaft")
     tilt_stiffness: float = option(1e4, unit="N m/rad", ge=0, le=1e9, text="tilting stiffness about x and z")
-    damping_time: float = option(5e-6, unit="us", ge=0, le=1e4, text="damping matrix over stiffness matrix")
+    damping_time: float = option(5e-6, unit="us", ge=0, le=1e4, text="damping matrix divided by stiffness matrix")
 
     def spec(self, name: str, shaft: str, y: float, support: Support) -> BearingSpec:
         """Springs and dampers."""
@@ -144,14 +144,14 @@ class HertzBearings(BearingModel):
         le=1000,
         text="axial displacement of the inner ring relative to the outer one at assembly",
     )
-    damping_time: float = option(5e-6, unit="us", ge=0, le=1e4, text="damping over tangent stiffness")
+    damping_time: float = option(5e-6, unit="us", ge=0, le=1e4, text="damping divided by tangent stiffness")
     cage_start: float = option(0.0, unit="deg", ge=-360, le=360, text="angle of the first rolling element at t = 0")
     cage_slip: float = option(
         0.0,
         ge=0,
         le=0.05,
-        text="standard deviation of the slip of the cage over its speed, sampled at every element passage with "
-        "deviations.seed; 0: no slip",
+        text="standard deviation of the cage slip as a share of the cage speed; a new random value from "
+        "deviations.seed at every passage of an element; 0: no slip",
     )
 
     def __post_init__(self) -> None:

@@ -90,16 +90,21 @@ class Casing:
         if self.modes is None or self.natural is None or not len(self.modes.nodes):
             raise InputError('casing: no mode shapes without finite elements. Set casing.model = "craig-bampton".')
         if not 0 <= mode < len(self.natural.frequencies):
-            raise InputError(f"mode {mode}: the casing has the modes 0 to {len(self.natural.frequencies) - 1}.")
+            raise InputError(f"mode {mode}: there is no such mode. Set 0 to {len(self.natural.frequencies) - 1}.")
         return mode_shapes(self.modes, self.natural, [mode])[0]
+
+    def __repr__(self) -> str:
+        return f"<{self._words()}>"
+
+    def _words(self) -> str:
+        return f"Casing: {len(self.body.mass)} coordinates, {len(self.frequencies)} natural modes on its feet"
 
     def _repr_html_(self) -> str:
         """The lowest natural frequencies with their error bands, for a notebook."""
         found = self.frequencies
-        title = f"Casing: {len(self.body.mass)} coordinates, {len(found)} natural modes in the ground"
         bands = (float(one) if one == one else None for one in self.bands)
         rows = zip(range(1, _MODES_SHOWN + 1), map(float, found), bands, strict=False)
-        return shown_html.table(title, ("mode", "Hz", "+- Hz"), rows)
+        return shown_html.table(self._words(), ("mode", "Hz", "+- Hz"), rows)
 
 
 def mode_shapes(modes: CasingModes, natural: NaturalModes, numbers: Sequence[int]) -> list[np.ndarray]:

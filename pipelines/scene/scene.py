@@ -40,7 +40,7 @@ class Scene(Table):
     control: Annotated[
         str | None,
         Field(
-            description="healthy control, which a faulty run is compared with: a shipped scene, a path that ends "
+            description="healthy control, with which the run is compared: a shipped scene, a path that ends "
             'in .toml, or "without-faults": this scene without its faults'
         ),
     ] = None
@@ -199,7 +199,7 @@ class Scene(Table):
         if self.sensors and self.diagnosis.sensor is not None and self.diagnosis.sensor not in known:
             yield (
                 f"diagnosis.sensor = {shown_value(self.diagnosis.sensor)}: there is no such sensor. Set one of "
-                f"{', '.join(known)}"
+                f"{', '.join(dict.fromkeys(known))}"
             )
         on_teeth = self.tooth_faults.values()
         teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in on_teeth if fault.tooth is not None]

@@ -53,6 +53,9 @@ class Tradeoff:
     refused: Mapping[str, str]
     known: str
 
+    def __repr__(self) -> str:
+        return f"<Tradeoff: {len(self.priced)} choices of {self.name}, {len(self.refused)} refused>"
+
     def _repr_html_(self) -> str:
         """Every choice with its cost and its error, for a notebook."""
         rows = [(one.choice.name, one.seconds, 100 * one.error, "" if one.dominated else "yes") for one in self.priced]

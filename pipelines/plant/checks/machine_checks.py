@@ -58,7 +58,7 @@ def _bad_bearing(path: str, table: BearingModel) -> Iterator[Problem]:
         wanted = table.designation.replace(" ", "").upper()
         near = [name for name in known if wanted.startswith(name)]
         near += [name for name in difflib.get_close_matches(wanted, known, n=4) if name not in near]
-        hint = f"Near: {', '.join(near)}. " if near else ""
+        hint = f"Similar: {', '.join(near)}. " if near else ""
         yield Problem(
             f"{path}.designation",
             f"is not in the catalogue ({', '.join(known)})",

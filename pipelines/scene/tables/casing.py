@@ -39,7 +39,12 @@ class DampedPartTable(Table):
         ),
     ]
     loss_factor: Annotated[
-        Number, Field(ge=0, lt=LARGEST_LOSS_FACTOR, description="twice the damping ratio of a body of this part only")
+        Number,
+        Field(
+            ge=0,
+            lt=LARGEST_LOSS_FACTOR,
+            description="loss factor of its material: twice the damping ratio of a body of this material alone",
+        ),
     ]
     box_mm: Annotated[
         tuple[Vector, Vector] | None,
@@ -76,7 +81,7 @@ def percent(text: str) -> float:
 
 
 class NoCasingTable(Table):
-    """Bearings are held by the ground. The channels are bearing forces and shaft motion, without sensors."""
+    """The ground holds the bearings. The signals are bearing forces and shaft motions; there are no sensors."""
 
     modes: ClassVar[int] = 0  # that it adds to the machine, about
     model: Literal["none"] = "none"
@@ -90,7 +95,9 @@ class FlexibleBase(Table):
     element_size_mm: Annotated[
         Number,
         Field(
-            gt=0, description="edge length of the elements; the model rigid meshes a housing only if it is no plain box"
+            gt=0,
+            description="edge length of the elements; the model rigid needs a mesh only if the "
+            "housing is not a plain box",
         ),
     ] = 22.0
     element: Annotated[
@@ -175,7 +182,10 @@ class ElasticBase(FlexibleBase):
     ] = ((200.0, 200.0, 200.0),)
     attachment: Annotated[
         Literal["mean", "rigid"],
-        Field(description="how bearing and mount points follow their faces: mean motion (RBE3) or rigid (RBE2)"),
+        Field(
+            description="how bearing and mount points are attached to their faces; mean: a point "
+            "follows the mean motion of its face (RBE3); rigid: the face is rigid (RBE2)"
+        ),
     ] = "mean"
     damped_parts: Annotated[
         tuple[DampedPartTable, ...],
@@ -187,9 +197,9 @@ class ElasticBase(FlexibleBase):
     extrapolated: Annotated[
         bool,
         Field(
-            description="true: stiffness extrapolated to zero element size. With tetrahedron-20 and hexahedron-32 "
-            "from quadratic displacements on the same mesh, with tetrahedron-10 from two coarser "
-            "meshes"
+            description="true: the stiffness is extrapolated to zero element size. For tetrahedron-20"
+            " and hexahedron-32 this uses quadratic displacements on the same mesh, for "
+            "tetrahedron-10 two coarser meshes"
         ),
     ] = False
 
@@ -269,8 +279,8 @@ class CraigBamptonCasingTable(ElasticBase):
         Field(
             gt=0,
             lt=0.1,
-            description="largest relative change of a frequency of the band by leaving out modes; without it: no "
-            "mode is left out",
+            description="modes are left out as long as no frequency of the band changes by more than "
+            "this share; without it: no mode is left out",
         ),
     ] = None
     elements_per_wavelength: Annotated[

@@ -39,7 +39,7 @@ class FlangeTable(Table):
 
     split_plane_mm: Annotated[Place, Field(description="z of the split plane; shaft 1 is at z = 0")] = 0.0
     width_mm: Annotated[Length, Field(description="width beyond the outer faces of the walls")]
-    height_mm: Annotated[Length, Field(description="of both halves together")]
+    height_mm: Annotated[Length, Field(description="height of both halves of the flange together")]
 
 
 class JointTable(Table):
@@ -48,7 +48,10 @@ class JointTable(Table):
     bolt: Annotated[Size, Field(description="size of all bolts: hexagon heads, holes of ISO 273 medium")]
     outer_diameter_mm: Annotated[
         Length | None,
-        Field(description="outer diameter D_A of the clamped parts (VDI 2230); without it: as far as they stay closed"),
+        Field(
+            description="outer diameter D_A of the clamped parts (VDI 2230); without it: the diameter"
+            " up to which the joint stays closed"
+        ),
     ] = None
     stiffness_N_per_um: Annotated[
         tuple[Stiffness, Stiffness] | None,
@@ -67,7 +70,8 @@ class CoverJointTable(JointTable):
         Field(description="largest distance of neighbouring bolts; bolts are set at corners and next to bosses"),
     ] = None
     positions_mm: Annotated[
-        tuple[tuple[Place, Place], ...], Field(description="x and y of bolts; with pitch_mm: of further bolts")
+        tuple[tuple[Place, Place], ...],
+        Field(description="x and y of bolts; together with pitch_mm: of additional bolts"),
     ] = ()
 
     @model_validator(mode="after")
@@ -87,7 +91,8 @@ class PlaneJointTable(JointTable):
         1.0,
     )
     clamped_mm: Annotated[
-        tuple[Length, Length], Field(description="clamped thickness under the heads, and beyond the plane")
+        tuple[Length, Length],
+        Field(description="clamped thickness on the two sides of the plane, that under the heads first"),
     ]
     tapped: Annotated[Flag, Field(description="true: the threads are in the part beyond the plane, without nuts")] = (
         False
@@ -258,8 +263,8 @@ Nodes = Annotated[
     tuple[Whole, ...],
     Field(
         min_length=1,
-        description="numbers of its nodes, which follow their mean motion (RBE3) or are rigid (RBE2), see "
-        "casing.attachment",
+        description="numbers of its nodes; casing.attachment sets whether it follows their mean "
+        "motion (RBE3) or they are rigid (RBE2)",
     ),
 ]
 

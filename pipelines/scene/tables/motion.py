@@ -21,8 +21,7 @@ class SpeedDrive(Table):
     speeds_rpm: Annotated[
         Samples,
         Field(
-            description="motor speed at these times: linear in between; a smooth curve through measured speeds "
-            "from a file"
+            description="motor speed at these times, linear in between; speeds from a file are joined by a smooth curve"
         ),
     ]
     motors: Motors = 2
@@ -37,8 +36,8 @@ class SpeedDrive(Table):
         Number,
         Field(
             ge=0,
-            description="torque of a holding brake on that shaft, at the first motor; closed while the motors "
-            "stand still; 0: none",
+            description="torque of a holding brake on that shaft at the first motor, which is closed "
+            "while the motors stand still; 0: no brake",
         ),
     ] = 0.0
 
@@ -66,13 +65,13 @@ class MotorsTable(SomewhereTable):
 
 
 class TorqueDrive(MotorsTable, TorqueCurve):
-    """Motors of prescribed torque; the speed follows."""
+    """Motors of prescribed torque; the speed results from the motion."""
 
     model: Literal["torque"] = "torque"
     start_rpm: Annotated[Number, Field(description="speed of the shaft at t = 0")]
     highest_rpm: Annotated[
         Number | None,
-        Field(gt=0, description="speed for which frequencies and strength are stated; without it: start_rpm"),
+        Field(gt=0, description="speed at which frequencies and strength are checked; without it: start_rpm"),
     ] = None
 
 
@@ -149,9 +148,9 @@ class RopeTable(LoadBase):
     model: Literal["rope"] = "rope"
     rope_diameter_mm: Annotated[Number, Field(gt=0, description="nominal diameter")] = 10.0
     rope_modulus_GPa: Annotated[Number, Field(gt=0, description="elastic modulus on the metallic area")] = 100.0
-    rope_fill_factor: Annotated[Number, Field(gt=0, le=1, description="metallic area over the area of the circle")] = (
-        0.455
-    )
+    rope_fill_factor: Annotated[
+        Number, Field(gt=0, le=1, description="metallic area divided by the area of the circle")
+    ] = 0.455
     rope_falls: Annotated[Whole, Field(ge=1, description="number of falls that carry the mass")] = 8
     rope_length_m: Annotated[Number, Field(gt=0, description="free length at t = 0")] = 5.0
     rope_damping_ratio: Annotated[
@@ -160,8 +159,9 @@ class RopeTable(LoadBase):
     ground_level_m: Annotated[
         Number | None,
         Field(
-            description="height of the ground above the mass on the unstretched rope at t = 0; positive: the mass "
-            "rests on the ground and the rope is slack by this amount; without it: no ground"
+            description="height of the ground above the position of the mass on the unstretched rope "
+            "at t = 0. If it is positive, the mass rests on the ground and the rope is "
+            "slack by this amount; without it: no ground"
         ),
     ] = None
     ground_stiffness_N_per_um: Annotated[Number, Field(gt=0, description="stiffness of the ground")] = 10.0
@@ -205,16 +205,16 @@ class SimulationTable(Table):
         Field(
             ge=0,
             le=1_000_000,
-            description="0: start at rest in equilibrium; 1, 2, ...: other starts, each with all modal "
-            "displacements changed by about 1e-4 of themselves, to show how much a chaotic motion "
-            "varies",
+            description="0: start at rest in static equilibrium; 1, 2, ...: other initial states, "
+            "with all modal displacements changed by about 0.01 %, to show how much a "
+            "chaotic motion depends on them",
         ),
     ] = 0
     band_Hz: Annotated[
         Number,
         Field(
             ge=1000,
-            description="modes of the whole machine above this frequency are kept by their static response only",
+            description="modes of the whole machine above this frequency are represented by their static response only",
         ),
     ] = 20000.0
     integrator: Annotated[
