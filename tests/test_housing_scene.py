@@ -60,7 +60,7 @@ def test_the_keys_of_the_parametric_housing():
 
 def test_the_rigid_model_takes_the_mesh_of_a_housing_that_is_no_plain_box():
     assert "casing mesh" not in stages("minimal")
-    assert stages("minimal", FEATURES)["casing"].takes == ("casing mesh",)
+    assert stages("minimal", FEATURES)["casing"].takes == {"mesh": "casing mesh"}
 
 
 def test_element_size_from_the_bending_wavelength():

@@ -282,7 +282,7 @@ def test_a_report_of_nothing_has_its_title_alone(tmp_path):
 def test_a_table_is_never_wider_than_paper(tmp_path):
     values = {f"{k} Hz": k for k in range(14)}
     gears = [{"stage": 1 + i // 2, "gear": ("pinion", "wheel")[i % 2], **values} for i in range(6)]
-    steps = [{"seconds": 1.0, **{f"column {k}": k for k in range(21)}}]
+    steps = [{"seconds": 1.0, **{f"column {k}": k for k in range(20)}}]
     _, page = written(tmp_path, ReportContents(title="Wide", gears=gears), RunCost(steps=steps))
     assert page.columns == [7, 9, 9, 7]
     words = [word for word in page.words if word.strip()]

@@ -195,7 +195,7 @@ ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one w
 
 def inputs(scene):
     """What the key of every step holds besides code: by name, its spec and what it takes."""
-    return {stage.name: (stage.kind, digest(stage.spec), stage.takes) for stage in plant_steps(make_plant(scene))}
+    return {stage.name: (stage.kind, digest(stage.spec), stage.inputs) for stage in plant_steps(make_plant(scene))}
 
 
 def declared(table):

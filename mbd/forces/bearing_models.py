@@ -18,6 +18,7 @@ BEARINGS = {
     "hertz": ("mbd.forces.bearing_models", "HertzBearings"),
 }
 Support = Literal["casing", "ground"]
+Station = tuple[str, float]  # name of a shaft, and y on it (m)
 
 
 def bearing_model(name: str) -> type[BearingModel]:
@@ -40,8 +41,8 @@ class BearingModel:
         """The rolling elements; None where they are not known. MachineError if they do not fit."""
         return None
 
-    def spec(self, name: str, shaft: str, y: float, support: Support) -> BearingSpec:
-        """The bearing of a name, on a shaft at y (m); `support` carries it.
+    def spec(self, name: str, at: Station, support: Support) -> BearingSpec:
+        """The bearing of a name, at a shaft and y (m) on it; `support` carries it.
 
         Raises
         ------
@@ -56,9 +57,9 @@ class RigidBearings(BearingModel):
 
     model: Literal["rigid"] = "rigid"
 
-    def spec(self, name: str, shaft: str, y: float, support: Support) -> BearingSpec:
+    def spec(self, name: str, at: Station, support: Support) -> BearingSpec:
         """Stiff springs."""
-        return rigid_bearing(name, shaft, y, support)
+        return rigid_bearing(name, *at, support)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,12 +78,12 @@ class LinearBearings(BearingModel):
     tilt_stiffness: float = option(1e4, unit="N m/rad", ge=0, le=1e9, text="tilting stiffness about x and z")
     damping_time: float = option(5e-6, unit="us", ge=0, le=1e4, text="damping matrix divided by stiffness matrix")
 
-    def spec(self, name: str, shaft: str, y: float, support: Support) -> BearingSpec:
+    def spec(self, name: str, at: Station, support: Support) -> BearingSpec:
         """Springs and dampers."""
         return BearingSpec(
             name=name,
-            shaft=shaft,
-            y=y,
+            shaft=at[0],
+            y=at[1],
             stiffness_x=self.radial_stiffness,
             stiffness_z=self.radial_stiffness if self.vertical_stiffness is None else self.vertical_stiffness,
             stiffness_axial=self.axial_stiffness,
@@ -181,8 +182,8 @@ class HertzBearings(BearingModel):
             return replace(by_designation(self.designation), **values)
         return RollingElements(**values)
 
-    def spec(self, name: str, shaft: str, y: float, support: Support) -> BearingSpec:
+    def spec(self, name: str, at: Station, support: Support) -> BearingSpec:
         """Contacts of the rolling elements."""
         from mbd.forces.rolling_bearing import hertz_bearing
 
-        return hertz_bearing(name, shaft, y, self.elements, self.damping_time, support)
+        return hertz_bearing(name, *at, self.elements, self.damping_time, support)

@@ -83,7 +83,7 @@ def bearing_specs(shafts: Sequence[ShaftTable], usual: BearingModel) -> tuple[Be
     for name, number, place in bearing_names(shafts):
         model, y = bearing_table(shafts[number], usual, place).made(), shafts[number].bearing_positions_mm[place] / 1000
         support = "ground" if name.startswith("ground") else "casing"
-        specs.append(model.spec(name, f"shaft_{number + 1}", y, support))
+        specs.append(model.spec(name, (f"shaft_{number + 1}", y), support))
     return tuple(specs)
 
 

@@ -70,7 +70,7 @@ def _bad_bearing(path: str, table: BearingModel) -> Iterator[Problem]:
     try:
         model = table.made()
         if model.elements is None:
-            model.spec("bearing", "shaft", 0.0, "casing")
+            model.spec("bearing", ("shaft", 0.0), "casing")
         elif not model.elements.stiffness > 0.0:
             yield Problem(path, "the rolling elements have no stiffness", "Raise element_diameter_mm")
     except MachineError as error:
