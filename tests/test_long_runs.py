@@ -12,7 +12,8 @@ from synthetic import RATE
 
 from fem.storage.stored_array import StoredArray
 from mbd.coordinates.channels import channel_names
-from mbd.simulate import Settings, simulate
+from mbd.integrators.settings import Settings
+from mbd.simulate import simulate
 from mbd.system.system import assemble
 from pipelines.border.errors import CacheWarning
 from pipelines.cli import main

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from fem.storage import shown_html
 from pipelines.border.errors import SceneError
 from pipelines.engine.working import Work
-from pipelines.plant.plant import motion_settings
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.trade.choices import PRESET, Choice, choices
 from pipelines.trade.known_lines import known_lines
@@ -90,7 +89,7 @@ def trade(loaded: LoadedScene, work: Work) -> Tradeoff:
     first, best = next(iter(scenes.items()))
     whole = measure({first: best}, list(PROBES), work)[first].total_seconds
     for name, variant in list(scenes.items())[1:]:
-        settings = motion_settings(variant.scene.simulation)
+        settings = variant.scene.simulation.made()
         motion = costs[settings.integrator] * settings.steps
         if motion > whole:
             del scenes[name]

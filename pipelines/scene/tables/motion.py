@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from mbd.integrators.settings import MotionSettings
 from pipelines.scene.tables.base import Number, Table, Whole
+from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.samples import ColumnTable, Samples, check_pairs
 from pipelines.scene.tables.torques import ControlledTable, InductionTable, SomewhereTable, TorqueCurve
 
@@ -187,47 +189,7 @@ class RopePendulumTable(RopeTable):
 LoadModel = Annotated[TorqueLoad | StaticTorqueTable | RopeTable | RopePendulumTable, Field(discriminator="model")]
 
 
-class SimulationTable(Table):
-    """Time integration and output."""
-
-    end_s: Annotated[Number, Field(gt=0, le=3600, description="simulated time")]
-    output_rate_Hz: Annotated[
-        Number, Field(gt=0, le=200000, description="sampling rate of the results, after the anti-alias filter")
-    ] = 10000.0
-    step_us: Annotated[
-        Number,
-        Field(
-            gt=0, le=1000, description="time step, which is rounded down to a whole fraction of the sampling interval"
-        ),
-    ] = 33.4
-    start: Annotated[
-        Whole,
-        Field(
-            ge=0,
-            le=1_000_000,
-            description="0: start at rest in static equilibrium; 1, 2, ...: other initial states, "
-            "with all modal displacements changed by about 0.01 %, to show how much a "
-            "chaotic motion depends on them",
-        ),
-    ] = 0
-    band_Hz: Annotated[
-        Number,
-        Field(
-            ge=1000,
-            description="modes of the whole machine above this frequency are represented by their static response only",
-        ),
-    ] = 20000.0
-    integrator: Annotated[
-        Literal["exponential", "trapezoidal", "generalised-alpha"],
-        Field(description="time integration method, see docs/choosing-a-model.md"),
-    ] = "exponential"
-
-    @model_validator(mode="after")
-    def _one_sample(self) -> SimulationTable:
-        if self.end_s * self.output_rate_Hz < 1.0:
-            raise ValueError(
-                f"end_s = {self.end_s:g} is shorter than one sample at output_rate_Hz = {self.output_rate_Hz:g}. Set "
-                "at "
-                f"least {1.0 / self.output_rate_Hz:g}, or raise output_rate_Hz"
-            )
-        return self
+if TYPE_CHECKING:
+    SimulationTable = Any
+else:
+    SimulationTable = table(MotionSettings)
